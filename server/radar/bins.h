@@ -1,0 +1,59 @@
+#pragma once
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace obliq {
+
+/// What a bin without samples means; decided by the terrain profile, never by how many rays were cast.
+enum class BinState : std::uint8_t {
+  not_sampled = 0,  ///< a visible piece of surface lies in the bin, no ray hit it
+  sampled = 1,
+  shadow = 2,      ///< known surface there, all of it hidden
+  no_surface = 3,  ///< void, outside the elevation model, or nearer than the ground
+};
+
+/// A run of azimuth bins [first_azimuth, first_azimuth + n_azimuth) of the full range swath.
+/// Planes are [n_azimuth][n_range], azimuth clockwise, range outwards.
+struct BinBlock {
+  int first_azimuth = 0;
+  int n_azimuth = 0;
+  int n_range = 0;
+  std::vector<std::complex<float>> iq;  ///< sqrt(W), phase -4 pi r / lambda
+  std::vector<double> power_w;          ///< sum of sample powers
+  std::vector<std::uint32_t> count;     ///< samples in the bin
+  std::vector<std::uint8_t> state;      ///< BinState
+
+  BinBlock() = default;
+  BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {
+    const std::size_t n = static_cast<std::size_t>(azimuths) * static_cast<std::size_t>(ranges);
+    iq.resize(n);
+    power_w.resize(n);
+    count.resize(n);
+    state.resize(n);
+  }
+};
+
+/// Counts of one wedge or, added up, of one frame.
+struct FrameStats {
+  std::uint64_t rays = 0;      ///< cast
+  std::uint64_t hits = 0;      ///< on any surface, at any range
+  std::uint64_t samples = 0;   ///< binned (inside sector and range swath)
+  std::uint64_t rejected = 0;  ///< hits on undersides or inner faces: leaks, not binned
+  double sector_area_m2 = 0;   ///< ground area of the sector between r_min and r_max
+  double covered_area_m2 = 0;  ///< of that, over known ground
+
+  void add(const FrameStats& other) {
+    rays += other.rays;
+    hits += other.hits;
+    samples += other.samples;
+    rejected += other.rejected;
+    sector_area_m2 += other.sector_area_m2;
+    covered_area_m2 += other.covered_area_m2;
+  }
+  /// Fraction of the sector that known ground covers, 0..1.
+  double coverage() const { return sector_area_m2 > 0 ? covered_area_m2 / sector_area_m2 : 0; }
+};
+
+}  // namespace obliq

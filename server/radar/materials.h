@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace obliq {
+
+enum class ScatteringModel { constant_gamma, geometric_optics, flat_plate };
+
+/// How a surface scatters (design section 3). Ratios are linear, not dB. Unused members are ignored.
+struct Material {
+  std::string name;
+  ScatteringModel model = ScatteringModel::constant_gamma;
+  double gamma = 1;           ///< constant gamma: sigma0 / cos(theta); also the floor under geometric optics
+  double reflectivity = 0.5;  ///< |R|^2 at normal incidence, 0..1
+  double rms_slope = 0.1;     ///< one-axis rms slope s
+  double plate_tau = 1;       ///< flat plate: tau at normal incidence
+  double plate_exponent = 0;  ///< flat plate: tau(theta) = plate_tau cos(theta)^plate_exponent
+};
+
+}  // namespace obliq

@@ -1,0 +1,65 @@
+#pragma once
+// The core call. Reads top to bottom like the pipeline it is: plan the frame, then wedge by wedge generate
+// rays, trace, refine in double, scatter, bin.
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "server/radar/bins.h"
+#include "server/radar/pose.h"
+#include "server/radar/settings.h"
+#include "server/scene/scene.h"
+
+namespace obliq {
+
+/// Azimuth bins are rendered in wedges of this many: a task owns its wedge's bins, so the bits do not depend
+/// on the thread count. Fixed, because the order of sums inside a wedge follows from it.
+constexpr int kWedgeAzimuthBins = 8;
+
+struct AzimuthRange {
+  int first = 0;
+  int count = 0;
+};
+
+class FramePlan;  // server/radar/frame_plan.h
+class SampleTap;  // server/radar/sample_tap.h
+
+/// The geometry of a frame, worked out once for all its wedges. `plan` is null when `errors` is not empty.
+struct PlanResult {
+  std::shared_ptr<const FramePlan> plan;
+  std::vector<FieldError> errors;
+};
+PlanResult plan_frame(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose);
+
+struct Wedge {
+  int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge
+  BinBlock bins;
+  FrameStats stats;
+};
+
+struct RenderOptions {
+  int threads = 0;                        ///< 0 = all cores
+  std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
+  std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
+  std::stop_token stop;                   ///< no further wedge is begun after a stop request
+  SampleTap* tap = nullptr;               ///< receives every sample, for textures
+};
+
+int wedge_count(const RadarSettings& settings);
+
+/// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early.
+bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options);
+
+/// A whole frame in memory.
+struct Frame {
+  BinBlock bins;
+  FrameStats stats;
+};
+
+/// Renders the azimuth bins of a scene. The same scene, settings, pose and azimuths give the same bits for
+/// any thread count. Throws InputError when the frame cannot be planned.
+Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose,
+             AzimuthRange azimuths, const RenderOptions& options = {});
+
+}  // namespace obliq

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "terrain/errors.h"
+
+namespace obliq {
+
+enum class FrustumKind { symmetric, oblique, polar };
+enum class SpeckleKind { ground, geometric };
+enum class HeightReference { datum, ground, ellipsoid };
+
+/// Everything a client may choose about a radar, in the operator's units (server/control/parameters.h has
+/// the table of names, defaults and limits). Ranges are slant ranges.
+struct RadarSettings {
+  double frequency_ghz = 10;
+  double sector_deg = 120;
+  double r_min_m = 3700;
+  double r_max_m = 37000;
+  double power_w = 1;
+  double gain_db = 0;
+  bool range_normalisation = false;
+  SpeckleKind speckle = SpeckleKind::ground;
+  std::int64_t speckle_seed = 1;
+  FrustumKind frustum = FrustumKind::oblique;
+  int pixel_columns = 2048;
+  int pixel_rows = 2048;
+  int azimuth_bins = 1024;
+  int range_bins = 1024;
+};
+
+/// Where the antenna is and where its sector's centre points, in the operator's units.
+struct PoseSettings {
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  double height_m = 1000;
+  HeightReference height_reference = HeightReference::datum;
+  double geoid_undulation_m = 0;  ///< used with HeightReference::ellipsoid only
+  double bearing_deg = 0;         ///< centre of the sector, clockwise from the antenna's true north
+  std::int64_t sim_time_ns = 0;   ///< in the controller's clock; the server only echoes it
+  std::uint64_t pose_id = 0;
+};
+
+/// A validated, published set of settings. Never changes; a change is a new snapshot with a new version.
+struct SettingsSnapshot {
+  RadarSettings settings;
+  std::uint64_t version = 0;
+};
+using SettingsPtr = std::shared_ptr<const SettingsSnapshot>;
+
+}  // namespace obliq

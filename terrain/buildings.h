@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace obliq {
+
+/// One face of a building: a wall quad or the whole flat roof.
+struct BuildingFace {
+  glm::dvec3 centre_m{0.0};    ///< world frame; the face's fixed phase reference point
+  std::uint64_t identity = 0;  ///< hash of the face's geometry: the same whatever else is loaded
+  std::uint32_t building = 0;  ///< index into Buildings::list
+  bool wall = false;
+};
+
+/// One vertical prism: an outline with holes, a flat roof, a base below the ground.
+struct Building {
+  std::uint32_t first_ring =
+      0;  ///< into Buildings::ring_start; the first ring is the outline, the rest holes
+  std::uint32_t n_rings = 0;
+  std::uint32_t first_face = 0;  ///< roof first, then the walls in ring order
+  std::uint32_t n_faces = 0;
+  std::uint32_t first_triangle = 0;
+  std::uint32_t n_triangles = 0;
+  float roof_y_m = 0;  ///< world y
+  float base_y_m = 0;  ///< world y, below the lowest ground under the outline
+  std::uint8_t material = 1;
+};
+
+/// All buildings of a scene, as footprints and as the triangles that Embree gets. The ring coordinates are
+/// exactly the float32 vertex coordinates, so that footprint and mesh are the same solid.
+struct Buildings {
+  std::vector<Building> list;
+  std::vector<BuildingFace> faces;
+  /// Ring r is ring_xz_m[ring_start[r] .. ring_start[r + 1]), closed implicitly, outline counter-clockwise
+  /// and holes clockwise as seen on a map (x right, z up).
+  std::vector<std::uint32_t> ring_start{0};
+  std::vector<glm::vec2> ring_xz_m;
+  std::vector<glm::vec3> vertices_m;  ///< world frame
+  std::vector<glm::uvec3> triangles;  ///< vertex indices; geometric normals point outwards (left-handed)
+  std::vector<std::uint32_t> triangle_face;  ///< face index of each triangle
+};
+
+}  // namespace obliq

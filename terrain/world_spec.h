@@ -1,0 +1,88 @@
+#pragma once
+// What to load: plain values, filled from the scene file by server/control, read by terrain alone.
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace obliq {
+
+enum class VerticalUnit { metre, foot, us_survey_foot };
+enum class SyntheticKind { none, flat, ramp, ridge, wall, cone, hills };
+
+/// Longitude and latitude in degrees, as polygons on the wire and in files have them.
+struct LonLat {
+  double longitude_deg = 0;
+  double latitude_deg = 0;
+};
+
+/// A disc that a radar can see; the union of all reaches is loaded when no area is given.
+struct Reach {
+  LonLat centre;
+  double radius_m = 0;
+};
+
+/// Shape of synthetic ground. Heights are world y above the (possibly curved) datum surface.
+struct SyntheticSpec {
+  double height_m = 100;      ///< ridge and wall crest, cone top, hills' peak-to-valley relief
+  double base_m = 0;          ///< height of the ground around the shape
+  double slope = 0.05;        ///< ramp: rise over run
+  double bearing_deg = 0;     ///< ramp: uphill; ridge and wall: direction from the origin to the crest
+  double distance_m = 10000;  ///< ridge, wall, cone: ground distance of the crest or apex from the origin
+  double width_m = 2000;      ///< ridge: foot to foot; wall: thickness; cone: base radius
+  std::uint64_t seed = 1;     ///< hills
+};
+
+struct TerrainSpec {
+  std::vector<std::string> dem;      ///< any GDAL paths; later ones fill where earlier ones are void
+  std::optional<VerticalUnit> unit;  ///< overrides what the bands say
+  std::optional<std::string> crs;    ///< for rasters that carry none: any string GDAL understands
+  SyntheticKind synthetic = SyntheticKind::none;
+  SyntheticSpec shape;
+  std::vector<LonLat> area;      ///< polygon; empty: the union of the reaches
+  std::optional<double> cell_m;  ///< empty: auto
+  double fill_void_m = 200;      ///< voids no wider than this are filled by interpolation
+};
+
+struct BuildingSourceSpec {
+  std::string source;  ///< any OGR path
+  std::string layer;   ///< empty: the first
+  std::string height_field = "height";
+  std::string unit;  ///< "", "m" or "ft": unit of bare numbers in the field
+  double default_height_m = 8.0;
+  std::uint8_t material = 1;
+};
+
+struct PrismSpec {
+  std::string within;                  ///< any OGR path of polygons; empty: within_polygon
+  std::vector<LonLat> within_polygon;  ///< both empty: the whole loaded area
+  double per_km2 = 300;
+  std::array<double, 2> width_m{10, 30};
+  std::array<double, 2> length_m{10, 50};
+  std::array<double, 2> height_m{4, 30};
+  std::uint64_t seed = 7;
+  std::uint8_t material = 1;
+};
+
+struct SurfaceSpec {
+  std::string source;  ///< OGR polygons or a GDAL class raster
+  std::string layer;
+  std::string where;         ///< OGR attribute filter; empty: every feature
+  std::vector<int> classes;  ///< class raster: the values that mean this material
+  std::uint8_t material = 0;
+};
+
+struct WorldSpec {
+  TerrainSpec terrain;
+  std::vector<BuildingSourceSpec> buildings;
+  std::vector<PrismSpec> prisms;
+  std::vector<SurfaceSpec> surfaces;  ///< applied in order; later ones win
+  double radius_factor = 4.0 / 3;     ///< effective earth; infinity: flat
+  LonLat origin;                      ///< scene origin: the first radar's position
+  std::vector<Reach> reaches;         ///< already with the 25 % margin
+  double sampling_footprint_m = 0;    ///< finest sampling any radar does on the ground, for auto cells
+};
+
+}  // namespace obliq
