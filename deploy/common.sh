@@ -1,0 +1,27 @@
+# Sourced by the scripts that build: where the project is, how many compilers fit, and a step clock.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+# One compiler a core, but no more than memory holds (the largest files take about 1.2 GB).
+parallel_jobs() {
+  local cores memory_kb jobs
+  cores=$(nproc)
+  memory_kb=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo 2>/dev/null || true)
+  jobs=$((${memory_kb:-4000000} / 1200000))
+  [ "$jobs" -ge 1 ] || jobs=1
+  [ "$jobs" -le "$cores" ] || jobs=$cores
+  echo "$jobs"
+}
+
+step_name=""
+step_began=0
+step_end() {
+  [ -z "$step_name" ] || echo "== $step_name: $((SECONDS - step_began)) s"
+  step_name=""
+}
+step() {
+  step_end
+  step_name=$1
+  step_began=$SECONDS
+  echo
+  echo "== $step_name"
+}

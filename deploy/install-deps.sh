@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that obliq needs, and only those that are missing: a second run touches no
+# network and asks for no rights.
+#
+#   deploy/install-deps.sh [build] [test] [demo]      default: build
+set -euo pipefail
+
+build_packages=(
+  build-essential g++ cmake ninja-build pkg-config git
+  libembree-dev libtbb-dev                                     # ray tracing
+  libgdal-dev libgeos-dev libgeographiclib-dev gdal-bin        # terrain and buildings
+  libglm-dev libopenexr-dev libcairo2-dev fonts-dejavu-core    # matrices and pictures
+  libboost-dev libprotobuf-dev protobuf-compiler libisal-dev   # the wire
+  libtomlplusplus-dev libcli11-dev libspdlog-dev nlohmann-json3-dev
+)
+test_packages=(
+  libgtest-dev libbenchmark-dev
+  libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
+  clang clang-format ccache
+  python3 python3-numpy python3-matplotlib
+)
+demo_packages=(gdal-bin python3 python3-pip ca-certificates)
+
+die() {
+  echo "install-deps: $*" >&2
+  exit 1
+}
+
+wanted=()
+[ $# -gt 0 ] || set -- build
+for group in "$@"; do
+  case "$group" in
+    build) wanted+=("${build_packages[@]}") ;;
+    test) wanted+=("${test_packages[@]}") ;;
+    demo) wanted+=("${demo_packages[@]}") ;;
+    -h | --help)
+      sed -n '2,5s/^# \{0,1\}//p' "$0"
+      exit 0
+      ;;
+    *) die "unknown group '$group'; allowed: build, test, demo" ;;
+  esac
+done
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  die "this machine has no apt. obliq is built and tested on Debian 12; elsewhere install the equivalents of: ${wanted[*]}"
+fi
+
+# dpkg-query fails when any name is unknown to it, yet still prints the others.
+installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
+  awk '$2 == "installed" {print $1}' || true)
+mapfile -t missing < <(comm -13 <(sort -u <<<"$installed") <(printf '%s\n' "${wanted[@]}" | sort -u))
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "install-deps: nothing to install ($*)"
+  exit 0
+fi
+echo "install-deps: missing: ${missing[*]}"
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null ||
+    die "not root and no sudo here. As root, run: apt-get install ${missing[*]}"
+  as_root=(sudo)
+  [ -t 0 ] || as_root=(sudo -n) # nobody there to type a password
+  "${as_root[@]}" true ||
+    die "sudo was refused. As root, run: apt-get install ${missing[*]}"
+fi
+
+apt() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 "$@" </dev/null
+}
+install_missing() {
+  apt install -y -q --no-install-recommends "${missing[@]}"
+}
+
+if ! compgen -G '/var/lib/apt/lists/*_Packages*' >/dev/null; then
+  apt update -q || die "apt-get update failed: is a Debian mirror within reach?"
+fi
+if ! install_missing; then
+  echo "install-deps: the package lists may be old; fetching them and trying once more" >&2
+  apt update -q || die "apt-get update failed: is a Debian mirror within reach?"
+  install_missing || die "apt-get could not install: ${missing[*]}"
+fi

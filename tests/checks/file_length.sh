@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# One idea a file: none is longer than 400 lines.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+. tests/checks/source_files.sh
+
+mapfile -t files < <(source_files h cpp sh py proto)
+[ ${#files[@]} -gt 0 ]
+long=$(wc -l "${files[@]}" | awk '$2 != "total" && $1 > 400 {print $2 ": " $1 " lines; allowed: 400"}')
+if [ -n "$long" ]; then
+  echo "$long"
+  exit 1
+fi
+echo "${#files[@]} files are short enough"
