@@ -9,6 +9,9 @@ target_include_directories(obliq_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJE
 target_compile_options(obliq_options INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror
   -ffp-contract=off) # the same bits whether or not the machine has fused multiply-add
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(obliq_options INTERFACE -Wno-restrict) # false alarm on "text" + std::string, GCC bug 105651
+endif()
 target_compile_definitions(obliq_options INTERFACE GLM_FORCE_XYZW_ONLY GLM_FORCE_EXPLICIT_CTOR)
 
 # obliq_library(NAME sources... [LINK libraries...]): a static library with the project's flags.

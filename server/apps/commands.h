@@ -1,0 +1,14 @@
+#pragma once
+// The sub-commands of `obliq`. Each lives in its own file cmd_NAME.cpp, declares its options on the
+// application and sets a callback that does the work. To add one: its file in CMakeLists.txt, its line here,
+// its line in the list of obliq.cpp. A command reports an operator's mistake by throwing InputError.
+
+namespace CLI {
+class App;
+}
+
+namespace obliq {
+
+void add_parameters(CLI::App& app);  ///< the reference of radar parameters
+
+}  // namespace obliq

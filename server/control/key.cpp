@@ -1,0 +1,189 @@
+#include "server/control/key.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+namespace obliq {
+
+namespace {
+
+std::string number_text(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  std::array<char, 32> buffer{};
+  const double size = std::abs(value);
+  const bool plain = value == 0 || (size >= 1e-4 && size < 1e15);  // then without an exponent
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
+  return {buffer.data(), end};
+}
+
+std::string with_unit(std::string text, std::string_view unit) {
+  if (!unit.empty()) text.append(" ").append(unit);
+  return text;
+}
+
+std::string limits_text(const Limits& limits, std::string_view unit) {
+  const bool has_low = std::isfinite(limits.low);
+  const bool has_high = std::isfinite(limits.high);
+  if (has_low && has_high && !limits.low_open && !limits.high_open)
+    return with_unit(number_text(limits.low) + " to " + number_text(limits.high), unit);
+  std::string text;
+  if (has_low) text = (limits.low_open ? "above " : "at least ") + number_text(limits.low);
+  if (has_high)
+    text += (text.empty() ? "" : ", ") + std::string(limits.high_open ? "below " : "at most ") +
+            number_text(limits.high);
+  if (!has_high && !limits.high_open) text += " (inf included)";
+  return text.empty() ? "any" : with_unit(text, unit);
+}
+
+std::string choices_text(std::span<const Choice> choices) {
+  std::string text;
+  for (const Choice& choice : choices) text += (text.empty() ? "" : " | ") + toml_string(choice.name);
+  return text;
+}
+
+/// The value as T when that is exact and its type serves; enumerations are looked up by name.
+template <class T>
+std::optional<T> convert(const Key& key, const Value& value) {
+  if constexpr (std::is_enum_v<T>) {
+    const auto* name = std::get_if<std::string>(&value);
+    if (name == nullptr) return std::nullopt;
+    for (std::size_t i = 0; i < key.choices.size(); ++i)
+      if (key.choices[i].name == *name) return static_cast<T>(i);
+    return std::nullopt;
+  } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
+    const auto* same = std::get_if<T>(&value);
+    return same != nullptr ? std::optional<T>(*same) : std::nullopt;
+  } else if constexpr (std::is_same_v<T, double>) {
+    if (const auto* real = std::get_if<double>(&value)) return *real;
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
+    if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*whole);
+    return std::nullopt;
+  } else {
+    if (const auto* whole = std::get_if<std::int64_t>(&value))
+      return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
+    if (const auto* whole = std::get_if<std::uint64_t>(&value))
+      return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+bool Limits::contains(double x) const {
+  return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
+}
+
+std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& value) {
+  return std::visit(
+      [&](auto* place) -> std::optional<FieldError> {
+        const auto converted = convert<std::remove_pointer_t<decltype(place)>>(key, value);
+        if (!converted) return FieldError{std::string(key.name), toml_text(value), allowed_text(key, slot)};
+        *place = *converted;
+        return std::nullopt;
+      },
+      slot);
+}
+
+std::optional<FieldError> check(const Key& key, const Slot& slot) {
+  const bool good = std::visit(
+      [&](const auto* place) {
+        using T = std::remove_cvref_t<decltype(*place)>;
+        if constexpr (std::is_enum_v<T>) {
+          return static_cast<std::size_t>(*place) < key.choices.size();
+        } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
+          return true;
+        } else {
+          return key.limits.contains(static_cast<double>(*place));
+        }
+      },
+      slot);
+  if (good) return std::nullopt;
+  return FieldError{std::string(key.name), toml_text(load(key, slot)), allowed_text(key, slot)};
+}
+
+Value load(const Key& key, const Slot& slot) {
+  return std::visit(
+      [&](const auto* place) -> Value {
+        using T = std::remove_cvref_t<decltype(*place)>;
+        if constexpr (std::is_enum_v<T>) {
+          const auto index = static_cast<std::size_t>(*place);
+          return index < key.choices.size() ? std::string(key.choices[index].name)
+                                            : "number " + std::to_string(index);
+        } else if constexpr (std::is_same_v<T, int>) {
+          return std::int64_t{*place};
+        } else {
+          return *place;
+        }
+      },
+      slot);
+}
+
+std::string_view type_name(const Slot& slot) {
+  return std::visit(
+      [](const auto* place) -> std::string_view {
+        using T = std::remove_cvref_t<decltype(*place)>;
+        if constexpr (std::is_enum_v<T>) return "choice";
+        if constexpr (std::is_same_v<T, bool>) return "boolean";
+        if constexpr (std::is_same_v<T, std::string>) return "text";
+        if constexpr (std::is_same_v<T, double>) return "number";
+        return "integer";
+      },
+      slot);
+}
+
+std::string allowed_text(const Key& key, const Slot& slot) {
+  if (!key.choices.empty()) return choices_text(key.choices);
+  if (std::holds_alternative<bool*>(slot)) return "true | false";
+  if (std::holds_alternative<std::string*>(slot)) return "a text in quotes";
+  const std::string limits = limits_text(key.limits, key.unit);
+  const std::string kind = std::holds_alternative<double*>(slot) ? "number" : "integer";
+  if (limits != "any") return kind + " " + limits;
+  return (std::holds_alternative<std::uint64_t*>(slot) ? "non-negative " : "any ") + kind;
+}
+
+std::string toml_number(double value) {
+  std::string text = number_text(value);
+  // TOML tells a real number by its point or exponent.
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string toml_string(std::string_view text) {
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      quoted.append(1, '\\').append(1, c);
+    } else if (byte < 0x20 || byte == 0x7f) {
+      quoted.append("\\u00").append(1, kHex[byte >> 4]).append(1, kHex[byte & 15]);
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+std::string toml_text(const Value& value) {
+  return std::visit(
+      [](const auto& v) -> std::string {
+        using T = std::remove_cvref_t<decltype(v)>;
+        if constexpr (std::is_same_v<T, bool>) {
+          return v ? "true" : "false";
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          return toml_string(v);
+        } else if constexpr (std::is_same_v<T, double>) {
+          return toml_number(v);
+        } else {
+          return std::to_string(v);
+        }
+      },
+      value);
+}
+
+}  // namespace obliq

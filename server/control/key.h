@@ -1,0 +1,72 @@
+#pragma once
+// What every configurable value has in common, whoever sets it: a key, a unit, limits, a place to live.
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "server/radar/materials.h"
+#include "server/radar/settings.h"
+#include "terrain/errors.h"
+#include "terrain/world_spec.h"
+
+namespace obliq {
+
+/// A value on its way in or out, before it has found its place. Enumerations travel by name.
+using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
+
+/// Where a value lives.
+using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, FrustumKind*,
+                          SpeckleKind*, HeightReference*, SyntheticKind*, ScatteringModel*>;
+
+/// An interval. NaN is in none; an infinity only where a closed end is infinite.
+struct Limits {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_open = true;
+  bool high_open = true;
+
+  bool contains(double x) const;
+};
+constexpr Limits closed(double low, double high) { return {low, high, false, false}; }
+constexpr Limits above(double low, double high) { return {low, high, true, false}; }
+
+/// One name of an enumeration; its index in the list is the enumerator's value.
+struct Choice {
+  std::string_view name;
+  std::string_view wire_name = {};  ///< of the protobuf enumerator, where there is one
+};
+
+struct Key {
+  std::string_view name;  ///< dotted, as in a scene file: "radar.r_max_m"
+  std::string_view unit;  ///< empty: a pure number, a name, a yes or no
+  Limits limits = {};
+  std::span<const Choice> choices = {};
+  std::string_view summary = {};  ///< one sentence
+};
+
+/// Puts a value in its place if its type fits; otherwise changes nothing and says what would fit. Integers
+/// serve as real numbers. Limits are not looked at: check() does.
+std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& value);
+
+/// Compares what is in place with the limits.
+std::optional<FieldError> check(const Key& key, const Slot& slot);
+
+/// What is in place.
+Value load(const Key& key, const Slot& slot);
+
+/// "number", "integer", "boolean", "text" or "choice".
+std::string_view type_name(const Slot& slot);
+
+/// What the key accepts, in words: "above 0, at most 360 deg".
+std::string allowed_text(const Key& key, const Slot& slot);
+
+/// The value as a scene file has it; numbers are the shortest that read back to the same bits.
+std::string toml_text(const Value& value);
+std::string toml_number(double value);
+std::string toml_string(std::string_view text);
+
+}  // namespace obliq

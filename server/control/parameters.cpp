@@ -1,0 +1,214 @@
+#include "server/control/parameters.h"
+
+#include <algorithm>
+#include <array>
+
+namespace obliq {
+
+namespace {
+
+// The lists follow their enumerations.
+constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
+                                   Choice{"polar", "POLAR"}};
+constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
+                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}};
+constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
+                                       Choice{"ellipsoid", "ELLIPSOID"}};
+
+constexpr int kNoModbus = -1;
+constexpr auto kRadar = WireMessage::radar_settings;
+constexpr auto kPose = WireMessage::pose;
+
+// Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
+// 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
+// 8192 x 8192 takes 1.4 GB. Undulation: the geoid lies -107 to +86 m from the ellipsoid (EGM2008).
+const std::array kParameters{
+    Parameter{{"antenna.latitude_deg",
+               "deg",
+               closed(-90, 90),
+               {},
+               "Geodetic latitude of the antenna (WGS84, NAD83)."},
+              Change::live,
+              kPose,
+              "latitude_deg",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.pose.latitude_deg; }},
+    Parameter{
+        {"antenna.longitude_deg", "deg", closed(-180, 180), {}, "Longitude of the antenna, east positive."},
+        Change::live,
+        kPose,
+        "longitude_deg",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.pose.longitude_deg; }},
+    Parameter{
+        {"antenna.height_m", "m", closed(-1000, 100000), {}, "Height of the antenna above its reference."},
+        Change::live,
+        kPose,
+        "height_m",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.pose.height_m; }},
+    Parameter{{"antenna.height_reference",
+               "",
+               {},
+               kHeightReferences,
+               "What the height counts from: the terrain's datum, the ground below, or the WGS84 ellipsoid."},
+              Change::live,
+              kPose,
+              "height_reference",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.pose.height_reference; }},
+    Parameter{{"antenna.geoid_undulation_m",
+               "m",
+               closed(-120, 120),
+               {},
+               "Height of the datum above the ellipsoid at the antenna; needed with \"ellipsoid\" only."},
+              Change::live,
+              kPose,
+              "geoid_undulation_m",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.pose.geoid_undulation_m; }},
+    Parameter{{"antenna.bearing_deg",
+               "deg",
+               closed(-360, 360),
+               {},
+               "Centre of the sector, clockwise from true north at the antenna."},
+              Change::live,
+              kPose,
+              "bearing_deg",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.pose.bearing_deg; }},
+    Parameter{
+        {"antenna.sim_time_ns", "ns", {}, {}, "Time of the pose in the controller's clock; only echoed."},
+        Change::live,
+        kPose,
+        "sim_time_ns",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.pose.sim_time_ns; }},
+    Parameter{{"antenna.pose_id", "", {}, {}, "The controller's number of the pose; only echoed."},
+              Change::live,
+              kPose,
+              "pose_id",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.pose.pose_id; }},
+    Parameter{{"radar.frequency_ghz", "GHz", closed(0.03, 300), {}, "Carrier frequency."},
+              Change::live,
+              kRadar,
+              "frequency_ghz",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.frequency_ghz; }},
+    Parameter{{"radar.sector_deg",
+               "deg",
+               above(0, 360),
+               {},
+               "Width of the sector in azimuth; the symmetric frustum needs less than 180."},
+              Change::live,
+              kRadar,
+              "sector_deg",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.sector_deg; }},
+    Parameter{
+        {"radar.r_min_m", "m", closed(0, 500e3), {}, "Slant range of the near edge of the first range bin."},
+        Change::live,
+        kRadar,
+        "r_min_m",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.settings.r_min_m; }},
+    Parameter{
+        {"radar.r_max_m", "m", above(0, 500e3), {}, "Slant range of the far edge of the last range bin."},
+        Change::live,
+        kRadar,
+        "r_max_m",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.settings.r_max_m; }},
+    Parameter{{"radar.power_w", "W", above(0, 1e12), {}, "Transmitted power."},
+              Change::live,
+              kRadar,
+              "power_w",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.power_w; }},
+    Parameter{
+        {"radar.gain_db", "dB", closed(-100, 100), {}, "One-way antenna gain, the same in all directions."},
+        Change::live,
+        kRadar,
+        "gain_db",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.settings.gain_db; }},
+    Parameter{
+        {"radar.range_normalisation", "", {}, {}, "Multiply amplitudes by range squared, phase untouched."},
+        Change::live,
+        kRadar,
+        "range_normalisation",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.settings.range_normalisation; }},
+    Parameter{
+        {"radar.speckle",
+         "",
+         {},
+         kSpeckleKinds,
+         "Speckle that belongs to the ground, or the paper's, that comes from the samples' own ranges."},
+        Change::live,
+        kRadar,
+        "speckle",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.settings.speckle; }},
+    Parameter{{"radar.speckle_seed", "", {}, {}, "Another seed, another speckle pattern on the same ground."},
+              Change::live,
+              kRadar,
+              "speckle_seed",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.speckle_seed; }},
+    Parameter{{"frustum.kind", "", {}, kFrustumKinds, "How rays are laid out."},
+              Change::live,
+              kRadar,
+              "frustum",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.frustum; }},
+    Parameter{{"frustum.pixel_columns",
+               "",
+               closed(1, 16384),
+               {},
+               "Pixels across the sector; frustum.pixels sets columns and rows alike."},
+              Change::live,
+              kRadar,
+              "pixel_columns",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.pixel_columns; }},
+    Parameter{{"frustum.pixel_rows",
+               "",
+               closed(1, 16384),
+               {},
+               "Pixels along range; frustum.pixels = [columns, rows] sets both."},
+              Change::live,
+              kRadar,
+              "pixel_rows",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.pixel_rows; }},
+    Parameter{{"bins.azimuth", "", closed(1, 8192), {}, "Azimuth bins in the sector."},
+              Change::live,
+              kRadar,
+              "azimuth_bins",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.azimuth_bins; }},
+    Parameter{{"bins.range", "", closed(1, 8192), {}, "Range bins between r_min and r_max."},
+              Change::live,
+              kRadar,
+              "range_bins",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.range_bins; }},
+};
+
+}  // namespace
+
+std::span<const Parameter> parameters() { return kParameters; }
+
+const Parameter* find_parameter(std::string_view name) {
+  const auto found =
+      std::ranges::find_if(kParameters, [&](const Parameter& p) { return p.key.name == name; });
+  return found == kParameters.end() ? nullptr : &*found;
+}
+
+Value value_of(const Parameter& parameter, RadarConfig config) {
+  return load(parameter.key, parameter.slot(config));
+}
+
+}  // namespace obliq

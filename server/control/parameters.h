@@ -1,0 +1,45 @@
+#pragma once
+// THE table of radar parameters. Scene file, environment, flags and messages are read through it; validation,
+// --print-config and the reference page come from it. A field of RadarSettings or PoseSettings that is not
+// in it cannot be set by anyone (a test counts them).
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "server/control/key.h"
+#include "server/control/radar_config.h"
+
+namespace obliq {
+
+enum class Change {
+  live,    ///< a running server takes it with the next frame
+  restart  ///< read once, at start
+};
+
+enum class WireMessage { radar_settings, pose };
+
+struct Parameter {
+  Key key;
+  Change change;
+  WireMessage message;          ///< which message carries it,
+  std::string_view wire_field;  ///< and in which field
+  int modbus_address;           ///< -1: none yet
+  Slot (*slot)(RadarConfig&);
+};
+
+/// Every parameter once, in the order of the reference page.
+std::span<const Parameter> parameters();
+
+/// The parameter of that name, or null.
+const Parameter* find_parameter(std::string_view name);
+
+/// The parameter's value in a configuration.
+Value value_of(const Parameter& parameter, RadarConfig config);
+
+/// EVERY reason why no radar can run like this, empty when one can: limits, NaN and infinity, and how the
+/// fields fit each other. What depends on the scene is plan_frame's and place_antenna's to say.
+std::vector<FieldError> validate(const RadarConfig& config);
+std::vector<FieldError> validate(const RadarSettings& settings);
+std::vector<FieldError> validate(const PoseSettings& pose);
+
+}  // namespace obliq

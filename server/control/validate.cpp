@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include "server/control/parameters.h"
+
+namespace obliq {
+
+namespace {
+
+/// A range bin shorter than this is a mistake in units: the shortest wavelength allowed is 1 mm.
+constexpr double kShortestBin_m = 0.001;
+
+void check_limits(RadarConfig config, WireMessage message, std::vector<FieldError>& errors) {
+  for (const Parameter& parameter : parameters()) {
+    if (parameter.message != message) continue;
+    if (auto error = check(parameter.key, parameter.slot(config))) errors.push_back(std::move(*error));
+  }
+}
+
+/// How the fields fit each other. Fields that are wrong by themselves have had their say: a comparison with
+/// NaN is false and adds nothing.
+void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
+  if (s.r_min_m >= s.r_max_m) {
+    errors.push_back({"radar.r_min_m",
+                      toml_number(s.r_min_m) + " with radar.r_max_m = " + toml_number(s.r_max_m),
+                      "r_min_m less than r_max_m"});
+  } else if (s.range_bins >= 1 && (s.r_max_m - s.r_min_m) / s.range_bins < kShortestBin_m) {
+    errors.push_back({"bins.range",
+                      std::to_string(s.range_bins) + " between radar.r_min_m = " + toml_number(s.r_min_m) +
+                          " and radar.r_max_m = " + toml_number(s.r_max_m),
+                      "range bins of at least " + toml_number(kShortestBin_m) + " m"});
+  }
+  if (s.frustum == FrustumKind::symmetric && s.sector_deg >= 180) {
+    errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with frustum.kind = \"symmetric\"",
+                      "below 180 deg, or frustum.kind = \"oblique\" or \"polar\""});
+  }
+}
+
+}  // namespace
+
+std::vector<FieldError> validate(const RadarSettings& settings) {
+  std::vector<FieldError> errors;
+  check_limits({"", settings, {}}, WireMessage::radar_settings, errors);
+  check_together(settings, errors);
+  return errors;
+}
+
+std::vector<FieldError> validate(const PoseSettings& pose) {
+  std::vector<FieldError> errors;
+  check_limits({"", {}, pose}, WireMessage::pose, errors);
+  return errors;
+}
+
+std::vector<FieldError> validate(const RadarConfig& config) {
+  std::vector<FieldError> errors = validate(config.settings);
+  for (FieldError& error : validate(config.pose)) errors.push_back(std::move(error));
+  return errors;
+}
+
+}  // namespace obliq
