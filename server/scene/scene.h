@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "server/radar/materials.h"
+#include "server/scene/materials.h"
+#include "server/scene/tile_bounds.h"
 #include "terrain/progress.h"
 #include "terrain/world.h"
 
@@ -33,11 +34,13 @@ class Scene {
   const World& world() const { return *world_; }
   const std::vector<Material>& materials() const { return materials_; }
   const EmbreeTracer& tracer() const { return *tracer_; }
+  const TileBounds& tiles() const { return tiles_; }
   const SceneStats& stats() const { return stats_; }
 
  private:
   std::shared_ptr<const World> world_;
   std::vector<Material> materials_;
+  TileBounds tiles_;
   std::unique_ptr<EmbreeTracer> tracer_;
   SceneStats stats_;
 };

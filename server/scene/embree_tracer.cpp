@@ -1,0 +1,240 @@
+#include "server/scene/embree_tracer.h"
+
+#include <embree3/rtcore.h>
+#include <immintrin.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+constexpr unsigned kGroundGeometry = 0;
+constexpr unsigned kBuildingGeometry = 1;
+constexpr int kMaxGridSide = 32767;  // Embree's limit on the resolution of one grid primitive
+
+/// Embree wants denormals off while it traces; the rest of the program keeps IEEE arithmetic.
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040u); }  // FTZ | DAZ
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
+/// Covers the known cells of a grid with rectangles, so that no grid primitive touches an unknown node.
+class GridTiling {
+ public:
+  explicit GridTiling(const HeightGrid& grid) : grid_(grid) {
+    bool all_known = true;
+    for (float y : grid.y_m) all_known = all_known && y == y;
+    if (!all_known) count_known_cells();
+    split(0, 0, grid.nx - 1, grid.nz - 1);
+  }
+  const std::vector<RTCGrid>& tiles() const { return tiles_; }
+
+ private:
+  void count_known_cells() {
+    // known_[j][i] = known cells in [0, i) x [0, j)
+    const auto width = static_cast<std::size_t>(grid_.nx);
+    known_.assign(width * static_cast<std::size_t>(grid_.nz), 0);
+    for (int j = 0; j + 1 < grid_.nz; ++j)
+      for (int i = 0; i + 1 < grid_.nx; ++i)
+        known_[grid_.index(i + 1, j + 1)] = (grid_.cell_known(i, j) ? 1u : 0u) +
+                                            known_[grid_.index(i, j + 1)] + known_[grid_.index(i + 1, j)] -
+                                            known_[grid_.index(i, j)];
+  }
+
+  std::uint32_t known_in(int i0, int j0, int i1, int j1) const {
+    if (known_.empty()) return static_cast<std::uint32_t>(i1 - i0) * static_cast<std::uint32_t>(j1 - j0);
+    return known_[grid_.index(i1, j1)] - known_[grid_.index(i0, j1)] - known_[grid_.index(i1, j0)] +
+           known_[grid_.index(i0, j0)];
+  }
+
+  void split(int i0, int j0, int i1, int j1) {
+    const int wide = i1 - i0;
+    const int high = j1 - j0;
+    const std::uint32_t known = known_in(i0, j0, i1, j1);
+    if (known == 0) return;
+    const bool full = known == static_cast<std::uint32_t>(wide) * static_cast<std::uint32_t>(high);
+    if (full && wide < kMaxGridSide && high < kMaxGridSide) {
+      RTCGrid tile;
+      tile.startVertexID = static_cast<unsigned>(grid_.index(i0, j0));
+      tile.stride = static_cast<unsigned>(grid_.nx);
+      tile.width = static_cast<unsigned short>(wide + 1);
+      tile.height = static_cast<unsigned short>(high + 1);
+      tiles_.push_back(tile);
+    } else if (wide >= high) {
+      split(i0, j0, i0 + wide / 2, j1);
+      split(i0 + wide / 2, j0, i1, j1);
+    } else {
+      split(i0, j0, i1, j0 + high / 2);
+      split(i0, j0 + high / 2, i1, j1);
+    }
+  }
+
+  const HeightGrid& grid_;
+  std::vector<std::uint32_t> known_;
+  std::vector<RTCGrid> tiles_;
+};
+
+}  // namespace
+
+struct EmbreeTracer::Impl {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::atomic<std::int64_t> bytes{0};
+  std::mutex progress_mutex;
+  double progress_shown = 0;
+  Progress progress;
+
+  ~Impl() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) {
+      rtcSetDeviceMemoryMonitorFunction(device, nullptr, nullptr);
+      rtcReleaseDevice(device);
+    }
+  }
+
+  void check(const char* doing) const {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_NONE) return;
+    throw InputError(std::string("Embree: ") + doing + " failed (" +
+                     (error == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : "error " + std::to_string(error)) +
+                     "); use a larger [terrain] cell_m or a smaller area");
+  }
+
+  static bool count_memory(void* self, ssize_t bytes, bool) {
+    static_cast<Impl*>(self)->bytes += bytes;
+    return true;
+  }
+
+  static bool show_progress(void* self, double fraction) {
+    auto* impl = static_cast<Impl*>(self);
+    const std::scoped_lock lock(impl->progress_mutex);
+    if (impl->progress && fraction >= impl->progress_shown + 0.01) {
+      impl->progress_shown = fraction;
+      impl->progress("building ray-tracing scene", std::min(1.0, fraction));
+    }
+    return true;
+  }
+
+  void add_ground(const HeightGrid& grid) {
+    const GridTiling tiling(grid);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), grid.y_m.size()));
+    check("allocating terrain vertices");
+    for (int j = 0; j < grid.nz; ++j) {
+      const auto z = static_cast<float>(grid.node_z_m(j));
+      for (int i = 0; i < grid.nx; ++i, vertices += 3) {
+        vertices[0] = static_cast<float>(grid.node_x_m(i));
+        vertices[1] = grid.y_m[grid.index(i, j)];
+        vertices[2] = z;
+      }
+    }
+    if (!tiling.tiles().empty()) {
+      void* tiles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
+                                            sizeof(RTCGrid), tiling.tiles().size());
+      check("allocating terrain tiles");
+      std::memcpy(tiles, tiling.tiles().data(), tiling.tiles().size() * sizeof(RTCGrid));
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometryByID(scene, geometry, kGroundGeometry);
+    }
+    rtcReleaseGeometry(geometry);
+  }
+
+  void add_buildings(const Buildings& buildings) {
+    if (buildings.triangles.empty()) return;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             3 * sizeof(float), buildings.vertices_m.size());
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(unsigned), buildings.triangles.size());
+    check("allocating buildings");
+    std::memcpy(vertices, buildings.vertices_m.data(), buildings.vertices_m.size() * 3 * sizeof(float));
+    std::memcpy(triangles, buildings.triangles.data(), buildings.triangles.size() * 3 * sizeof(unsigned));
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, kBuildingGeometry);
+    rtcReleaseGeometry(geometry);
+  }
+};
+
+EmbreeTracer::EmbreeTracer(const World& world, int threads, const Progress& progress)
+    : impl_(std::make_unique<Impl>()) {
+  const unsigned n = threads > 0 ? static_cast<unsigned>(threads) : std::thread::hardware_concurrency();
+  impl_->device = rtcNewDevice(("threads=" + std::to_string(n)).c_str());
+  if (!impl_->device) throw InputError("Embree: cannot create a device on this machine");
+  rtcSetDeviceMemoryMonitorFunction(impl_->device, Impl::count_memory, impl_.get());
+  impl_->scene = rtcNewScene(impl_->device);
+  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  impl_->progress = progress;
+  rtcSetSceneProgressMonitorFunction(impl_->scene, Impl::show_progress, impl_.get());
+  impl_->add_ground(world.grid);
+  impl_->add_buildings(world.buildings);
+  rtcCommitScene(impl_->scene);
+  impl_->check("building the scene");
+  rtcSetSceneProgressMonitorFunction(impl_->scene, nullptr, nullptr);
+  impl_->progress = {};
+}
+
+EmbreeTracer::~EmbreeTracer() = default;
+
+void EmbreeTracer::trace(const glm::dvec3& origin_m, const double* dir_x, const double* dir_y,
+                         const double* dir_z, int n, RoughHit* hits) const {
+  const FlushDenormals flush;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  RTCRayHit16 packet;
+  alignas(64) int valid[kPacket];
+  for (int first = 0; first < n; first += kPacket) {
+    const int used = std::min(kPacket, n - first);
+    for (int lane = 0; lane < kPacket; ++lane) {
+      const int ray = first + std::min(lane, used - 1);
+      valid[lane] = lane < used ? -1 : 0;
+      packet.ray.org_x[lane] = static_cast<float>(origin_m.x);
+      packet.ray.org_y[lane] = static_cast<float>(origin_m.y);
+      packet.ray.org_z[lane] = static_cast<float>(origin_m.z);
+      packet.ray.dir_x[lane] = static_cast<float>(dir_x[ray]);
+      packet.ray.dir_y[lane] = static_cast<float>(dir_y[ray]);
+      packet.ray.dir_z[lane] = static_cast<float>(dir_z[ray]);
+      packet.ray.tnear[lane] = 0;
+      packet.ray.tfar[lane] = std::numeric_limits<float>::infinity();
+      packet.ray.time[lane] = 0;
+      packet.ray.mask[lane] = ~0u;
+      packet.ray.id[lane] = 0;
+      packet.ray.flags[lane] = 0;
+      packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect16(valid, impl_->scene, &context, &packet);
+    for (int lane = 0; lane < used; ++lane) {
+      RoughHit& hit = hits[first + lane];
+      const unsigned geometry = packet.hit.geomID[lane];
+      hit.distance_m = packet.ray.tfar[lane];
+      hit.triangle = packet.hit.primID[lane];
+      hit.kind = geometry == RTC_INVALID_GEOMETRY_ID ? RoughHit::Kind::none
+                 : geometry == kGroundGeometry       ? RoughHit::Kind::ground
+                                                     : RoughHit::Kind::building;
+    }
+  }
+}
+
+std::uint64_t EmbreeTracer::bytes() const {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, impl_->bytes.load()));
+}
+
+std::string EmbreeTracer::version() { return "Embree " RTC_VERSION_STRING; }
+
+}  // namespace obliq

@@ -1,0 +1,225 @@
+#include "server/scene/exact_hit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace obliq {
+namespace {
+
+/// How far outside a triangle, in barycentric units, a double point still counts as inside: a point on a
+/// shared edge must be inside at least one of its two triangles, whatever the rounding (2^-52 of coordinates
+/// up to 2^20 m over cells of at least 2^-5 m gives 2^-27; the slack is a little more).
+constexpr double kEdgeSlack = 1e-7;
+
+/// One of the two triangles of a grid cell, as the plane y = y0 + slope_x (x - x0) + slope_z (z - z0).
+struct GroundPlane {
+  double x0, z0, y0, slope_x, slope_z;
+
+  GroundPlane(const HeightGrid& grid, int i, int j, bool upper) {
+    const double y10 = grid.node_y_m(i + 1, j);
+    const double y01 = grid.node_y_m(i, j + 1);
+    if (upper) {
+      x0 = grid.node_x_m(i + 1);
+      z0 = grid.node_z_m(j + 1);
+      y0 = grid.node_y_m(i + 1, j + 1);
+      slope_x = (y0 - y01) / grid.cell_m;
+      slope_z = (y0 - y10) / grid.cell_m;
+    } else {
+      x0 = grid.node_x_m(i);
+      z0 = grid.node_z_m(j);
+      y0 = grid.node_y_m(i, j);
+      slope_x = (y10 - y0) / grid.cell_m;
+      slope_z = (y01 - y0) / grid.cell_m;
+    }
+  }
+
+  /// Rate at which the ray's height above the plane changes along its unit direction; negative from above.
+  double descent(const glm::dvec3& direction) const {
+    return direction.y - slope_x * direction.x - slope_z * direction.z;
+  }
+  double height_above(const glm::dvec3& p) const {
+    return p.y - y0 - slope_x * (p.x - x0) - slope_z * (p.z - z0);
+  }
+};
+
+ExactHit ground_hit(const World& world, const GroundPlane& plane, int i, int j, const glm::dvec3& origin,
+                    const glm::dvec3& direction, double distance) {
+  ExactHit hit;
+  hit.slant_range_m = distance;
+  hit.position_m = origin + distance * direction;
+  const double steepness = std::sqrt(1 + plane.slope_x * plane.slope_x + plane.slope_z * plane.slope_z);
+  hit.normal = glm::dvec3(-plane.slope_x, 1, -plane.slope_z) / steepness;
+  hit.cos_incidence = std::min(1.0, std::abs(plane.descent(direction)) / steepness);
+  hit.material = world.material_of_cell(i, j);
+  return hit;
+}
+
+/// Where the ray crosses the triangle from above, if it does so inside it (with edge slack).
+std::optional<double> cross_ground_triangle(const HeightGrid& grid, int i, int j, bool upper,
+                                            const glm::dvec3& origin, const glm::dvec3& direction) {
+  const GroundPlane plane(grid, i, j, upper);
+  const double descent = plane.descent(direction);
+  if (!(descent < 0)) return std::nullopt;
+  const double distance = -plane.height_above(origin) / descent;
+  const double s = (origin.x + distance * direction.x - grid.node_x_m(i)) / grid.cell_m;
+  const double t = (origin.z + distance * direction.z - grid.node_z_m(j)) / grid.cell_m;
+  const bool inside = upper ? s <= 1 + kEdgeSlack && t <= 1 + kEdgeSlack && s + t >= 1 - kEdgeSlack
+                            : s >= -kEdgeSlack && t >= -kEdgeSlack && s + t <= 1 + kEdgeSlack;
+  if (!inside || !(distance >= 0)) return std::nullopt;
+  return distance;
+}
+
+std::optional<ExactHit> refine_ground(const World& world, const glm::dvec3& origin,
+                                      const glm::dvec3& direction, double rough_m) {
+  const HeightGrid& grid = world.grid;
+  // Newton steps from triangle to triangle: intersect the plane of the triangle under the point, move there.
+  double distance = rough_m;
+  for (int step = 0; step < 4; ++step) {
+    const double u = (origin.x + distance * direction.x - grid.x0_m) / grid.cell_m;
+    const double v = (origin.z + distance * direction.z - grid.z0_m) / grid.cell_m;
+    if (!(u > -1 && v > -1 && u < grid.nx && v < grid.nz)) break;
+    const int i = std::clamp(static_cast<int>(u), 0, grid.nx - 2);
+    const int j = std::clamp(static_cast<int>(v), 0, grid.nz - 2);
+    if (!grid.cell_known(i, j)) break;
+    const bool upper = (u - i) + (v - j) > 1;
+    const GroundPlane plane(grid, i, j, upper);
+    const double descent = plane.descent(direction);
+    if (!(descent < 0)) break;
+    if (const auto found = cross_ground_triangle(grid, i, j, upper, origin, direction))
+      return ground_hit(world, plane, i, j, origin, direction, *found);
+    distance = -plane.height_above(origin) / descent;
+    if (!(std::abs(distance - rough_m) < 4 * grid.cell_m)) break;
+  }
+  // Near a silhouette the steps may wander: walk the neighbourhood of the rough hit instead.
+  const double reach = 2 * grid.cell_m + 1e-4 * rough_m;
+  return walk_ground(world, origin, direction, std::max(0.0, rough_m - reach), rough_m + reach);
+}
+
+glm::dvec3 vertex(const Buildings& buildings, std::uint32_t index) {
+  return glm::dvec3(buildings.vertices_m[index]);
+}
+
+/// Where the ray crosses a building triangle from outside; nothing for inner faces and misses.
+std::optional<double> cross_building_triangle(const Buildings& buildings, std::uint32_t triangle,
+                                              const glm::dvec3& origin, const glm::dvec3& direction,
+                                              glm::dvec3& outward) {
+  const glm::uvec3 corner = buildings.triangles[triangle];
+  const glm::dvec3 a = vertex(buildings, corner.x) - origin;
+  const glm::dvec3 b = vertex(buildings, corner.y) - origin;
+  const glm::dvec3 c = vertex(buildings, corner.z) - origin;
+  // Left-handed axes: the outward normal is (b - a) x (c - a) for triangles that run clockwise seen from
+  // outside on right-handed paper; extrude.cpp states and tests the rule.
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double area2 = glm::length(normal);
+  if (!(area2 > 0)) return std::nullopt;
+  outward = normal / area2;
+  const double approach = glm::dot(outward, direction);
+  if (!(approach < 0)) return std::nullopt;
+  const double distance = glm::dot(outward, a) / approach;
+  if (!(distance >= 0) || !std::isfinite(distance)) return std::nullopt;
+  const glm::dvec3 p = distance * direction;
+  const double slack = -kEdgeSlack * area2;
+  const bool inside = glm::dot(glm::cross(b - a, p - a), outward) >= slack &&
+                      glm::dot(glm::cross(c - b, p - b), outward) >= slack &&
+                      glm::dot(glm::cross(a - c, p - c), outward) >= slack;
+  if (!inside) return std::nullopt;
+  return distance;
+}
+
+std::optional<ExactHit> refine_building(const World& world, const glm::dvec3& origin,
+                                        const glm::dvec3& direction, std::uint32_t triangle) {
+  const Buildings& buildings = world.buildings;
+  const std::uint32_t owner = buildings.faces[buildings.triangle_face[triangle]].building;
+  glm::dvec3 outward{0.0};
+  std::optional<double> distance = cross_building_triangle(buildings, triangle, origin, direction, outward);
+  if (!distance) {
+    // The double ray misses the reported triangle or meets its inner side: take the nearest outer face of the
+    // same building, if there is one.
+    const Building& building = buildings.list[owner];
+    double nearest = std::numeric_limits<double>::infinity();
+    glm::dvec3 nearest_outward{0.0};
+    for (std::uint32_t k = building.first_triangle; k < building.first_triangle + building.n_triangles; ++k) {
+      const auto found = cross_building_triangle(buildings, k, origin, direction, outward);
+      if (found && *found < nearest) {
+        nearest = *found;
+        nearest_outward = outward;
+        triangle = k;
+      }
+    }
+    if (!std::isfinite(nearest)) return std::nullopt;
+    distance = nearest;
+    outward = nearest_outward;
+  }
+  ExactHit hit;
+  hit.slant_range_m = *distance;
+  hit.position_m = origin + *distance * direction;
+  hit.normal = outward;
+  hit.cos_incidence = std::min(1.0, std::abs(glm::dot(outward, direction)));
+  hit.face = buildings.triangle_face[triangle];
+  hit.material = buildings.list[owner].material;
+  return hit;
+}
+
+}  // namespace
+
+std::optional<ExactHit> walk_ground(const World& world, const glm::dvec3& origin_m,
+                                    const glm::dvec3& direction, double from_m, double to_m) {
+  const HeightGrid& grid = world.grid;
+  const auto column_at = [&](double distance) {
+    return static_cast<int>(std::floor((origin_m.x + distance * direction.x - grid.x0_m) / grid.cell_m));
+  };
+  const auto row_at = [&](double distance) {
+    return static_cast<int>(std::floor((origin_m.z + distance * direction.z - grid.z0_m) / grid.cell_m));
+  };
+  double distance = from_m;
+  int i = column_at(from_m);
+  int j = row_at(from_m);
+  const int step_i = direction.x > 0 ? 1 : -1;
+  const int step_j = direction.z > 0 ? 1 : -1;
+  while (distance <= to_m) {
+    if (grid.cell_known(i, j)) {
+      std::optional<double> first;
+      bool first_upper = false;
+      for (const bool upper : {false, true}) {
+        const auto found = cross_ground_triangle(grid, i, j, upper, origin_m, direction);
+        if (found && *found >= from_m && *found <= to_m && (!first || *found < *first)) {
+          first = found;
+          first_upper = upper;
+        }
+      }
+      if (first)
+        return ground_hit(world, GroundPlane(grid, i, j, first_upper), i, j, origin_m, direction, *first);
+    }
+    // On to the cell behind the nearer of the next two grid lines.
+    const double edge_x = grid.node_x_m(step_i > 0 ? i + 1 : i);
+    const double edge_z = grid.node_z_m(step_j > 0 ? j + 1 : j);
+    const double to_x = direction.x != 0 ? (edge_x - origin_m.x) / direction.x : HUGE_VAL;
+    const double to_z = direction.z != 0 ? (edge_z - origin_m.z) / direction.z : HUGE_VAL;
+    if (!(std::isfinite(to_x) || std::isfinite(to_z))) break;
+    if (to_x < to_z) {
+      i += step_i;
+      distance = to_x;
+    } else {
+      j += step_j;
+      distance = to_z;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
+                                   const glm::dvec3& direction, const RoughHit& rough) {
+  switch (rough.kind) {
+    case RoughHit::Kind::ground:
+      return refine_ground(world, origin_m, direction, static_cast<double>(rough.distance_m));
+    case RoughHit::Kind::building:
+      return refine_building(world, origin_m, direction, rough.triangle);
+    case RoughHit::Kind::none:
+      break;
+  }
+  return std::nullopt;
+}
+
+}  // namespace obliq

@@ -1,0 +1,35 @@
+#pragma once
+// Double-precision re-intersection of what Embree reports (design section 3): the range that reaches a bin
+// never comes from Embree's float distance.
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "server/scene/embree_tracer.h"
+#include "terrain/world.h"
+
+namespace obliq {
+
+constexpr std::uint32_t kNoFace = 0xffffffffu;
+
+/// A first hit in double precision, world frame, on the side of the surface that faces the antenna.
+struct ExactHit {
+  double slant_range_m = 0;
+  double cos_incidence = 0;  ///< of the triangle's geometric normal, 0..1
+  glm::dvec3 position_m{0.0};
+  glm::dvec3 normal{0.0};        ///< unit, towards the antenna
+  std::uint32_t face = kNoFace;  ///< building face index; kNoFace on ground
+  std::uint8_t material = 0;
+};
+
+/// Re-intersects a rough hit. origin and unit direction as the double ray; nothing when the rough hit is a
+/// leak: an underside, an inner face, or no triangle near it that the double ray meets.
+std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
+                                   const glm::dvec3& direction, const RoughHit& rough);
+
+/// The first triangle of the ground that the ray meets from above with distance in [from_m, to_m], found by
+/// walking the grid's cells in double precision. Slow and sure.
+std::optional<ExactHit> walk_ground(const World& world, const glm::dvec3& origin_m,
+                                    const glm::dvec3& direction, double from_m, double to_m);
+
+}  // namespace obliq

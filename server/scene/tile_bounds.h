@@ -1,0 +1,34 @@
+#pragma once
+#include <vector>
+
+#include "terrain/height_grid.h"
+
+namespace obliq {
+
+/// Lowest and highest known node of each 32 x 32-cell tile of a grid (tiles share their border nodes), so
+/// that a frame can bound its sector without touching every post.
+class TileBounds {
+ public:
+  static constexpr int kCells = 32;
+
+  struct Tile {
+    float lowest_m;   ///< world y; +infinity when nothing in the tile is known
+    float highest_m;  ///< world y; -infinity when nothing in the tile is known
+  };
+
+  explicit TileBounds(const HeightGrid& grid);
+
+  int tiles_x() const { return tiles_x_; }
+  int tiles_z() const { return tiles_z_; }
+  const Tile& tile(int ti, int tj) const {
+    return tiles_[static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) +
+                  static_cast<std::size_t>(ti)];
+  }
+
+ private:
+  int tiles_x_;
+  int tiles_z_;
+  std::vector<Tile> tiles_;
+};
+
+}  // namespace obliq
