@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+
+namespace obliq {
+
+/// Finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014):
+/// a bijection of 64 bits whose outputs pass the usual tests of randomness.
+constexpr std::uint64_t mix64(std::uint64_t v) {
+  v += 0x9e3779b97f4a7c15u;
+  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
+  v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+  return v ^ (v >> 31);
+}
+
+/// Hash of a seed and two whole numbers, such as the indices of a cell.
+constexpr std::uint64_t hash_cell(std::uint64_t seed, std::int64_t i, std::int64_t j) {
+  return mix64(mix64(mix64(seed) ^ static_cast<std::uint64_t>(i)) ^ static_cast<std::uint64_t>(j));
+}
+
+/// Uniform in [0, 1): the top 53 bits of a hash.
+constexpr double unit_from_hash(std::uint64_t hash) { return static_cast<double>(hash >> 11) * 0x1p-53; }
+
+}  // namespace obliq

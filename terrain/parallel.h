@@ -1,0 +1,10 @@
+#pragma once
+#include <functional>
+
+namespace obliq {
+
+/// Calls work(row) once for every row in [0, n_rows), on all cores. Each call must write its own data only;
+/// then the result does not depend on the number of threads. An exception from work is passed on.
+void for_each_row(int n_rows, const std::function<void(int row)>& work);
+
+}  // namespace obliq
