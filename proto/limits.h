@@ -1,0 +1,21 @@
+#pragma once
+// Hard limits of the stream. A peer that exceeds one is refused before anything is allocated for it.
+#include <cstdint>
+
+namespace obliq::wire {
+
+constexpr std::uint16_t kDefaultPort = 7420;
+
+/// Raw plane data of one block. Small enough that control messages never wait long behind it.
+constexpr std::uint32_t kMaxPlaneBytes = 1u << 20;
+/// Protobuf part of any message. A descriptor with 255 materials and many warnings stays under a quarter.
+constexpr std::uint32_t kMaxDescriptorBytes = 1u << 18;
+/// What a server accepts: requests carry no plane data.
+constexpr std::uint32_t kMaxRequestBytes = 1u << 16;
+/// What a client accepts.
+constexpr std::uint32_t kMaxPayloadBytes = kMaxPlaneBytes + kMaxDescriptorBytes;
+
+/// Names of clients, servers and radars, in bytes; longer ones are cut.
+constexpr std::uint32_t kMaxNameBytes = 64;
+
+}  // namespace obliq::wire

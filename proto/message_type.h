@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+
+namespace obliq::wire {
+
+/// The `type` field of the header. PROTOCOL.md says who sends which and what answers it. A receiver skips
+/// the numbers it does not know. Numbers are never reused.
+enum class MessageType : std::uint16_t {
+  hello = 1,
+  welcome = 2,
+  ack = 3,
+  error = 4,
+
+  list_radars = 16,
+  radar_list = 17,
+  get_radar = 18,
+  radar_info = 19,
+  claim_control = 20,
+  release_control = 21,
+  set_settings = 22,
+  set_pose = 23,
+  subscribe = 24,
+  unsubscribe = 25,
+  render_once = 26,
+  get_status = 27,
+  status = 28,
+
+  frame_begin = 48,
+  wedge_block = 49,
+  frame_end = 50,
+  frame_abort = 51,
+};
+
+}  // namespace obliq::wire

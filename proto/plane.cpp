@@ -1,0 +1,44 @@
+#include "proto/plane.h"
+
+namespace obliq::wire {
+
+std::uint32_t bytes_per_bin(Plane plane) {
+  switch (plane) {
+    case Plane::iq:
+    case Plane::power:
+      return 8;
+    case Plane::count:
+      return 4;
+    case Plane::state:
+      return 1;
+  }
+  return 0;
+}
+
+const char* plane_name(Plane plane) {
+  switch (plane) {
+    case Plane::iq:
+      return "iq";
+    case Plane::power:
+      return "power";
+    case Plane::count:
+      return "count";
+    case Plane::state:
+      return "state";
+  }
+  return "?";
+}
+
+std::optional<Plane> plane_from_number(int number) {
+  if (number < 0 || number >= kPlanes) return std::nullopt;
+  return static_cast<Plane>(number);
+}
+
+std::uint64_t plane_bytes(Plane plane, const Rectangle& rectangle) {
+  const std::uint64_t bins = std::uint64_t{rectangle.n_azimuth} * rectangle.n_range;
+  // Saturate: 2^32 x 2^32 bins of 8 bytes would not fit, and is refused by any limit anyway.
+  if (bins > (std::uint64_t{1} << 60)) return ~std::uint64_t{0};
+  return bins * bytes_per_bin(plane);
+}
+
+}  // namespace obliq::wire

@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+namespace obliq::wire {
+
+/// One quantity per bin; the numbers are those of the protobuf enumeration PlaneKind.
+enum class Plane : std::uint8_t { iq = 0, power = 1, count = 2, state = 3 };
+constexpr int kPlanes = 4;
+
+/// A set of planes, bit n for plane n.
+using PlaneSet = std::uint8_t;
+constexpr PlaneSet kAllPlanes = 0x0F;
+constexpr PlaneSet plane_bit(Plane plane) {
+  return static_cast<PlaneSet>(1u << static_cast<unsigned>(plane));
+}
+
+/// Bytes per bin: iq 8 (two float32), power 8 (float64), count 4 (uint32), state 1.
+std::uint32_t bytes_per_bin(Plane plane);
+
+const char* plane_name(Plane plane);
+
+/// Nothing for a number that is no plane.
+std::optional<Plane> plane_from_number(int number);
+
+/// A rectangle of bins: azimuth is the slow index, range the fast one.
+struct Rectangle {
+  std::uint32_t first_azimuth = 0;
+  std::uint32_t n_azimuth = 0;
+  std::uint32_t first_range = 0;
+  std::uint32_t n_range = 0;
+};
+
+/// Bytes of plane data in a rectangle; 64 bits hold any product of the fields.
+std::uint64_t plane_bytes(Plane plane, const Rectangle& rectangle);
+
+}  // namespace obliq::wire
