@@ -15,7 +15,7 @@ ALLOWED = {
     "terrain": [],
     "proto": [],
     "client": ["proto"],
-    "server/scene": ["terrain", "server/radar/materials.h"],
+    "server/scene": ["terrain"],
     "server/radar": ["terrain", "server/scene"],
     "server/output": SERVER_CORE + ["proto"],
     "server/control": SERVER_CORE + ["proto"],
@@ -113,7 +113,7 @@ def self_test():
     right = {
         "terrain/f.cpp": '#include <gdal_priv.h>\n#include <vector>\n#include "terrain/world.h"',
         "client/c.cpp": '#include "obliq.pb.h"\n#include "proto/codec.h"',
-        "server/scene/c.cpp": '#include <embree3/rtcore.h>\n#include "server/radar/materials.h"',
+        "server/scene/c.cpp": '#include <embree3/rtcore.h>\n#include "terrain/world.h"',
         "server/radar/d.cpp": '#include "server/scene/scene.h"\n#include "terrain/world.h"',
         "server/apps/b.cpp": '#include <CLI/CLI.hpp>\n#include "client/client.h"\n#include "server/net/session.h"',
     }
