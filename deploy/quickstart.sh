@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# From a fresh clone to a radar ground map: installs what is missing, builds, gets the demo's ground, starts the
+# daemon, fetches a frame over TCP, writes the pictures to out/quickstart/, stops the daemon.
+#
+#   deploy/quickstart.sh
+#
+# Works as root or with sudo; safe to run twice (the second run takes seconds).
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+case "${1-}" in
+  "") ;;
+  -h | --help)
+    sed -n '2,7s/^# \{0,1\}//p' "$0"
+    exit 0
+    ;;
+  *)
+    echo "quickstart.sh takes no options (found '$1')" >&2
+    exit 2
+    ;;
+esac
+cd "$root"
+out=out/quickstart
+programs=build/release/bin
+ready_limit_s=300
+
+daemon=""
+stop_daemon() {
+  [ -n "$daemon" ] || return 0
+  local pid=$daemon
+  daemon=""
+  kill -TERM "$pid" 2>/dev/null || true
+  for _ in $(seq 100); do
+    kill -0 "$pid" 2>/dev/null || break
+    sleep 0.1
+  done
+  if kill -KILL "$pid" 2>/dev/null; then
+    echo "quickstart: obliqd did not stop within 10 s and was killed" >&2
+  fi
+  wait "$pid" 2>/dev/null
+}
+trap 'stop_daemon || true' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+step "1/6 packages"
+deploy/install-deps.sh build demo
+
+step "2/6 build with $(parallel_jobs) jobs (minutes the first time, seconds after)"
+# A tree that was set up for tests stays so; a fresh one is spared their packages and their build.
+fresh=()
+[ -f build/release/CMakeCache.txt ] || fresh=(-DOBLIQ_TESTS=OFF -DOBLIQ_BENCHMARKS=OFF)
+mkdir -p build
+if ! cmake --preset release "${fresh[@]}" >build/configure.log 2>&1; then
+  cat build/configure.log >&2
+  exit 1
+fi
+cmake --build --preset release --parallel "$(parallel_jobs)" --target obliqd obliq
+
+step "3/6 ground"
+scene=deploy/scenes/demo.toml
+if tile=$(deploy/fetch-demo-terrain.sh); then
+  mkdir -p deploy/scenes/data
+  ln -sfn "$tile" deploy/scenes/data/new_mexico_ned13.tif
+  echo "real ground: $tile"
+else
+  scene=deploy/scenes/demo_hills.toml
+  echo "going on with fractal hills instead of real ground"
+fi
+
+step "4/6 daemon"
+mkdir -p "$out"
+"$programs/obliqd" --config "$scene" --set server.port=0 >"$out/obliqd.log" 2>&1 </dev/null &
+daemon=$!
+server=""
+for _ in $(seq $((ready_limit_s * 5))); do
+  server=$(sed -n 's/.*ready.* \(127\.0\.0\.1:[0-9]*\).*/\1/p' "$out/obliqd.log" | head -n 1)
+  [ -z "$server" ] || break
+  kill -0 "$daemon" 2>/dev/null || break
+  sleep 0.2
+done
+cat "$out/obliqd.log"
+if [ -z "$server" ]; then
+  echo "quickstart: obliqd did not become ready; its log is above" >&2
+  exit 1
+fi
+
+step "5/6 a frame over TCP"
+"$programs/obliq" get --server "$server" --out "$out"
+
+step "6/6 stop the daemon"
+stop_daemon
+step_end
+
+cat <<TEXT
+
+Done in $SECONDS s. The radar ground map, north up:
+  $out/ground_map.png
+  $out/ground_map.tif      the same, georeferenced (any GIS opens it)
+  $out/bins.npy            complex I&Q, azimuth x range; frame.json beside it says what is what
+
+Try next:
+  # the same view through the other frusta, without a daemon
+  $programs/obliq render $scene --set frustum.kind=polar --out out/polar
+  $programs/obliq render $scene --set frustum.kind=symmetric --out out/symmetric
+  # a daemon of your own, and a client
+  $programs/obliqd --config $scene &
+  $programs/obliq get --server 127.0.0.1:7420 --out out/mine
+TEXT
