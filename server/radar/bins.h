@@ -35,6 +35,9 @@ struct BinBlock {
   }
 };
 
+/// Copies the azimuth bins that both blocks have. Blocks of different range counts share none.
+void copy_azimuths(const BinBlock& from, BinBlock& to);
+
 /// Counts of one wedge or, added up, of one frame.
 struct FrameStats {
   std::uint64_t rays = 0;      ///< cast

@@ -1,0 +1,21 @@
+#include "server/radar/bins.h"
+
+#include <algorithm>
+
+namespace obliq {
+
+void copy_azimuths(const BinBlock& from, BinBlock& to) {
+  const int first = std::max(from.first_azimuth, to.first_azimuth);
+  const int end = std::min(from.first_azimuth + from.n_azimuth, to.first_azimuth + to.n_azimuth);
+  if (first >= end || from.n_range != to.n_range) return;
+  const auto row = static_cast<std::ptrdiff_t>(from.n_range);
+  const std::ptrdiff_t source = (first - from.first_azimuth) * row;
+  const std::ptrdiff_t target = (first - to.first_azimuth) * row;
+  const std::ptrdiff_t n = (end - first) * row;
+  std::copy_n(from.iq.begin() + source, n, to.iq.begin() + target);
+  std::copy_n(from.power_w.begin() + source, n, to.power_w.begin() + target);
+  std::copy_n(from.count.begin() + source, n, to.count.begin() + target);
+  std::copy_n(from.state.begin() + source, n, to.state.begin() + target);
+}
+
+}  // namespace obliq

@@ -1,0 +1,157 @@
+#include "server/radar/frame_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
+
+std::string metres(double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.2f m", value);
+  return text;
+}
+
+BinGrid bin_grid(const RadarSettings& settings) {
+  BinGrid bins;
+  bins.n_azimuth = settings.azimuth_bins;
+  bins.n_range = settings.range_bins;
+  const double sector_rad = settings.sector_deg * kPi / 180;
+  bins.azimuth_start_rad = -sector_rad / 2;
+  bins.azimuth_width_rad = sector_rad / settings.azimuth_bins;
+  bins.r_min_m = settings.r_min_m;
+  bins.r_max_m = settings.r_max_m;
+  bins.range_spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  return bins;
+}
+
+/// What the chosen frustum asks of scene and pose, beyond what validate() can know.
+void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
+  const RadarSettings& settings = plan.settings();
+  if (settings.frustum == FrustumKind::polar) return;
+  const Pose& pose = plan.pose();
+  const double ground_y_m = std::isnan(pose.ground_y_m) ? plan.extent().bottom_y_m : pose.ground_y_m;
+  const double above_ground_m = pose.antenna.m.y - ground_y_m;
+  // Equality is legal; the slack covers float32 heights.
+  if (settings.r_min_m < above_ground_m - 1e-6 * settings.r_min_m)
+    errors.push_back({"radar.r_min_m", metres(settings.r_min_m),
+                      "at least the antenna's height above the ground, " + metres(above_ground_m) +
+                          ", with the symmetric and oblique frusta; any with frustum.kind \"polar\""});
+  if (settings.frustum == FrustumKind::oblique && plan.extent().any && plan.box().kappa_m <= 0)
+    errors.push_back({"frustum.kind",
+                      "\"oblique\" with the antenna " + metres(-plan.box().kappa_m) +
+                          " below the highest ground or roof in the sector",
+                      "an antenna above it, or frustum.kind \"polar\""});
+}
+
+}  // namespace
+
+FramePlan::FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, const Pose& pose)
+    : scene_(std::move(scene)),
+      snapshot_(std::move(snapshot)),
+      pose_(pose),
+      sector_(snapshot_->settings, pose),
+      extent_(measure_sector(*scene_, sector_)),
+      box_(pose.antenna.m.y - extent_.bottom_y_m, extent_.top_y_m - extent_.bottom_y_m, sector_.r_min_m,
+           sector_.r_max_m, sector_.width_rad),
+      bins_(bin_grid(snapshot_->settings)),
+      wavelength_m_(kSpeedOfLight_m_s / (snapshot_->settings.frequency_ghz * 1e9)),
+      buildings_by_azimuth_(static_cast<std::size_t>(bins_.n_azimuth)),
+      seen_(scene_->world().buildings.list.size()) {
+  sort_buildings_by_azimuth();
+}
+
+void FramePlan::sort_buildings_by_azimuth() {
+  const Buildings& all = scene_->world().buildings;
+  for (std::uint32_t b = 0; b < all.list.size(); ++b) {
+    const std::uint32_t ring = all.list[b].first_ring;
+    const std::uint32_t begin = all.ring_start[ring];
+    const std::uint32_t end = all.ring_start[ring + 1];
+    if (begin == end) continue;
+    // Bearings of the outline's corners, unwrapped around its first one; the outline is far smaller than a
+    // half turn unless the antenna stands over it.
+    double nearest = HUGE_VAL;
+    double lowest = 0;
+    double highest = 0;
+    double first = 0;
+    bool around = false;
+    double previous = 0;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const auto x = static_cast<double>(all.ring_xz_m[k].x);
+      const auto z = static_cast<double>(all.ring_xz_m[k].y);
+      const double right = sector_.right_m(x, z);
+      const double ahead = sector_.ahead_m(x, z);
+      nearest = std::min(nearest, std::hypot(right, ahead));
+      const double bearing = std::atan2(right, ahead);
+      if (k == begin) first = previous = lowest = highest = bearing;
+      const double step = std::remainder(bearing - previous, 2 * kPi);
+      previous += step;
+      lowest = std::min(lowest, previous);
+      highest = std::max(highest, previous);
+    }
+    // The walk back to the first corner closes a full turn when the outline surrounds the antenna.
+    around = std::abs(previous + std::remainder(first - previous, 2 * kPi) - first) > kPi ||
+             highest - lowest > kPi;
+    if (nearest > sector_.r_max_m && !around) continue;
+    const auto add = [&](double from, double to) {
+      const double a = std::floor((from - bins_.azimuth_start_rad) / bins_.azimuth_width_rad - 1e-9);
+      const double z = std::floor((to - bins_.azimuth_start_rad) / bins_.azimuth_width_rad + 1e-9);
+      const int bin0 = static_cast<int>(std::max(0.0, a));
+      const int bin1 = static_cast<int>(std::min<double>(bins_.n_azimuth - 1, z));
+      for (int bin = bin0; bin <= bin1; ++bin) {
+        auto& list = buildings_by_azimuth_[static_cast<std::size_t>(bin)];
+        if (list.empty() || list.back() != b) list.push_back(b);
+      }
+    };
+    if (around) {
+      add(-kPi, kPi);
+    } else {
+      for (int turn = -1; turn <= 1; ++turn) add(lowest + turn * 2 * kPi, highest + turn * 2 * kPi);
+    }
+  }
+}
+
+std::uint32_t FramePlan::buildings_seen() const {
+  std::uint32_t n = 0;
+  for (const auto& flag : seen_) n += flag.load(std::memory_order_relaxed);
+  return n;
+}
+
+PlanResult plan_frame(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, const Pose& pose) {
+  PlanResult result;
+  auto plan = std::make_shared<FramePlan>(std::move(scene), std::move(snapshot), pose);
+  check_frustum(*plan, result.errors);
+  if (!result.errors.empty()) return result;
+  const RadarSettings& settings = plan->settings();
+  if (plan->extent_.any) {
+    switch (settings.frustum) {
+      case FrustumKind::oblique:
+        plan->camera_ = oblique_frustum(plan->box_, settings.pixel_columns, settings.pixel_rows);
+        break;
+      case FrustumKind::symmetric:
+        try {
+          plan->camera_ = symmetric_frustum(plan->box_, plan->sector_.width_rad, settings.pixel_columns,
+                                            settings.pixel_rows);
+        } catch (const InputError& error) {
+          result.errors.push_back({"frustum.kind", "\"symmetric\"", error.what()});
+          return result;
+        }
+        break;
+      case FrustumKind::polar:
+        plan->polar_ = polar_rows(plan->sector_, plan->extent_, plan->box_, plan->scene_->world().frame,
+                                  settings.pixel_rows);
+        break;
+    }
+  }
+  result.plan = std::move(plan);
+  return result;
+}
+
+}  // namespace obliq

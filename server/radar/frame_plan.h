@@ -1,0 +1,81 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/radar/bins.h"
+#include "server/radar/frustum.h"
+#include "server/radar/polar_rows.h"
+#include "server/radar/render.h"
+#include "server/radar/sector.h"
+
+namespace obliq {
+
+/// Edges of the bins. Azimuth offsets are clockwise from the sector's centre.
+struct BinGrid {
+  int n_azimuth = 0;
+  int n_range = 0;
+  double azimuth_start_rad = 0;  ///< -S/2
+  double azimuth_width_rad = 0;
+  double r_min_m = 0;
+  double r_max_m = 0;
+  double range_spacing_m = 0;
+
+  /// Range bin of a slant range: floor((r - r_min) / spacing), or -1 outside the swath.
+  int range_bin(double slant_range_m) const {
+    if (!(slant_range_m >= r_min_m && slant_range_m < r_max_m)) return -1;
+    const int bin = static_cast<int>((slant_range_m - r_min_m) / range_spacing_m);
+    return bin < n_range ? bin : n_range - 1;
+  }
+  double azimuth_edge_rad(double k) const { return azimuth_start_rad + k * azimuth_width_rad; }
+};
+
+/// Everything about a frame that its wedges share, worked out once. Immutable but for the seen-building
+/// flags.
+class FramePlan {
+ public:
+  FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, const Pose& pose);
+
+  const Scene& scene() const { return *scene_; }
+  const RadarSettings& settings() const { return snapshot_->settings; }
+  std::uint64_t settings_version() const { return snapshot_->version; }
+  const Pose& pose() const { return pose_; }
+  const Sector& sector() const { return sector_; }
+  const SectorExtent& extent() const { return extent_; }
+  const SectorBox& box() const { return box_; }
+  const BinGrid& bins() const { return bins_; }
+  /// Symmetric and oblique frusta; meaningless for polar.
+  const PerspectiveFrustum& camera() const { return camera_; }
+  const PolarRows& polar() const { return polar_; }
+  double wavelength_m() const { return wavelength_m_; }
+
+  /// Buildings whose bearings overlap an azimuth bin, by index, rising.
+  const std::vector<std::uint32_t>& buildings_in(int azimuth_bin) const {
+    return buildings_by_azimuth_[static_cast<std::size_t>(azimuth_bin)];
+  }
+
+  void mark_building_seen(std::uint32_t building) const {
+    seen_[building].store(1, std::memory_order_relaxed);
+  }
+  std::uint32_t buildings_seen() const;
+
+ private:
+  friend PlanResult plan_frame(std::shared_ptr<const Scene>, SettingsPtr, const Pose&);
+  void sort_buildings_by_azimuth();
+
+  std::shared_ptr<const Scene> scene_;
+  SettingsPtr snapshot_;
+  Pose pose_;
+  Sector sector_;
+  SectorExtent extent_;
+  SectorBox box_;
+  BinGrid bins_;
+  PerspectiveFrustum camera_;
+  PolarRows polar_;
+  double wavelength_m_;
+  std::vector<std::vector<std::uint32_t>> buildings_by_azimuth_;
+  mutable std::vector<std::atomic<std::uint8_t>> seen_;
+};
+
+}  // namespace obliq

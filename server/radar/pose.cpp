@@ -1,0 +1,69 @@
+#include "server/radar/pose.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/footprint_index.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kDegree_rad = std::numbers::pi / 180;
+
+std::string metres(double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.2f m", value);
+  return text;
+}
+
+}  // namespace
+
+std::optional<Pose> place_antenna(const World& world, const PoseSettings& settings,
+                                  std::vector<FieldError>& errors) {
+  const std::size_t errors_before = errors.size();
+  Pose pose;
+  pose.settings = settings;
+  Geodetic geodetic{settings.latitude_deg * kDegree_rad, settings.longitude_deg * kDegree_rad, 0};
+  // The ground under the antenna, found on the plumb line at height 0: the error that a higher point's tilted
+  // plumb line would make is below the cell size within 40 km of the origin.
+  const WorldPoint foot = world.frame.world_from_geodetic(geodetic);
+  pose.ground_y_m = world.grid.height_at_m(foot.m.x, foot.m.z);
+  switch (settings.height_reference) {
+    case HeightReference::datum:
+      geodetic.height_m = settings.height_m;
+      break;
+    case HeightReference::ellipsoid:
+      geodetic.height_m = settings.height_m - settings.geoid_undulation_m;
+      break;
+    case HeightReference::ground:
+      if (std::isnan(pose.ground_y_m)) {
+        errors.push_back({"antenna.height_reference", "\"ground\" where no ground is known",
+                          "\"datum\" or \"ellipsoid\", or a position inside the loaded terrain"});
+        return std::nullopt;
+      }
+      geodetic.height_m =
+          world.frame.geodetic_from_world({glm::dvec3(foot.m.x, pose.ground_y_m, foot.m.z)}).height_m +
+          settings.height_m;
+      break;
+  }
+  pose.antenna = world.frame.world_from_geodetic(geodetic);
+  const glm::dvec3& at = pose.antenna.m;
+  const double ground_y_m = world.grid.height_at_m(at.x, at.z);
+  if (!std::isnan(ground_y_m)) pose.ground_y_m = ground_y_m;
+  if (at.y <= pose.ground_y_m)
+    errors.push_back(
+        {"antenna.height_m", metres(pose.ground_y_m - at.y) + " below the ground",
+         "an antenna above the ground, which is there at " +
+             metres(world.frame.geodetic_from_world({glm::dvec3(at.x, pose.ground_y_m, at.z)}).height_m) +
+             " above the datum"});
+  if (const auto roof_y_m = roof_above(world.buildings, at))
+    errors.push_back({"antenna.height_m",
+                      "inside a building, " + metres(*roof_y_m - at.y) + " below its roof",
+                      "an antenna outside every building"});
+  pose.north_rad = world.frame.north_rad(geodetic);
+  pose.bearing_world_rad = settings.bearing_deg * kDegree_rad + pose.north_rad;
+  if (errors.size() != errors_before) return std::nullopt;
+  return pose;
+}
+
+}  // namespace obliq

@@ -1,0 +1,22 @@
+#pragma once
+#include <memory>
+
+#include "server/radar/batches.h"
+#include "server/radar/frame_plan.h"
+
+namespace obliq {
+
+/// Generates the rays of one wedge, batch by batch, in a fixed order that keeps packets compact: rows back
+/// and forth, packets running on across row ends. Every pixel of the frame belongs to exactly one azimuth
+/// bin, known before its ray is traced, because a ray stays in its vertical plane.
+class RaySource {
+ public:
+  virtual ~RaySource() = default;
+  /// Fills the batch; false when no ray was left.
+  virtual bool next(RayBatch& batch) = 0;
+};
+
+/// Rays of azimuth bins [range.first, range.first + range.count), from the plan's frustum.
+std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange range);
+
+}  // namespace obliq

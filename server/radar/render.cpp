@@ -1,0 +1,189 @@
+#include "server/radar/render.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "server/radar/batches.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/profile.h"
+#include "server/radar/ray_source.h"
+#include "server/radar/sample_tap.h"
+#include "server/radar/scattering.h"
+#include "server/radar/speckle.h"
+#include "server/radar/wedge_bins.h"
+#include "server/scene/embree_tracer.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+/// What the wedges of a frame share besides the plan.
+struct FrameTables {
+  ScatteringTable scattering;
+  SpeckleField speckle;
+
+  explicit FrameTables(const FramePlan& plan)
+      : scattering(plan.scene().materials(), plan.wavelength_m()),
+        speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(),
+                plan.bins().range_spacing_m, plan.bins().azimuth_width_rad, plan.settings().speckle_seed) {}
+};
+
+/// The buffers of one thread, reused from wedge to wedge.
+struct Workspace {
+  RayBatch rays;
+  std::array<RoughHit, kBatch> rough;
+  SampleBatch samples;
+  std::vector<FootprintSpan> spans;
+  ProfileResult profile;
+};
+
+/// Re-intersects rough hits in double and turns them into samples.
+void refine(const FramePlan& plan, const RayBatch& rays, const std::array<RoughHit, kBatch>& rough,
+            SampleTap* tap, SampleBatch& samples, FrameStats& stats) {
+  const World& world = plan.scene().world();
+  const Sector& sector = plan.sector();
+  samples.n = 0;
+  for (int ray = 0; ray < rays.n; ++ray) {
+    const auto k = static_cast<std::size_t>(ray);
+    if (rough[k].kind == RoughHit::Kind::none) continue;
+    const glm::dvec3 direction(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]);
+    const auto hit = refine_hit(world, sector.antenna_m, direction, rough[k]);
+    if (!hit) {
+      ++stats.rejected;
+      continue;
+    }
+    ++stats.hits;
+    const auto s = static_cast<std::size_t>(samples.n++);
+    samples.azimuth_bin[s] = rays.azimuth_bin[k];
+    samples.slant_range_m[s] = hit->slant_range_m;
+    samples.solid_angle_sr[s] = rays.solid_angle_sr[k];
+    samples.cos_incidence[s] = hit->cos_incidence;
+    samples.azimuth_offset_rad[s] = plan.bins().azimuth_edge_rad(rays.azimuth_bin[k] + 0.5);
+    samples.elevation_rad[s] = direction.y;
+    samples.x_m[s] = hit->position_m.x;
+    samples.z_m[s] = hit->position_m.z;
+    samples.face[s] = hit->face;
+    samples.material[s] = hit->material;
+    if (tap) {
+      const double right = direction.x * sector.cos_bearing - direction.z * sector.sin_bearing;
+      const double ahead = direction.x * sector.sin_bearing + direction.z * sector.cos_bearing;
+      tap->on_hit(rays.pixel[k], std::atan2(right, ahead), *hit);
+    }
+  }
+}
+
+/// Gives every bin without samples its state, and measures coverage.
+void decide_states(const FramePlan& plan, Workspace& work, Wedge& wedge) {
+  const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
+  for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
+    march_profile(plan, wedge.bins.first_azimuth + a, work.spans, work.profile);
+    wedge.stats.sector_area_m2 += work.profile.sector_area_m2;
+    wedge.stats.covered_area_m2 += work.profile.covered_area_m2;
+    std::uint8_t* state = wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range;
+    for (std::size_t r = 0; r < n_range; ++r) {
+      if (state[r] == static_cast<std::uint8_t>(BinState::sampled)) continue;
+      const BinState decided = work.profile.visible[r]   ? BinState::not_sampled
+                               : work.profile.present[r] ? BinState::shadow
+                                                         : BinState::no_surface;
+      state[r] = static_cast<std::uint8_t>(decided);
+    }
+  }
+}
+
+Wedge render_wedge(const FramePlan& plan, const FrameTables& tables, int index, AzimuthRange range,
+                   SampleTap* tap, Workspace& work) {
+  Wedge wedge;
+  wedge.index = index;
+  wedge.bins = BinBlock(range.first, range.count, plan.bins().n_range);
+  WedgeBins bins(plan, tables.scattering, tables.speckle, range);
+  const auto source = make_ray_source(plan, range);
+  while (source->next(work.rays)) {
+    wedge.stats.rays += static_cast<std::uint64_t>(work.rays.n);
+    plan.scene().tracer().trace(plan.sector().antenna_m, work.rays.dir_x.data(), work.rays.dir_y.data(),
+                                work.rays.dir_z.data(), work.rays.n, work.rough.data());
+    refine(plan, work.rays, work.rough, tap, work.samples, wedge.stats);
+    wedge.stats.samples += bins.add(work.samples);
+  }
+  bins.write(wedge.bins);
+  decide_states(plan, work, wedge);
+  return wedge;
+}
+
+}  // namespace
+
+int wedge_count(const RadarSettings& settings) {
+  return (settings.azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
+}
+
+bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options) {
+  const FrameTables tables(plan);
+  const int first = azimuths.first / kWedgeAzimuthBins;
+  const int end = std::min(wedge_count(plan.settings()),
+                           (azimuths.first + azimuths.count + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins);
+  std::atomic<int> next{first};
+  std::atomic<bool> failed{false};
+  std::exception_ptr failure;
+  std::mutex delivery;
+
+  const auto work_until_done = [&] {
+    const auto work = std::make_unique<Workspace>();
+    for (int index = next++; index < end; index = next++) {
+      if (options.stop.stop_requested() || failed) return;
+      try {
+        if (options.before_wedge) options.before_wedge(index);
+        const int bin = index * kWedgeAzimuthBins;
+        const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan.settings().azimuth_bins - bin)};
+        Wedge wedge = render_wedge(plan, tables, index, range, options.tap, *work);
+        const std::scoped_lock lock(delivery);
+        if (options.on_wedge && !failed) options.on_wedge(std::move(wedge));
+      } catch (...) {
+        if (!failed.exchange(true)) failure = std::current_exception();
+        return;
+      }
+    }
+  };
+
+  const int threads = options.threads > 0
+                          ? options.threads
+                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    tbb::parallel_for(
+        0, threads, [&](int) { work_until_done(); }, tbb::simple_partitioner());
+  });
+  if (failure) std::rethrow_exception(failure);
+  return !options.stop.stop_requested();
+}
+
+Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose,
+             AzimuthRange azimuths, const RenderOptions& options) {
+  const PlanResult planned = plan_frame(std::move(scene), std::move(settings), pose);
+  if (!planned.plan) {
+    std::string text;
+    for (const FieldError& error : planned.errors) text += (text.empty() ? "" : "; ") + error.text();
+    throw InputError(text);
+  }
+  const FramePlan& plan = *planned.plan;
+  Frame frame;
+  frame.bins = BinBlock(azimuths.first, azimuths.count, plan.bins().n_range);
+  std::vector<FrameStats> stats(static_cast<std::size_t>(wedge_count(plan.settings())));
+  RenderOptions with_copy = options;
+  with_copy.on_wedge = [&](Wedge&& wedge) {
+    stats[static_cast<std::size_t>(wedge.index)] = wedge.stats;
+    copy_azimuths(wedge.bins, frame.bins);
+    if (options.on_wedge) options.on_wedge(std::move(wedge));
+  };
+  render_wedges(plan, azimuths, with_copy);
+  for (const FrameStats& wedge : stats) frame.stats.add(wedge);  // in azimuth order: the same bits every time
+  return frame;
+}
+
+}  // namespace obliq

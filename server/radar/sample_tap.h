@@ -1,0 +1,16 @@
+#pragma once
+#include <cstdint>
+
+#include "server/scene/exact_hit.h"
+
+namespace obliq {
+
+/// Receives every hit of the ray sources with its pixel, for the perspective textures. Called from any
+/// thread, each pixel at most once.
+class SampleTap {
+ public:
+  virtual ~SampleTap() = default;
+  virtual void on_hit(std::uint32_t pixel, double azimuth_offset_rad, const ExactHit& hit) = 0;
+};
+
+}  // namespace obliq

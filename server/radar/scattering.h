@@ -1,0 +1,37 @@
+#pragma once
+#include <vector>
+
+#include "server/scene/materials.h"
+
+namespace obliq {
+
+/// Radar cross section of surface pieces, one row per material with its constants worked out (design section
+/// 3). Immutable.
+///
+/// Every model is written in the projected area A cos(theta) = solid_angle r^2, so that grazing stays finite:
+///   constant gamma     sigma = gamma area
+///   geometric optics   sigma = (R2 exp(-t^2 / 2 s^2) (1 + t^2)^(5/2) / (2 s^2) + gamma) area, t =
+///   tan(theta);
+///                      Ulaby & Long 2014, eq. 10-2 form for a Gaussian surface; the gamma floor keeps steep
+///                      faces visible
+///   flat plate         sigma = 4 pi tau(theta) area^2 / lambda^2, paper eq. (12) corrected
+class ScatteringTable {
+ public:
+  ScatteringTable(const std::vector<Material>& materials, double wavelength_m);
+
+  /// sigma, square metres. projected_area_m2 = solid angle x slant range^2; cos_incidence in 0..1.
+  double cross_section_m2(std::uint8_t material, double projected_area_m2, double cos_incidence) const;
+
+ private:
+  struct Row {
+    ScatteringModel model;
+    double gamma;
+    double peak;             // R2 / (2 s^2)
+    double over_two_slope2;  // 1 / (2 s^2)
+    double plate;            // 4 pi tau / lambda^2
+    double plate_exponent;
+  };
+  std::vector<Row> rows_;
+};
+
+}  // namespace obliq

@@ -1,0 +1,76 @@
+#include "server/radar/speckle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "server/radar/exact_math.h"
+
+namespace obliq {
+namespace {
+
+/// Cells of 1 mm at least, so that cell numbers fit 32 bits within 2,000 km.
+constexpr int kFinestLevel = -10;
+
+int octave_of(double slant_range_m) { return std::clamp(std::ilogb(slant_range_m), 0, 63); }
+
+}  // namespace
+
+SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m,
+                           double range_spacing_m, double azimuth_width_rad, std::int64_t seed)
+    : world_(world),
+      antenna_m_(antenna_m),
+      wavelength_m_(wavelength_m),
+      seed_(mix64(static_cast<std::uint64_t>(seed))) {
+  for (int octave = 0; octave < 64; ++octave) {
+    const double side = 0.5 * std::min(range_spacing_m, std::ldexp(azimuth_width_rad, octave));
+    level_of_octave_[octave] = static_cast<std::int16_t>(std::clamp(std::ilogb(side), kFinestLevel, 20));
+  }
+}
+
+Scatterer SpeckleField::scatterer(double slant_range_m, double x_m, double z_m, std::uint32_t face,
+                                  std::uint8_t material) const {
+  Scatterer s;
+  s.material = material;
+  s.face = face;
+  if (face != kNoFace) return s;
+  s.level = level_of_octave_[octave_of(slant_range_m)];
+  s.x_cell = static_cast<std::int32_t>(std::floor(std::ldexp(x_m, -s.level)));
+  s.z_cell = static_cast<std::int32_t>(std::floor(std::ldexp(z_m, -s.level)));
+  return s;
+}
+
+std::uint64_t SpeckleField::hash(const Scatterer& s) const {
+  if (s.face != kNoFace) return mix64(seed_ ^ world_.buildings.faces[s.face].identity);
+  const std::uint64_t place = static_cast<std::uint64_t>(static_cast<std::uint32_t>(s.x_cell)) << 32 |
+                              static_cast<std::uint32_t>(s.z_cell);
+  const std::uint64_t kind =
+      static_cast<std::uint64_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material;
+  return mix64(mix64(seed_ ^ place) ^ kind);
+}
+
+glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
+  if (s.face != kNoFace) return world_.buildings.faces[s.face].centre_m;
+  const double x = std::ldexp(s.x_cell + 0.5, s.level);
+  const double z = std::ldexp(s.z_cell + 0.5, s.level);
+  const double y = world_.grid.height_at_m(x, z);
+  // A cell whose centre has no ground (the edge of a void) takes the datum surface: fixed, like the rest.
+  return {x, std::isnan(y) ? world_.frame.ellipsoid_y_m(x, z) / world_.frame.radius_factor() : y, z};
+}
+
+std::complex<double> SpeckleField::response(const Scatterer& s) const {
+  const double range_m = glm::length(reference_point(s) - antenna_m_);
+  const std::uint64_t h = hash(s);
+  const double own_turns = static_cast<double>(h >> 32) * 0x1p-32;
+  // Phase in turns, -4 pi r / lambda = -2 pi (2 r / lambda): reduced modulo one turn before any sine.
+  const double round_trips = 2 * range_m / wavelength_m_;
+  const SinCos at = sincos_turns(own_turns - (round_trips - std::floor(round_trips)));
+  // Box and Muller 1958: |u|^2 = -ln(uniform) is exponential with mean 1.
+  const double modulus =
+      s.face != kNoFace
+          ? 1.0
+          : std::sqrt(-log_of_positive((static_cast<double>(h & 0xffffffffull) + 0.5) * 0x1p-32));
+  return {modulus * at.cos, modulus * at.sin};
+}
+
+}  // namespace obliq
