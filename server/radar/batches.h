@@ -32,7 +32,7 @@ struct SampleBatch {
   std::array<double, kBatch> cos_incidence;  ///< 0..1
   std::array<double, kBatch>
       azimuth_offset_rad;  ///< clockwise from the sector's centre, for the antenna pattern
-  std::array<double, kBatch> elevation_rad;
+  std::array<double, kBatch> sin_elevation;
   std::array<double, kBatch> x_m;  ///< world position, for the ground cell
   std::array<double, kBatch> z_m;
   std::array<std::uint32_t, kBatch> face;  ///< building face, kNoFace on ground

@@ -1,8 +1,5 @@
 #include "server/radar/render.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -67,7 +64,7 @@ void refine(const FramePlan& plan, const RayBatch& rays, const std::array<RoughH
     samples.solid_angle_sr[s] = rays.solid_angle_sr[k];
     samples.cos_incidence[s] = hit->cos_incidence;
     samples.azimuth_offset_rad[s] = plan.bins().azimuth_edge_rad(rays.azimuth_bin[k] + 0.5);
-    samples.elevation_rad[s] = direction.y;
+    samples.sin_elevation[s] = direction.y;
     samples.x_m[s] = hit->position_m.x;
     samples.z_m[s] = hit->position_m.z;
     samples.face[s] = hit->face;
@@ -154,11 +151,11 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
   const int threads = options.threads > 0
                           ? options.threads
                           : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    tbb::parallel_for(
-        0, threads, [&](int) { work_until_done(); }, tbb::simple_partitioner());
-  });
+  {
+    std::vector<std::jthread> helpers;
+    for (int t = 1; t < threads; ++t) helpers.emplace_back(work_until_done);
+    work_until_done();
+  }
   if (failure) std::rethrow_exception(failure);
   return !options.stop.stop_requested();
 }

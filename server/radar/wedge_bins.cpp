@@ -39,7 +39,7 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
     const double sigma = scattering_.cross_section_m2(samples.material[k], samples.solid_angle_sr[k] * r2,
                                                       samples.cos_incidence[k]);
     // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
-    const double gain = pattern.power_gain(samples.azimuth_offset_rad[k], samples.elevation_rad[k]);
+    const double gain = pattern.power_gain(samples.azimuth_offset_rad[k], samples.sin_elevation[k]);
     const double power = range_constant_ * gain * gain * sigma / (normalise ? 1.0 : r2 * r2);
     const auto bin =
         static_cast<std::uint32_t>((samples.azimuth_bin[k] - range_.first) * bins.n_range + range_bin);

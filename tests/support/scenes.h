@@ -1,0 +1,63 @@
+#pragma once
+// Small scenes for tests, and where real data is.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/radar/render.h"
+#include "server/scene/scene.h"
+#include "terrain/world.h"
+
+namespace obliq::test {
+
+/// The shared data folder: $OBLIQ_SHARED, else `shared` beside the project's root. May not exist.
+inline std::filesystem::path shared_data() {
+  if (const char* set = std::getenv("OBLIQ_SHARED")) return std::filesystem::path(set) / "data";
+  return std::filesystem::path(OBLIQ_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
+inline std::vector<Material> two_materials() {
+  Material terrain;
+  terrain.name = "terrain";
+  Material building;
+  building.name = "building";
+  building.model = ScatteringModel::geometric_optics;
+  building.gamma = 0.1;
+  return {terrain, building};
+}
+
+inline WorldSpec synthetic_spec(SyntheticKind kind, double reach_m, double cell_m) {
+  WorldSpec spec;
+  spec.terrain.synthetic = kind;
+  spec.terrain.cell_m = cell_m;
+  spec.radius_factor = std::numeric_limits<double>::infinity();
+  spec.origin = {-99.5, 33.0};
+  spec.reaches = {{spec.origin, reach_m}};
+  return spec;
+}
+
+inline std::shared_ptr<const Scene> make_scene(World world,
+                                               std::vector<Material> materials = two_materials()) {
+  return std::make_shared<const Scene>(std::make_shared<const World>(std::move(world)), std::move(materials),
+                                       0);
+}
+
+inline SettingsPtr snapshot(const RadarSettings& settings) {
+  return std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
+}
+
+/// An antenna over the origin of synthetic_spec, looking north.
+inline Pose pose_over_origin(const World& world, double height_m, double bearing_deg = 0) {
+  PoseSettings settings;
+  settings.latitude_deg = 33.0;
+  settings.longitude_deg = -99.5;
+  settings.height_m = height_m;
+  settings.bearing_deg = bearing_deg;
+  std::vector<FieldError> errors;
+  const auto pose = place_antenna(world, settings, errors);
+  if (!pose) throw std::runtime_error(errors.front().text());
+  return *pose;
+}
+
+}  // namespace obliq::test
