@@ -169,6 +169,12 @@ std::string toml_string(std::string_view text) {
   return quoted + '"';
 }
 
+std::string toml_key(std::string_view name) {
+  constexpr std::string_view kBare = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  const bool bare = !name.empty() && name.find_first_not_of(kBare) == std::string_view::npos;
+  return bare ? std::string(name) : toml_string(name);
+}
+
 std::string toml_text(const Value& value) {
   return std::visit(
       [](const auto& v) -> std::string {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <variant>
 
-#include "server/radar/materials.h"
 #include "server/radar/settings.h"
+#include "server/scene/materials.h"
 #include "terrain/errors.h"
 #include "terrain/world_spec.h"
 
@@ -68,5 +68,6 @@ std::string allowed_text(const Key& key, const Slot& slot);
 std::string toml_text(const Value& value);
 std::string toml_number(double value);
 std::string toml_string(std::string_view text);
+std::string toml_key(std::string_view name);  ///< bare where it can be, else quoted
 
 }  // namespace obliq

@@ -1,0 +1,30 @@
+#pragma once
+// The arguments that every program with a scene file shares.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/control/scene_config.h"
+
+namespace CLI {
+class App;
+}
+
+namespace obliq {
+
+struct SceneArguments {
+  std::string file;
+  std::vector<std::string> set;  ///< KEY=VALUE
+  bool check = false;
+  bool print = false;
+};
+
+/// Adds the scene file (`name`: "SCENE" for a positional one, "--config" for an option), --set,
+/// --check-config and --print-config. `arguments` must outlive the parsing.
+void add_scene_arguments(CLI::App& app, const std::string& name, SceneArguments& arguments);
+
+/// Loads the scene file. Nothing when --check-config or --print-config was asked for: that has then been
+/// done, and the program is to end. Throws InputError.
+std::optional<SceneConfig> open_scene(const SceneArguments& arguments);
+
+}  // namespace obliq

@@ -1,0 +1,43 @@
+#pragma once
+// A configuration as it was written, before anyone knows what it means: names, values, and where each stood.
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/control/key.h"
+
+namespace obliq {
+
+struct ConfigNode {
+  enum class Kind { value, array, table, date };
+
+  Kind kind = Kind::table;
+  std::string key;                ///< its name in the table that holds it
+  Value value;                    ///< kind value
+  std::vector<ConfigNode> items;  ///< of an array or a table
+  std::string where;              ///< "scene.toml:12", "--set radar.r_max_m", "OBLIQ_RADAR_R_MAX_M"
+  std::string raw;                ///< as typed, for flags and environment; a file's nodes have none
+  bool from_file = true;
+
+  const ConfigNode* find(std::string_view name) const;
+  ConfigNode* find(std::string_view name);
+  /// The table of that name, made if there is none. Null if something else has the name.
+  ConfigNode* table(std::string_view name);
+  /// What is there, for a message: the value, or "a list", "a table", "a date or time".
+  std::string found_text() const;
+};
+
+/// Reads a TOML file. Throws InputError "FILE:LINE: ..." when it cannot be read or is no TOML.
+ConfigNode parse_config_file(const std::filesystem::path& path);
+
+/// One typed value from a flag or the environment: TOML where it is TOML, else the text itself.
+ConfigNode parse_config_value(std::string_view text, std::string where);
+
+/// Wraps a value into the tables of a dotted key: "a.b" = 1 becomes {a: {b: 1}}.
+ConfigNode nest(std::string_view dotted_key, ConfigNode value);
+
+/// Lays `patch` over `base`: tables join, anything else is replaced.
+void merge(ConfigNode& base, const ConfigNode& patch);
+
+}  // namespace obliq

@@ -1,0 +1,73 @@
+#include "server/control/material_library.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace obliq {
+
+namespace {
+
+// Constant gamma, sigma0 = gamma cos(theta), at 10 GHz. It describes the plateau of land clutter, grazing
+// angles from a few degrees to about 60; elsewhere it is a stand-in. Gamma grows with frequency by about
+// 5 log10(f / 10 GHz) dB, which is not applied: at another band, set gamma_db.
+//   [L] M. W. Long, Radar Reflectivity of Land and Sea, 3rd ed., Artech House 2001
+//   [N] F. E. Nathanson, Radar Design Principles, 2nd ed., SciTech 1999
+constexpr double kFarmland_db = -15;    // [N] farmland
+constexpr double kSeaState3_db = -40;   // [L] sea state 3; still water returns less
+constexpr double kMetropolitan_db = 0;  // [L] metropolitan
+constexpr double kWoods_db = -15;       // [L] woods; wooded hills are -10 in [N]
+constexpr double kTerrain_db = 0;       // the reference: bins then show geometry, not land cover
+
+Material diffuse(const char* name, double gamma_db) {
+  Material material;
+  material.name = name;
+  material.gamma = from_db(gamma_db);
+  return material;
+}
+
+/// Highly specular, as the paper has its buildings, over a floor of what towns return on average.
+Material building() {
+  Material material;
+  material.name = "building";
+  material.model = ScatteringModel::geometric_optics;
+  material.gamma = from_db(kMetropolitan_db);
+  return material;
+}
+
+}  // namespace
+
+std::vector<Material> shipped_materials() {
+  return {diffuse("terrain", kTerrain_db),    building(),
+          diffuse("ground", kFarmland_db),    diffuse("water", kSeaState3_db),
+          diffuse("urban", kMetropolitan_db), diffuse("forest", kWoods_db)};
+}
+
+std::optional<std::size_t> find_material(const std::vector<Material>& materials, std::string_view name) {
+  const auto found = std::ranges::find(materials, name, &Material::name);
+  if (found == materials.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - materials.begin());
+}
+
+double from_db(double decibel) { return std::pow(10.0, decibel / 10); }
+
+double to_db(double ratio) {
+  const double exact = 10 * std::log10(ratio);
+  for (int digits = 1; digits <= 17; ++digits) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.*g", digits, exact);
+    const double rounded = std::strtod(text, nullptr);
+    if (from_db(rounded) == ratio) return rounded;
+  }
+  for (double up = exact, down = exact; up < exact + 1e-9;) {  // the logarithm's own rounding
+    up = std::nextafter(up, INFINITY);
+    down = std::nextafter(down, -INFINITY);
+    if (from_db(up) == ratio) return up;
+    if (from_db(down) == ratio) return down;
+    if (up - exact > 1e-13 * std::max(1.0, std::abs(exact))) break;
+  }
+  return exact;
+}
+
+}  // namespace obliq

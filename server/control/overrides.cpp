@@ -1,0 +1,159 @@
+#include "server/control/overrides.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "server/control/parameters.h"
+#include "server/control/scene_keys.h"
+
+namespace obliq {
+
+namespace {
+
+using Kind = ConfigNode::Kind;
+
+constexpr std::array<std::string_view, 3> kRadarSections{"antenna", "frustum", "bins"};
+
+/// frustum.pixels = 512 or [512, 256] becomes pixel_columns and pixel_rows. What is neither stays, and the
+/// reader refuses it.
+void split_pixels(ConfigNode& holder) {
+  ConfigNode* frustum = holder.find("frustum");
+  if (frustum == nullptr || frustum->kind != Kind::table) return;
+  const ConfigNode* pixels = frustum->find("pixels");
+  if (pixels == nullptr || frustum->find("pixel_columns") || frustum->find("pixel_rows")) return;
+  std::array<ConfigNode, 2> sides;
+  if (pixels->kind == Kind::value) {
+    sides = {*pixels, *pixels};
+  } else if (pixels->kind == Kind::array && pixels->items.size() == 2) {
+    sides = {pixels->items[0], pixels->items[1]};
+  } else {
+    return;
+  }
+  sides[0].key = "pixel_columns";
+  sides[1].key = "pixel_rows";
+  std::erase_if(frustum->items, [](const ConfigNode& n) { return n.key == "pixels"; });
+  for (ConfigNode& side : sides) frustum->items.push_back(std::move(side));
+}
+
+/// The tables of the radars: [radar], or each [[radar]]. One is made where there is none.
+std::vector<ConfigNode*> radar_tables(ConfigNode& root) {
+  std::vector<ConfigNode*> tables;
+  ConfigNode* radar = root.find("radar");
+  if (radar == nullptr) radar = root.table("radar");
+  if (radar->kind == Kind::table) tables.push_back(radar);
+  if (radar->kind == Kind::array)
+    for (ConfigNode& item : radar->items)
+      if (item.kind == Kind::table) tables.push_back(&item);
+  return tables;
+}
+
+std::string radar_name(const ConfigNode& table) {
+  const ConfigNode* name = table.find("name");
+  const auto* text = name != nullptr ? std::get_if<std::string>(&name->value) : nullptr;
+  return text != nullptr ? *text : RadarConfig{}.name;
+}
+
+/// Lays a nested patch over the tree. The radar sections go into every radar's own table (or the named
+/// one's), where they beat what the file says for all.
+bool lay_over(ConfigNode& root, const ConfigNode& patch, const std::string& only_radar) {
+  ConfigNode for_radar;
+  ConfigNode for_all;
+  for (const ConfigNode& section : patch.items) {
+    if (section.key == "radar" && section.kind == Kind::table) {
+      for (const ConfigNode& item : section.items) for_radar.items.push_back(item);
+    } else if (std::ranges::find(kRadarSections, section.key) != kRadarSections.end()) {
+      for_radar.items.push_back(section);
+    } else {
+      for_all.items.push_back(section);
+    }
+  }
+  bool found = false;
+  if (!for_radar.items.empty()) {
+    for (ConfigNode* table : radar_tables(root)) {
+      if (!only_radar.empty() && radar_name(*table) != only_radar) continue;
+      merge(*table, for_radar);
+      found = true;
+    }
+  }
+  if (only_radar.empty()) merge(root, for_all);
+  return found || only_radar.empty();
+}
+
+std::string variable_name(std::string_view key) {
+  std::string name = "OBLIQ_";
+  for (const char c : key)
+    name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// Every dotted key that a variable can name.
+std::vector<std::string> keys_for_environment() {
+  std::vector<std::string> keys;
+  for (const Parameter& p : parameters()) keys.emplace_back(p.key.name);
+  for (const auto& entry : scene_entries()) keys.emplace_back(entry.key.name);
+  for (const SpecialKey& special : special_keys())
+    if (special.name.starts_with("terrain.") || special.name.starts_with("frustum."))
+      keys.emplace_back(special.name);
+  return keys;
+}
+
+void apply_environment(ConfigNode& root, Complaints& complaints) {
+  const std::vector<std::string> keys = keys_for_environment();
+  std::vector<std::string> names;
+  for (const std::string& key : keys) names.push_back(variable_name(key));
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text(*variable);
+    const std::size_t equals = text.find('=');
+    const std::string name(text.substr(0, equals));
+    // OBLIQ_ alone is not ours to claim: only names that begin like one of our sections.
+    const bool ours = std::ranges::any_of(keys, [&](const std::string& key) {
+      return name.starts_with(variable_name(key.substr(0, key.find('.') + 1)));
+    });
+    if (!ours || equals == std::string_view::npos) continue;
+    const auto known = std::ranges::find(names, name);
+    if (known == names.end()) {
+      const std::string near = nearest_name(name, names);
+      complaints.add("environment", {name, "an unknown key",
+                                     near.empty() ? "see `obliq parameters`" : "did you mean " + near + "?"});
+      continue;
+    }
+    const std::string& key = keys[static_cast<std::size_t>(known - names.begin())];
+    ConfigNode patch = nest(key, parse_config_value(text.substr(equals + 1), "environment " + name));
+    split_pixels(patch);
+    lay_over(root, patch, "");
+  }
+}
+
+void apply_flag(ConfigNode& root, const std::string& flag, Complaints& complaints) {
+  const std::size_t equals = flag.find('=');
+  std::string key = flag.substr(0, equals);
+  const std::size_t colon = key.rfind(':');
+  const std::string only_radar = colon == std::string::npos ? "" : key.substr(0, colon);
+  if (colon != std::string::npos) key.erase(0, colon + 1);
+  const bool has_parts = key.find('.') != std::string::npos && key.front() != '.' && key.back() != '.' &&
+                         key.find("..") == std::string::npos && std::ranges::count(key, '.') < 8;
+  if (equals == std::string::npos || !has_parts || colon == 0) {
+    complaints.add("--set",
+                   {toml_string(flag), "no key and value", "KEY=VALUE, such as radar.r_max_m=37000"});
+    return;
+  }
+  ConfigNode patch = nest(key, parse_config_value(std::string_view(flag).substr(equals + 1), "--set " + key));
+  split_pixels(patch);
+  if (!lay_over(root, patch, only_radar))
+    complaints.add("--set", {key, "a radar named " + toml_string(only_radar),
+                             "a radar of the scene file and a radar parameter"});
+}
+
+}  // namespace
+
+void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Complaints& complaints) {
+  split_pixels(root);
+  for (ConfigNode* table : radar_tables(root)) split_pixels(*table);
+  apply_environment(root, complaints);
+  for (const std::string& flag : flags) apply_flag(root, flag, complaints);
+}
+
+}  // namespace obliq

@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "server/control/complaints.h"
+#include "server/control/config_tree.h"
+
+namespace obliq {
+
+/// Lays the environment (OBLIQ_RADAR_R_MAX_M and its like) and then the flags over a scene file's tree. A
+/// flag is KEY=VALUE, for all radars, or NAME:KEY=VALUE, for the radar of that name. Values are TOML; texts
+/// need no quotes. Also splits every frustum.pixels into columns and rows.
+void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Complaints& complaints);
+
+}  // namespace obliq

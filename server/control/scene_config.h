@@ -1,0 +1,24 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "server/control/radar_config.h"
+#include "server/control/server_config.h"
+#include "server/scene/materials.h"
+#include "terrain/world_spec.h"
+
+namespace obliq {
+
+/// A scene file, read and checked: everything that a program needs to start.
+struct SceneConfig {
+  std::string name;                 ///< the file's name without folder and extension
+  std::filesystem::path path;       ///< the file
+  WorldSpec world;                  ///< origin, reaches and footprint filled in from the radars
+  std::vector<Material> materials;  ///< by material id
+  std::vector<RadarConfig> radars;  ///< at least one; valid; names differ
+  int threads = 0;                  ///< 0: all cores
+  ServerConfig server;
+};
+
+}  // namespace obliq

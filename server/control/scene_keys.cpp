@@ -1,0 +1,175 @@
+#include "server/control/scene_keys.h"
+
+#include <array>
+#include <limits>
+
+namespace obliq {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The lists follow their enumerations.
+constexpr std::array kSyntheticKinds{Choice{"none"}, Choice{"flat"}, Choice{"ramp"}, Choice{"ridge"},
+                                     Choice{"wall"}, Choice{"cone"}, Choice{"hills"}};
+constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"}};
+constexpr std::array kVerticalUnits{Choice{"m"}, Choice{"ft"}, Choice{"us_ft"}};
+
+using Scene = SceneConfig;
+const std::array kScene{
+    Entry<Scene>{{"terrain.synthetic", "", {}, kSyntheticKinds, "Made-up ground instead of a dem."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.synthetic; }},
+    Entry<Scene>{{"terrain.fill_void_m",
+                  "m",
+                  closed(0, 100e3),
+                  {},
+                  "Voids no wider than this are filled by interpolation; wider ones are no ground."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.fill_void_m; }},
+    Entry<Scene>{{"terrain.shape.height_m",
+                  "m",
+                  closed(0, 9000),
+                  {},
+                  "Crest of ridge and wall, top of the cone, relief of the hills."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.shape.height_m; }},
+    Entry<Scene>{
+        {"terrain.shape.base_m", "m", closed(-1000, 9000), {}, "Height of the ground around the shape."},
+        [](Scene& c) -> Slot { return &c.world.terrain.shape.base_m; }},
+    Entry<Scene>{{"terrain.shape.slope", "", closed(-2, 2), {}, "Rise over run of the ramp."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.shape.slope; }},
+    Entry<Scene>{{"terrain.shape.bearing_deg",
+                  "deg",
+                  closed(-360, 360),
+                  {},
+                  "Uphill of the ramp; from the origin to the crest of ridge and wall."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.shape.bearing_deg; }},
+    Entry<Scene>{{"terrain.shape.distance_m",
+                  "m",
+                  closed(0, 500e3),
+                  {},
+                  "Ground distance of crest or apex from the origin."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.shape.distance_m; }},
+    Entry<Scene>{{"terrain.shape.width_m",
+                  "m",
+                  above(0, 500e3),
+                  {},
+                  "Foot to foot of the ridge, thickness of the wall, base radius of the cone."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.shape.width_m; }},
+    Entry<Scene>{{"terrain.shape.seed", "", {}, {}, "Another seed, other hills."},
+                 [](Scene& c) -> Slot { return &c.world.terrain.shape.seed; }},
+    Entry<Scene>{
+        {"earth.radius_factor",
+         "",
+         {0.5, kInfinity, false, false},
+         {},
+         "Effective earth: 4/3 standard refraction (a rule for antennas up to 3 km), 1 vacuum, inf flat."},
+        [](Scene& c) -> Slot { return &c.world.radius_factor; }},
+    Entry<Scene>{{"run.threads", "", closed(0, 1024), {}, "Threads that render; 0: all cores."},
+                 [](Scene& c) -> Slot { return &c.threads; }},
+    Entry<Scene>{{"server.address", "", {}, {}, "Address that the daemon binds to."},
+                 [](Scene& c) -> Slot { return &c.server.address; }},
+    Entry<Scene>{{"server.port", "", closed(0, 65535), {}, "TCP port; 0: any free one."},
+                 [](Scene& c) -> Slot { return &c.server.port; }},
+    Entry<Scene>{{"server.max_clients", "", closed(1, 10000), {}, "Clients served at a time."},
+                 [](Scene& c) -> Slot { return &c.server.max_clients; }},
+    Entry<Scene>{
+        {"server.max_request_bytes", "", closed(1024, 64 << 20), {}, "Longest message a client may send."},
+        [](Scene& c) -> Slot { return &c.server.max_request_bytes; }},
+    Entry<Scene>{{"server.handshake_timeout_s",
+                  "s",
+                  closed(0.01, 3600),
+                  {},
+                  "A connection that has not said hello by then is closed."},
+                 [](Scene& c) -> Slot { return &c.server.handshake_timeout_s; }},
+    Entry<Scene>{
+        {"server.max_bins", "", closed(1, 8192.0 * 8192.0), {}, "Most bins a client may ask for in a frame."},
+        [](Scene& c) -> Slot { return &c.server.max_bins; }},
+    Entry<Scene>{{"server.queue_frames", "", closed(1, 1000), {}, "Frames that wait for a slow client."},
+                 [](Scene& c) -> Slot { return &c.server.queue_frames; }},
+};
+
+using Houses = BuildingSourceSpec;
+const std::array kBuildings{
+    Entry<Houses>{{"layer", "", {}, {}, "Layer of the source; empty: the first."},
+                  [](Houses& b) -> Slot { return &b.layer; }},
+    Entry<Houses>{{"height_field", "", {}, {}, "Field that holds the height."},
+                  [](Houses& b) -> Slot { return &b.height_field; }},
+    Entry<Houses>{{"default_height_m", "m", above(0, 2000), {}, "Height of buildings that name none."},
+                  [](Houses& b) -> Slot { return &b.default_height_m; }},
+};
+
+const std::array kPrisms{
+    Entry<PrismSpec>{{"per_km2", "1/km2", closed(0, 100000), {}, "Prisms per square kilometre."},
+                     [](PrismSpec& p) -> Slot { return &p.per_km2; }},
+    Entry<PrismSpec>{{"seed", "", {}, {}, "Another seed, other prisms."},
+                     [](PrismSpec& p) -> Slot { return &p.seed; }},
+};
+
+const std::array kSurfaces{
+    Entry<SurfaceSpec>{{"layer", "", {}, {}, "Layer of the source; empty: the first."},
+                       [](SurfaceSpec& s) -> Slot { return &s.layer; }},
+    Entry<SurfaceSpec>{{"where", "", {}, {}, "OGR attribute filter; empty: every feature."},
+                       [](SurfaceSpec& s) -> Slot { return &s.where; }},
+};
+
+const std::array kMaterials{
+    Entry<MaterialKeys>{{"model", "", {}, kModels, "How it scatters."},
+                        [](MaterialKeys& m) -> Slot { return &m.material.model; }},
+    Entry<MaterialKeys>{{"gamma_db",
+                         "dB",
+                         closed(-200, 60),
+                         {},
+                         "Constant gamma; under geometric optics the floor off the specular direction."},
+                        [](MaterialKeys& m) -> Slot { return &m.gamma_db; }},
+    Entry<MaterialKeys>{{"reflectivity", "", closed(0, 1), {}, "Geometric optics: power reflected head on."},
+                        [](MaterialKeys& m) -> Slot { return &m.material.reflectivity; }},
+    Entry<MaterialKeys>{{"rms_slope", "", closed(0.001, 10), {}, "Geometric optics: one-axis rms slope."},
+                        [](MaterialKeys& m) -> Slot { return &m.material.rms_slope; }},
+    Entry<MaterialKeys>{{"plate_tau", "", closed(0, 1e6), {}, "Flat plate: tau head on."},
+                        [](MaterialKeys& m) -> Slot { return &m.material.plate_tau; }},
+    Entry<MaterialKeys>{
+        {"plate_exponent", "", closed(0, 1000), {}, "Flat plate: tau falls as this power of cos(incidence)."},
+        [](MaterialKeys& m) -> Slot { return &m.material.plate_exponent; }},
+};
+
+constexpr std::array kSpecial{
+    SpecialKey{"terrain.dem", "a path or a list of paths", "",
+               "Elevation models: any GDAL paths; this or synthetic."},
+    SpecialKey{"terrain.unit", "\"m\" | \"ft\" | \"us_ft\"", "what the file says",
+               "Unit of the dem's heights."},
+    SpecialKey{"terrain.crs", "any text GDAL understands", "what the file says",
+               "For a dem that carries none."},
+    SpecialKey{"terrain.area", "[west, south, east, north] or [[lon, lat], ...] in degrees",
+               "the radars' reach and 25 %", "What is loaded."},
+    SpecialKey{"terrain.cell_m", "\"auto\" or a number 0.03125 to 10000 m", "\"auto\"",
+               "Spacing of the ground grid."},
+    SpecialKey{"frustum.pixels", "a number, or [columns, rows]", "2048",
+               "Sets pixel_columns and pixel_rows."},
+    SpecialKey{"buildings.source", "a path", "", "Outlines: any OGR path."},
+    SpecialKey{"buildings.unit", "\"m\" | \"ft\"", "\"m\"", "Unit of bare numbers in the height field."},
+    SpecialKey{"buildings.material", "a material's name", "\"building\"",
+               "What roofs and walls are made of."},
+    SpecialKey{"prisms.within", "a path, or [[lon, lat], ...] in degrees", "all that is loaded",
+               "Polygons that prisms stand in."},
+    SpecialKey{"prisms.width_m", "[least, most], or one number, 0.5 to 1000 m", "[10.0, 30.0]",
+               "Shorter side."},
+    SpecialKey{"prisms.length_m", "[least, most], or one number, 0.5 to 1000 m", "[10.0, 50.0]",
+               "Longer side."},
+    SpecialKey{"prisms.height_m", "[least, most], or one number, 0.5 to 1000 m", "[4.0, 30.0]", "Height."},
+    SpecialKey{"prisms.material", "a material's name", "\"building\"", "What roofs and walls are made of."},
+    SpecialKey{"surfaces.source", "a path", "", "OGR polygons or a GDAL class raster."},
+    SpecialKey{"surfaces.classes", "a list of integers", "[]",
+               "Class raster: the values that mean this material."},
+    SpecialKey{"surfaces.material", "a material's name", "", "What the ground there is made of."},
+};
+
+}  // namespace
+
+std::span<const Entry<SceneConfig>> scene_entries() { return kScene; }
+std::span<const Entry<BuildingSourceSpec>> building_entries() { return kBuildings; }
+std::span<const Entry<PrismSpec>> prism_entries() { return kPrisms; }
+std::span<const Entry<SurfaceSpec>> surface_entries() { return kSurfaces; }
+std::span<const Entry<MaterialKeys>> material_entries() { return kMaterials; }
+std::span<const SpecialKey> special_keys() { return kSpecial; }
+std::span<const Choice> vertical_units() { return kVerticalUnits; }
+
+}  // namespace obliq
