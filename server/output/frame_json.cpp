@@ -1,0 +1,103 @@
+#include "server/output/frame_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "proto/obliq.pb.h"
+
+namespace obliq {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+Json number(double value) {
+  if (std::isfinite(value)) return value;
+  return value > 0 ? "inf" : "-inf";
+}
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+Json from_message(const Message& message) {
+  Json object = Json::object();
+  const Reflection& reflection = *message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor* field = message.GetDescriptor()->field(i);
+    if (field->is_repeated()) {
+      Json list = Json::array();
+      for (int k = 0; k < reflection.FieldSize(message, field); ++k) {
+        if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE)
+          list.push_back(from_message(reflection.GetRepeatedMessage(message, field, k)));
+        else
+          list.push_back(reflection.GetRepeatedString(message, field, k));
+      }
+      object[field->name()] = std::move(list);
+      continue;
+    }
+    switch (field->cpp_type()) {
+      case FieldDescriptor::CPPTYPE_MESSAGE:
+        object[field->name()] = from_message(reflection.GetMessage(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_STRING:
+        object[field->name()] = reflection.GetString(message, field);
+        break;
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        object[field->name()] = number(reflection.GetDouble(message, field));
+        break;
+      case FieldDescriptor::CPPTYPE_BOOL:
+        object[field->name()] = reflection.GetBool(message, field);
+        break;
+      case FieldDescriptor::CPPTYPE_INT32:
+        object[field->name()] = reflection.GetInt32(message, field);
+        break;
+      case FieldDescriptor::CPPTYPE_INT64:
+        object[field->name()] = reflection.GetInt64(message, field);
+        break;
+      case FieldDescriptor::CPPTYPE_UINT32:
+        object[field->name()] = reflection.GetUInt32(message, field);
+        break;
+      case FieldDescriptor::CPPTYPE_UINT64:
+        object[field->name()] = reflection.GetUInt64(message, field);
+        break;
+      case FieldDescriptor::CPPTYPE_ENUM:
+        object[field->name()] = lower(reflection.GetEnum(message, field)->name());
+        break;
+      case FieldDescriptor::CPPTYPE_FLOAT:
+        object[field->name()] = number(static_cast<double>(reflection.GetFloat(message, field)));
+        break;
+    }
+  }
+  return object;
+}
+
+Json edges(double start, double width, int bins) {
+  Json list = Json::array();
+  for (int k = 0; k <= bins; ++k) list.push_back(start + k * width);
+  return list;
+}
+
+}  // namespace
+
+std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary) {
+  Json root;
+  root["frame"] = from_message(descriptor);
+  root["summary"] = from_message(summary);
+  // A live server numbers its frames; the files of a frame do not depend on how many came before.
+  root["frame"].erase("frame_id");
+  root["frame"].erase("settings_version");
+  root["summary"].erase("frame_id");
+  root["bin_states"] = {{"0", "not sampled"}, {"1", "sampled"}, {"2", "shadow"}, {"3", "no known surface"}};
+  root["azimuth_edges_deg"] = edges(descriptor.azimuth_start_deg(), descriptor.azimuth_width_deg(),
+                                    descriptor.settings().azimuth_bins());
+  root["range_edges_m"] =
+      edges(descriptor.range_start_m(), descriptor.range_spacing_m(), descriptor.settings().range_bins());
+  return root.dump(1) + "\n";
+}
+
+}  // namespace obliq

@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+
+namespace obliq::wire {
+class FrameDescriptor;
+class FrameSummary;
+}  // namespace obliq::wire
+
+namespace obliq {
+
+/// frame.json: every field of descriptor and summary under its protobuf name, and the bin edges. Numbers are
+/// written so that they read back to the same double; infinity, which JSON lacks, as "inf".
+std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary);
+
+}  // namespace obliq
