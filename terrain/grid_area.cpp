@@ -15,6 +15,9 @@ constexpr double kDegree_rad = std::numbers::pi / 180;
 /// A meridian or parallel leaves its chord by s^2 / 8R tan(latitude): a few centimetres on this length.
 constexpr double kLongestAreaEdge_deg = 0.01;
 
+/// Node coordinates on the quantum are exact in float32 up to here.
+constexpr double kFurthest_m = 0x1p19;
+
 void require_position(const LonLat& p, const char* field) {
   if (std::isfinite(p.longitude_deg) && std::isfinite(p.latitude_deg) && std::abs(p.latitude_deg) <= 90 &&
       std::abs(p.longitude_deg) <= 540) {
@@ -97,6 +100,13 @@ HeightGrid empty_grid(const Rect& rect, double cell_m) {
   if (!(cell_m > 0) || !std::isfinite(cell_m)) {
     throw InputError("[terrain] cell_m: found " + std::to_string(cell_m) +
                      "; allowed: a positive number of metres or \"auto\"");
+  }
+  const double furthest_m =
+      std::max({-rect.x0_m, -rect.z0_m, rect.x1_m, rect.z1_m, std::abs(rect.x0_m), std::abs(rect.z0_m)});
+  if (!(furthest_m <= kFurthest_m)) {
+    throw InputError(
+        "[terrain] area: found ground " + std::to_string(furthest_m / 1000) +
+        " km from the scene's origin; allowed: at most 524 km, so give an area or a shorter range");
   }
   // Nodes are multiples of the cell, so that another window has the same nodes where the two overlap.
   const double i0 = std::ceil(rect.x0_m / cell_m);

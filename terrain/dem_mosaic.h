@@ -1,0 +1,41 @@
+#pragma once
+// All elevation models of a scene as one: later ones fill where earlier ones know nothing.
+#include <string>
+#include <vector>
+
+#include "terrain/frames.h"
+#include "terrain/height_grid.h"
+#include "terrain/polygon.h"
+#include "terrain/progress.h"
+#include "terrain/raster.h"
+#include "terrain/world_spec.h"
+
+namespace obliq {
+
+class DemMosaic {
+ public:
+  /// Opens every file and checks its unit; reads no heights. Throws InputError.
+  explicit DemMosaic(const TerrainSpec& terrain);
+
+  /// Centre of the union of the files' extents.
+  LonLat centre() const;
+
+  /// World rectangle around all files. A file that spans much of the earth counts as everywhere.
+  Rect extent(const WorldFrame& frame) const;
+
+  /// Distance between posts of the finest file that touches rect, metres.
+  double finest_posting_m(const WorldFrame& frame, const Rect& rect) const;
+
+  /// Gives the grid's unknown nodes their heights, file by file. Throws InputError when a file cannot be
+  /// read.
+  void fill(HeightGrid& grid, const WorldFrame& frame, const Progress& progress) const;
+
+  /// Says that no file has heights in the wanted world rectangle, with both extents in degrees.
+  [[noreturn]] void refuse_no_ground(const WorldFrame& frame, const Rect& wanted) const;
+
+ private:
+  TerrainSpec terrain_;
+  std::vector<Raster> files_;
+};
+
+}  // namespace obliq

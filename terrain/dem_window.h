@@ -1,0 +1,40 @@
+#pragma once
+// Heights read from a raster: one window of it, in metres, averaged when the scene is coarser.
+#include <optional>
+#include <vector>
+
+#include "terrain/progress.h"
+#include "terrain/raster.h"
+#include "terrain/world_spec.h"
+
+namespace obliq {
+
+/// Posts of one window. Post (c, r) of the window stands at column column0 + c step, row row0 + r step of
+/// the raster's post coordinates. NaN where the raster knows no height.
+struct DemWindow {
+  double column0 = 0;
+  double row0 = 0;
+  int step = 1;  ///< raster posts per window post
+  int nx = 0;
+  int nz = 0;
+  int raster_columns = 0;
+  int raster_rows = 0;
+  std::vector<float> height_m;  ///< [nz][nx]
+
+  /// Bilinear between the four posts around a place in raster post coordinates. The outer half pixel, which
+  /// belongs to the raster but has posts on one side only, takes the nearest post's height. NaN when a post
+  /// that carries weight is void or the place is outside.
+  double height_at_m(double column, double row) const;
+};
+
+/// Metres per unit of the raster's values: the given unit, else the band's, else its vertical system's, else
+/// metres. Throws InputError on a unit that is not a length we know.
+double metres_per_unit(const Raster& raster, const std::optional<VerticalUnit>& unit);
+
+/// Reads the window, each block of step x step pixels averaged to one post (void when more than half of its
+/// pixels are). Void are nodata, masked, not finite, and what no land on earth can be (below -9 km, above
+/// 100 km). Throws InputError when anything cannot be read: never zeros for missing data.
+DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
+                      const std::optional<VerticalUnit>& unit, const Progress& progress);
+
+}  // namespace obliq

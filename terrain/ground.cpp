@@ -1,0 +1,101 @@
+#include "terrain/ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "terrain/dem_mosaic.h"
+#include "terrain/errors.h"
+#include "terrain/grid_area.h"
+#include "terrain/synthetic.h"
+#include "terrain/voids.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kSyntheticCell_m = 30;  ///< of synthetic ground when no radar says what it needs
+
+/// The given cell on the grid's quantum, or what the scene needs.
+double cell_size_m(const WorldSpec& spec, double auto_m) {
+  if (!spec.terrain.cell_m) return round_to_quantum_m(auto_m);
+  const double cell_m = *spec.terrain.cell_m;
+  if (!(cell_m >= kGridQuantum_m) || !std::isfinite(cell_m)) {
+    throw InputError("[terrain] cell_m: found " + std::to_string(cell_m) +
+                     "; allowed: \"auto\" or a number of metres from 0.03125");
+  }
+  return round_to_quantum_m(cell_m);
+}
+
+void load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wanted) {
+  if (wanted.rect.empty()) {
+    throw InputError("[terrain] area: found none and no radar; allowed: synthetic ground needs one of them");
+  }
+  const double needed_m = spec.sampling_footprint_m > 0 ? spec.sampling_footprint_m : kSyntheticCell_m;
+  world.grid = empty_grid(wanted.rect, cell_size_m(spec, std::max(1.0, needed_m)));
+  fill_synthetic(world.grid, spec.terrain.synthetic, spec.terrain.shape, world.frame);
+}
+
+void note_coverage(World& world, const WantedArea& wanted) {
+  if (wanted.rect.empty()) return;
+  const double covered = covered_fraction(world.grid, wanted);
+  if (covered > 0.9995) return;
+  char note[160];
+  std::snprintf(note, sizeof note,
+                "elevation covers %.1f %% of the wanted area; %.1f %% of it has no known ground",
+                100 * covered, 100 * (1 - covered));
+  world.report.notes.emplace_back(note);
+}
+
+void load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress) {
+  DemMosaic mosaic(spec.terrain);
+  const Rect covered = mosaic.extent(world.frame);
+  const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
+  if (rect.empty()) mosaic.refuse_no_ground(world.frame, wanted.rect);
+  const double needed_m = std::max(mosaic.finest_posting_m(world.frame, rect), spec.sampling_footprint_m);
+  world.grid = empty_grid(rect, cell_size_m(spec, needed_m));
+  mosaic.fill(world.grid, world.frame, progress);
+  const auto known = [](float y) { return !std::isnan(y); };
+  if (std::none_of(world.grid.y_m.begin(), world.grid.y_m.end(), known)) {
+    mosaic.refuse_no_ground(world.frame, rect);
+  }
+}
+
+void count_nodes(World& world, const std::vector<std::size_t>& filled) {
+  const std::vector<float>& y_m = world.grid.y_m;
+  world.report.posts = y_m.size();
+  world.report.posts_absent = static_cast<std::uint64_t>(
+      std::count_if(y_m.begin(), y_m.end(), [](float y) { return std::isnan(y); }));
+  world.report.posts_filled = static_cast<std::uint64_t>(
+      std::count_if(filled.begin(), filled.end(), [&](std::size_t n) { return !std::isnan(y_m[n]); }));
+}
+
+}  // namespace
+
+void load_ground(World& world, const WorldSpec& spec, const Progress& progress) {
+  const TerrainSpec& terrain = spec.terrain;
+  if (!(terrain.fill_void_m >= 0) || !std::isfinite(terrain.fill_void_m)) {
+    throw InputError("[terrain] fill_void_m: found " + std::to_string(terrain.fill_void_m) +
+                     "; allowed: a number of metres from 0");
+  }
+  if (!std::isfinite(spec.sampling_footprint_m)) {
+    throw InputError("sampling footprint: found " + std::to_string(spec.sampling_footprint_m) +
+                     "; allowed: a number of metres");
+  }
+  const WantedArea wanted = wanted_area(spec, world.frame);
+  std::vector<std::size_t> filled;
+  if (terrain.synthetic != SyntheticKind::none) {
+    load_synthetic(world, spec, wanted);
+  } else {
+    load_dem(world, spec, wanted, progress);
+    filled = fill_voids(world.grid, terrain.fill_void_m);
+  }
+  cut_to_polygon(world.grid, wanted.polygon);
+  count_nodes(world, filled);
+  note_coverage(world, wanted);
+  if (world.report.posts_absent == world.report.posts) {
+    throw InputError(
+        "[terrain] area: found no known ground inside it; allowed: an area on the elevation model");
+  }
+}
+
+}  // namespace obliq
