@@ -22,12 +22,13 @@ class Frame:
 
     def __init__(self, folder):
         folder = pathlib.Path(folder)
-        described = json.loads((folder / "frame.json").read_text(encoding="utf-8"))
+        described = json.loads((folder / "frame.json").read_text(encoding="utf-8"))["frame"]
         self.azimuth_start_deg = described["azimuth_start_deg"]
         self.azimuth_width_deg = described["azimuth_width_deg"]
         self.range_start_m = described["range_start_m"]
         self.range_spacing_m = described["range_spacing_m"]
-        self.height_m = described["pose"]["height_m"] - described["map_reference_height_m"]
+        # Flat ground at the median height is good enough for a picture; ground_map.tif is exact.
+        self.height_m = described["antenna_y_m"] - described["map_reference_height_m"]
         bins = np.load(folder / "bins.npy")
         with np.errstate(divide="ignore"):
             self.level_db = 20 * np.log10(np.abs(bins))
