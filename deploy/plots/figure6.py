@@ -2,7 +2,7 @@
 """Plots the paper's Figure 6: slant-range step of one pixel row at the near and the far end of the swath, for the
 symmetric and the oblique frustum (antenna at 1 km over flat ground, 2048 rows, r_min = r_max / 10).
 
-  obliq frustum --figure6 --csv | deploy/plots/figure6.py figure6.png
+  obliq frustum --figure6 | deploy/plots/figure6.py figure6.png
 """
 import csv
 import sys

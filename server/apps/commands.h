@@ -9,6 +9,9 @@ class App;
 
 namespace obliq {
 
+void add_render(CLI::App& app);      ///< one frame to files
+void add_frustum(CLI::App& app);     ///< camera values and step sizes
+void add_mesh(CLI::App& app);        ///< the traced triangles
 void add_parameters(CLI::App& app);  ///< the reference of radar parameters
 
 }  // namespace obliq

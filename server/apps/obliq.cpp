@@ -9,6 +9,9 @@
 namespace {
 
 constexpr auto kCommands = {
+    obliq::add_render,
+    obliq::add_frustum,
+    obliq::add_mesh,
     obliq::add_parameters,
 };
 

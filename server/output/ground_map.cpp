@@ -89,6 +89,7 @@ GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, do
 
   GroundMap map;
   map.up_rad = up_bearing_rad;
+  map.antenna_above_m = above;
   const double extent = std::max(bounds.right - bounds.left, bounds.top - bounds.bottom);
   map.pixel_m = std::max(d.range_spacing_m(), extent / kMaxSide);
   map.width =

@@ -178,8 +178,7 @@ class Picture {
   double y_of(double ahead_m) const { return kMargin + (map_.top_m - ahead_m) / map_.pixel_m * scale_; }
 
   double ground_range_m(double slant_m) const {
-    const double above = d_.pose().height_m() - d_.map_reference_height_m();
-    return std::sqrt(std::max(0.0, slant_m * slant_m - above * above));
+    return std::sqrt(std::max(0.0, slant_m * slant_m - map_.antenna_above_m * map_.antenna_above_m));
   }
 
   /// A round step that gives three to seven rings.

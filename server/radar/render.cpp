@@ -120,6 +120,12 @@ int wedge_count(const RadarSettings& settings) {
   return (settings.azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
 }
 
+FrameStats FrameSum::total() const {
+  FrameStats total;
+  for (const FrameStats& wedge : wedges_) total.add(wedge);
+  return total;
+}
+
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options) {
   const FrameTables tables(plan);
   const int first = azimuths.first / kWedgeAzimuthBins;
@@ -171,15 +177,15 @@ Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pos
   const FramePlan& plan = *planned.plan;
   Frame frame;
   frame.bins = BinBlock(azimuths.first, azimuths.count, plan.bins().n_range);
-  std::vector<FrameStats> stats(static_cast<std::size_t>(wedge_count(plan.settings())));
+  FrameSum sum(plan.settings());
   RenderOptions with_copy = options;
   with_copy.on_wedge = [&](Wedge&& wedge) {
-    stats[static_cast<std::size_t>(wedge.index)] = wedge.stats;
+    sum.add(wedge);
     copy_azimuths(wedge.bins, frame.bins);
     if (options.on_wedge) options.on_wedge(std::move(wedge));
   };
   render_wedges(plan, azimuths, with_copy);
-  for (const FrameStats& wedge : stats) frame.stats.add(wedge);  // in azimuth order: the same bits every time
+  frame.stats = sum.total();
   return frame;
 }
 

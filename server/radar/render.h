@@ -48,6 +48,18 @@ struct RenderOptions {
 
 int wedge_count(const RadarSettings& settings);
 
+/// Adds up wedge counts in azimuth order, whatever order the wedges arrive in: the same bits every time.
+class FrameSum {
+ public:
+  explicit FrameSum(const RadarSettings& settings)
+      : wedges_(static_cast<std::size_t>(wedge_count(settings))) {}
+  void add(const Wedge& wedge) { wedges_[static_cast<std::size_t>(wedge.index)] = wedge.stats; }
+  FrameStats total() const;
+
+ private:
+  std::vector<FrameStats> wedges_;
+};
+
 /// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early.
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options);
 

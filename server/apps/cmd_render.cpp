@@ -1,0 +1,132 @@
+// `obliq render`: one frame of a scene to files, without a server.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands.h"
+#include "server/apps/scene_arguments.h"
+#include "server/apps/scene_loading.h"
+#include "server/output/describe_frame.h"
+#include "server/output/frame_files.h"
+#include "server/output/sample_textures.h"
+#include "server/radar/frame_plan.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+struct RenderArguments {
+  SceneArguments scene;
+  std::string radar;
+  std::string out;
+  bool samples = false;
+  bool north_up = false;
+  int threads = 0;
+};
+
+/// Seconds since the last call.
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void run(const SceneConfig& config, const RenderArguments& arguments) {
+  std::map<std::string, double> seconds;
+  Stopwatch watch;
+  prepare_output_folder(arguments.out);
+  const RadarConfig& radar = choose_radar(config, arguments.radar);
+  const int threads = arguments.threads > 0 ? arguments.threads : config.threads;
+  const auto world = load_world_with_report(config);
+  seconds["load_s"] = watch.lap();
+  const auto scene = std::make_shared<const Scene>(world, config.materials, threads, terminal_progress());
+  seconds["build_s"] = watch.lap();
+  std::fprintf(stderr, "ray-tracing scene: %.1f M triangles, %.0f MB, built in %.2f s (%s)\n",
+               static_cast<double>(scene->stats().ground_triangles + scene->stats().building_triangles) / 1e6,
+               static_cast<double>(scene->stats().bytes) / 1e6, scene->stats().build_s,
+               scene->stats().tracer.c_str());
+
+  const Pose pose = place_radar(*world, radar);
+  const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
+  watch.lap();
+  const PlanResult planned = plan_frame(scene, snapshot, pose);
+  if (!planned.plan) {
+    std::string text;
+    for (const FieldError& error : planned.errors) text += (text.empty() ? "" : "; ") + error.text();
+    throw InputError("radar \"" + radar.name + "\": " + text);
+  }
+  seconds["plan_s"] = watch.lap();
+
+  std::unique_ptr<SampleTextures> textures;
+  if (arguments.samples)
+    textures = std::make_unique<SampleTextures>(radar.settings.pixel_columns, radar.settings.pixel_rows);
+  Frame frame;
+  frame.bins = BinBlock(0, radar.settings.azimuth_bins, radar.settings.range_bins);
+  FrameSum sum(radar.settings);
+  const Progress progress = terminal_progress();
+  int done = 0;
+  RenderOptions options;
+  options.threads = threads;
+  options.tap = textures.get();
+  options.on_wedge = [&](Wedge&& wedge) {
+    copy_azimuths(wedge.bins, frame.bins);
+    sum.add(wedge);
+    if (progress) progress("rendering", static_cast<double>(++done) / wedge_count(radar.settings));
+  };
+  render_wedges(*planned.plan, {0, radar.settings.azimuth_bins}, options);
+  frame.stats = sum.total();
+  seconds["render_s"] = watch.lap();
+
+  wire::FrameDescriptor descriptor;
+  wire::FrameSummary summary;
+  describe_frame(*planned.plan, radar.name, config.name, descriptor);
+  summarise_frame(*planned.plan, frame.stats, summary);
+  write_frame_files(arguments.out, descriptor, summary, frame.bins,
+                    arguments.north_up ? MapUp::north : MapUp::bearing);
+  if (textures) textures->write(std::filesystem::path(arguments.out) / "samples.exr");
+  seconds["write_s"] = watch.lap();
+  write_timing(arguments.out, seconds);
+
+  for (const std::string& warning : descriptor.warnings())
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  if (frame.stats.coverage() < 1)
+    std::fprintf(stderr, "warning: known ground covers %.1f %% of the sector\n",
+                 100 * frame.stats.coverage());
+  std::printf("%s: %.2f M rays, %.2f M samples in %.0f ms", arguments.out.c_str(),
+              static_cast<double>(frame.stats.rays) / 1e6, static_cast<double>(frame.stats.samples) / 1e6,
+              1000 * (seconds["plan_s"] + seconds["render_s"]));
+  if (!world->buildings.list.empty())
+    std::printf(", %u of %zu buildings seen", planned.plan->buildings_seen(), world->buildings.list.size());
+  std::printf("\n");
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("render", "Render one frame of a scene to files, without a server");
+  auto arguments = std::make_shared<RenderArguments>();
+  add_scene_arguments(*command, "SCENE", arguments->scene);
+  command->add_option("--radar", arguments->radar, "Which radar, when the scene has several")
+      ->type_name("NAME");
+  command->add_option("--out", arguments->out, "Folder for the files (made if missing)")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
+  command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
+  command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
+      ->check(CLI::Range(0, 1024));
+  command->callback([arguments] {
+    if (const auto config = open_scene(arguments->scene)) run(*config, *arguments);
+  });
+}
+
+}  // namespace obliq

@@ -1,0 +1,26 @@
+#pragma once
+// What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
+// terminal.
+#include <memory>
+#include <string>
+
+#include "server/control/scene_config.h"
+#include "server/radar/pose.h"
+#include "server/scene/scene.h"
+#include "terrain/progress.h"
+
+namespace obliq {
+
+/// The named radar, or the only one. Throws InputError that lists the names.
+const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name);
+
+/// Places the radar's antenna. Throws InputError with every reason why it cannot stand there.
+Pose place_radar(const World& world, const RadarConfig& radar);
+
+/// A progress line on stderr when it is a terminal; silent otherwise.
+Progress terminal_progress();
+
+/// Loads terrain and buildings and prints what was found, one line per note, on stderr.
+std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);
+
+}  // namespace obliq
