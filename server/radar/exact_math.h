@@ -13,12 +13,18 @@ struct SinCos {
   double cos;
 };
 
-/// sin and cos of 2 pi turns. Error below 3e-16 for any finite argument: the reduction modulo one turn is
-/// exact.
+/// Nearest integer for |x| < 2^51 (ties to even): adding 1.5 x 2^52 leaves no bits behind the point.
+inline double nearest_integer(double x) {
+  constexpr double kShift = 6755399441055744.0;
+  return (x + kShift) - kShift;
+}
+
+/// sin and cos of 2 pi turns, |turns| < 2^51. Error below 3e-16: the reduction modulo one turn is exact.
 inline SinCos sincos_turns(double turns) {
   // Nearest quarter turn, then the Taylor series on [-pi/4, pi/4] (remainders 5e-18 and 3e-18).
-  const double quarters = std::nearbyint(4 * (turns - std::floor(turns)));
-  const double x = 6.283185307179586476925 * ((turns - std::floor(turns)) - 0.25 * quarters);
+  const double fraction = turns - nearest_integer(turns);
+  const double quarters = nearest_integer(4 * fraction);
+  const double x = 6.283185307179586476925 * (fraction - 0.25 * quarters);
   const double z = x * x;
   const double s =
       x + x * z *
@@ -50,7 +56,7 @@ inline SinCos sincos_turns(double turns) {
 inline double exp_of_negative(double x) {
   if (!(x > -700)) return 0;
   // x = n ln 2 + r with |r| <= ln 2 / 2; ln 2 in two parts so that n ln 2 is exact to the last bit of r.
-  const double n = std::nearbyint(x * 1.4426950408889634074);
+  const double n = nearest_integer(x * 1.4426950408889634074);
   const double r = (x - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
   double term = 1;
   double sum = 0;

@@ -1,6 +1,7 @@
 #include "server/radar/speckle.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -12,7 +13,11 @@ namespace {
 /// Cells of 1 mm at least, so that cell numbers fit 32 bits within 2,000 km.
 constexpr int kFinestLevel = -10;
 
-int octave_of(double slant_range_m) { return std::clamp(std::ilogb(slant_range_m), 0, 63); }
+/// floor(log2 r), from the exponent bits.
+int octave_of(double slant_range_m) {
+  const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(slant_range_m) >> 52) - 1023;
+  return std::clamp(exponent, 0, 63);
+}
 
 }  // namespace
 
@@ -25,6 +30,7 @@ SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, doub
   for (int octave = 0; octave < 64; ++octave) {
     const double side = 0.5 * std::min(range_spacing_m, std::ldexp(azimuth_width_rad, octave));
     level_of_octave_[octave] = static_cast<std::int16_t>(std::clamp(std::ilogb(side), kFinestLevel, 20));
+    cells_per_m_[octave] = std::ldexp(1.0, -level_of_octave_[octave]);
   }
 }
 
@@ -34,9 +40,10 @@ Scatterer SpeckleField::scatterer(double slant_range_m, double x_m, double z_m, 
   s.material = material;
   s.face = face;
   if (face != kNoFace) return s;
-  s.level = level_of_octave_[octave_of(slant_range_m)];
-  s.x_cell = static_cast<std::int32_t>(std::floor(std::ldexp(x_m, -s.level)));
-  s.z_cell = static_cast<std::int32_t>(std::floor(std::ldexp(z_m, -s.level)));
+  const int octave = octave_of(slant_range_m);
+  s.level = level_of_octave_[octave];
+  s.x_cell = static_cast<std::int32_t>(std::floor(x_m * cells_per_m_[octave]));
+  s.z_cell = static_cast<std::int32_t>(std::floor(z_m * cells_per_m_[octave]));
   return s;
 }
 
@@ -51,8 +58,9 @@ std::uint64_t SpeckleField::hash(const Scatterer& s) const {
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
   if (s.face != kNoFace) return world_.buildings.faces[s.face].centre_m;
-  const double x = std::ldexp(s.x_cell + 0.5, s.level);
-  const double z = std::ldexp(s.z_cell + 0.5, s.level);
+  const double side = std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);  // 2^level
+  const double x = (s.x_cell + 0.5) * side;
+  const double z = (s.z_cell + 0.5) * side;
   const double y = world_.grid.height_at_m(x, z);
   // A cell whose centre has no ground (the edge of a void) takes the datum surface: fixed, like the rest.
   return {x, std::isnan(y) ? world_.frame.ellipsoid_y_m(x, z) / world_.frame.radius_factor() : y, z};

@@ -54,6 +54,7 @@ class SpeckleField {
   double wavelength_m_;
   std::uint64_t seed_;
   std::int16_t level_of_octave_[64];  // indexed by floor(log2 r), clamped to 0..63
+  double cells_per_m_[64];            // 2^-level of the same octave: exact
 };
 
 }  // namespace obliq
