@@ -37,6 +37,7 @@ void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
   const RadarSettings& settings = plan.settings();
   if (settings.frustum == FrustumKind::polar) return;
   const Pose& pose = plan.pose();
+  if (std::isnan(pose.ground_y_m) && !plan.extent().any) return;
   const double ground_y_m = std::isnan(pose.ground_y_m) ? plan.extent().bottom_y_m : pose.ground_y_m;
   const double above_ground_m = pose.antenna.m.y - ground_y_m;
   // Equality is legal; the slack covers float32 heights.

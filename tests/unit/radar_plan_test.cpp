@@ -1,0 +1,139 @@
+// What plan_frame and place_antenna refuse, and in which words.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/frame_plan.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+class PlanTest : public testing::Test {
+ protected:
+  static std::shared_ptr<const Scene> ridge_scene() {
+    WorldSpec spec = test::synthetic_spec(SyntheticKind::ridge, 12000, 100);
+    spec.terrain.shape.height_m = 600;
+    spec.terrain.shape.distance_m = 6000;
+    spec.terrain.shape.width_m = 2000;
+    return test::make_scene(load_world(spec));
+  }
+  static RadarSettings settings(FrustumKind kind) {
+    RadarSettings s;
+    s.frustum = kind;
+    s.r_min_m = 1000;
+    s.r_max_m = 10000;
+    s.pixel_columns = s.pixel_rows = 64;
+    s.azimuth_bins = s.range_bins = 32;
+    return s;
+  }
+  std::shared_ptr<const Scene> scene_ = ridge_scene();
+};
+
+TEST_F(PlanTest, ObliqueBelowTheTerrainTopNamesThePolarFrustum) {
+  const Pose pose = test::pose_over_origin(scene_->world(), 500);
+  const PlanResult result = plan_frame(scene_, test::snapshot(settings(FrustumKind::oblique)), pose);
+  ASSERT_EQ(result.errors.size(), 1u);
+  EXPECT_EQ(result.errors[0].field, "frustum.kind");
+  EXPECT_NE(result.errors[0].found.find("100.00 m below the highest ground"), std::string::npos)
+      << result.errors[0].found;
+  EXPECT_NE(result.errors[0].allowed.find("\"polar\""), std::string::npos);
+  EXPECT_TRUE(plan_frame(scene_, test::snapshot(settings(FrustumKind::polar)), pose).plan);
+}
+
+TEST_F(PlanTest, NearestRangeBelowTheHeightAboveGroundIsRefusedForCamerasOnlyAndEqualityIsLegal) {
+  const Pose pose = test::pose_over_origin(scene_->world(), 1000);
+  for (FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique}) {
+    RadarSettings s = settings(kind);
+    EXPECT_TRUE(plan_frame(scene_, test::snapshot(s), pose).plan) << "equality";
+    s.r_min_m = 999;
+    const PlanResult result = plan_frame(scene_, test::snapshot(s), pose);
+    ASSERT_EQ(result.errors.size(), 1u);
+    EXPECT_EQ(result.errors[0].field, "radar.r_min_m");
+    EXPECT_NE(result.errors[0].allowed.find("1000.00 m"), std::string::npos) << result.errors[0].allowed;
+  }
+  RadarSettings s = settings(FrustumKind::polar);
+  s.r_min_m = 10;
+  EXPECT_TRUE(plan_frame(scene_, test::snapshot(s), pose).plan);
+}
+
+TEST_F(PlanTest, AntennaUnderTheGroundIsRefusedWithTheGroundsHeight) {
+  PoseSettings pose;
+  pose.latitude_deg = 33;
+  pose.longitude_deg = -99.5;
+  pose.height_m = -3;
+  std::vector<FieldError> errors;
+  EXPECT_FALSE(place_antenna(scene_->world(), pose, errors));
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].text().substr(0, 43), "antenna.height_m: found 3.00 m below the gr");
+}
+
+TEST_F(PlanTest, HeightReferencesMeanWhatTheySay) {
+  PoseSettings pose;
+  pose.latitude_deg = 33.05;  // on the ridge's near slope, 5.5 km north
+  pose.longitude_deg = -99.5;
+  std::vector<FieldError> errors;
+  pose.height_m = 1000;
+  pose.height_reference = HeightReference::datum;
+  const double datum_y = place_antenna(scene_->world(), pose, errors)->antenna.m.y;
+  pose.height_reference = HeightReference::ground;
+  const Pose over_ground = *place_antenna(scene_->world(), pose, errors);
+  // The plumb line's own meeting with the ground, by bisection over heights above the datum.
+  const Geodetic at{33.05 * std::numbers::pi / 180, -99.5 * std::numbers::pi / 180, 0};
+  const auto above = [&](double height_m) {
+    const WorldPoint p =
+        scene_->world().frame.world_from_geodetic({at.latitude_rad, at.longitude_rad, height_m});
+    return p.m.y - scene_->world().grid.height_at_m(p.m.x, p.m.z);
+  };
+  double low = 0, high = 600;
+  for (int k = 0; k < 60; ++k) (above((low + high) / 2) < 0 ? low : high) = (low + high) / 2;
+  EXPECT_GT(low, 100);
+  EXPECT_NEAR(scene_->world().frame.geodetic_from_world(over_ground.antenna).height_m, low + 1000, 1e-3);
+  pose.height_reference = HeightReference::ellipsoid;
+  pose.geoid_undulation_m = -27;
+  EXPECT_NEAR(place_antenna(scene_->world(), pose, errors)->antenna.m.y - datum_y, 27, 1e-3);
+  EXPECT_TRUE(errors.empty());
+}
+
+TEST_F(PlanTest, HeightOverUnknownGroundIsRefusedAndADatumHeightThereIsNot) {
+  PoseSettings pose;
+  pose.latitude_deg = 34;
+  pose.longitude_deg = -99.5;
+  pose.height_reference = HeightReference::ground;
+  std::vector<FieldError> errors;
+  EXPECT_FALSE(place_antenna(scene_->world(), pose, errors));
+  EXPECT_EQ(errors.at(0).field, "antenna.height_reference");
+  pose.height_reference = HeightReference::datum;
+  EXPECT_TRUE(place_antenna(scene_->world(), pose, errors));
+}
+
+TEST_F(PlanTest, AFrameFarFromAllGroundIsEmptyAndSaysSo) {
+  PoseSettings place;
+  place.latitude_deg = 35;
+  place.longitude_deg = -99.5;
+  std::vector<FieldError> errors;
+  const Pose pose = *place_antenna(scene_->world(), place, errors);
+  for (FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar}) {
+    const Frame frame = render(scene_, test::snapshot(settings(kind)), pose, {0, 32});
+    EXPECT_EQ(frame.stats.rays, 0u);
+    EXPECT_EQ(frame.stats.coverage(), 0);
+    for (std::uint8_t state : frame.bins.state) EXPECT_EQ(state, static_cast<int>(BinState::no_surface));
+  }
+}
+
+TEST_F(PlanTest, SymmetricSectorWithACornerBehindTheCameraIsRefused) {
+  RadarSettings s = settings(FrustumKind::symmetric);
+  s.sector_deg = 179.9;
+  const Pose pose = test::pose_over_origin(scene_->world(), 900);
+  const PlanResult result = plan_frame(scene_, test::snapshot(s), pose);
+  if (!result.plan) {
+    EXPECT_NE(result.errors[0].allowed.find("oblique"), std::string::npos);
+    return;
+  }
+  const Frame frame = render(scene_, test::snapshot(s), pose, {0, 32});
+  for (double power : frame.bins.power_w) EXPECT_TRUE(std::isfinite(power));
+}
+
+}  // namespace
+}  // namespace obliq
