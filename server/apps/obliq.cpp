@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
+#include <string>
 
 #include "server/apps/commands.h"
 #include "terrain/errors.h"
@@ -15,7 +16,9 @@ constexpr auto kCommands = {
     obliq::add_parameters,
 };
 
-int complain(const char* what) {
+/// One line for each thing that is wrong (a scene file may have several).
+int complain(std::string what) {
+  for (std::size_t at = 0; (at = what.find('\n', at)) != std::string::npos;) what.insert(++at, "obliq: ");
   std::cerr << "obliq: " << what << '\n';
   return 1;
 }
@@ -27,18 +30,20 @@ int main(int argc, char** argv) {
       "Radar ground maps of real terrain: azimuth x range bins of complex I&Q, and pictures of them.",
       "obliq"};
   app.set_version_flag("--version", "obliq " OBLIQ_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // none is refused below, by a better sentence
   app.footer("`obliq COMMAND --help` explains a command.");
   try {
     for (const auto add : kCommands) add(app);
     app.parse(argc, argv);
+    if (app.get_subcommands().empty())
+      return complain("found no command; allowed: one that `obliq --help` lists");
     std::cout.flush();
     if (!std::cout)
       return complain("standard output: cannot be written (disk full, or its reader has gone?)");
     return 0;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version arrive here too
-    return complain((std::string(e.what()) + " (`obliq --help` lists what there is)").c_str());
+    return complain(std::string(e.what()) + " (`obliq --help` lists what there is)");
   } catch (const std::exception& e) {  // InputError above all; a bad_alloc deserves its line as well
     return complain(e.what());
   }

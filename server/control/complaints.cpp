@@ -22,17 +22,25 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+std::string without_underscores(std::string_view word) {
+  std::string plain(word);
+  std::erase(plain, '_');
+  return plain;
+}
+
 }  // namespace
 
 std::string nearest_name(std::string_view word, std::span<const std::string> candidates) {
   constexpr std::size_t kLongestWord = 64;  // longer ones are no slip of ours
   std::string best;
   if (word.size() > kLongestWord) return best;
+  const std::string plain = without_underscores(word);
   std::size_t best_distance = 1 + std::max<std::size_t>(1, word.size() / 3);
   for (const std::string& candidate : candidates) {
-    // A name without its unit ("r_max" for "r_max_m") counts as a single slip.
-    const bool lacks_unit = candidate.starts_with(std::string(word) + "_");
-    const std::size_t distance = lacks_unit ? 1 : edit_distance(word, candidate);
+    // A name without its unit ("r_max", "rmax" for "r_max_m") counts as a single slip.
+    const std::string stem = without_underscores(candidate.substr(0, candidate.rfind('_')));
+    const bool lacks_unit = !plain.empty() && stem == plain;
+    const std::size_t distance = lacks_unit ? 1 : edit_distance(plain, without_underscores(candidate));
     if (distance < best_distance) {
       best_distance = distance;
       best = candidate;

@@ -1,0 +1,200 @@
+// The obliq command as an operator meets it: exit codes, one line on stderr for each mistake.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+struct Outcome {
+  int code = -1;  ///< exit code; negative: killed by that signal
+  std::string out;
+  std::string err;
+};
+
+std::string quoted(const std::string& argument) {
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("obliq_cli_" + std::to_string(getpid()) + "_" +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string text_of(const std::string& name) const {
+    std::stringstream text;
+    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  /// Runs obliq. `around`: an assignment of the environment, or a redirection, in the shell's words.
+  Outcome obliq(const std::vector<std::string>& arguments, const std::string& environment = {},
+                const std::string& out = "out") const {
+    std::string line = environment + " " + quoted(OBLIQ_PROGRAM);
+    for (const std::string& argument : arguments) line += " " + quoted(argument);
+    line += " >" + (out == "out" ? quoted(folder_ / "out") : out) + " 2>" + quoted(folder_ / "err") +
+            " </dev/null";
+    const int status = std::system(line.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of("out"), text_of("err")};
+  }
+
+  std::string scene(const std::string& text, const std::string& name = "scene.toml") const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+
+  /// What `obliq render` says of a scene file; it renders nothing.
+  Outcome check(const std::string& file, const std::vector<std::string>& more = {},
+                const std::string& environment = {}) const {
+    std::vector<std::string> arguments{"render", file, "--out", folder_ / "frame", "--check-config"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return obliq(arguments, environment);
+  }
+
+  std::filesystem::path folder_;
+};
+
+/// Refused: exit code 1, nothing on stdout, and on stderr lines that begin "obliq: ", one of them with
+/// `part`.
+void expect_refused(const Outcome& outcome, const std::string& part) {
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_NE(outcome.err.find(part), std::string::npos) << part << "\nin: " << outcome.err;
+  std::stringstream lines(outcome.err);
+  for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.starts_with("obliq: ")) << line;
+}
+
+constexpr auto kFlat = "[terrain]\nsynthetic = \"flat\"\n";
+
+TEST_F(CommandLine, HelpAndVersionSucceed) {
+  for (const std::string flag : {"--help", "-h"}) {
+    const Outcome help = obliq({flag});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_NE(help.out.find("parameters"), std::string::npos);
+    EXPECT_EQ(help.err, "");
+  }
+  EXPECT_EQ(obliq({"--version"}).out.substr(0, 6), "obliq ");
+  EXPECT_EQ(obliq({"--version"}).code, 0);
+  EXPECT_EQ(obliq({"parameters", "--help"}).code, 0);
+}
+
+TEST_F(CommandLine, WrongWordsAreRefused) {
+  expect_refused(obliq({}), "found no command");
+  expect_refused(obliq({"rendre"}), "rendre");
+  expect_refused(obliq({"--colour"}), "--colour");
+  expect_refused(obliq({"parameters", "--xml"}), "--xml");
+  expect_refused(obliq({"parameters", ""}), "");
+}
+
+TEST_F(CommandLine, AFullDiskUnderStdoutIsAFailure) {
+  const Outcome outcome = obliq({"parameters"}, "", "/dev/full");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("standard output: cannot be written"), std::string::npos) << outcome.err;
+}
+
+TEST_F(CommandLine, ParametersAreListedWithUnitAndLimits) {
+  const Outcome outcome = obliq({"parameters"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.out.find("radar.sector_deg"), std::string::npos);
+  EXPECT_NE(outcome.out.find("above 0, at most 360 deg"), std::string::npos);
+}
+
+TEST_F(CommandLine, AGoodSceneIsGoodAndPrintsAsASceneThatIsGood) {
+  EXPECT_EQ(check(scene(kFlat)).code, 0);
+  const Outcome printed = obliq({"render", scene(kFlat), "--out", folder_ / "frame", "--print-config"});
+  ASSERT_EQ(printed.code, 0) << printed.err;
+  const Outcome again =
+      obliq({"render", scene(printed.out, "printed.toml"), "--out", folder_ / "frame", "--print-config"});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(again.out.substr(again.out.find('\n')), printed.out.substr(printed.out.find('\n')));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "frame"));
+}
+
+TEST_F(CommandLine, FlagsAndVariablesReachTheScene) {
+  const auto print = [&](const std::vector<std::string>& more, const std::string& environment) {
+    std::vector<std::string> arguments{"render", scene(kFlat), "--out", folder_ / "frame", "--print-config"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return obliq(arguments, environment).out;
+  };
+  EXPECT_NE(print({"--set", "bins.range=77"}, "OBLIQ_BINS_RANGE=66").find("range = 77 "), std::string::npos);
+  EXPECT_NE(print({"--set", "bins.azimuth=7"}, "OBLIQ_BINS_RANGE=66").find("range = 66 "), std::string::npos);
+  EXPECT_NE(print({"--set", "frustum.kind=polar", "--set", "bins.azimuth=7"}, "").find("kind = \"polar\""),
+            std::string::npos);
+  expect_refused(check(scene(kFlat), {"--set", "radar.r_max=9"}), "did you mean radar.r_max_m?");
+  expect_refused(check(scene(kFlat), {"--set", "nonsense"}), "KEY=VALUE");
+  expect_refused(check(scene(kFlat), {"--set"}), "--set");
+  expect_refused(check(scene(kFlat), {}, "OBLIQ_BINS_RANGE=zero"),
+                 "environment OBLIQ_BINS_RANGE: bins.range: found zero");
+}
+
+TEST_F(CommandLine, FilesThatAreNoSceneAreRefused) {
+  expect_refused(check(folder_ / "missing.toml"), "missing.toml: cannot be read: No such file or directory");
+  expect_refused(check(folder_), "found a folder");
+  expect_refused(check(scene("")), "scene.toml: terrain: found neither dem nor synthetic");
+  std::string garbage;
+  for (int i = 0; i < 4096; ++i) garbage += static_cast<char>((i * 2654435761u) >> 24);
+  expect_refused(check(scene(garbage)), "found something that is not TOML");
+  expect_refused(check(scene(std::string("\x7f"
+                                         "ELF\0\1",
+                                         6))),
+                 "found something that is not TOML");
+  expect_refused(check("/dev/zero"), "found more than 4 MiB");
+}
+
+struct BadLine {
+  const char* lines;  ///< above a flat terrain
+  const char* says;
+};
+
+class BadScene : public CommandLine, public testing::WithParamInterface<BadLine> {};
+
+TEST_P(BadScene, IsRefusedWithFileLineKeyAndWhatIsAllowed) {
+  expect_refused(check(scene(std::string(GetParam().lines) + "\n" + kFlat)), GetParam().says);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Every, BadScene,
+    testing::Values(
+        BadLine{"[radar]\nrmax = 5",
+                "scene.toml:2: radar.rmax: found an unknown key; allowed: did you mean radar.r_max_m?"},
+        BadLine{"[radar]\nr_max_km = 37", "scene.toml:2: radar.r_max_km: found an unknown key"},
+        BadLine{"[[buildings]]\nsource = 'x'\nunit = \"furlong\"",
+                "scene.toml:3: buildings.unit: found \"furlong\""},
+        BadLine{"[radar]\nr_min_m = 37000", "scene.toml:2: radar.r_min_m: found 37000"},
+        BadLine{"[radar]\nr_min_m = 5000\nr_max_m = 4000",
+                "scene.toml:2: radar.r_min_m: found 5000.0 with radar.r_max_m = 4000.0"},
+        BadLine{"[radar]\nsector_deg = 0",
+                "scene.toml:2: radar.sector_deg: found 0.0; allowed: number above 0, at most 360 deg"},
+        BadLine{"[radar]\nsector_deg = 360.5", "scene.toml:2: radar.sector_deg: found 360.5"},
+        BadLine{"[radar]\nsector_deg = -10", "scene.toml:2: radar.sector_deg: found -10"},
+        BadLine{"[frustum]\npixels = 0",
+                "scene.toml:2: frustum.pixel_columns: found 0; allowed: integer 1 to 16384"},
+        BadLine{"[frustum]\npixels = 10000000", "found 10000000; allowed: integer 1 to 16384"},
+        BadLine{"[frustum]\npixels = 99999999999999999", "allowed: integer 1 to 16384"},
+        BadLine{"[frustum]\npixels = -2048", "found -2048"},
+        BadLine{"[frustum]\nkind = \"symmetric\"\n[radar]\nsector_deg = 180",
+                "or frustum.kind = \"oblique\" or \"polar\""},
+        BadLine{"[frustum]\nkind = \"round\"", "\"symmetric\" | \"oblique\" | \"polar\""},
+        BadLine{"[radar]\nfrequency_ghz = nan", "scene.toml:2: radar.frequency_ghz: found nan"},
+        BadLine{"[radar]\nr_max_m = inf", "scene.toml:2: radar.r_max_m: found inf"},
+        BadLine{"[antenna]\nlatitude_deg = nan", "scene.toml:2: antenna.latitude_deg: found nan"},
+        BadLine{"[antenna]\nheight_m = \"high\"",
+                "scene.toml:2: antenna.height_m: found \"high\"; allowed: number -1000 to 100000 m"},
+        BadLine{"[earth]\nradius_factor = nan", "scene.toml:2: earth.radius_factor: found nan"},
+        BadLine{"[earth]\nradius_factor = 0", "at least 0.5 (inf included)"},
+        BadLine{"[run]\nthreads = -1", "integer 0 to 1024"},
+        BadLine{"[server]\nport = 65536", "integer 0 to 65535"},
+        BadLine{"[radar", "scene.toml:1: found something that is not TOML"}));
+
+}  // namespace
