@@ -1,0 +1,244 @@
+// Benchmarks of the pipeline's stages and of whole frames: obliq_bench [--benchmark_filter=...].
+// The scene is the paper's swath (120 degrees, 3.7 to 37 km, 1024 x 1024 bins) over seeded hills, or over a
+// real elevation model when OBLIQ_BENCH_SCENE names a scene file. Rates are per second of wall time on all
+// threads of one frame; compare figures of one run only.
+#include <benchmark/benchmark.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/control/scene_file.h"
+#include "server/radar/batches.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/profile.h"
+#include "server/radar/ray_source.h"
+#include "server/radar/scattering.h"
+#include "server/radar/speckle.h"
+#include "server/radar/wedge_bins.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+struct Setting {
+  std::shared_ptr<const Scene> scene;
+  Pose pose;
+  RadarSettings settings;
+};
+
+Setting hills() {
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 40000, 30);
+  spec.terrain.shape.height_m = 800;
+  Setting setting;
+  setting.scene = test::make_scene(load_world(spec));
+  setting.pose = test::pose_over_origin(setting.scene->world(), 3000);
+  return setting;
+}
+
+Setting from_file(const char* path) {
+  const SceneConfig config = load_scene_file(path, {});
+  Setting setting;
+  setting.scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
+                                                config.materials, 0);
+  std::vector<FieldError> errors;
+  setting.pose = place_antenna(setting.scene->world(), config.radars.at(0).pose, errors).value();
+  setting.settings = config.radars.at(0).settings;
+  return setting;
+}
+
+const Setting& setting() {
+  static const Setting value = [] {
+    const char* path = std::getenv("OBLIQ_BENCH_SCENE");
+    return path ? from_file(path) : hills();
+  }();
+  return value;
+}
+
+std::shared_ptr<const FramePlan> plan_of(FrustumKind kind, SpeckleKind speckle = SpeckleKind::ground) {
+  RadarSettings settings = setting().settings;
+  settings.frustum = kind;
+  settings.speckle = speckle;
+  return plan_frame(setting().scene, test::snapshot(settings), setting().pose).plan;
+}
+
+/// Hands wedges to `threads` threads; work(range, thread).
+template <typename Work>
+void over_wedges(const FramePlan& plan, int threads, const Work& work) {
+  std::atomic<int> next{0};
+  const int n = wedge_count(plan.settings());
+  const auto run = [&] {
+    for (int index = next++; index < n; index = next++) {
+      const int first = index * kWedgeAzimuthBins;
+      work(AzimuthRange{first, std::min(kWedgeAzimuthBins, plan.settings().azimuth_bins - first)});
+    }
+  };
+  std::vector<std::jthread> helpers;
+  for (int t = 1; t < threads; ++t) helpers.emplace_back(run);
+  run();
+}
+
+int threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+/// All rays of a frame, made beforehand, traced by Embree alone: the floor that whole frames are held
+/// against.
+void BareTrace(benchmark::State& state) {
+  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)));
+  std::vector<std::unique_ptr<RayBatch>> batches;
+  for (int first = 0; first < plan->settings().azimuth_bins; first += kWedgeAzimuthBins) {
+    const auto source =
+        make_ray_source(*plan, {first, std::min(kWedgeAzimuthBins, plan->settings().azimuth_bins - first)});
+    for (auto batch = std::make_unique<RayBatch>(); source->next(*batch);
+         batch = std::make_unique<RayBatch>())
+      batches.push_back(std::move(batch));
+  }
+  double rays = 0;
+  for (const auto& batch : batches) rays += batch->n;
+  for (auto _ : state) {
+    std::atomic<std::size_t> next{0};
+    const auto run = [&] {
+      const auto hits = std::make_unique<std::array<RoughHit, kBatch>>();
+      for (std::size_t k = next++; k < batches.size(); k = next++)
+        plan->scene().tracer().trace(plan->sector().antenna_m, batches[k]->dir_x.data(),
+                                     batches[k]->dir_y.data(), batches[k]->dir_z.data(), batches[k]->n,
+                                     hits->data());
+    };
+    std::vector<std::jthread> helpers;
+    for (int t = 1; t < threads(); ++t) helpers.emplace_back(run);
+    run();
+  }
+  state.counters["Mray/s"] =
+      benchmark::Counter(rays / 1e6 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+void WholeFrame(benchmark::State& state) {
+  const auto plan =
+      plan_of(static_cast<FrustumKind>(state.range(0)), static_cast<SpeckleKind>(state.range(1)));
+  double rays = 0;
+  for (auto _ : state) {
+    RenderOptions options;
+    options.on_wedge = [&](Wedge&& wedge) { rays += static_cast<double>(wedge.stats.rays); };
+    render_wedges(*plan, {0, plan->settings().azimuth_bins}, options);
+  }
+  state.counters["Mray/s"] = benchmark::Counter(rays / 1e6, benchmark::Counter::kIsRate);
+  state.counters["frames/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+void RayGeneration(benchmark::State& state) {
+  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)));
+  std::atomic<std::uint64_t> rays{0};
+  for (auto _ : state) {
+    over_wedges(*plan, threads(), [&](AzimuthRange range) {
+      const auto batch = std::make_unique<RayBatch>();
+      std::uint64_t n = 0;
+      for (const auto source = make_ray_source(*plan, range); source->next(*batch);)
+        n += static_cast<std::uint64_t>(batch->n);
+      rays += n;
+    });
+  }
+  state.counters["Mray/s"] =
+      benchmark::Counter(static_cast<double>(rays.load()) / 1e6, benchmark::Counter::kIsRate);
+}
+
+/// Scattering and binning of made-up samples spread over one wedge.
+void Binning(benchmark::State& state) {
+  const auto plan = plan_of(FrustumKind::polar, static_cast<SpeckleKind>(state.range(0)));
+  const ScatteringTable scattering(plan->scene().materials(), plan->wavelength_m());
+  const SpeckleField speckle(plan->scene().world(), plan->sector().antenna_m, plan->wavelength_m(),
+                             plan->bins().range_spacing_m, plan->bins().azimuth_width_rad, 1);
+  const auto samples = std::make_unique<SampleBatch>();
+  samples->n = kBatch;
+  BinBlock block(0, kWedgeAzimuthBins, plan->bins().n_range);
+  double binned = 0;
+  for (auto _ : state) {
+    WedgeBins bins(*plan, scattering, speckle, {0, kWedgeAzimuthBins});
+    for (int batch = 0; batch < 32; ++batch) {
+      for (int k = 0; k < kBatch; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const double r =
+            plan->bins().r_min_m + (batch * kBatch + k) * (plan->bins().r_max_m - 4000) / (32 * kBatch);
+        samples->azimuth_bin[s] = k % kWedgeAzimuthBins;
+        samples->slant_range_m[s] = r;
+        samples->solid_angle_sr[s] = 1e-7;
+        samples->cos_incidence[s] = 0.3;
+        samples->x_m[s] = r * 0.8;
+        samples->z_m[s] = r * 0.5 + k % kWedgeAzimuthBins * 20.0;
+        samples->face[s] = kNoFace;
+        samples->material[s] = 0;
+      }
+      binned += static_cast<double>(bins.add(*samples));
+    }
+    bins.write(block);
+    benchmark::DoNotOptimize(block.iq.data());
+  }
+  state.counters["Msample/s"] = benchmark::Counter(binned / 1e6, benchmark::Counter::kIsRate);
+}
+
+/// The states and the coverage of a frame: one profile for each azimuth bin.
+void Profiles(benchmark::State& state) {
+  const auto plan = plan_of(FrustumKind::polar);
+  for (auto _ : state) {
+    over_wedges(*plan, threads(), [&](AzimuthRange range) {
+      std::vector<FootprintSpan> spans;
+      ProfileResult result;
+      for (int a = range.first; a < range.first + range.count; ++a) march_profile(*plan, a, spans, result);
+    });
+  }
+}
+
+void PlanFrame(benchmark::State& state) {
+  RadarSettings settings = setting().settings;
+  settings.frustum = FrustumKind::polar;
+  const SettingsPtr snapshot = test::snapshot(settings);
+  for (auto _ : state) benchmark::DoNotOptimize(plan_frame(setting().scene, snapshot, setting().pose).plan);
+}
+
+constexpr auto kOblique = static_cast<std::int64_t>(FrustumKind::oblique);
+constexpr auto kSymmetric = static_cast<std::int64_t>(FrustumKind::symmetric);
+constexpr auto kPolar = static_cast<std::int64_t>(FrustumKind::polar);
+constexpr auto kGround = static_cast<std::int64_t>(SpeckleKind::ground);
+constexpr auto kGeometric = static_cast<std::int64_t>(SpeckleKind::geometric);
+
+BENCHMARK(PlanFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(RayGeneration)
+    ->ArgName("frustum")
+    ->Arg(kSymmetric)
+    ->Arg(kOblique)
+    ->Arg(kPolar)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(BareTrace)
+    ->ArgName("frustum")
+    ->Arg(kSymmetric)
+    ->Arg(kOblique)
+    ->Arg(kPolar)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(Binning)->ArgName("speckle")->Arg(kGround)->Arg(kGeometric)->Unit(benchmark::kMillisecond);
+BENCHMARK(Profiles)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(WholeFrame)
+    ->ArgNames({"frustum", "speckle"})
+    ->Args({kSymmetric, kGround})
+    ->Args({kOblique, kGround})
+    ->Args({kPolar, kGround})
+    ->Args({kOblique, kGeometric})
+    ->Args({kPolar, kGeometric})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace obliq
+
+int main(int argc, char** argv) {
+  benchmark::AddCustomContext("tracer", obliq::EmbreeTracer::version());
+  benchmark::AddCustomContext("threads", std::to_string(obliq::threads()));
+  benchmark::AddCustomContext("frustum", "0 symmetric, 1 oblique, 2 polar");
+  benchmark::AddCustomContext("speckle", "0 ground, 1 geometric");
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+}
