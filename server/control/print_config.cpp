@@ -19,7 +19,7 @@ std::string line(std::string_view name, const std::string& value, const std::str
 
 std::string entry_line(std::string_view name, const Key& key, const Slot& slot, const char* change) {
   return line(name, toml_text(load(key, slot)),
-              std::string(key.summary) + " " + allowed_text(key, slot) + ". " + change);
+              std::string(key.summary) + " [" + allowed_text(key, slot) + "; " + change + "]");
 }
 
 std::string header(const std::string& name) { return "\n[" + name + "]\n"; }
@@ -47,7 +47,7 @@ std::string section(const std::string& prefix, SceneConfig config) {
   for (const auto& [key, slot] : scene_entries()) {
     if (!key.name.starts_with(prefix)) continue;
     const std::string_view local = key.name.substr(prefix.size());
-    if (local.find('.') == std::string_view::npos) text += entry_line(local, key, slot(config), "Restart.");
+    if (local.find('.') == std::string_view::npos) text += entry_line(local, key, slot(config), "restart");
   }
   return text;
 }
@@ -55,7 +55,7 @@ std::string section(const std::string& prefix, SceneConfig config) {
 template <class T>
 std::string all_entries(std::span<const Entry<T>> entries, T object) {
   std::string text;
-  for (const auto& [key, slot] : entries) text += entry_line(key.name, key, slot(object), "Restart.");
+  for (const auto& [key, slot] : entries) text += entry_line(key.name, key, slot(object), "restart");
   return text;
 }
 
@@ -64,15 +64,15 @@ std::string terrain(const SceneConfig& config) {
   std::string text = header("terrain");
   if (!spec.dem.empty())
     text += line("dem", list(spec.dem, [](const std::string& path) { return toml_string(path); }),
-                 "Elevation models: any GDAL paths. Restart.");
+                 "Elevation models: any GDAL paths. [restart]");
   if (spec.unit)
     text += line("unit", toml_string(vertical_units()[static_cast<std::size_t>(*spec.unit)].name),
-                 "Unit of the dem's heights. Restart.");
-  if (spec.crs) text += line("crs", toml_string(*spec.crs), "For a dem that carries none. Restart.");
+                 "Unit of the dem's heights. [restart]");
+  if (spec.crs) text += line("crs", toml_string(*spec.crs), "For a dem that carries none. [restart]");
   if (!spec.area.empty())
-    text += line("area", polygon(spec.area), "What is loaded: longitude, latitude. Restart.");
+    text += line("area", polygon(spec.area), "What is loaded: longitude, latitude. [restart]");
   text += line("cell_m", spec.cell_m ? toml_number(*spec.cell_m) : "\"auto\"",
-               "Spacing of the ground grid, m, or \"auto\". Restart.");
+               "Spacing of the ground grid, m, or \"auto\". [restart]");
   text += section("terrain.", config);
   if (spec.synthetic != SyntheticKind::none)
     text += header("terrain.shape") + section("terrain.shape.", config);
@@ -118,7 +118,7 @@ std::string parameter_lines(const std::string& prefix, RadarConfig radar) {
   for (const Parameter& p : parameters())
     if (p.key.name.starts_with(prefix))
       text += entry_line(p.key.name.substr(prefix.size()), p.key, p.slot(radar),
-                         p.change == Change::live ? "Live." : "Restart.");
+                         p.change == Change::live ? "live" : "restart");
   return text;
 }
 

@@ -146,7 +146,7 @@ TEST(PrintConfig, DefaultsReadBackTheSame) {
   const std::string printed = print_config(config);
   expect_same(config, load_scene_file(write(printed, "_e")));
   EXPECT_NE(printed.find("radius_factor = inf"), std::string::npos);
-  EXPECT_NE(printed.find("integer 1 to 16384. Live."), std::string::npos);
+  EXPECT_NE(printed.find("[integer 1 to 16384; live]"), std::string::npos);
 }
 
 TEST(PrintConfig, AwkwardNumbersReadBackToTheSameBits) {

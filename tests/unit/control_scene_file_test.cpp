@@ -150,6 +150,9 @@ within = "towns.geojson"
                                 "/vsizip/d.zip/d.tif", "https://example.org/e.tif", "NETCDF:\"f.nc\":z"}));
   EXPECT_EQ(config.world.buildings.at(0).source, here + "houses.gpkg");
   EXPECT_EQ(config.world.prisms.at(0).within, here + "towns.geojson");
+  // A flag's path is the shell's: it counts from the working directory.
+  EXPECT_EQ(read(text, {"terrain.dem=x.tif"}).world.terrain.dem,
+            std::vector<std::string>{(std::filesystem::current_path() / "x.tif").string()});
 }
 
 TEST_F(SceneFile, AreaIsABoxOrAPolygon) {
