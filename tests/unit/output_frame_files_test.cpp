@@ -1,0 +1,183 @@
+// The files of a frame, read back with other people's readers where there is one.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
+#include "server/output/frame_files.h"
+#include "server/output/sample_textures.h"
+#include "server/radar/frame_plan.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string slurp(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string python_with_numpy() {
+  for (const std::string python : {"/usr/bin/python3", "python3"})
+    if (std::system((python + " -c 'import numpy' 2>/dev/null").c_str()) == 0) return python;
+  return "";
+}
+
+class FrameFilesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("obliq_files_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    settings_.frustum = FrustumKind::polar;
+    settings_.r_min_m = 1500;
+    settings_.r_max_m = 9000;
+    settings_.pixel_columns = 90;
+    settings_.pixel_rows = 70;
+    settings_.azimuth_bins = 45;
+    settings_.range_bins = 33;
+    scene_ = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::hills, 12000, 100)));
+  }
+
+  void render_to(const fs::path& folder, SampleTap* tap = nullptr) {
+    const Pose pose = test::pose_over_origin(scene_->world(), 1200, 40);
+    plan_ = plan_frame(scene_, test::snapshot(settings_), pose).plan;
+    ASSERT_TRUE(plan_);
+    RenderOptions options;
+    options.tap = tap;
+    frame_ = render(scene_, test::snapshot(settings_), pose, {0, settings_.azimuth_bins}, options);
+    wire::FrameDescriptor descriptor;
+    wire::FrameSummary summary;
+    describe_frame(*plan_, "main", "test", descriptor);
+    summarise_frame(*plan_, frame_.stats, summary);
+    write_frame_files(folder, descriptor, summary, frame_.bins);
+  }
+
+  fs::path folder_;
+  RadarSettings settings_;
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const FramePlan> plan_;
+  Frame frame_;
+};
+
+TEST_F(FrameFilesTest, TheSameFrameGivesTheSameBytes) {
+  render_to(folder_ / "a");
+  render_to(folder_ / "b");
+  for (const char* name : {"bins.npy", "power.npy", "count.npy", "state.npy", "frame.json", "ground_map.png",
+                           "ground_map.tif"}) {
+    ASSERT_GT(fs::file_size(folder_ / "a" / name), 0u) << name;
+    EXPECT_EQ(slurp(folder_ / "a" / name), slurp(folder_ / "b" / name)) << name;
+  }
+}
+
+TEST_F(FrameFilesTest, NumpyReadsTheArraysWithTheirShapesAndTypes) {
+  const std::string python = python_with_numpy();
+  if (python.empty()) GTEST_SKIP() << "neither /usr/bin/python3 nor python3 has numpy (apt: python3-numpy)";
+  render_to(folder_);
+  double power = 0;
+  for (double p : frame_.bins.power_w) power += p;
+  std::ostringstream script;
+  script.precision(17);
+  script << "import numpy as n; d='" << folder_.string()
+         << "/'; b=n.load(d+'bins.npy'); p=n.load(d+'power.npy');"
+         << "c=n.load(d+'count.npy'); s=n.load(d+'state.npy');"
+         << "assert b.shape==p.shape==c.shape==s.shape==(45,33), b.shape;"
+         << "assert (b.dtype,p.dtype,c.dtype,s.dtype)==('<c8','<f8','<u4','|u1'), (b.dtype,p.dtype);"
+         << "assert abs(p.sum()/" << power << "-1)<1e-12, p.sum(); assert ((c>0)==(s==1)).all();"
+         << "assert c.sum()==" << frame_.stats.samples << "; assert b[7,5]==n.complex64(complex("
+         << static_cast<double>(frame_.bins.iq[7 * 33 + 5].real()) << ","
+         << static_cast<double>(frame_.bins.iq[7 * 33 + 5].imag()) << "))";
+  EXPECT_EQ(std::system((python + " -c \"" + script.str() + "\"").c_str()), 0);
+}
+
+TEST_F(FrameFilesTest, FrameJsonNamesEveryParameterAndTheBinEdges) {
+  render_to(folder_);
+  const auto json = nlohmann::json::parse(slurp(folder_ / "frame.json"));
+  EXPECT_EQ(json["azimuth_edges_deg"].size(), 46u);
+  EXPECT_EQ(json["range_edges_m"].size(), 34u);
+  EXPECT_DOUBLE_EQ(json["range_edges_m"][33], 9000);
+  EXPECT_DOUBLE_EQ(json["azimuth_edges_deg"][0], 40 - 60);
+  EXPECT_EQ(json["frame"]["settings"]["frustum"], "polar");
+  EXPECT_EQ(json["frame"]["radius_factor"], "inf");
+  EXPECT_EQ(json["summary"]["rays"], frame_.stats.rays);
+  EXPECT_EQ(json["summary"]["coverage"], 1.0);
+  EXPECT_EQ(json["frame"]["phase_sign"], -1);
+  EXPECT_NEAR(json["frame"]["wavelength_m"], 299792458.0 / 10e9, 1e-15);
+}
+
+TEST_F(FrameFilesTest, OpenExrTexturesHoldDoubleRangesInTwoChannels) {
+  class Reference : public SampleTextures {
+   public:
+    using SampleTextures::SampleTextures;
+    void on_hit(std::uint32_t pixel, double azimuth, const ExactHit& hit) override {
+      SampleTextures::on_hit(pixel, azimuth, hit);
+      const std::scoped_lock lock(mutex);
+      ranges[pixel] = hit.slant_range_m;
+    }
+    std::mutex mutex;
+    std::map<std::uint32_t, double> ranges;
+  };
+  Reference textures(90, 70);
+  render_to(folder_, &textures);
+  const fs::path path = folder_ / "samples.exr";
+  textures.write(path);
+  Imf::InputFile file(path.c_str());
+  const auto window = file.header().dataWindow();
+  ASSERT_EQ(window.max.x - window.min.x + 1, 90);
+  ASSERT_EQ(window.max.y - window.min.y + 1, 70);
+  for (const char* name : {"azimuth_rad", "incidence_rad", "normal.x", "normal.y", "normal.z", "position.x",
+                           "position.y", "position.z"})
+    EXPECT_TRUE(file.header().channels().findChannel(name)) << name;
+  std::vector<float> range(90 * 70), residual(90 * 70);
+  std::vector<std::uint32_t> material(90 * 70);
+  Imf::FrameBuffer buffer;
+  buffer.insert("range_m", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(range.data()), 4, 4 * 90));
+  buffer.insert("range_residual_m",
+                Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(residual.data()), 4, 4 * 90));
+  buffer.insert("material", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(material.data()), 4, 4 * 90));
+  file.setFrameBuffer(buffer);
+  file.readPixels(0, 69);
+  ASSERT_GT(textures.ranges.size(), 4000u);
+  for (std::uint32_t pixel = 0; pixel < 90 * 70; ++pixel) {
+    const auto found = textures.ranges.find(pixel);
+    if (found == textures.ranges.end()) {
+      EXPECT_EQ(material[pixel], 0xffffffffu);
+      EXPECT_EQ(range[pixel], 0.0f);
+    } else {
+      // A float residual of at most 2^-11 m has steps of 2^-35 m.
+      EXPECT_NEAR(static_cast<double>(range[pixel]) + static_cast<double>(residual[pixel]), found->second,
+                  1e-9);
+      EXPECT_EQ(material[pixel], 0u);
+    }
+  }
+}
+
+TEST_F(FrameFilesTest, AFolderThatCannotBeWrittenIsNamed) {
+  const fs::path blocker = fs::path(testing::TempDir()) / "obliq_a_file";
+  std::ofstream(blocker) << "x";
+  try {
+    prepare_output_folder(blocker / "out");
+    FAIL() << "a folder inside a file cannot be made";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("obliq_a_file/out: cannot be made"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace obliq
