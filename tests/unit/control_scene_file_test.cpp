@@ -7,6 +7,7 @@
 #include "server/control/material_library.h"
 #include "server/control/scene_file.h"
 #include "tests/unit/scene_file_fixture.h"
+#include "tests/unit/terrain_files.h"
 
 namespace obliq {
 namespace {
@@ -34,6 +35,27 @@ TEST_F(SceneFile, SyntheticGroundIsFlatEarthAtThePapersPlaceUnlessToldOtherwise)
   const SceneConfig real =
       read("[terrain]\ndem = 'x.tif'\n[antenna]\nlatitude_deg = 10\nlongitude_deg = 20\n");
   EXPECT_DOUBLE_EQ(real.world.radius_factor, 4.0 / 3);
+}
+
+TEST_F(SceneFile, AnAntennaWithoutAPositionStandsAtTheElevationModelsCentre) {
+  const test::Folder folder;
+  const auto level = [](double, double) { return 7.0; };
+  write_raster(folder, "dem.tif", test::around(-101.25, 35.5, level));
+  const auto place = [&](const std::string& antenna) {
+    const SceneConfig config =
+        load_scene_file(folder.text("scene.toml", "[terrain]\ndem = \"dem.tif\"\n[antenna]\n" + antenna));
+    EXPECT_EQ(config.world.origin.latitude_deg, config.radars[0].pose.latitude_deg);
+    return LonLat{config.radars[0].pose.longitude_deg, config.radars[0].pose.latitude_deg};
+  };
+  constexpr double kPixel_deg = 1.0 / 1200;  // the centre may be that of a pixel or of the whole
+  EXPECT_NEAR(place("").longitude_deg, -101.25, kPixel_deg);
+  EXPECT_NEAR(place("").latitude_deg, 35.5, kPixel_deg);
+  EXPECT_EQ(place("latitude_deg = 35.51").latitude_deg, 35.51);
+  EXPECT_NEAR(place("latitude_deg = 35.51").longitude_deg, -101.25, kPixel_deg);
+  // A file that is not there is looked for only when its centre is needed.
+  std::filesystem::remove(folder.file("dem.tif"));
+  EXPECT_EQ(place("latitude_deg = 1\nlongitude_deg = 2").longitude_deg, 2);
+  EXPECT_THROW(place("latitude_deg = 1"), InputError);
 }
 
 TEST_F(SceneFile, ReachIsTheMaximumRangeAndAQuarterAndTheFootprintItsFinestSampling) {
