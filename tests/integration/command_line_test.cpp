@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -143,7 +144,7 @@ TEST_F(CommandLine, FilesThatAreNoSceneAreRefused) {
   expect_refused(check(folder_), "found a folder");
   expect_refused(check(scene("")), "scene.toml: terrain: found neither dem nor synthetic");
   std::string garbage;
-  for (int i = 0; i < 4096; ++i) garbage += static_cast<char>((i * 2654435761u) >> 24);
+  for (std::uint32_t i = 0; i < 4096; ++i) garbage += static_cast<char>((i * 2654435761u) >> 24);
   expect_refused(check(scene(garbage)), "found something that is not TOML");
   expect_refused(check(scene(std::string("\x7f"
                                          "ELF\0\1",
