@@ -5,7 +5,9 @@
 
 #include "terrain/dem_mosaic.h"
 #include "terrain/errors.h"
+#include "terrain/footprints.h"
 #include "terrain/gdal_messages.h"
+#include "terrain/grid_area.h"
 #include "terrain/ground.h"
 
 namespace obliq {
@@ -37,6 +39,8 @@ World load_world(const WorldSpec& spec, const Progress& progress) {
   World world;
   world.frame = frame_of(spec);
   load_ground(world, spec, progress);
+  const Polygon area = wanted_area(spec, world.frame).polygon;
+  load_buildings(world, spec, area, progress);
   return world;
 }
 

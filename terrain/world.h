@@ -23,6 +23,7 @@ struct LoadReport {
   std::uint64_t buildings_duplicate = 0;
   std::uint64_t buildings_outside = 0;
   std::uint64_t buildings_no_ground = 0;
+  std::uint64_t buildings_unusable = 0;  ///< no polygon, fewer than three points, or not numbers
   std::uint64_t buildings_default_height = 0;
   std::uint64_t prisms_placed = 0;
   std::vector<std::string> notes;  ///< one sentence each, with numbers

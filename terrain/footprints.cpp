@@ -1,0 +1,189 @@
+#include "terrain/footprints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "terrain/errors.h"
+#include "terrain/extrude.h"
+#include "terrain/hash.h"
+#include "terrain/height_text.h"
+#include "terrain/placement.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kFoot_m = 0.3048;
+constexpr double kTallest_m = 2000;  ///< twice the tallest building there is
+
+bool sane(std::optional<double> height_m) { return height_m && *height_m > 0 && *height_m <= kTallest_m; }
+
+bool usable(const GeoPolygon& polygon) {
+  if (polygon.rings.empty() || polygon.rings[0].size() < 3) return false;
+  for (const auto& ring : polygon.rings) {
+    for (const LonLat& p : ring) {
+      if (!std::isfinite(p.longitude_deg) || !(std::abs(p.latitude_deg) <= 90)) return false;
+    }
+  }
+  return true;
+}
+
+/// The ground at the first of the outline's points that has any.
+GroundPlace first_ground(const World& world, const GeoPolygon& polygon) {
+  GroundPlace best;
+  for (const LonLat& p : polygon.rings[0]) {
+    const GroundPlace place = place_on_ground(world, p);
+    if (place.state == GroundState::known) return place;
+    if (place.state == GroundState::unknown) best = place;
+  }
+  return best;
+}
+
+void check(const BuildingSourceSpec& spec) {
+  if (!(spec.default_height_m > 0) || spec.default_height_m > kTallest_m) {
+    throw InputError("[[buildings]] default_height_m: found " + std::to_string(spec.default_height_m) +
+                     "; allowed: more than 0, at most 2000 m");
+  }
+  if (!spec.unit.empty() && spec.unit != "m" && spec.unit != "ft") {
+    throw InputError("[[buildings]] unit: found \"" + spec.unit + "\"; allowed: \"m\" or \"ft\"");
+  }
+}
+
+/// One source's outlines on their way into the world.
+class FootprintLoader {
+ public:
+  FootprintLoader(World& world, const Polygon& area) : world_(world), area_(area) {}
+
+  void add(const VectorFeature& feature, const BuildingSourceSpec& spec) {
+    LoadReport& report = world_.report;
+    ++report.buildings_read;
+    if (feature.polygons.empty()) ++report.buildings_unusable;
+    const std::optional<double> height_m = feature_height_m(feature, spec);
+    bool stands = false;
+    for (const GeoPolygon& polygon : feature.polygons) {
+      stands |= add_polygon(polygon, height_m.value_or(spec.default_height_m), spec.material);
+    }
+    if (stands && !height_m) ++report.buildings_default_height;
+  }
+
+ private:
+  bool add_polygon(const GeoPolygon& polygon, double height_m, std::uint8_t material) {
+    LoadReport& report = world_.report;
+    if (!usable(polygon)) {
+      ++report.buildings_unusable;
+      return false;
+    }
+    const GroundPlace place = first_ground(world_, polygon);
+    const Polygon outline = world_polygon(world_.frame, polygon, place.height_m);
+    if (place.state == GroundState::off_grid || !lies_inside(area_, outline)) {
+      ++report.buildings_outside;
+      return false;
+    }
+    if (place.state == GroundState::unknown) {
+      ++report.buildings_no_ground;
+      return false;
+    }
+    const std::uint64_t identity = outline_identity(polygon);
+    if (!seen_.insert(identity).second) {
+      ++report.buildings_duplicate;
+      return false;
+    }
+    return stand_outline(world_, shaper_, outline, {height_m, material, identity}) > 0;
+  }
+
+  World& world_;
+  const Polygon& area_;
+  OutlineShaper shaper_;
+  std::unordered_set<std::uint64_t> seen_;
+};
+
+}  // namespace
+
+std::optional<double> feature_height_m(const VectorFeature& feature, const BuildingSourceSpec& spec) {
+  const auto read = [&](const std::string& field, double metres_per_bare_unit) -> std::optional<double> {
+    const std::optional<std::string> text = feature.text(field);
+    if (!text) return {};
+    const std::optional<double> height_m = parse_height_m(*text, metres_per_bare_unit);
+    return sane(height_m) ? height_m : std::nullopt;
+  };
+  if (const auto height_m = read(spec.height_field, spec.unit == "ft" ? kFoot_m : 1.0)) return height_m;
+  if (spec.height_field != "height") {
+    if (const auto height_m = read("height", 1.0)) return height_m;
+  }
+  return read("building:levels", kStorey_m);
+}
+
+std::uint64_t outline_identity(const GeoPolygon& polygon) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> points;
+  for (const LonLat& p : polygon.rings[0]) {
+    points.emplace_back(std::llround(std::remainder(p.longitude_deg, 360.0) * 1e7),
+                        std::llround(p.latitude_deg * 1e7));
+  }
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  while (points.size() > 1 && points.front() == points.back()) points.pop_back();
+  std::rotate(points.begin(), std::min_element(points.begin(), points.end()), points.end());
+  // From the least point on, the way round that has the lesser neighbour first.
+  if (points.size() > 2 && points.back() < points[1]) std::reverse(points.begin() + 1, points.end());
+  std::uint64_t hash = points.size();
+  for (const auto& [x, y] : points) hash = hash_cell(hash, x, y);
+  return hash;
+}
+
+bool lies_inside(const Polygon& area, const Polygon& outline) {
+  return area.rings.empty() || std::all_of(outline.rings[0].begin(), outline.rings[0].end(),
+                                           [&](glm::dvec2 p) { return area.contains(p); });
+}
+
+std::size_t stand_outline(World& world, OutlineShaper& shaper, const Polygon& polygon,
+                          const PrismLook& look) {
+  LoadReport& report = world.report;
+  const ShapedOutline shaped = shaper.shape(polygon);
+  if (shaped.state == OutlineState::unusable) ++report.buildings_unusable;
+  if (shaped.state == OutlineState::zero_area) ++report.buildings_zero_area;
+  if (shaped.state == OutlineState::repaired) ++report.buildings_repaired;
+  std::size_t stand = 0;
+  for (std::size_t k = 0; k < shaped.parts.size(); ++k) {
+    const Outline& part = shaped.parts[k];
+    const Footing footing = footing_of(world.grid, part);
+    if (footing.state == Footing::State::off_grid) {
+      ++report.buildings_outside;
+    } else if (footing.state == Footing::State::no_ground) {
+      ++report.buildings_no_ground;
+    } else {
+      PrismLook own = look;
+      own.identity = hash_cell(look.identity, 0, static_cast<std::int64_t>(k));
+      append_prism(world.buildings, part, footing, own);
+      ++stand;
+    }
+  }
+  report.buildings_kept += stand;
+  return stand;
+}
+
+void load_buildings(World& world, const WorldSpec& spec, const Polygon& area, const Progress& progress) {
+  if (spec.buildings.empty()) return;
+  const GeoWindow window = geo_window(world);
+  FootprintLoader loader(world, area);
+  for (std::size_t k = 0; k < spec.buildings.size(); ++k) {
+    const BuildingSourceSpec& source = spec.buildings[k];
+    check(source);
+    if (progress) progress("buildings", static_cast<double>(k) / static_cast<double>(spec.buildings.size()));
+    bool has_field = false;
+    const VectorQuery query{source.source,          source.layer,      "",
+                            "[[buildings]] source", window.south_west, window.north_east};
+    const VectorSummary summary = visit_features(query, [&](const VectorFeature& feature) {
+      has_field = has_field || feature.text(source.height_field).has_value();
+      loader.add(feature, source);
+    });
+    world.report.buildings_read += summary.skipped_by_index;
+    world.report.buildings_outside += summary.skipped_by_index;
+    world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
+    if (!has_field && summary.visited > 0) {
+      world.report.notes.push_back(source.source + ": none of its " + std::to_string(summary.visited) +
+                                   " features has a field \"" + source.height_field + "\"");
+    }
+  }
+  if (progress) progress("buildings", 1);
+}
+
+}  // namespace obliq

@@ -1,0 +1,49 @@
+#pragma once
+// Makes building outlines valid and cuts their roofs into triangles, by GEOS.
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <vector>
+
+#include "terrain/polygon.h"
+
+namespace obliq {
+
+/// A valid outline with holes in float32 world (x, z), exactly the coordinates that the mesh gets: the outer
+/// ring counter-clockwise on a map (x right, z up), holes clockwise, no point twice in a row.
+struct Outline {
+  std::vector<std::vector<glm::vec2>> rings_m;
+  /// Corners of the roof's triangles as indices into all points of all rings in order, clockwise on a map.
+  std::vector<glm::uvec3> roof;
+  double area_m2 = 0;
+  glm::dvec2 centre_m{0.0};  ///< of the area
+};
+
+enum class OutlineState { good, repaired, zero_area, unusable };
+
+struct ShapedOutline {
+  OutlineState state = OutlineState::unusable;
+  std::vector<Outline> parts;  ///< none unless good or repaired; a repair may make several
+};
+
+/// Owns one GEOS context; one thread at a time.
+class OutlineShaper {
+ public:
+  OutlineShaper();
+  ~OutlineShaper();
+  OutlineShaper(const OutlineShaper&) = delete;
+  OutlineShaper& operator=(const OutlineShaper&) = delete;
+
+  /// Rounds to float32, repairs self-intersections (GEOS, structure method: overlaps are united, holes kept)
+  /// and triangulates. Outlines of less than kLeastArea_m2 have no area. Never throws on any coordinates.
+  ShapedOutline shape(const Polygon& polygon);
+
+  static constexpr double kLeastArea_m2 = 0.01;
+
+ private:
+  struct Geos;
+  std::unique_ptr<Geos> geos_;
+};
+
+}  // namespace obliq
