@@ -23,7 +23,12 @@ Dataset opened(const VectorQuery& query) {
   const GdalMessages messages;
   Dataset dataset(
       GDALDataset::Open(query.path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
-  if (!dataset) refuse(query, messages.reason("it cannot be opened"), "a vector source that OGR can open");
+  if (!dataset) {
+    const std::string reason = messages.reason("it cannot be opened");
+    const Dataset raster(GDALDataset::Open(query.path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+    if (raster) refuse(query, "it holds a raster only", "polygons, or a class raster with its classes named");
+    refuse(query, reason, "a vector source that OGR can open");
+  }
   if (dataset->GetLayerCount() == 0) refuse(query, "it has no layer", "a source of polygons");
   return dataset;
 }

@@ -9,6 +9,8 @@
 #include "terrain/gdal_messages.h"
 #include "terrain/grid_area.h"
 #include "terrain/ground.h"
+#include "terrain/prisms_random.h"
+#include "terrain/surfaces.h"
 
 namespace obliq {
 namespace {
@@ -40,7 +42,9 @@ World load_world(const WorldSpec& spec, const Progress& progress) {
   world.frame = frame_of(spec);
   load_ground(world, spec, progress);
   const Polygon area = wanted_area(spec, world.frame).polygon;
+  paint_surfaces(world, spec, progress);
   load_buildings(world, spec, area, progress);
+  scatter_prisms(world, spec, area, progress);
   return world;
 }
 
