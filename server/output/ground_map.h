@@ -16,10 +16,10 @@ struct GroundMap {
   int width = 0;
   int height = 0;
   double pixel_m = 0;
-  double left_m = 0;  ///< east (or right) of the antenna, left edge of pixel column 0
-  double top_m = 0;   ///< north (or ahead) of the antenna, top edge of pixel row 0
-  double antenna_above_m = 0;       ///< antenna above the reference height
-  double up_rad = 0;  ///< true bearing of the picture's up direction; 0 for north up
+  double left_m = 0;           ///< east (or right) of the antenna, left edge of pixel column 0
+  double top_m = 0;            ///< north (or ahead) of the antenna, top edge of pixel row 0
+  double antenna_above_m = 0;  ///< antenna above the reference height
+  double up_rad = 0;           ///< true bearing of the picture's up direction; 0 for north up
   std::vector<float>
       magnitude_db;  ///< [height][width] 20 log10 |I&Q|, dB re sqrt(W); kNoValue without a sample
   std::vector<float> slant_range_m;  ///< [height][width]
