@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
 #include "server/radar/frame_plan.h"
@@ -67,6 +68,38 @@ TEST_F(PlanTest, AntennaUnderTheGroundIsRefusedWithTheGroundsHeight) {
   EXPECT_FALSE(place_antenna(scene_->world(), pose, errors));
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_EQ(errors[0].text().substr(0, 43), "antenna.height_m: found 3.00 m below the gr");
+}
+
+TEST_F(PlanTest, AntennaInsideABuildingIsRefusedAndAboveItsRoofOrBesideItIsNot) {
+  const std::string path = testing::TempDir() + "obliq_plan_tower.geojson";
+  // A courtyard building of about 200 m with a hole of about 60 m around (33, -99.5), 50 m high.
+  std::ofstream(path)
+      << R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{"height":50},
+    "geometry":{"type":"Polygon","coordinates":[
+      [[-99.501,32.999],[-99.499,32.999],[-99.499,33.001],[-99.501,33.001],[-99.501,32.999]],
+      [[-99.5003,32.9997],[-99.5003,33.0003],[-99.4997,33.0003],[-99.4997,32.9997],[-99.5003,32.9997]]]}}]})";
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::flat, 3000, 50);
+  BuildingSourceSpec source;
+  source.source = path;
+  spec.buildings = {source};
+  const World world = load_world(spec);
+  ASSERT_EQ(world.buildings.list.size(), 1u);
+  PoseSettings pose;
+  pose.latitude_deg = 33;
+  pose.longitude_deg = -99.5007;
+  pose.height_m = 20;
+  std::vector<FieldError> errors;
+  EXPECT_FALSE(place_antenna(world, pose, errors));
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].text().substr(0, 63),
+            "antenna.height_m: found inside a building, 30.00 m below its ro");
+  pose.height_m = 51;
+  EXPECT_TRUE(place_antenna(world, pose, errors)) << "above the roof";
+  pose.height_m = 20;
+  pose.longitude_deg = -99.5;
+  EXPECT_TRUE(place_antenna(world, pose, errors)) << "in the courtyard";
+  pose.longitude_deg = -99.503;
+  EXPECT_TRUE(place_antenna(world, pose, errors)) << "beside it";
 }
 
 TEST_F(PlanTest, HeightReferencesMeanWhatTheySay) {
