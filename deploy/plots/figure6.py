@@ -37,6 +37,7 @@ def main():
     axes.set_xlabel("maximum slant range (km)")
     axes.set_ylabel("slant-range step of one pixel row (m)")
     axes.set_xlim(r_max_km[0], r_max_km[-1])
+    axes.set_ylim(bottom=0.1)  # at 10 km the near step falls to nothing: r_min is the height itself
     axes.grid(True, which="both", alpha=0.3)
     axes.legend()
     figure.savefig(sys.argv[1], dpi=120)
