@@ -22,7 +22,10 @@ class Frame:
 
     def __init__(self, folder):
         folder = pathlib.Path(folder)
-        described = json.loads((folder / "frame.json").read_text(encoding="utf-8"))["frame"]
+        document = json.loads((folder / "frame.json").read_text(encoding="utf-8"))
+        described = document["frame"]
+        self.buildings_seen = document["summary"]["buildings_seen"]
+        self.buildings = described["buildings_in_scene"]
         self.azimuth_start_deg = described["azimuth_start_deg"]
         self.azimuth_width_deg = described["azimuth_width_deg"]
         self.range_start_m = described["range_start_m"]
@@ -33,8 +36,9 @@ class Frame:
         with np.errstate(divide="ignore"):
             self.level_db = 20 * np.log10(np.abs(bins))
         self.reach_m = self.range_start_m + bins.shape[1] * self.range_spacing_m
-        sampled = np.load(folder / "state.npy") == 1
-        self.sampled_share = sampled.mean()
+        state = np.load(folder / "state.npy")
+        # Of the bins that hold something visible (0: visible but missed by every ray, 1: sampled).
+        self.sampled_share = (state == 1).sum() / max(1, (state <= 1).sum())
 
     def map_db(self, east_m, north_m):
         """The level at ground positions relative to the antenna; NaN outside the sector."""
@@ -74,7 +78,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("symmetric", help="folder of the symmetric frame")
     parser.add_argument("oblique", help="folder of the oblique frame")
-    parser.add_argument("picture", help="PNG to write")
+    parser.add_argument("picture", help="PNG or JPEG to write")
     parser.add_argument("--zoom", nargs=3, type=float, metavar=("EAST_KM", "NORTH_KM", "SIZE_KM"),
                         help="centre and side of the zoom; default: the far end of the sector's middle")
     arguments = parser.parse_args()
@@ -96,7 +100,8 @@ def main():
     figure, axes = plt.subplots(2, 2, figsize=(12, 12 * (shape + 1) / 2), layout="constrained",
                                 height_ratios=[shape, 1])
     for column, (name, frame) in enumerate(frames.items()):
-        title = f"{name} frustum: {100 * frame.sampled_share:.0f} % of the bins sampled"
+        title = (f"{name} frustum: {100 * frame.sampled_share:.0f} % of the visible bins sampled,\n"
+                 f"{frame.buildings_seen} of {frame.buildings} buildings seen")
         draw(axes[0, column], frame, extent, scale, title)
         draw(axes[1, column], frame, zoom, scale, f"{name}, zoom")
     figure.savefig(arguments.picture, dpi=100)
