@@ -1,0 +1,212 @@
+#include "client/client.h"
+
+#include <utility>
+
+#include "proto/error_number.h"
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+
+namespace obliq::client {
+
+using wire::MessageType;
+
+struct Client::State {
+  Connection connection;
+  ClientOptions options;
+  wire::Welcome welcome;
+  FrameHandler* handler = nullptr;
+  std::uint64_t last_request = 0;
+
+  template <typename Request, typename Reply>
+  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply);
+  template <typename Request>
+  Status acknowledged(MessageType type, Request& request) {
+    wire::Ack ack;
+    return call(type, request, MessageType::ack, ack);
+  }
+  Status dispatch_frame(const Message& message);
+  Status check_block(const Message& message, wire::WedgeBlock& block) const;
+};
+
+namespace {
+
+Status unreadable(const char* what) {
+  return Status::failure(Outcome::bad_stream,
+                         std::string("a message from the server does not parse: ") + what);
+}
+
+// A message that answers no request. Anything but an Error is skipped.
+Status unsolicited(const Message& message) {
+  if (message.header.type != MessageType::error) return {};
+  wire::Error error;
+  if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
+  return Status::from_error(error);
+}
+
+bool is_frame(MessageType type) {
+  return type >= MessageType::frame_begin && type <= MessageType::frame_abort;
+}
+
+}  // namespace
+
+template <typename Request, typename Reply>
+Status Client::State::call(MessageType type, Request& request, MessageType reply_type, Reply& reply) {
+  request.set_request_id(++last_request);
+  const Status sent = connection.send(type, request);
+  if (!sent.ok() && sent.outcome != Outcome::closed) return sent;
+  // Where sending failed because the server has closed, its last words may still wait to be read.
+  for (;;) {
+    Message message;
+    if (Status status = connection.receive(message, options.reply_timeout); !status.ok()) {
+      return sent.ok() ? status : sent;
+    }
+    if (message.header.type == reply_type) {
+      if (!wire::parse_descriptor(message.descriptor(), reply)) return unreadable("answer");
+      if (reply.request_id() == last_request) return {};
+    } else if (message.header.type == MessageType::error) {
+      wire::Error error;
+      if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
+      // Faults of a radar that answer nothing do not concern this call; those of the connection do.
+      if (error.request_id() == last_request || error.number() < 100) return Status::from_error(error);
+    } else if (is_frame(message.header.type)) {
+      if (Status status = dispatch_frame(message); !status.ok()) return status;
+    }
+  }
+}
+
+Status Client::State::check_block(const Message& message, wire::WedgeBlock& block) const {
+  if (!wire::parse_descriptor(message.descriptor(), block)) return unreadable("WedgeBlock");
+  const auto plane = wire::plane_from_number(block.plane());
+  const wire::Rectangle rectangle{block.first_azimuth(), block.n_azimuth(), block.first_range(),
+                                  block.n_range()};
+  if (!plane || wire::plane_bytes(*plane, rectangle) != message.plane().size()) {
+    return Status::failure(Outcome::bad_stream, "a data block from the server has the wrong size");
+  }
+  return {};
+}
+
+Status Client::State::dispatch_frame(const Message& message) {
+  FrameHandler none;
+  FrameHandler& to = handler != nullptr ? *handler : none;
+  switch (message.header.type) {
+    case MessageType::frame_begin: {
+      wire::FrameBegin begin;
+      if (!wire::parse_descriptor(message.descriptor(), begin)) return unreadable("FrameBegin");
+      return to.on_begin(message.header, begin);
+    }
+    case MessageType::wedge_block: {
+      wire::WedgeBlock block;
+      if (Status status = check_block(message, block); !status.ok()) return status;
+      return to.on_block(message.header, block, message.plane());
+    }
+    case MessageType::frame_end: {
+      wire::FrameEnd end;
+      if (!wire::parse_descriptor(message.descriptor(), end)) return unreadable("FrameEnd");
+      return to.on_end(message.header, end);
+    }
+    case MessageType::frame_abort: {
+      wire::FrameAbort abort;
+      if (!wire::parse_descriptor(message.descriptor(), abort)) return unreadable("FrameAbort");
+      return to.on_abort(message.header, abort);
+    }
+    default:
+      return {};
+  }
+}
+
+Client::Client() : state_(std::make_unique<State>()) {}
+Client::~Client() = default;
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+
+Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
+  state_->options = options;
+  if (Status status = Connection::open(endpoint, options.connect_timeout, state_->connection); !status.ok()) {
+    return status;
+  }
+  wire::Hello hello;
+  hello.set_major(wire::kMajorVersion);
+  hello.set_minor(wire::kMinorVersion);
+  hello.set_client_name(options.name.substr(0, wire::kMaxNameBytes));
+  Status status = state_->call(MessageType::hello, hello, MessageType::welcome, state_->welcome);
+  if (!status.ok()) {
+    status.text = endpoint.text() + ": " + status.text;
+    state_->connection.close();
+  }
+  return status;
+}
+
+const wire::Welcome& Client::welcome() const { return state_->welcome; }
+void Client::set_handler(FrameHandler* handler) { state_->handler = handler; }
+bool Client::is_open() const { return state_->connection.is_open(); }
+void Client::close() { state_->connection.close(); }
+
+Status Client::list_radars(wire::RadarList& list) {
+  wire::ListRadars request;
+  return state_->call(MessageType::list_radars, request, MessageType::radar_list, list);
+}
+
+Status Client::get_radar(const std::string& radar, wire::RadarInfo& info) {
+  wire::GetRadar request;
+  request.set_radar(radar);
+  return state_->call(MessageType::get_radar, request, MessageType::radar_info, info);
+}
+
+Status Client::claim_control(const std::string& radar) {
+  wire::ClaimControl request;
+  request.set_radar(radar);
+  return state_->acknowledged(MessageType::claim_control, request);
+}
+
+Status Client::release_control(const std::string& radar) {
+  wire::ReleaseControl request;
+  request.set_radar(radar);
+  return state_->acknowledged(MessageType::release_control, request);
+}
+
+Status Client::set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack) {
+  wire::SetSettings request;
+  request.set_radar(radar);
+  *request.mutable_settings() = settings;
+  return state_->call(MessageType::set_settings, request, MessageType::ack, ack);
+}
+
+Status Client::set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack) {
+  wire::SetPose request;
+  request.set_radar(radar);
+  *request.mutable_pose() = pose;
+  return state_->call(MessageType::set_pose, request, MessageType::ack, ack);
+}
+
+Status Client::subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes) {
+  wire::Subscribe request;
+  request.set_radar(radar);
+  request.set_rate_hz(rate_hz);
+  for (int plane = 0; plane < wire::kPlanes; ++plane) {
+    if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
+  }
+  return state_->acknowledged(MessageType::subscribe, request);
+}
+
+Status Client::unsubscribe(const std::string& radar) {
+  wire::Unsubscribe request;
+  request.set_radar(radar);
+  return state_->acknowledged(MessageType::unsubscribe, request);
+}
+
+Status Client::render_once(wire::RenderOnce& request) {
+  return state_->acknowledged(MessageType::render_once, request);
+}
+
+Status Client::get_status(wire::Status& status) {
+  wire::GetStatus request;
+  return state_->call(MessageType::get_status, request, MessageType::status, status);
+}
+
+Status Client::receive(Timeout timeout) {
+  Message message;
+  if (Status status = state_->connection.receive(message, timeout); !status.ok()) return status;
+  return is_frame(message.header.type) ? state_->dispatch_frame(message) : unsolicited(message);
+}
+
+}  // namespace obliq::client

@@ -1,0 +1,67 @@
+#pragma once
+// Talks to an obliqd: one call per request, frames to a handler. Blocking, for one thread at a time.
+#include <memory>
+#include <string>
+
+#include "client/connection.h"
+#include "client/frame_handler.h"
+#include "proto/plane.h"
+
+namespace obliq::wire {
+class Welcome;
+class RadarInfo;
+class RadarList;
+class RadarSettings;
+class Pose;
+class RenderOnce;
+class Status;
+class Ack;
+}  // namespace obliq::wire
+
+namespace obliq::client {
+
+struct ClientOptions {
+  std::string name = "client";  ///< shown to others while this client holds control
+  Timeout connect_timeout{5000};
+  Timeout reply_timeout{30000};
+};
+
+class Client {
+ public:
+  Client();
+  ~Client();
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+
+  /// Connects and exchanges Hello and Welcome.
+  Status connect(const Endpoint& endpoint, const ClientOptions& options = {});
+  const wire::Welcome& welcome() const;
+
+  /// Who gets frames, also those that arrive while a request waits for its answer. Not owned; may be null.
+  void set_handler(FrameHandler* handler);
+
+  Status list_radars(wire::RadarList& list);
+  Status get_radar(const std::string& radar, wire::RadarInfo& info);
+  Status claim_control(const std::string& radar);
+  Status release_control(const std::string& radar);
+  Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
+  Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);
+  Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
+  Status unsubscribe(const std::string& radar);
+  /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
+  Status render_once(wire::RenderOnce& request);
+  Status get_status(wire::Status& status);
+
+  /// Waits for one message and hands it to the handler; types that are not known are skipped. timed_out
+  /// leaves the connection usable. An Error that answers no request ends the call with `refused`.
+  Status receive(Timeout timeout);
+
+  bool is_open() const;
+  void close();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace obliq::client

@@ -1,0 +1,59 @@
+#include "client/connection.h"
+
+#include <algorithm>
+#include <array>
+
+#include "proto/limits.h"
+
+namespace obliq::client {
+namespace {
+
+// A server that stops in the middle of a message for this long is taken for dead.
+constexpr Timeout kMessageTimeout{30000};
+
+}  // namespace
+
+Status Connection::open(const Endpoint& endpoint, Timeout timeout, Connection& out) {
+  out.sequence_ = 0;
+  return Socket::connect(endpoint, timeout, out.socket_);
+}
+
+Status Connection::send(wire::MessageType type, const google::protobuf::MessageLite& message) {
+  if (!is_open()) return Status::failure(Outcome::closed, "not connected");
+  const wire::Bytes bytes = wire::encode_message(type, {0, ++sequence_, wire::utc_now_ns()}, message);
+  if (bytes.empty()) return Status::failure(Outcome::bad_argument, "the request is too large");
+  Status status = socket_.send(bytes, kMessageTimeout);
+  // What the server said before it closed is still to be read, so the socket stays open for that.
+  return status;
+}
+
+Status Connection::receive(Message& message, Timeout timeout) {
+  if (Status status = socket_.wait_readable(timeout); !status.ok()) return status;
+  Status status = receive_begun(message);
+  if (!status.ok()) socket_.close();
+  return status;
+}
+
+Status Connection::receive_begun(Message& message) {
+  std::array<std::byte, wire::kMaxHeaderBytes> head{};
+  const std::span<std::byte> all(head);
+  const auto fixed = all.first<wire::kHeaderBytes>();
+  if (Status status = socket_.receive(fixed, kMessageTimeout); !status.ok()) return status;
+  const auto decoded = wire::decode_header(fixed, wire::kMaxPayloadBytes, message.header);
+  if (decoded != wire::HeaderStatus::ok) {
+    return Status::failure(Outcome::bad_stream,
+                           wire::describe(decoded, message.header, wire::kMaxPayloadBytes));
+  }
+  const auto header = all.first(message.header.header_length);
+  if (Status status = socket_.receive(header.subspan(wire::kHeaderBytes), kMessageTimeout); !status.ok()) {
+    return status;
+  }
+  message.payload.resize(message.header.payload_length);
+  if (Status status = socket_.receive(message.payload, kMessageTimeout); !status.ok()) return status;
+  if (wire::message_crc(header, message.payload) != message.header.crc) {
+    return Status::failure(Outcome::bad_stream, "a message from the server is damaged (CRC mismatch)");
+  }
+  return {};
+}
+
+}  // namespace obliq::client

@@ -1,0 +1,37 @@
+#pragma once
+// Messages over a socket: framing, limits, CRC. Knows nothing of what they mean.
+#include "client/socket.h"
+#include "proto/message_codec.h"
+
+namespace obliq::client {
+
+/// A received message. The spans point into it.
+struct Message {
+  wire::FrameHeader header;
+  wire::Bytes payload;
+
+  std::span<const std::byte> descriptor() const { return std::span(payload).first(header.descriptor_length); }
+  std::span<const std::byte> plane() const { return std::span(payload).subspan(header.descriptor_length); }
+};
+
+class Connection {
+ public:
+  static Status open(const Endpoint& endpoint, Timeout timeout, Connection& out);
+
+  Status send(wire::MessageType type, const google::protobuf::MessageLite& message);
+
+  /// The next message, whatever its type. timed_out leaves the connection usable: it means that no message
+  /// has begun to arrive. After any other failure the connection is closed.
+  Status receive(Message& message, Timeout timeout);
+
+  bool is_open() const { return socket_.is_open(); }
+  void close() { socket_.close(); }
+
+ private:
+  Status receive_begun(Message& message);
+
+  Socket socket_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace obliq::client

@@ -1,0 +1,157 @@
+#include "client/frame_assembler.h"
+
+#include <bit>
+#include <cstring>
+#include <new>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+
+namespace obliq::client {
+
+static_assert(std::endian::native == std::endian::little, "plane data is copied as it comes");
+
+namespace {
+
+Status bad(std::string text) { return Status::failure(Outcome::bad_stream, std::move(text)); }
+
+}  // namespace
+
+AssembledFrame::AssembledFrame() = default;
+AssembledFrame::~AssembledFrame() = default;
+AssembledFrame::AssembledFrame(AssembledFrame&&) noexcept = default;
+AssembledFrame& AssembledFrame::operator=(AssembledFrame&&) noexcept = default;
+
+FrameAssembler::FrameAssembler(wire::PlaneSet planes, std::uint64_t max_bytes)
+    : planes_(planes), max_bytes_(max_bytes) {}
+FrameAssembler::~FrameAssembler() = default;
+
+bool FrameAssembler::is_current(const wire::FrameHeader& header, std::uint64_t frame_id) const {
+  return state_ == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
+}
+
+Status FrameAssembler::allocate(std::uint64_t n_azimuth, std::uint64_t n_range) {
+  std::uint64_t bytes = 0;
+  bins_expected_ = 0;
+  for (int i = 0; i < wire::kPlanes; ++i) {
+    const auto plane = static_cast<wire::Plane>(i);
+    if (!(planes_ & wire::plane_bit(plane))) continue;
+    bytes += n_azimuth * n_range * wire::bytes_per_bin(plane);
+    bins_expected_ += n_azimuth * n_range;
+  }
+  if (bytes > max_bytes_) {
+    return bad("the frame needs " + std::to_string(bytes) + " bytes; allowed: at most " +
+               std::to_string(max_bytes_));
+  }
+  const auto wanted = [&](wire::Plane plane) {
+    return planes_ & wire::plane_bit(plane) ? static_cast<std::size_t>(n_azimuth * n_range) : 0;
+  };
+  try {
+    frame_.iq.assign(wanted(wire::Plane::iq), {});
+    frame_.power_w.assign(wanted(wire::Plane::power), 0.0);
+    frame_.count.assign(wanted(wire::Plane::count), 0);
+    frame_.state.assign(wanted(wire::Plane::state), 0);
+    for (auto& filled : filled_) filled.assign(static_cast<std::size_t>(n_azimuth), 0);
+  } catch (const std::bad_alloc&) {
+    return bad("there is no memory for a frame of " + std::to_string(bytes) + " bytes");
+  }
+  frame_.n_azimuth = static_cast<int>(n_azimuth);
+  frame_.n_range = static_cast<int>(n_range);
+  return {};
+}
+
+Status FrameAssembler::on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) {
+  if (state_ == State::receiving && header.stream_id != stream_id_) return {};
+  if (state_ == State::receiving) return bad("a frame began before the one before it ended");
+  const wire::RadarSettings& settings = begin.frame().settings();
+  // Far above any radar's limits, and no product below can overflow.
+  constexpr int kMostBins = 1 << 24;
+  if (settings.azimuth_bins() < 1 || settings.azimuth_bins() > kMostBins || settings.range_bins() < 1 ||
+      settings.range_bins() > kMostBins) {
+    return bad("a frame of " + std::to_string(settings.azimuth_bins()) + " x " +
+               std::to_string(settings.range_bins()) + " bins cannot be");
+  }
+  frame_ = {};
+  if (Status status = allocate(static_cast<std::uint64_t>(settings.azimuth_bins()),
+                               static_cast<std::uint64_t>(settings.range_bins()));
+      !status.ok()) {
+    return status;
+  }
+  frame_.request_id = begin.request_id();
+  frame_.descriptor = std::make_unique<wire::FrameDescriptor>(begin.frame());
+  stream_id_ = header.stream_id;
+  frame_id_ = begin.frame_id();
+  bins_received_ = 0;
+  abort_reason_.clear();
+  state_ = State::receiving;
+  return {};
+}
+
+std::byte* FrameAssembler::plane_data(wire::Plane plane) {
+  switch (plane) {
+    case wire::Plane::iq:
+      return reinterpret_cast<std::byte*>(frame_.iq.data());
+    case wire::Plane::power:
+      return reinterpret_cast<std::byte*>(frame_.power_w.data());
+    case wire::Plane::count:
+      return reinterpret_cast<std::byte*>(frame_.count.data());
+    case wire::Plane::state:
+      return reinterpret_cast<std::byte*>(frame_.state.data());
+  }
+  return nullptr;
+}
+
+Status FrameAssembler::on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
+                                std::span<const std::byte> values) {
+  if (!is_current(header, block.frame_id())) return {};
+  const auto plane = wire::plane_from_number(block.plane());
+  if (!plane || !(planes_ & wire::plane_bit(*plane))) return {};
+  const std::uint64_t n_range = static_cast<std::uint64_t>(frame_.n_range);
+  const std::uint64_t end_azimuth = std::uint64_t{block.first_azimuth()} + block.n_azimuth();
+  const std::uint64_t end_range = std::uint64_t{block.first_range()} + block.n_range();
+  const std::size_t bin_bytes = wire::bytes_per_bin(*plane);
+  if (end_azimuth > static_cast<std::uint64_t>(frame_.n_azimuth) || end_range > n_range ||
+      values.size() != std::uint64_t{block.n_azimuth()} * block.n_range() * bin_bytes) {
+    return bad("a data block does not fit the frame");
+  }
+  auto& filled = filled_[static_cast<int>(*plane)];
+  const std::size_t row_bytes = block.n_range() * bin_bytes;
+  for (std::uint64_t azimuth = block.first_azimuth(); azimuth < end_azimuth; ++azimuth) {
+    std::uint32_t& so_far = filled[static_cast<std::size_t>(azimuth)];
+    if (so_far != block.first_range()) return bad("a data block overlaps another or leaves a gap");
+    so_far = static_cast<std::uint32_t>(end_range);
+    if (row_bytes == 0) continue;
+    std::memcpy(plane_data(*plane) + (azimuth * n_range + block.first_range()) * bin_bytes,
+                values.data() + (azimuth - block.first_azimuth()) * row_bytes, row_bytes);
+  }
+  bins_received_ += std::uint64_t{block.n_azimuth()} * block.n_range();
+  return {};
+}
+
+Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) {
+  if (!is_current(header, end.frame_id())) return {};
+  if (bins_received_ != bins_expected_) {
+    return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
+  }
+  frame_.summary = std::make_unique<wire::FrameSummary>(end.summary());
+  state_ = State::complete;
+  return {};
+}
+
+Status FrameAssembler::on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) {
+  if (!is_current(header, abort.frame_id())) return {};
+  abort_reason_ = abort.reason();
+  state_ = State::aborted;
+  return {};
+}
+
+double FrameAssembler::fraction() const {
+  return bins_expected_ == 0 ? 0 : static_cast<double>(bins_received_) / static_cast<double>(bins_expected_);
+}
+
+AssembledFrame FrameAssembler::take() {
+  state_ = State::idle;
+  return std::exchange(frame_, {});
+}
+
+}  // namespace obliq::client

@@ -1,0 +1,76 @@
+#pragma once
+#include <complex>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "client/frame_handler.h"
+#include "proto/plane.h"
+
+namespace obliq::wire {
+class FrameDescriptor;
+class FrameSummary;
+}  // namespace obliq::wire
+
+namespace obliq::client {
+
+/// A whole frame. Planes are [n_azimuth][n_range]; those not asked for are empty.
+struct AssembledFrame {
+  AssembledFrame();
+  ~AssembledFrame();
+  AssembledFrame(AssembledFrame&&) noexcept;
+  AssembledFrame& operator=(AssembledFrame&&) noexcept;
+
+  std::uint64_t request_id = 0;
+  int n_azimuth = 0;
+  int n_range = 0;
+  std::unique_ptr<wire::FrameDescriptor> descriptor;
+  std::unique_ptr<wire::FrameSummary> summary;
+  std::vector<std::complex<float>> iq;  ///< descriptor.unit
+  std::vector<double> power_w;
+  std::vector<std::uint32_t> count;
+  std::vector<std::uint8_t> state;
+};
+
+/// Puts the blocks of one stream together, one frame after the other, and checks that every bin of every
+/// plane arrives exactly once. Frames of other streams are ignored while one is being received.
+class FrameAssembler : public FrameHandler {
+ public:
+  enum class State { idle, receiving, complete, aborted };
+
+  /// max_bytes: a frame whose planes need more is refused before it is allocated.
+  explicit FrameAssembler(wire::PlaneSet planes = wire::kAllPlanes,
+                          std::uint64_t max_bytes = std::uint64_t{8} << 30);
+  ~FrameAssembler() override;
+
+  Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) override;
+  Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&, std::span<const std::byte>) override;
+  Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override;
+  Status on_abort(const wire::FrameHeader&, const wire::FrameAbort&) override;
+
+  State state() const { return state_; }
+  const std::string& abort_reason() const { return abort_reason_; }
+  /// How much of the frame has arrived, 0 to 1.
+  double fraction() const;
+  const AssembledFrame& frame() const { return frame_; }
+  /// Moves the complete frame out; the assembler is idle again.
+  AssembledFrame take();
+
+ private:
+  bool is_current(const wire::FrameHeader& header, std::uint64_t frame_id) const;
+  Status allocate(std::uint64_t n_azimuth, std::uint64_t n_range);
+  std::byte* plane_data(wire::Plane plane);
+
+  wire::PlaneSet planes_;
+  std::uint64_t max_bytes_;
+  State state_ = State::idle;
+  std::uint32_t stream_id_ = 0;
+  std::uint64_t frame_id_ = 0;
+  std::string abort_reason_;
+  AssembledFrame frame_;
+  std::vector<std::uint32_t> filled_[wire::kPlanes];  ///< [n_azimuth], range bins that have arrived
+  std::uint64_t bins_received_ = 0;                   ///< over all planes
+  std::uint64_t bins_expected_ = 0;
+};
+
+}  // namespace obliq::client

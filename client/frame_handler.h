@@ -1,0 +1,30 @@
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "client/status.h"
+#include "proto/frame_header.h"
+
+namespace obliq::wire {
+class FrameBegin;
+class WedgeBlock;
+class FrameEnd;
+class FrameAbort;
+}  // namespace obliq::wire
+
+namespace obliq::client {
+
+/// Receives the frames that arrive. A status that is not ok ends the client's receive call with it.
+class FrameHandler {
+ public:
+  virtual ~FrameHandler() = default;
+  virtual Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) { return {}; }
+  /// plane: the values of the block's rectangle; their length has been checked against it.
+  virtual Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&, std::span<const std::byte>) {
+    return {};
+  }
+  virtual Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) { return {}; }
+  virtual Status on_abort(const wire::FrameHeader&, const wire::FrameAbort&) { return {}; }
+};
+
+}  // namespace obliq::client
