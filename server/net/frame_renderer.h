@@ -1,0 +1,42 @@
+#pragma once
+// What the render thread needs of the radar pipeline, as an interface: the network side is tested with a
+// stand-in that needs no scene.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/radar/render.h"
+#include "terrain/errors.h"
+
+namespace obliq::wire {
+class FrameDescriptor;
+class FrameSummary;
+}  // namespace obliq::wire
+
+namespace obliq::net {
+
+class PlannedFrame {
+ public:
+  virtual ~PlannedFrame() = default;
+  virtual void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const = 0;
+  /// As obliq::render_wedges.
+  virtual bool render(AzimuthRange azimuths, const RenderOptions& options) const = 0;
+  virtual void summarise(const FrameStats& stats, wire::FrameSummary& summary) const = 0;
+};
+
+/// Called from several threads at once.
+class FrameRenderer {
+ public:
+  virtual ~FrameRenderer() = default;
+
+  /// Why an antenna cannot be there; empty: it can. Fast.
+  virtual std::vector<FieldError> place(const PoseSettings& pose) const = 0;
+
+  struct Plan {
+    std::unique_ptr<PlannedFrame> frame;  ///< null when there are errors
+    std::vector<FieldError> errors;
+  };
+  virtual Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const = 0;
+};
+
+}  // namespace obliq::net

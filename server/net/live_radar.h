@@ -1,0 +1,41 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/control/radar_config.h"
+#include "server/control/settings_store.h"
+#include "server/net/peer.h"
+
+namespace obliq::net {
+
+/// A client that watches a radar.
+struct Watcher {
+  Peer* peer = nullptr;
+  double rate_hz = 0;
+  wire::PlaneSet planes = wire::kAllPlanes;
+  std::chrono::steady_clock::time_point due;  ///< of its next frame
+};
+
+/// A named radar that clients share.
+struct LiveRadar {
+  LiveRadar(const RadarConfig& config, std::uint32_t stream)
+      : name(config.name), stream_id(stream), settings(config.settings), pose(config.pose) {}
+
+  const std::string name;
+  const std::uint32_t stream_id;
+  SettingsStore settings;
+  PoseSettings pose;
+  std::int64_t pose_received_ns = 0;
+  Peer* controller = nullptr;
+  std::vector<Watcher> watchers;
+  double rate_hz = 0;              ///< the fastest watcher's
+  std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
+  std::uint64_t frames = 0;
+  double last_render_s = 0;
+
+  LiveView view() const { return {settings.current(), pose, pose_received_ns}; }
+};
+
+}  // namespace obliq::net

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "proto/limits.h"
+
+namespace obliq::net {
+
+/// What the network side of a server may be told. Times in seconds.
+struct ServerOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = wire::kDefaultPort;  ///< 0: any free one
+  std::string server_name = "obliqd";
+  std::string server_version;
+  std::string scene_name;
+
+  int max_clients = 64;
+  std::uint32_t max_request_bytes = wire::kMaxRequestBytes;
+  int max_renders_queued = 4;  ///< unfinished RenderOnce requests of one client
+  int max_subscriptions = 16;  ///< of one client
+  double max_rate_hz = 100;
+  std::int64_t max_bins = 8192LL * 8192LL;  ///< of one frame
+  int queue_frames = 2;                     ///< per subscription: the begun one and those that wait
+  /// Bytes of live frames that wait for one client; a begun frame that would exceed them is aborted.
+  std::size_t queue_bytes = std::size_t{256} << 20;
+  /// A RenderOnce frame is rendered in slices of about this many bytes, the next one when the client has
+  /// taken this much: however large the frame, no more of it is held than twice this.
+  std::size_t slice_bytes = std::size_t{16} << 20;
+
+  double handshake_timeout_s = 5;  ///< from connection to Hello
+  double message_timeout_s = 10;   ///< from the first byte of a message to its last
+  double stall_timeout_s = 30;     ///< a client that takes no byte for so long is dropped
+  double stop_grace_s = 0.5;       ///< for the last words to each client when stopping
+
+  int render_threads = 0;                 ///< 0: all cores
+  bool stop_on_signals = false;           ///< SIGINT and SIGTERM
+  std::function<void(int)> before_wedge;  ///< test hook, see RenderOptions
+};
+
+}  // namespace obliq::net

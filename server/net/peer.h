@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "proto/error_number.h"
+#include "proto/message_type.h"
+#include "server/net/outbox.h"
+#include "server/net/render_thread.h"
+
+namespace google::protobuf {
+class MessageLite;
+}
+
+namespace obliq::net {
+
+/// One client as the room sees it. The session behind it owns the socket.
+class Peer {
+ public:
+  Peer(std::uint64_t peer_id, std::string peer_address, int queue_frames, std::size_t queue_bytes)
+      : id(peer_id), address(std::move(peer_address)), outbox(queue_frames, queue_bytes) {}
+  virtual ~Peer() = default;
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  /// Queues a control message.
+  virtual void send(wire::MessageType type, const google::protobuf::MessageLite& message) = 0;
+  /// Something has been put into the outbox.
+  virtual void kick() = 0;
+  /// Says what is wrong and closes once that has been written; begun frames are aborted.
+  virtual void fail(wire::ErrorNumber number, const std::string& text) = 0;
+
+  const std::uint64_t id;
+  const std::string address;
+  std::string name;      ///< as shown to others: what it calls itself, and where it is
+  bool greeted = false;  ///< Hello has been answered
+  Outbox outbox;
+  int subscriptions = 0;
+  std::vector<OnceJobPtr> jobs;  ///< not finished
+};
+
+}  // namespace obliq::net

@@ -1,0 +1,300 @@
+#include "server/net/render_thread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/net/frame_encoder.h"
+
+namespace obliq::net {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+int wedges_of(const RadarSettings& settings) {
+  return (settings.azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
+}
+
+std::vector<FieldError> failure(const char* what) {
+  return {{"frame", what, "a frame that can be rendered with the memory there is"}};
+}
+
+// Counts wedge by wedge, added up in the order of the wedges: sums of doubles depend on the order, and the
+// wedges finish in any.
+struct WedgeStats {
+  std::vector<FrameStats> by_wedge;
+
+  void put(const Wedge& wedge) {
+    const auto index = static_cast<std::size_t>(wedge.index);
+    if (by_wedge.size() <= index) by_wedge.resize(index + 1);
+    by_wedge[index] = wedge.stats;
+  }
+  FrameStats sum() const {
+    FrameStats all;
+    for (const FrameStats& stats : by_wedge) all.add(stats);
+    return all;
+  }
+};
+
+}  // namespace
+
+struct RenderThread::OnceTask {
+  /// Counts the block as waiting before anyone can take it.
+  void send(RenderEvents& events, const BlockPtr& block) const {
+    *job->queued += block->bytes.size();
+    events.on_once_block(job, block);
+  }
+
+  OnceJobPtr job;
+  std::unique_ptr<PlannedFrame> frame;
+  std::optional<FrameEncoder> encoder;
+  std::uint64_t sequence = 0;
+  WedgeStats stats;
+  int next_azimuth = 0;
+  double render_s = 0;
+};
+
+RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
+    : renderer_(renderer), events_(events), options_(std::move(options)) {}
+
+RenderThread::~RenderThread() {
+  stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void RenderThread::add_radar(const std::string& name, std::uint32_t stream_id, LiveView view) {
+  LiveTask& task = live_.emplace_back();
+  task.name = name;
+  task.stream_id = stream_id;
+  task.view = std::make_shared<const LiveView>(std::move(view));
+}
+
+void RenderThread::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+void RenderThread::stop() {
+  thread_.request_stop();
+  const std::lock_guard lock(mutex_);
+  for (LiveTask& task : live_) task.stop.request_stop();
+  for (const auto& task : once_) task->job->stop.request_stop();
+}
+
+void RenderThread::set_view(std::size_t radar, LiveView view) {
+  const std::lock_guard lock(mutex_);
+  live_[radar].view = std::make_shared<const LiveView>(std::move(view));
+  ++changes_;
+  changed_.notify_all();
+}
+
+void RenderThread::set_demand(std::size_t radar, double rate_hz, wire::PlaneSet planes) {
+  const std::lock_guard lock(mutex_);
+  LiveTask& task = live_[radar];
+  const bool wakes = task.rate_hz == 0 && rate_hz > 0;
+  // A faster rate, or a first client, does not wait for a date that the old rate set.
+  const auto now = Clock::now();
+  if (wakes) task.due = now;
+  if (rate_hz > 0) {
+    task.due = std::min(task.due, now + std::chrono::duration_cast<Clock::duration>(Seconds(1 / rate_hz)));
+  }
+  if (rate_hz == 0) task.stop.request_stop();
+  task.rate_hz = rate_hz;
+  task.planes = planes;
+  ++changes_;
+  changed_.notify_all();
+}
+
+void RenderThread::enqueue(OnceJobPtr job) {
+  auto task = std::make_shared<OnceTask>();
+  task->job = std::move(job);
+  const std::lock_guard lock(mutex_);
+  once_.push_back(std::move(task));
+  ++changes_;
+  changed_.notify_all();
+}
+
+void RenderThread::wake() {
+  const std::lock_guard lock(mutex_);
+  ++changes_;
+  changed_.notify_all();
+}
+
+void RenderThread::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    Choice choice;
+    auto next_due = Clock::time_point::max();
+    if (choose(Clock::now(), choice, next_due)) {
+      if (choice.live) {
+        render_live(choice.index, lock);
+      } else {
+        render_once(choice.index, lock);
+      }
+      continue;
+    }
+    const auto woken = [this, seen = changes_] { return changes_ != seen; };
+    if (next_due == Clock::time_point::max()) {
+      changed_.wait(lock, stop, woken);
+    } else {
+      changed_.wait_until(lock, stop, next_due, woken);
+    }
+  }
+}
+
+// Live radars and jobs form one ring; the search goes on where it last stopped, so each gets its turn.
+bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due) {
+  std::erase_if(once_, [](const auto& task) { return task->job->stop.stop_requested(); });
+  const std::size_t n = live_.size() + once_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t at = (turn_ + i) % n;
+    if (at < live_.size()) {
+      const LiveTask& task = live_[at];
+      if (task.rate_hz <= 0 || task.faulty == task.view) continue;
+      if (task.due > now) {
+        next_due = std::min(next_due, task.due);
+        continue;
+      }
+      choice = {true, at};
+    } else {
+      const std::size_t index = at - live_.size();
+      if (once_[index]->job->queued->load() >= options_.slice_bytes) continue;
+      choice = {false, index};
+    }
+    turn_ = at + 1;
+    return true;
+  }
+  return false;
+}
+
+void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& lock) {
+  LiveTask& task = live_[index];
+  const auto now = Clock::now();
+  // Never catch up: a frame that could not be rendered in time is not rendered later.
+  task.due = std::max(task.due + std::chrono::duration_cast<Clock::duration>(Seconds(1 / task.rate_hz)), now);
+  task.stop = std::stop_source();
+  const std::stop_token stop = task.stop.get_token();
+  const auto view = task.view;
+  FrameIdentity identity;
+  identity.stream_id = task.stream_id;
+  identity.frame_id = ++task.last_frame;
+  identity.planes = task.planes;
+  identity.pose_received_ns = view->pose_received_ns;
+  lock.unlock();
+
+  std::vector<FieldError> errors;
+  FrameEncoder encoder(identity, task.sequence);  // sequence: this thread alone uses it
+  bool begun = false;
+  try {
+    auto plan = renderer_.plan(view->settings, view->pose);
+    errors = std::move(plan.errors);
+    if (plan.frame) {
+      wire::FrameDescriptor descriptor;
+      plan.frame->describe(task.name, descriptor);
+      descriptor.set_frame_id(identity.frame_id);
+      WedgeStats stats;
+      RenderOptions options;
+      options.threads = options_.threads;
+      options.before_wedge = options_.before_wedge;
+      options.stop = stop;
+      options.on_wedge = [&](Wedge&& wedge) {
+        stats.put(wedge);
+        for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins)) events_.on_live_block(index, block);
+      };
+      const RadarSettings& settings = view->settings->settings;
+      begun = true;
+      events_.on_live_block(index, encoder.begin(descriptor, wedges_of(settings)));
+      if (plan.frame->render({0, settings.azimuth_bins}, options)) {
+        wire::FrameSummary summary;
+        plan.frame->summarise(stats.sum(), summary);
+        summary.set_frame_id(identity.frame_id);
+        const double render_s = Seconds(Clock::now() - now).count();
+        events_.on_live_block(index, encoder.end(summary, render_s));
+        events_.on_live_rendered(index, render_s);
+      } else {
+        events_.on_live_block(index, encoder.abort("the server has stopped rendering this frame"));
+      }
+    }
+  } catch (const std::exception& e) {  // no memory, above all
+    errors = failure(e.what());
+    if (begun) events_.on_live_block(index, encoder.abort(e.what()));
+  }
+  if (!errors.empty()) events_.on_live_fault(index, view, errors);
+  lock.lock();
+  task.faulty = errors.empty() ? nullptr : view;
+}
+
+void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& lock) {
+  const std::shared_ptr<OnceTask> task = once_[index];
+  lock.unlock();
+  bool more = false;
+  try {
+    more = (task->frame || begin_once(*task)) && continue_once(*task);
+  } catch (const std::exception& e) {
+    if (task->encoder) {
+      task->send(events_, task->encoder->abort(e.what()));
+    } else {
+      events_.on_once_fault(task->job, failure(e.what()));
+    }
+  }
+  lock.lock();
+  if (!more) std::erase(once_, task);
+}
+
+bool RenderThread::begin_once(OnceTask& task) {
+  const OnceJob& job = *task.job;
+  auto plan = renderer_.plan(job.view.settings, job.view.pose);
+  if (!plan.frame) {
+    events_.on_once_fault(task.job, plan.errors);
+    return false;
+  }
+  task.frame = std::move(plan.frame);
+  wire::FrameDescriptor descriptor;
+  task.frame->describe(job.radar, descriptor);
+  FrameIdentity identity;
+  identity.stream_id = job.stream_id;
+  identity.request_id = job.request_id;
+  identity.planes = job.planes;
+  identity.pose_received_ns = job.view.pose_received_ns;
+  task.encoder.emplace(identity, task.sequence);
+  task.send(events_, task.encoder->begin(descriptor, wedges_of(job.view.settings->settings)));
+  return true;
+}
+
+bool RenderThread::continue_once(OnceTask& task) {
+  const RadarSettings& settings = task.job->view.settings->settings;
+  std::size_t wedge_bytes = 0;
+  for (int plane = 0; plane < wire::kPlanes; ++plane) {
+    wedge_bytes += std::size_t{wire::bytes_per_bin(static_cast<wire::Plane>(plane))} * kWedgeAzimuthBins *
+                   static_cast<std::size_t>(settings.range_bins);
+  }
+  const int wedges = static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
+  const int count = std::min(wedges * kWedgeAzimuthBins, settings.azimuth_bins - task.next_azimuth);
+
+  RenderOptions options;
+  options.threads = options_.threads;
+  options.before_wedge = options_.before_wedge;
+  options.stop = task.job->stop.get_token();
+  options.on_wedge = [&](Wedge&& wedge) {
+    task.stats.put(wedge);
+    for (const BlockPtr& block : task.encoder->wedge(wedge.index, wedge.bins)) {
+      task.send(events_, block);
+    }
+  };
+  const auto start = Clock::now();
+  if (!task.frame->render({task.next_azimuth, count}, options)) {
+    task.send(events_, task.encoder->abort("the server has stopped rendering this frame"));
+    return false;
+  }
+  task.render_s += Seconds(Clock::now() - start).count();
+  task.next_azimuth += count;
+  if (task.next_azimuth < settings.azimuth_bins) return true;
+  wire::FrameSummary summary;
+  task.frame->summarise(task.stats.sum(), summary);
+  task.send(events_, task.encoder->end(summary, task.render_s));
+  return false;
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,122 @@
+#pragma once
+// One thread decides which frame is rendered next: live radars at the rate asked for, RenderOnce jobs slice by
+// slice between them. The rendering itself uses as many threads as it was given.
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/net/block.h"
+#include "server/net/frame_renderer.h"
+#include "server/net/outbox.h"
+
+namespace obliq::net {
+
+/// How a live radar looks, from the next frame on. Never changes once made.
+struct LiveView {
+  SettingsPtr settings;
+  PoseSettings pose;
+  std::int64_t pose_received_ns = 0;
+};
+
+/// One RenderOnce request.
+struct OnceJob {
+  std::uint64_t client_id = 0;
+  std::uint64_t request_id = 0;
+  std::uint32_t stream_id = 0;
+  std::string radar;  ///< echoed
+  LiveView view;
+  wire::PlaneSet planes = wire::kAllPlanes;
+  std::stop_source stop;                                              ///< requested when its client has gone
+  ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
+};
+using OnceJobPtr = std::shared_ptr<OnceJob>;
+
+/// Hears what happens. Called on the render thread or on the rendering's own threads, one call at a time.
+class RenderEvents {
+ public:
+  virtual ~RenderEvents() = default;
+  virtual void on_live_block(std::size_t radar, const BlockPtr& block) = 0;
+  virtual void on_live_rendered(std::size_t radar, double render_s) = 0;
+  /// The radar cannot be rendered as it is; it is tried again when its view changes.
+  virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
+                             const std::vector<FieldError>& errors) = 0;
+  virtual void on_once_block(const OnceJobPtr& job, const BlockPtr& block) = 0;
+  /// Instead of a frame.
+  virtual void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) = 0;
+};
+
+struct RenderThreadOptions {
+  int threads = 0;
+  std::size_t slice_bytes = std::size_t{16} << 20;
+  std::function<void(int)> before_wedge;
+};
+
+class RenderThread {
+ public:
+  RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options);
+  ~RenderThread();  // stops and joins
+
+  /// Before start(). Radars are numbered in the order they are added.
+  void add_radar(const std::string& name, std::uint32_t stream_id, LiveView view);
+  void start();
+  /// No further event is begun once this returns. The thread stops after the wedges in hand.
+  void stop();
+
+  // From any thread:
+  void set_view(std::size_t radar, LiveView view);
+  /// rate_hz 0: nobody watches; a frame in hand is given up.
+  void set_demand(std::size_t radar, double rate_hz, wire::PlaneSet planes);
+  void enqueue(OnceJobPtr job);
+  /// A client has taken bytes, or a job was cancelled.
+  void wake();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct LiveTask {
+    std::string name;
+    std::uint32_t stream_id = 0;
+    std::shared_ptr<const LiveView> view;
+    double rate_hz = 0;
+    wire::PlaneSet planes = 0;
+    Clock::time_point due;
+    std::shared_ptr<const LiveView> faulty;  ///< the view that cannot be rendered, if any
+    std::uint64_t last_frame = 0;
+    std::uint64_t sequence = 0;
+    std::stop_source stop;  ///< of the frame in hand
+  };
+  struct OnceTask;
+  struct Choice {
+    bool live = false;
+    std::size_t index = 0;
+  };
+
+  void run(const std::stop_token& stop);
+  bool choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due);
+  void render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
+  void render_once(std::size_t index, std::unique_lock<std::mutex>& lock);
+  bool begin_once(OnceTask& task);
+  bool continue_once(OnceTask& task);
+
+  const FrameRenderer& renderer_;
+  RenderEvents& events_;
+  RenderThreadOptions options_;
+
+  std::mutex mutex_;  ///< guards everything below but the thread
+  std::condition_variable_any changed_;
+  std::uint64_t changes_ = 0;  ///< counts wake-ups, so that none is missed
+  std::deque<LiveTask> live_;  ///< a deque: elements stay where they are
+  std::deque<std::shared_ptr<OnceTask>> once_;
+  std::size_t turn_ = 0;  ///< where the round begins
+
+  std::jthread thread_;
+};
+
+}  // namespace obliq::net

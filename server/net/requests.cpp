@@ -1,0 +1,372 @@
+#include "server/net/requests.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "proto/frame_header.h"
+#include "proto/obliq.pb.h"
+#include "server/control/parameters.h"
+#include "server/control/settings_message.h"
+#include "server/net/frame_encoder.h"
+#include "server/net/room.h"
+
+namespace obliq::net {
+
+using wire::ErrorNumber;
+using wire::MessageType;
+
+namespace {
+
+/// None asked for means all. Nothing when a number is no plane.
+template <typename Planes>
+std::optional<wire::PlaneSet> plane_set(const Planes& planes) {
+  if (planes.empty()) return wire::kAllPlanes;
+  wire::PlaneSet set = 0;
+  for (const int number : planes) {
+    const auto plane = wire::plane_from_number(number);
+    if (!plane) return std::nullopt;
+    set = static_cast<wire::PlaneSet>(set | wire::plane_bit(*plane));
+  }
+  return set;
+}
+
+const FieldError kPlaneFault{"planes", "a number that is no plane", "0 (iq), 1 (power), 2 (count), 3 (state)"};
+
+void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
+  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+std::vector<FieldError> frame_size_faults(const RadarSettings& settings, std::int64_t max_bins) {
+  if (std::int64_t{settings.azimuth_bins} * settings.range_bins <= max_bins) return {};
+  return {{"azimuth_bins x range_bins",
+           std::to_string(settings.azimuth_bins) + " x " + std::to_string(settings.range_bins),
+           "at most " + std::to_string(max_bins) + " bins in one frame"}};
+}
+
+std::vector<FieldError> missing_position(const wire::Pose& pose) {
+  std::vector<FieldError> errors;
+  const auto demand = [&](bool there, const char* field) {
+    if (!there) errors.push_back({field, "nothing", "a value: a frame needs an antenna"});
+  };
+  demand(pose.has_latitude_deg(), "latitude_deg");
+  demand(pose.has_longitude_deg(), "longitude_deg");
+  demand(pose.has_height_m(), "height_m");
+  return errors;
+}
+
+}  // namespace
+
+wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::string& text,
+                       const std::vector<FieldError>& fields, const std::string& radar) {
+  wire::Error error;
+  error.set_request_id(request_id);
+  error.set_number(static_cast<std::uint32_t>(number));
+  error.set_text(text);
+  error.set_radar(radar);
+  for (const FieldError& field : fields) {
+    wire::FieldFault& fault = *error.add_fields();
+    fault.set_field(field.field);
+    fault.set_found(field.found);
+    fault.set_allowed(field.allowed);
+  }
+  return error;
+}
+
+std::string presentable(const std::string& text) {
+  std::string clean = text.substr(0, wire::kMaxNameBytes);
+  for (char& c : clean) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return clean;
+}
+
+template <typename Request>
+void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&)) {
+  Request request;
+  if (!wire::parse_descriptor(descriptor, request)) {
+    return peer_.fail(ErrorNumber::bad_message, "the protobuf part of a request does not parse");
+  }
+  (this->*function)(request);
+}
+
+void Requests::handle(MessageType type, std::span<const std::byte> descriptor) {
+  if (type == MessageType::hello) return answer(descriptor, &Requests::hello);
+  if (peer_.greeted) return handle_greeted(type, descriptor);
+  peer_.fail(ErrorNumber::handshake_expected,
+             "message type: found " + std::to_string(static_cast<unsigned>(type)) + "; allowed: Hello (1) first");
+}
+
+void Requests::handle_greeted(MessageType type, std::span<const std::byte> descriptor) {
+  switch (type) {
+    case MessageType::list_radars:
+      return answer(descriptor, &Requests::list_radars);
+    case MessageType::get_radar:
+      return answer(descriptor, &Requests::get_radar);
+    case MessageType::claim_control:
+      return answer(descriptor, &Requests::claim_control);
+    case MessageType::release_control:
+      return answer(descriptor, &Requests::release_control);
+    case MessageType::set_settings:
+      return answer(descriptor, &Requests::set_settings);
+    case MessageType::set_pose:
+      return answer(descriptor, &Requests::set_pose);
+    case MessageType::subscribe:
+      return answer(descriptor, &Requests::subscribe);
+    case MessageType::unsubscribe:
+      return answer(descriptor, &Requests::unsubscribe);
+    case MessageType::render_once:
+      return answer(descriptor, &Requests::render_once);
+    case MessageType::get_status:
+      return answer(descriptor, &Requests::get_status);
+    default:  // of a later minor version, or not for a server: skipped
+      return;
+  }
+}
+
+void Requests::acknowledge(std::uint64_t request_id, std::uint64_t settings_version) {
+  wire::Ack ack;
+  ack.set_request_id(request_id);
+  ack.set_settings_version(settings_version);
+  peer_.send(MessageType::ack, ack);
+}
+
+void Requests::refuse(std::uint64_t request_id, ErrorNumber number, const std::string& text,
+                      const std::vector<FieldError>& fields) {
+  peer_.send(MessageType::error, make_error(request_id, number, text, fields));
+}
+
+LiveRadar* Requests::radar_of(std::uint64_t request_id, const std::string& name) {
+  LiveRadar* radar = room_.find(name);
+  if (radar != nullptr) return radar;
+  std::string names;
+  for (const LiveRadar& known : room_.radars_) names += (names.empty() ? "" : ", ") + known.name;
+  refuse(request_id, ErrorNumber::unknown_radar, "unknown radar", {{"radar", presentable(name), names}});
+  return nullptr;
+}
+
+LiveRadar* Requests::controlled_radar(std::uint64_t request_id, const std::string& name) {
+  LiveRadar* radar = radar_of(request_id, name);
+  if (radar == nullptr || radar->controller == &peer_) return radar;
+  if (radar->controller != nullptr) {
+    refuse(request_id, ErrorNumber::controlled_by_other,
+           "radar " + radar->name + " is controlled by " + radar->controller->name);
+  } else {
+    refuse(request_id, ErrorNumber::not_in_control, "radar " + radar->name + " is not claimed: claim control first");
+  }
+  return nullptr;
+}
+
+void Requests::hello(const wire::Hello& request) {
+  if (request.major() != wire::kMajorVersion) {
+    return peer_.fail(ErrorNumber::version_mismatch,
+                      "protocol version: found " + std::to_string(request.major()) + "." +
+                          std::to_string(request.minor()) + "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
+  }
+  const std::string name = presentable(request.client_name());
+  if (!peer_.greeted) {
+    peer_.name = (name.empty() ? "client" : name) + " (" + peer_.address + ")";
+    spdlog::info("{} has come", peer_.name);
+  }
+  peer_.greeted = true;
+
+  const ServerOptions& options = room_.options();
+  wire::Welcome welcome;
+  welcome.set_request_id(request.request_id());
+  welcome.set_major(wire::kMajorVersion);
+  welcome.set_minor(wire::kMinorVersion);
+  welcome.set_server_name(options.server_name);
+  welcome.set_server_version(options.server_version);
+  welcome.set_scene_name(options.scene_name);
+  for (const LiveRadar& radar : room_.radars_) welcome.add_radars(radar.name);
+  welcome.add_encodings("raw");
+  wire::Limits& limits = *welcome.mutable_limits();
+  limits.set_max_request_bytes(options.max_request_bytes);
+  limits.set_max_plane_bytes(wire::kMaxPlaneBytes);
+  limits.set_max_clients(static_cast<std::uint32_t>(options.max_clients));
+  limits.set_max_renders_queued(static_cast<std::uint32_t>(options.max_renders_queued));
+  limits.set_max_subscriptions(static_cast<std::uint32_t>(options.max_subscriptions));
+  limits.set_max_rate_hz(options.max_rate_hz);
+  welcome.set_client_name(peer_.name);
+  peer_.send(MessageType::welcome, welcome);
+}
+
+void Requests::list_radars(const wire::ListRadars& request) {
+  wire::RadarList list;
+  list.set_request_id(request.request_id());
+  for (const LiveRadar& radar : room_.radars_) list.add_radars(radar.name);
+  peer_.send(MessageType::radar_list, list);
+}
+
+void Requests::get_radar(const wire::GetRadar& request) {
+  const LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  const SettingsPtr settings = radar->settings.current();
+  wire::RadarInfo info;
+  info.set_request_id(request.request_id());
+  info.set_radar(radar->name);
+  write_message(settings->settings, *info.mutable_settings());
+  write_message(radar->pose, *info.mutable_pose());
+  info.set_settings_version(settings->version);
+  if (radar->controller != nullptr) info.set_controller(radar->controller->name);
+  info.set_controlled_by_you(radar->controller == &peer_);
+  info.set_subscribers(static_cast<std::uint32_t>(radar->watchers.size()));
+  info.set_rate_hz(radar->rate_hz);
+  info.set_fault(radar->faults.empty() ? "" : radar->faults.front().text());
+  peer_.send(MessageType::radar_info, info);
+}
+
+void Requests::claim_control(const wire::ClaimControl& request) {
+  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  if (radar->controller != nullptr && radar->controller != &peer_) {
+    return refuse(request.request_id(), ErrorNumber::controlled_by_other,
+                  "radar " + radar->name + " is controlled by " + radar->controller->name);
+  }
+  if (radar->controller == nullptr) spdlog::info("radar {}: controlled by {}", radar->name, peer_.name);
+  radar->controller = &peer_;
+  acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+void Requests::release_control(const wire::ReleaseControl& request) {
+  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  radar->controller = nullptr;
+  spdlog::info("radar {}: released by {}", radar->name, peer_.name);
+  acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+void Requests::set_settings(const wire::SetSettings& request) {
+  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  const auto outcome = radar->settings.update([&](RadarSettings& candidate) {
+    std::vector<FieldError> errors = merge_message(request.settings(), candidate);
+    append(errors, frame_size_faults(candidate, room_.options().max_bins));
+    return errors;
+  });
+  if (!outcome.published) {
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "settings refused", outcome.errors);
+  }
+  room_.publish_view(*radar);
+  acknowledge(request.request_id(), outcome.published->version);
+}
+
+void Requests::set_pose(const wire::SetPose& request) {
+  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  PoseSettings pose = radar->pose;
+  std::vector<FieldError> errors = merge_message(request.pose(), pose);
+  append(errors, validate(pose));
+  if (errors.empty()) errors = room_.renderer_.place(pose);
+  if (!errors.empty()) return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
+  radar->pose = pose;
+  radar->pose_received_ns = monotonic_ns();
+  room_.publish_view(*radar);
+  acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+void Requests::subscribe(const wire::Subscribe& request) {
+  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  const ServerOptions& options = room_.options();
+  std::vector<FieldError> errors;
+  const double rate_hz = request.rate_hz();
+  if (!(rate_hz > 0 && rate_hz <= options.max_rate_hz)) {
+    errors.push_back({"rate_hz", std::to_string(rate_hz), "above 0, at most " + std::to_string(options.max_rate_hz)});
+  }
+  const auto planes = plane_set(request.planes());
+  if (!planes) errors.push_back(kPlaneFault);
+  if (!errors.empty()) {
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
+  }
+  const bool renewed = peer_.outbox.has_lane(radar->stream_id);
+  if (!renewed && peer_.subscriptions >= options.max_subscriptions) {
+    return refuse(request.request_id(), ErrorNumber::too_many_subscriptions,
+                  "too many subscriptions: max_subscriptions is " + std::to_string(options.max_subscriptions));
+  }
+  room_.unsubscribe(*radar, peer_);
+  radar->watchers.push_back({&peer_, rate_hz, *planes, {}});
+  ++peer_.subscriptions;
+  peer_.outbox.open_live_lane(radar->stream_id, *planes);
+  room_.update_demand(*radar);
+  acknowledge(request.request_id(), radar->settings.current()->version);
+  if (!radar->faults.empty()) room_.send_fault(*radar, peer_);
+}
+
+void Requests::unsubscribe(const wire::Unsubscribe& request) {
+  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  if (!peer_.outbox.has_lane(radar->stream_id)) {
+    return refuse(request.request_id(), ErrorNumber::not_subscribed, "not subscribed to radar " + radar->name);
+  }
+  room_.unsubscribe(*radar, peer_);
+  acknowledge(request.request_id());
+}
+
+void Requests::render_once(const wire::RenderOnce& request) {
+  const ServerOptions& options = room_.options();
+  if (peer_.jobs.size() >= static_cast<std::size_t>(options.max_renders_queued)) {
+    return refuse(request.request_id(), ErrorNumber::too_many_renders,
+                  "too many unfinished renders: max_renders_queued is " + std::to_string(options.max_renders_queued));
+  }
+  RadarSettings settings;
+  PoseSettings pose;
+  std::vector<FieldError> errors = missing_position(request.pose());
+  append(errors, merge_message(request.settings(), settings));
+  append(errors, merge_message(request.pose(), pose));
+  append(errors, validate(settings));
+  append(errors, validate(pose));
+  append(errors, frame_size_faults(settings, options.max_bins));
+  const auto planes = plane_set(request.planes());
+  if (!planes) errors.push_back(kPlaneFault);
+  if (errors.empty()) errors = room_.renderer_.place(pose);
+  if (!errors.empty()) return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
+
+  auto job = std::make_shared<OnceJob>();
+  job->client_id = peer_.id;
+  job->request_id = request.request_id();
+  job->stream_id = ++room_.next_stream_id_;
+  job->radar = presentable(request.radar());
+  job->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
+  job->view.pose = pose;
+  job->view.pose_received_ns = monotonic_ns();
+  job->planes = *planes;
+  peer_.jobs.push_back(job);
+  peer_.outbox.open_once_lane(job->stream_id, job->request_id, job->queued);
+  acknowledge(request.request_id());
+  room_.render_.enqueue(job);
+}
+
+void Requests::get_status(const wire::GetStatus& request) {
+  wire::Status status;
+  status.set_request_id(request.request_id());
+  status.set_server_name(room_.options().server_name);
+  status.set_server_version(room_.options().server_version);
+  status.set_uptime_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - room_.started_).count());
+  status.set_clients(static_cast<std::uint32_t>(room_.peers_.size()));
+  std::uint64_t dropped = room_.frames_dropped_;
+  std::size_t jobs = 0;
+  for (const auto& peer : room_.peers_) {
+    dropped += peer->outbox.frames_dropped();
+    jobs += peer->jobs.size();
+  }
+  status.set_frames_dropped(dropped);
+  status.set_renders_queued(static_cast<std::uint32_t>(jobs));
+  status.set_bytes_sent(room_.bytes_sent_);
+  for (const LiveRadar& radar : room_.radars_) {
+    wire::RadarStatus& entry = *status.add_radars();
+    entry.set_radar(radar.name);
+    if (radar.controller != nullptr) entry.set_controller(radar.controller->name);
+    entry.set_subscribers(static_cast<std::uint32_t>(radar.watchers.size()));
+    entry.set_rate_hz(radar.rate_hz);
+    entry.set_frames(radar.frames);
+    entry.set_last_render_s(radar.last_render_s);
+    entry.set_settings_version(radar.settings.current()->version);
+    entry.set_fault(radar.faults.empty() ? "" : radar.faults.front().text());
+  }
+  peer_.send(MessageType::status, status);
+}
+
+}  // namespace obliq::net

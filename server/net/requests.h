@@ -1,0 +1,75 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "proto/error_number.h"
+#include "proto/message_type.h"
+#include "proto/plane.h"
+#include "terrain/errors.h"
+
+namespace obliq::wire {
+class Error;
+class Hello;
+class ListRadars;
+class GetRadar;
+class ClaimControl;
+class ReleaseControl;
+class SetSettings;
+class SetPose;
+class Subscribe;
+class Unsubscribe;
+class RenderOnce;
+class GetStatus;
+}  // namespace obliq::wire
+
+namespace obliq::net {
+
+class Peer;
+class Room;
+struct LiveRadar;
+
+wire::Error make_error(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
+                       const std::vector<FieldError>& fields = {}, const std::string& radar = {});
+
+/// Text from a peer, made fit for a log and a terminal: at most wire::kMaxNameBytes, control characters and
+/// bytes beyond ASCII replaced.
+std::string presentable(const std::string& text);
+
+/// Answers the requests of one peer: one function per message. Every request gets exactly one answer.
+class Requests {
+ public:
+  Requests(Room& room, Peer& peer) : room_(room), peer_(peer) {}
+  void handle(wire::MessageType type, std::span<const std::byte> descriptor);
+
+ private:
+  template <typename Request>
+  void answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&));
+  void handle_greeted(wire::MessageType type, std::span<const std::byte> descriptor);
+
+  void hello(const wire::Hello& request);
+  void list_radars(const wire::ListRadars& request);
+  void get_radar(const wire::GetRadar& request);
+  void claim_control(const wire::ClaimControl& request);
+  void release_control(const wire::ReleaseControl& request);
+  void set_settings(const wire::SetSettings& request);
+  void set_pose(const wire::SetPose& request);
+  void subscribe(const wire::Subscribe& request);
+  void unsubscribe(const wire::Unsubscribe& request);
+  void render_once(const wire::RenderOnce& request);
+  void get_status(const wire::GetStatus& request);
+
+  void acknowledge(std::uint64_t request_id, std::uint64_t settings_version = 0);
+  void refuse(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
+              const std::vector<FieldError>& fields = {});
+  /// The radar, or null after a refusal.
+  LiveRadar* radar_of(std::uint64_t request_id, const std::string& name);
+  /// As radar_of, and this peer must control it.
+  LiveRadar* controlled_radar(std::uint64_t request_id, const std::string& name);
+
+  Room& room_;
+  Peer& peer_;
+};
+
+}  // namespace obliq::net

@@ -1,0 +1,168 @@
+#include "server/net/room.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/net/requests.h"
+
+namespace obliq::net {
+
+using wire::ErrorNumber;
+using wire::MessageType;
+using Clock = std::chrono::steady_clock;
+
+Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars,
+           Post post)
+    : renderer_(renderer),
+      options_(std::move(options)),
+      post_(std::move(post)),
+      render_(renderer, *this, {options_.render_threads, options_.slice_bytes, options_.before_wedge}) {
+  for (const RadarConfig& config : radars) {
+    radars_.emplace_back(config, ++next_stream_id_);
+    render_.add_radar(config.name, next_stream_id_, radars_.back().view());
+  }
+}
+
+Room::~Room() = default;
+
+void Room::stop() {
+  render_.stop();
+  const auto peers = peers_;  // fail() may come back through leave()
+  for (const auto& peer : peers) peer->fail(ErrorNumber::server_stopping, "the server is stopping");
+}
+
+void Room::enter(const std::shared_ptr<Peer>& peer) { peers_.push_back(peer); }
+
+void Room::leave(Peer& peer) {
+  for (LiveRadar& radar : radars_) {
+    unsubscribe(radar, peer);
+    if (radar.controller == &peer) {
+      radar.controller = nullptr;
+      spdlog::info("radar {}: control released, {} has left", radar.name, peer.name);
+    }
+  }
+  for (const OnceJobPtr& job : peer.jobs) job->stop.request_stop();
+  peer.jobs.clear();
+  render_.wake();
+  frames_dropped_ += peer.outbox.frames_dropped();
+  std::erase_if(peers_, [&](const auto& other) { return other.get() == &peer; });
+}
+
+void Room::handle(Peer& peer, MessageType type, std::span<const std::byte> descriptor) {
+  Requests(*this, peer).handle(type, descriptor);
+}
+
+void Room::taken(Peer& peer, const Block& block) {
+  bytes_sent_ += block.bytes.size();
+  const bool last = block.type == MessageType::frame_end || block.type == MessageType::frame_abort;
+  if (peer.jobs.empty() || block.stream_id == 0) return;
+  if (last) finish_job(peer, block.stream_id);
+  render_.wake();
+}
+
+void Room::finish_job(Peer& peer, std::uint32_t stream_id) {
+  std::erase_if(peer.jobs, [&](const OnceJobPtr& job) { return job->stream_id == stream_id; });
+}
+
+LiveRadar* Room::find(const std::string& name) {
+  const auto at = std::find_if(radars_.begin(), radars_.end(), [&](const LiveRadar& r) { return r.name == name; });
+  return at == radars_.end() ? nullptr : &*at;
+}
+
+void Room::unsubscribe(LiveRadar& radar, const Peer& peer) {
+  const auto at = std::find_if(radar.watchers.begin(), radar.watchers.end(),
+                               [&](const Watcher& watcher) { return watcher.peer == &peer; });
+  if (at == radar.watchers.end()) return;
+  --at->peer->subscriptions;
+  at->peer->outbox.close_lane(radar.stream_id, "unsubscribed");
+  radar.watchers.erase(at);
+  update_demand(radar);
+}
+
+void Room::update_demand(LiveRadar& radar) {
+  radar.rate_hz = 0;
+  wire::PlaneSet planes = 0;
+  for (const Watcher& watcher : radar.watchers) {
+    radar.rate_hz = std::max(radar.rate_hz, watcher.rate_hz);
+    planes |= watcher.planes;
+  }
+  render_.set_demand(radar.stream_id - 1, radar.rate_hz, planes);
+}
+
+void Room::publish_view(LiveRadar& radar) {
+  radar.faults.clear();
+  render_.set_view(radar.stream_id - 1, radar.view());
+}
+
+void Room::send_fault(LiveRadar& radar, Peer& peer) const {
+  peer.send(MessageType::error,
+            make_error(0, ErrorNumber::invalid_value, "radar " + radar.name + " cannot be rendered as it is",
+                       radar.faults, radar.name));
+}
+
+void Room::deliver_live(LiveRadar& radar, const BlockPtr& block) {
+  const auto now = Clock::now();
+  for (Watcher& watcher : radar.watchers) {
+    if (block->type == MessageType::frame_begin) {
+      const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / watcher.rate_hz));
+      // A tenth of a period early is on time: the radar's clock is not exact.
+      if (now + period / 10 < watcher.due) continue;
+      watcher.due = std::max(watcher.due + period, now);
+    }
+    watcher.peer->outbox.push(block);
+    watcher.peer->kick();
+  }
+}
+
+Peer* Room::peer_of(const OnceJob& job) {
+  const auto at = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == job.client_id; });
+  return at == peers_.end() ? nullptr : at->get();
+}
+
+void Room::on_live_block(std::size_t radar, const BlockPtr& block) {
+  post_([this, radar, block] { deliver_live(radars_[radar], block); });
+}
+
+void Room::on_live_rendered(std::size_t radar, double render_s) {
+  post_([this, radar, render_s] {
+    ++radars_[radar].frames;
+    radars_[radar].last_render_s = render_s;
+  });
+}
+
+void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView>& view,
+                         const std::vector<FieldError>& errors) {
+  post_([this, index, view, errors] {
+    LiveRadar& radar = radars_[index];
+    // Its controller may have mended it in the meantime.
+    if (view->settings != radar.settings.current() || view->pose_received_ns != radar.pose_received_ns) return;
+    radar.faults = errors;
+    for (const FieldError& error : errors) spdlog::warn("radar {}: {}", radar.name, error.text());
+    for (const Watcher& watcher : radar.watchers) send_fault(radar, *watcher.peer);
+  });
+}
+
+void Room::on_once_block(const OnceJobPtr& job, const BlockPtr& block) {
+  post_([this, job, block] {
+    Peer* peer = peer_of(*job);
+    if (peer == nullptr) return;
+    peer->outbox.push(block);
+    peer->kick();
+  });
+}
+
+void Room::on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) {
+  post_([this, job, errors] {
+    Peer* peer = peer_of(*job);
+    if (peer == nullptr) return;
+    peer->outbox.close_lane(job->stream_id, "not rendered");
+    finish_job(*peer, job->stream_id);
+    peer->send(MessageType::error, make_error(job->request_id, ErrorNumber::invalid_value,
+                                              "the frame cannot be rendered", errors, job->radar));
+  });
+}
+
+}  // namespace obliq::net

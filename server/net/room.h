@@ -1,0 +1,72 @@
+#pragma once
+// Everything that the clients share: who is there, the live radars, and the render thread's results on their
+// way to outboxes. Lives on the io thread; only the RenderEvents are called from elsewhere, and they post.
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/net/live_radar.h"
+#include "server/net/options.h"
+
+namespace obliq::net {
+
+class Room : private RenderEvents {
+ public:
+  /// post: runs a function on the io thread, later.
+  using Post = std::function<void(std::function<void()>)>;
+
+  Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars, Post post);
+  ~Room() override;
+
+  const ServerOptions& options() const { return options_; }
+  void start() { render_.start(); }
+  /// Ends all frames and says goodbye to all clients.
+  void stop();
+
+  bool is_full() const { return peers_.size() >= static_cast<std::size_t>(options_.max_clients); }
+  void enter(const std::shared_ptr<Peer>& peer);
+  /// Control is released, subscriptions end, unfinished renders are cancelled.
+  void leave(Peer& peer);
+
+  /// A request has arrived: answers it. Types that are not known are skipped.
+  void handle(Peer& peer, wire::MessageType type, std::span<const std::byte> descriptor);
+  /// A block has left the peer's outbox.
+  void taken(Peer& peer, const Block& block);
+
+ private:
+  friend class Requests;
+
+  LiveRadar* find(const std::string& name);
+  void unsubscribe(LiveRadar& radar, const Peer& peer);
+  void update_demand(LiveRadar& radar);
+  void publish_view(LiveRadar& radar);
+  void send_fault(LiveRadar& radar, Peer& peer) const;
+  void deliver_live(LiveRadar& radar, const BlockPtr& block);
+  Peer* peer_of(const OnceJob& job);
+  void finish_job(Peer& peer, std::uint32_t stream_id);
+
+  void on_live_block(std::size_t radar, const BlockPtr& block) override;
+  void on_live_rendered(std::size_t radar, double render_s) override;
+  void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
+                     const std::vector<FieldError>& errors) override;
+  void on_once_block(const OnceJobPtr& job, const BlockPtr& block) override;
+  void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) override;
+
+  const FrameRenderer& renderer_;
+  ServerOptions options_;
+  Post post_;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
+  std::vector<std::shared_ptr<Peer>> peers_;
+  std::uint32_t next_stream_id_ = 0;
+  std::uint64_t bytes_sent_ = 0;
+  std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
+  RenderThread render_;               ///< last: stopped before what it reports to goes
+};
+
+}  // namespace obliq::net

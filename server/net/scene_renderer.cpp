@@ -1,0 +1,54 @@
+#include "server/net/scene_renderer.h"
+
+#include <utility>
+
+#include "server/output/describe_frame.h"
+#include "server/radar/pose.h"
+
+namespace obliq::net {
+namespace {
+
+class PlannedSceneFrame : public PlannedFrame {
+ public:
+  PlannedSceneFrame(std::shared_ptr<const FramePlan> plan, std::string scene_name)
+      : plan_(std::move(plan)), scene_name_(std::move(scene_name)) {}
+
+  void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
+    describe_frame(*plan_, radar, scene_name_, descriptor);
+  }
+  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    return render_wedges(*plan_, azimuths, options);
+  }
+  void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
+    summarise_frame(*plan_, stats, summary);
+  }
+
+ private:
+  std::shared_ptr<const FramePlan> plan_;
+  std::string scene_name_;
+};
+
+}  // namespace
+
+SceneRenderer::SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name)
+    : scene_(std::move(scene)), scene_name_(std::move(scene_name)) {}
+
+std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
+  std::vector<FieldError> errors;
+  (void)place_antenna(scene_->world(), pose, errors);
+  return errors;
+}
+
+FrameRenderer::Plan SceneRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+  Plan result;
+  const auto placed = place_antenna(scene_->world(), pose, result.errors);
+  if (!placed) return result;
+  PlanResult planned = plan_frame(scene_, settings, *placed);
+  result.errors = std::move(planned.errors);
+  if (planned.plan) {
+    result.frame = std::make_unique<PlannedSceneFrame>(std::move(planned.plan), scene_name_);
+  }
+  return result;
+}
+
+}  // namespace obliq::net

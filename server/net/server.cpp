@@ -1,0 +1,155 @@
+#include "server/net/server.h"
+
+#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
+
+#include <boost/asio.hpp>
+
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+
+#include "proto/obliq.pb.h"
+#include "server/net/requests.h"
+#include "server/net/room.h"
+#include "server/net/session.h"
+
+namespace obliq::net {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+std::string text_of(const tcp::endpoint& endpoint) {
+  const std::string host = endpoint.address().to_string();
+  return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
+}
+
+tcp::endpoint resolve(asio::io_context& io, const ServerOptions& options) {
+  error_code error;
+  tcp::resolver resolver(io);
+  const auto found = resolver.resolve(options.address, std::to_string(options.port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error || found.empty()) {
+    throw InputError("address: found " + options.address + " (" + error.message() +
+                     "); allowed: an address of this machine");
+  }
+  return found.begin()->endpoint();
+}
+
+// Says why, as far as the peer reads it at once, and closes.
+void turn_away(tcp::socket socket, int max_clients) {
+  const auto error = make_error(0, wire::ErrorNumber::too_many_clients,
+                                "too many clients: max_clients is " + std::to_string(max_clients));
+  const wire::Bytes bytes = wire::encode_message(wire::MessageType::error, {0, 1, wire::utc_now_ns()}, error);
+  error_code ignored;
+  socket.non_blocking(true, ignored);
+  socket.write_some(asio::buffer(bytes), ignored);
+  socket.shutdown(tcp::socket::shutdown_send, ignored);
+}
+
+}  // namespace
+
+struct Server::State {
+  State(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
+      : room(std::make_shared<Room>(renderer, options, radars,
+                                    [this](std::function<void()> work) { asio::post(io, std::move(work)); })) {}
+
+  void listen();
+  asio::awaitable<void> accept();
+  void stop();
+
+  asio::io_context io{1};
+  tcp::acceptor acceptor{io};
+  asio::signal_set signals{io};
+  std::shared_ptr<Room> room;
+  std::uint64_t last_id = 0;
+  bool stopping = false;
+};
+
+void Server::State::listen() {
+  const tcp::endpoint endpoint = resolve(io, room->options());
+  error_code error;
+  const auto check = [&] {
+    if (error) throw InputError("cannot listen on " + text_of(endpoint) + ": " + error.message());
+  };
+  acceptor.open(endpoint.protocol(), error);
+  check();
+  acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  check();
+  acceptor.bind(endpoint, error);
+  check();
+  acceptor.listen(asio::socket_base::max_listen_connections, error);
+  check();
+}
+
+asio::awaitable<void> Server::State::accept() {
+  while (!stopping) {
+    error_code error;
+    tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    if (stopping) break;
+    if (error) {
+      // Out of descriptors, above all: those who are here are served on, newcomers wait.
+      spdlog::error("cannot accept a connection: {}", error.message());
+      asio::steady_timer pause(io, std::chrono::milliseconds(200));
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      continue;
+    }
+    if (room->is_full()) {
+      spdlog::warn("a connection was turned away: max_clients is {}", room->options().max_clients);
+      turn_away(std::move(socket), room->options().max_clients);
+      continue;
+    }
+    const auto local = socket.local_endpoint(error);
+    const int fd = error ? -1 : socket.release(error);
+    if (!error) start_session(io, fd, local.address().is_v6(), ++last_id, room);
+  }
+}
+
+void Server::State::stop() {
+  if (stopping) return;
+  stopping = true;
+  spdlog::info("stopping");
+  error_code ignored;
+  acceptor.close(ignored);
+  signals.cancel(ignored);
+  signals.clear(ignored);  // a second Ctrl-C ends the process
+  room->stop();
+}
+
+Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
+    : state_(std::make_unique<State>(renderer, radars, options)) {
+  state_->listen();
+  if (options.stop_on_signals) {
+    state_->signals.add(SIGINT);
+    state_->signals.add(SIGTERM);
+    state_->signals.async_wait([this](error_code error, int) {
+      if (!error) state_->stop();
+    });
+  }
+}
+
+Server::~Server() = default;
+
+std::uint16_t Server::port() const {
+  error_code ignored;
+  return state_->acceptor.local_endpoint(ignored).port();
+}
+
+std::string Server::address() const {
+  error_code ignored;
+  return text_of(state_->acceptor.local_endpoint(ignored));
+}
+
+void Server::run() {
+  asio::co_spawn(state_->io, state_->accept(), asio::detached);
+  state_->room->start();
+  state_->io.run();
+}
+
+void Server::stop() {
+  asio::post(state_->io, [this] { state_->stop(); });
+}
+
+}  // namespace obliq::net
