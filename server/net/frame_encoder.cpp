@@ -80,7 +80,8 @@ BlockPtr FrameEncoder::begin(const wire::FrameDescriptor& descriptor, int wedges
   message.set_wedges(static_cast<std::uint32_t>(wedges));
   auto block = new_block(MessageType::frame_begin);
   block->planes = identity_.planes;
-  block->bytes = wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, message);
+  block->bytes =
+      wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, message);
   return block;
 }
 
@@ -104,8 +105,9 @@ std::vector<BlockPtr> FrameEncoder::wedge(int wedge_index, const BinBlock& bins)
           (std::size_t{part.first_azimuth} * n_range + part.first_range) * wire::bytes_per_bin(plane);
       auto block = new_block(MessageType::wedge_block);
       block->planes = wire::plane_bit(plane);
-      block->bytes = wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()},
-                                          *echo_, values.subspan(first, wire::plane_bytes(plane, part)));
+      block->bytes =
+          wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, *echo_,
+                               values.subspan(first, wire::plane_bytes(plane, part)));
       blocks.push_back(std::move(block));
     }
   }
@@ -118,7 +120,8 @@ BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s) {
   *message.mutable_summary() = summary;
   message.set_render_s(render_s);
   auto block = new_block(MessageType::frame_end);
-  block->bytes = wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, message);
+  block->bytes =
+      wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, message);
   return block;
 }
 
@@ -128,7 +131,8 @@ BlockPtr FrameEncoder::abort(const std::string& reason) {
   message.set_request_id(identity_.request_id);
   message.set_reason(reason);
   auto block = new_block(MessageType::frame_abort);
-  block->bytes = wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, message);
+  block->bytes =
+      wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()}, message);
   return block;
 }
 

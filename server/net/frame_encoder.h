@@ -26,7 +26,8 @@ struct FrameIdentity {
   std::int64_t pose_received_ns = 0;
 };
 
-/// Turns one frame into messages. `sequence` counts on across the frames of a stream. For one thread at a time.
+/// Turns one frame into messages. `sequence` counts on across the frames of a stream. For one thread at a
+/// time.
 class FrameEncoder {
  public:
   FrameEncoder(const FrameIdentity& identity, std::uint64_t& sequence);

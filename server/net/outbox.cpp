@@ -59,7 +59,7 @@ void Outbox::push(const BlockPtr& block) {
     // Nobody need hear of the end of a frame that he has not heard of.
     if (lane->live && block->type == MessageType::frame_abort && !frame->begun) return drop(*lane, index);
   }
-  enqueue(*lane, *frame, block);
+  enqueue(*frame, block);
 }
 
 void Outbox::begin_frame(Lane& lane, const BlockPtr& block) {
@@ -75,10 +75,10 @@ void Outbox::begin_frame(Lane& lane, const BlockPtr& block) {
   }
   lane.frames.emplace_back();
   lane.frames.back().frame_id = block->frame_id;
-  enqueue(lane, lane.frames.back(), block);
+  enqueue(lane.frames.back(), block);
 }
 
-void Outbox::enqueue(Lane& lane, QueuedFrame& frame, const BlockPtr& block) {
+void Outbox::enqueue(QueuedFrame& frame, const BlockPtr& block) {
   frame.blocks.push_back(block);
   bytes_ += block->bytes.size();
 }

@@ -15,11 +15,12 @@ namespace obliq::net {
 using ByteCounter = std::shared_ptr<std::atomic<std::size_t>>;
 
 /// What waits to be written to one client: control messages, then frames, one lane per stream. Bounded: in a
-/// live lane the newest frame replaces the oldest that has not begun to be written, and a frame that has begun
-/// is completed or ended by a FrameAbort. Knows no sockets. For one thread.
+/// live lane the newest frame replaces the oldest that has not begun to be written, and a frame that has
+/// begun is completed or ended by a FrameAbort. Knows no sockets. For one thread.
 class Outbox {
  public:
-  Outbox(int frames_per_lane, std::size_t live_bytes) : frames_per_lane_(frames_per_lane), live_bytes_(live_bytes) {}
+  Outbox(int frames_per_lane, std::size_t live_bytes)
+      : frames_per_lane_(frames_per_lane), live_bytes_(live_bytes) {}
   ~Outbox() { clear(); }
   Outbox(const Outbox&) = delete;
   Outbox& operator=(const Outbox&) = delete;
@@ -68,7 +69,7 @@ class Outbox {
   const Lane* find(std::uint32_t stream_id) const;
   Lane* find(std::uint32_t stream_id);
   void begin_frame(Lane& lane, const BlockPtr& block);
-  void enqueue(Lane& lane, QueuedFrame& frame, const BlockPtr& block);
+  void enqueue(QueuedFrame& frame, const BlockPtr& block);
   void release(Lane& lane, const Block& block);
   void drop(Lane& lane, std::size_t index);
   void abort(Lane& lane, std::size_t index, const std::string& reason);

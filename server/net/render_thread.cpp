@@ -201,7 +201,8 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       options.stop = stop;
       options.on_wedge = [&](Wedge&& wedge) {
         stats.put(wedge);
-        for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins)) events_.on_live_block(index, block);
+        for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins))
+          events_.on_live_block(index, block);
       };
       const RadarSettings& settings = view->settings->settings;
       begun = true;
@@ -270,7 +271,8 @@ bool RenderThread::continue_once(OnceTask& task) {
     wedge_bytes += std::size_t{wire::bytes_per_bin(static_cast<wire::Plane>(plane))} * kWedgeAzimuthBins *
                    static_cast<std::size_t>(settings.range_bins);
   }
-  const int wedges = static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
+  const int wedges =
+      static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
   const int count = std::min(wedges * kWedgeAzimuthBins, settings.azimuth_bins - task.next_azimuth);
 
   RenderOptions options;

@@ -1,6 +1,6 @@
 #pragma once
-// One thread decides which frame is rendered next: live radars at the rate asked for, RenderOnce jobs slice by
-// slice between them. The rendering itself uses as many threads as it was given.
+// One thread decides which frame is rendered next: live radars at the rate asked for, RenderOnce jobs slice
+// by slice between them. The rendering itself uses as many threads as it was given.
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -33,7 +33,7 @@ struct OnceJob {
   std::string radar;  ///< echoed
   LiveView view;
   wire::PlaneSet planes = wire::kAllPlanes;
-  std::stop_source stop;                                              ///< requested when its client has gone
+  std::stop_source stop;                                               ///< requested when its client has gone
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };
 using OnceJobPtr = std::shared_ptr<OnceJob>;

@@ -33,7 +33,8 @@ std::optional<wire::PlaneSet> plane_set(const Planes& planes) {
   return set;
 }
 
-const FieldError kPlaneFault{"planes", "a number that is no plane", "0 (iq), 1 (power), 2 (count), 3 (state)"};
+const FieldError kPlaneFault{"planes", "a number that is no plane",
+                             "0 (iq), 1 (power), 2 (count), 3 (state)"};
 
 void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
   errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
@@ -95,8 +96,9 @@ void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*fu
 void Requests::handle(MessageType type, std::span<const std::byte> descriptor) {
   if (type == MessageType::hello) return answer(descriptor, &Requests::hello);
   if (peer_.greeted) return handle_greeted(type, descriptor);
-  peer_.fail(ErrorNumber::handshake_expected,
-             "message type: found " + std::to_string(static_cast<unsigned>(type)) + "; allowed: Hello (1) first");
+  peer_.fail(
+      ErrorNumber::handshake_expected,
+      "message type: found " + std::to_string(static_cast<unsigned>(type)) + "; allowed: Hello (1) first");
 }
 
 void Requests::handle_greeted(MessageType type, std::span<const std::byte> descriptor) {
@@ -154,7 +156,8 @@ LiveRadar* Requests::controlled_radar(std::uint64_t request_id, const std::strin
     refuse(request_id, ErrorNumber::controlled_by_other,
            "radar " + radar->name + " is controlled by " + radar->controller->name);
   } else {
-    refuse(request_id, ErrorNumber::not_in_control, "radar " + radar->name + " is not claimed: claim control first");
+    refuse(request_id, ErrorNumber::not_in_control,
+           "radar " + radar->name + " is not claimed: claim control first");
   }
   return nullptr;
 }
@@ -163,7 +166,8 @@ void Requests::hello(const wire::Hello& request) {
   if (request.major() != wire::kMajorVersion) {
     return peer_.fail(ErrorNumber::version_mismatch,
                       "protocol version: found " + std::to_string(request.major()) + "." +
-                          std::to_string(request.minor()) + "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
+                          std::to_string(request.minor()) +
+                          "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
   }
   const std::string name = presentable(request.client_name());
   if (!peer_.greeted) {
@@ -260,7 +264,8 @@ void Requests::set_pose(const wire::SetPose& request) {
   std::vector<FieldError> errors = merge_message(request.pose(), pose);
   append(errors, validate(pose));
   if (errors.empty()) errors = room_.renderer_.place(pose);
-  if (!errors.empty()) return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
+  if (!errors.empty())
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
   radar->pose = pose;
   radar->pose_received_ns = monotonic_ns();
   room_.publish_view(*radar);
@@ -274,7 +279,8 @@ void Requests::subscribe(const wire::Subscribe& request) {
   std::vector<FieldError> errors;
   const double rate_hz = request.rate_hz();
   if (!(rate_hz > 0 && rate_hz <= options.max_rate_hz)) {
-    errors.push_back({"rate_hz", std::to_string(rate_hz), "above 0, at most " + std::to_string(options.max_rate_hz)});
+    errors.push_back(
+        {"rate_hz", std::to_string(rate_hz), "above 0, at most " + std::to_string(options.max_rate_hz)});
   }
   const auto planes = plane_set(request.planes());
   if (!planes) errors.push_back(kPlaneFault);
@@ -283,8 +289,9 @@ void Requests::subscribe(const wire::Subscribe& request) {
   }
   const bool renewed = peer_.outbox.has_lane(radar->stream_id);
   if (!renewed && peer_.subscriptions >= options.max_subscriptions) {
-    return refuse(request.request_id(), ErrorNumber::too_many_subscriptions,
-                  "too many subscriptions: max_subscriptions is " + std::to_string(options.max_subscriptions));
+    return refuse(
+        request.request_id(), ErrorNumber::too_many_subscriptions,
+        "too many subscriptions: max_subscriptions is " + std::to_string(options.max_subscriptions));
   }
   room_.unsubscribe(*radar, peer_);
   radar->watchers.push_back({&peer_, rate_hz, *planes, {}});
@@ -299,7 +306,8 @@ void Requests::unsubscribe(const wire::Unsubscribe& request) {
   LiveRadar* radar = radar_of(request.request_id(), request.radar());
   if (radar == nullptr) return;
   if (!peer_.outbox.has_lane(radar->stream_id)) {
-    return refuse(request.request_id(), ErrorNumber::not_subscribed, "not subscribed to radar " + radar->name);
+    return refuse(request.request_id(), ErrorNumber::not_subscribed,
+                  "not subscribed to radar " + radar->name);
   }
   room_.unsubscribe(*radar, peer_);
   acknowledge(request.request_id());
@@ -308,8 +316,9 @@ void Requests::unsubscribe(const wire::Unsubscribe& request) {
 void Requests::render_once(const wire::RenderOnce& request) {
   const ServerOptions& options = room_.options();
   if (peer_.jobs.size() >= static_cast<std::size_t>(options.max_renders_queued)) {
-    return refuse(request.request_id(), ErrorNumber::too_many_renders,
-                  "too many unfinished renders: max_renders_queued is " + std::to_string(options.max_renders_queued));
+    return refuse(
+        request.request_id(), ErrorNumber::too_many_renders,
+        "too many unfinished renders: max_renders_queued is " + std::to_string(options.max_renders_queued));
   }
   RadarSettings settings;
   PoseSettings pose;
@@ -322,7 +331,8 @@ void Requests::render_once(const wire::RenderOnce& request) {
   const auto planes = plane_set(request.planes());
   if (!planes) errors.push_back(kPlaneFault);
   if (errors.empty()) errors = room_.renderer_.place(pose);
-  if (!errors.empty()) return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
+  if (!errors.empty())
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
 
   auto job = std::make_shared<OnceJob>();
   job->client_id = peer_.id;
@@ -344,7 +354,8 @@ void Requests::get_status(const wire::GetStatus& request) {
   status.set_request_id(request.request_id());
   status.set_server_name(room_.options().server_name);
   status.set_server_version(room_.options().server_version);
-  status.set_uptime_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - room_.started_).count());
+  status.set_uptime_s(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - room_.started_).count());
   status.set_clients(static_cast<std::uint32_t>(room_.peers_.size()));
   std::uint64_t dropped = room_.frames_dropped_;
   std::size_t jobs = 0;

@@ -68,7 +68,8 @@ void Room::finish_job(Peer& peer, std::uint32_t stream_id) {
 }
 
 LiveRadar* Room::find(const std::string& name) {
-  const auto at = std::find_if(radars_.begin(), radars_.end(), [&](const LiveRadar& r) { return r.name == name; });
+  const auto at =
+      std::find_if(radars_.begin(), radars_.end(), [&](const LiveRadar& r) { return r.name == name; });
   return at == radars_.end() ? nullptr : &*at;
 }
 
@@ -107,7 +108,8 @@ void Room::deliver_live(LiveRadar& radar, const BlockPtr& block) {
   const auto now = Clock::now();
   for (Watcher& watcher : radar.watchers) {
     if (block->type == MessageType::frame_begin) {
-      const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / watcher.rate_hz));
+      const auto period =
+          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / watcher.rate_hz));
       // A tenth of a period early is on time: the radar's clock is not exact.
       if (now + period / 10 < watcher.due) continue;
       watcher.due = std::max(watcher.due + period, now);
@@ -118,7 +120,8 @@ void Room::deliver_live(LiveRadar& radar, const BlockPtr& block) {
 }
 
 Peer* Room::peer_of(const OnceJob& job) {
-  const auto at = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == job.client_id; });
+  const auto at =
+      std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == job.client_id; });
   return at == peers_.end() ? nullptr : at->get();
 }
 
@@ -138,7 +141,8 @@ void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView
   post_([this, index, view, errors] {
     LiveRadar& radar = radars_[index];
     // Its controller may have mended it in the meantime.
-    if (view->settings != radar.settings.current() || view->pose_received_ns != radar.pose_received_ns) return;
+    if (view->settings != radar.settings.current() || view->pose_received_ns != radar.pose_received_ns)
+      return;
     radar.faults = errors;
     for (const FieldError& error : errors) spdlog::warn("radar {}: {}", radar.name, error.text());
     for (const Watcher& watcher : radar.watchers) send_fault(radar, *watcher.peer);

@@ -20,7 +20,8 @@ class Room : private RenderEvents {
   /// post: runs a function on the io thread, later.
   using Post = std::function<void(std::function<void()>)>;
 
-  Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars, Post post);
+  Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars,
+       Post post);
   ~Room() override;
 
   const ServerOptions& options() const { return options_; }

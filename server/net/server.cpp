@@ -1,12 +1,10 @@
 #include "server/net/server.h"
 
-#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
-
-#include <boost/asio.hpp>
-
 #include <spdlog/spdlog.h>
 
+#include <boost/asio.hpp>
 #include <csignal>
+#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
 #include "server/net/requests.h"
@@ -53,8 +51,9 @@ void turn_away(tcp::socket socket, int max_clients) {
 
 struct Server::State {
   State(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
-      : room(std::make_shared<Room>(renderer, options, radars,
-                                    [this](std::function<void()> work) { asio::post(io, std::move(work)); })) {}
+      : room(std::make_shared<Room>(renderer, options, radars, [this](std::function<void()> work) {
+          asio::post(io, std::move(work));
+        })) {}
 
   void listen();
   asio::awaitable<void> accept();
@@ -118,7 +117,8 @@ void Server::State::stop() {
   room->stop();
 }
 
-Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
+Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+               const ServerOptions& options)
     : state_(std::make_unique<State>(renderer, radars, options)) {
   state_->listen();
   if (options.stop_on_signals) {

@@ -1,15 +1,13 @@
 #include "server/net/session.h"
 
-#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
-
-#include <boost/asio.hpp>
-
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
+#include <boost/asio.hpp>
 #include <chrono>
 #include <string>
+#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
 #include "server/net/requests.h"
@@ -92,7 +90,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void spawn(asio::awaitable<void> (Session::*coroutine)()) {
     asio::co_spawn(
         socket_.get_executor(),
-        [self = shared_from_this(), coroutine]() -> asio::awaitable<void> { return (self.get()->*coroutine)(); },
+        [self = shared_from_this(), coroutine]() -> asio::awaitable<void> {
+          return (self.get()->*coroutine)();
+        },
         [self = shared_from_this()](const std::exception_ptr& failure) {
           // Only the machine's own troubles (no memory) come here; they cost this client, not the others.
           try {
@@ -117,12 +117,12 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   static void disarm(asio::steady_timer& timer) { timer.expires_at(Clock::time_point::max()); }
 
   asio::awaitable<void> read_requests() {
-    arm(read_deadline_, room_->options().handshake_timeout_s, [](Session& self) {
-      self.fail(ErrorNumber::timed_out, "no Hello in time");
-    });
+    arm(read_deadline_, room_->options().handshake_timeout_s,
+        [](Session& self) { self.fail(ErrorNumber::timed_out, "no Hello in time"); });
     Request request;
     while (co_await read_request(request)) {
-      room_->handle(*this, request.header.type, std::span(request.payload).first(request.header.descriptor_length));
+      room_->handle(*this, request.header.type,
+                    std::span(request.payload).first(request.header.descriptor_length));
       if (finishing_) break;
       if (greeted) disarm(read_deadline_);
       while (!closed_ && outbox.control_size() > kMaxAnswersWaiting) {
@@ -157,14 +157,17 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     wire::FrameHeader& header = request.header;
     std::fill(head.begin() + kMagicBytes, head.end(), std::byte{0});
     const std::uint32_t limit = room_->options().max_request_bytes;
-    if (wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header) == wire::HeaderStatus::bad_magic) {
+    if (wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header) ==
+        wire::HeaderStatus::bad_magic) {
       fail(ErrorNumber::bad_magic, wire::describe(wire::HeaderStatus::bad_magic, header, limit));
       co_return false;
     }
-    if (!co_await read(asio::buffer(head.data() + kMagicBytes, wire::kHeaderBytes - kMagicBytes))) co_return false;
+    if (!co_await read(asio::buffer(head.data() + kMagicBytes, wire::kHeaderBytes - kMagicBytes)))
+      co_return false;
     const auto status = wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header);
     if (status != wire::HeaderStatus::ok) {
-      fail(status == wire::HeaderStatus::version_mismatch ? ErrorNumber::version_mismatch : ErrorNumber::bad_length,
+      fail(status == wire::HeaderStatus::version_mismatch ? ErrorNumber::version_mismatch
+                                                          : ErrorNumber::bad_length,
            wire::describe(status, header, limit));
       co_return false;
     }
@@ -211,7 +214,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
         spdlog::warn("{}: reads too slowly; connection closed", self.name);
         self.close();
       });
-      co_await asio::async_write(socket_, asio::buffer(block->bytes), asio::redirect_error(asio::use_awaitable, error));
+      co_await asio::async_write(socket_, asio::buffer(block->bytes),
+                                 asio::redirect_error(asio::use_awaitable, error));
       disarm(write_deadline_);
       if (error) close();
     }
@@ -226,7 +230,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     spdlog::info("{} has gone", name);
     error_code ignored;
     socket_.close(ignored);
-    for (asio::steady_timer* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &linger_}) timer->cancel();
+    for (asio::steady_timer* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &linger_})
+      timer->cancel();
     room_->leave(*this);
     outbox.clear();
   }

@@ -1,0 +1,255 @@
+// Peers that send nonsense, and clients that do not read: each costs itself its connection, and nobody else.
+#include <gtest/gtest.h>
+
+#include "proto/error_number.h"
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/net_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+using client::FrameAssembler;
+using client::Outcome;
+using wire::ErrorNumber;
+using wire::MessageType;
+
+constexpr client::Timeout kLong{20000};
+
+std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
+
+/// A server with a client that watches while others misbehave; at the end it must still get frames.
+class Abuse : public testing::Test {
+ protected:
+  Abuse() : watcher(connect(server)) { EXPECT_TRUE(watcher.subscribe("main", 50).ok()); }
+  ~Abuse() override {
+    FrameAssembler frames;
+    const client::Status status = receive_frame(watcher, frames);
+    EXPECT_TRUE(status.ok()) << "the other client was disturbed: " << status.sentence();
+    wire::RadarList list;
+    EXPECT_TRUE(connect(server).list_radars(list).ok()) << "nobody can come any more";
+  }
+
+  TestServer server;
+  client::Client watcher;
+};
+
+TEST_F(Abuse, GarbageIsToldThatItIsNotObliq) {
+  RawPeer peer(server);
+  peer.send("GET / HTTP/1.0\r\n\r\n");
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_magic));
+}
+
+TEST_F(Abuse, ALotOfGarbageToo) {
+  RawPeer peer(server);
+  peer.send(std::string(300000, '\xFF'));
+  peer.error_number();  // Error or a reset, as the kernel will: the flood may not be read to its end
+}
+
+TEST_F(Abuse, SilenceBeforeHelloTimesOut) {
+  RawPeer peer(server);
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::timed_out));
+}
+
+TEST_F(Abuse, HalfAHelloAndThenNothingTimesOut) {
+  RawPeer peer(server);
+  const wire::Bytes hello = hello_bytes();
+  peer.send(std::span(hello).first(hello.size() / 2));
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::timed_out));
+}
+
+TEST_F(Abuse, HalfARequestAfterHelloTimesOut) {
+  RawPeer peer(server);
+  const wire::Bytes hello = hello_bytes();
+  peer.send(hello);
+  peer.send(std::span(hello).first(20));
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::timed_out));
+}
+
+TEST_F(Abuse, LeavingInTheMiddleOfAMessageIsNoTrouble) {
+  RawPeer peer(server);
+  const wire::Bytes hello = hello_bytes();
+  peer.send(hello);
+  peer.send(std::span(hello).first(50));
+  peer.socket().close();
+}
+
+TEST_F(Abuse, AnOversizedLengthIsRefusedAtOnce) {
+  RawPeer peer(server);
+  wire::FrameHeader header;
+  header.type = MessageType::hello;
+  header.payload_length = 0xFFFFFFFF;  // never sent, never allocated
+  wire::HeaderBytes bytes{};
+  wire::encode_header(header, bytes);
+  peer.send(bytes);
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
+}
+
+TEST_F(Abuse, APayloadThatAClientMayNotSendIsRefused) {
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  wire::RenderOnce request;
+  request.set_radar(std::string(wire::kMaxRequestBytes, 'x'));
+  peer.send(wire::encode_message(MessageType::render_once, {}, request));
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
+}
+
+TEST_F(Abuse, AWrongCrcIsRefused) {
+  RawPeer peer(server);
+  wire::Bytes hello = hello_bytes();
+  hello.back() ^= std::byte{1};
+  peer.send(hello);
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_crc));
+}
+
+TEST_F(Abuse, AnotherMajorVersionIsRefused) {
+  RawPeer peer(server);
+  wire::Bytes hello = hello_bytes();
+  hello[4] = std::byte{2};
+  peer.send(hello);
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::version_mismatch));
+}
+
+TEST_F(Abuse, AMessageThatDoesNotParseIsRefused) {
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  // Valid framing around a protobuf field that is cut short.
+  wire::Bytes message(wire::kHeaderBytes + 2);
+  wire::FrameHeader header;
+  header.type = MessageType::get_radar;
+  header.payload_length = header.descriptor_length = 2;
+  const std::span<std::byte> all(message);
+  all[wire::kHeaderBytes] = std::byte{0x12};
+  all[wire::kHeaderBytes + 1] = std::byte{0x7F};
+  wire::encode_header(header, all.first<wire::kHeaderBytes>());
+  header.crc = wire::message_crc(all.first(wire::kHeaderBytes), all.subspan(wire::kHeaderBytes));
+  wire::encode_header(header, all.first<wire::kHeaderBytes>());
+  peer.send(message);
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_message));
+}
+
+TEST_F(Abuse, ARequestBeforeHelloIsRefused) {
+  RawPeer peer(server);
+  wire::GetStatus request;
+  peer.send(wire::encode_message(MessageType::get_status, {}, request));
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::handshake_expected));
+}
+
+TEST_F(Abuse, AnUnknownTypeIsSkippedAndTheNextRequestAnswered) {
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  wire::GetStatus anything;
+  anything.set_request_id(5);
+  peer.send(wire::encode_message(static_cast<MessageType>(999), {}, anything));
+  wire::Bytes wrong = wire::encode_message(MessageType::get_status, {}, anything);
+  wrong.back() ^= std::byte{1};
+  peer.send(wrong);
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_crc))
+      << "the connection lived on past the unknown type";
+}
+
+TEST_F(Abuse, AClientThatAsksWithoutReadingIsHeldBackNotStored) {
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  wire::GetStatus request;
+  const wire::Bytes bytes = wire::encode_message(MessageType::get_status, {}, request);
+  wire::Bytes many;
+  for (int i = 0; i < 2000; ++i) many.insert(many.end(), bytes.begin(), bytes.end());
+  // Until the server stops reading because its answers are not read; it keeps 256 of them, not 400,000.
+  bool held_back = false;
+  for (int i = 0; i < 200 && !held_back; ++i)
+    held_back = !peer.socket().send(many, client::Timeout(300)).ok();
+  EXPECT_TRUE(held_back);
+}
+
+TEST_F(Abuse, AStalledWatcherGetsNewFramesWhenItReadsAgain) {
+  client::Client stalled = connect(server);
+  ASSERT_TRUE(stalled.subscribe("main", 100).ok());
+  FrameAssembler watched;
+  for (int i = 0; i < 20; ++i) {  // while others watch on
+    ASSERT_TRUE(receive_frame(watcher, watched).ok());
+    watched.take();
+  }
+  FrameAssembler frames;
+  for (int i = 0; i < 5; ++i) {
+    const client::Status status = receive_frame(stalled, frames);
+    ASSERT_TRUE(status.ok()) << status.sentence();
+    frames.take();
+  }
+}
+
+TEST(Limits, TheClientBeyondTheLimitIsTurnedAwayWithAReason) {
+  net::ServerOptions options = small_options();
+  options.max_clients = 1;
+  const TestServer server(options);
+  const client::Client first = connect(server);
+  client::Client second;
+  const client::Status status = second.connect(server.endpoint());
+  EXPECT_EQ(status.number, number(ErrorNumber::too_many_clients)) << status.sentence();
+}
+
+TEST(Limits, APortInUseIsTheOperatorsMistake) {
+  const TestServer server;
+  net::ServerOptions options = small_options();
+  options.port = server.endpoint().port;
+  const PatternRenderer renderer;
+  try {
+    const net::Server second(renderer, {small_radar("main")}, options);
+    FAIL() << "two servers on one port";
+  } catch (const InputError& e) {
+    EXPECT_EQ(std::string(e.what()),
+              "cannot listen on 127.0.0.1:" + std::to_string(options.port) + ": Address already in use");
+  }
+}
+
+TEST(Limits, AnAddressOfAnotherMachineIsTheOperatorsMistake) {
+  net::ServerOptions options = small_options();
+  const PatternRenderer renderer;
+  options.address = "192.0.2.1";  // RFC 5737: documentation, nobody's
+  EXPECT_THROW(net::Server(renderer, {small_radar("main")}, options), InputError);
+  options.address = "no such host.invalid";
+  EXPECT_THROW(net::Server(renderer, {small_radar("main")}, options), InputError);
+}
+
+TEST(Stop, BegunFramesAreAbortedAndClientsTold) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.before_wedge = [&](int wedge) {
+    if (wedge == 1) gate.pass();
+  };
+  TestServer server(options);
+  client::Client client = connect(server);
+  FrameAssembler frames;
+  client.set_handler(&frames);
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  while (frames.fraction() == 0) ASSERT_TRUE(client.receive(kLong).ok());
+
+  std::thread stopping([&] { server.stop(); });
+  client::Status status;
+  while (status.ok()) status = client.receive(kLong);
+  EXPECT_EQ(status.number, number(ErrorNumber::server_stopping)) << status.sentence();
+  EXPECT_EQ(frames.state(), FrameAssembler::State::aborted);
+  EXPECT_EQ(frames.abort_reason(), "the server is stopping");
+  while (status.outcome != Outcome::closed) status = client.receive(kLong);
+  gate.open();
+  stopping.join();
+}
+
+TEST(Stop, AStalledClientDoesNotDelayIt) {
+  TestServer server;
+  client::Client stalled = connect(server);
+  RawPeer silent(server);
+  wire::RenderOnce request;  // 2000 x 2000 bins, 84 MB: more than any socket buffer takes
+  request.mutable_settings()->set_azimuth_bins(2000);
+  request.mutable_settings()->set_range_bins(2000);
+  request.mutable_pose()->set_latitude_deg(33);
+  request.mutable_pose()->set_longitude_deg(-99);
+  request.mutable_pose()->set_height_m(1000);
+  const client::Status status = stalled.render_once(request);
+  ASSERT_TRUE(status.ok()) << status.sentence();
+  server.stop();  // returns, or the test times out
+}
+
+}  // namespace
+}  // namespace obliq::test

@@ -1,0 +1,170 @@
+#include "tests/integration/net_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr client::Timeout kLong{20000};  // reached only when something is broken
+
+class PatternFrame : public net::PlannedFrame {
+ public:
+  PatternFrame(SettingsPtr settings, const PoseSettings& pose)
+      : settings_(std::move(settings)), pose_(pose) {}
+
+  void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
+    descriptor.set_radar(radar);
+    descriptor.set_settings_version(settings_->version);
+    write_message(settings_->settings, *descriptor.mutable_settings());
+    write_message(pose_, *descriptor.mutable_pose());
+  }
+
+  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    const RadarSettings& settings = settings_->settings;
+    for (int first = azimuths.first; first < azimuths.first + azimuths.count; first += kWedgeAzimuthBins) {
+      if (options.stop.stop_requested()) return false;
+      Wedge wedge;
+      wedge.index = first / kWedgeAzimuthBins;
+      if (options.before_wedge) options.before_wedge(wedge.index);
+      wedge.bins =
+          BinBlock(first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first), settings.range_bins);
+      for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
+        for (int r = 0; r < settings.range_bins; ++r) {
+          const auto at = static_cast<std::size_t>(a * settings.range_bins + r);
+          const double power = pattern_power(settings, pose_, first + a, r);
+          wedge.bins.power_w[at] = power;
+          wedge.bins.iq[at] = {static_cast<float>(power), static_cast<float>(-r)};
+          wedge.bins.count[at] = static_cast<std::uint32_t>(first + a);
+          wedge.bins.state[at] = static_cast<std::uint8_t>(r % 4);
+        }
+      }
+      wedge.stats.samples = 1;
+      options.on_wedge(std::move(wedge));
+    }
+    return !options.stop.stop_requested();
+  }
+
+  void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
+    summary.set_samples(stats.samples);
+  }
+
+ private:
+  SettingsPtr settings_;
+  PoseSettings pose_;
+};
+
+}  // namespace
+
+double pattern_power(const RadarSettings& settings, const PoseSettings& pose, int azimuth, int range) {
+  return settings.r_max_m * 1e6 + pose.bearing_deg * 1e5 + azimuth * 1000.0 + range;
+}
+
+std::vector<FieldError> PatternRenderer::place(const PoseSettings& pose) const {
+  if (pose.height_m >= 0) return {};
+  return {{"height_m", std::to_string(pose.height_m), "above the ground"}};
+}
+
+net::FrameRenderer::Plan PatternRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+  Plan plan;
+  // Stands for what only the scene can tell, such as an oblique frustum below the terrain top.
+  if (settings->settings.frustum == FrustumKind::oblique && pose.height_m < 10) {
+    plan.errors.push_back({"frustum.kind", "oblique", "polar, for an antenna so low"});
+    return plan;
+  }
+  plan.frame = std::make_unique<PatternFrame>(settings, pose);
+  return plan;
+}
+
+net::ServerOptions small_options() {
+  net::ServerOptions options;
+  options.port = 0;
+  options.server_name = "test server";
+  options.handshake_timeout_s = 0.3;
+  options.message_timeout_s = 0.3;
+  options.stop_grace_s = 0.3;
+  options.render_threads = 1;
+  return options;
+}
+
+RadarConfig small_radar(const std::string& name) {
+  RadarConfig radar;
+  radar.name = name;
+  radar.settings.azimuth_bins = 20;  // two whole wedges and a half one
+  radar.settings.range_bins = 32;
+  radar.settings.pixel_columns = 64;
+  radar.settings.pixel_rows = 64;
+  radar.pose.bearing_deg = 45;
+  return radar;
+}
+
+TestServer::TestServer(net::ServerOptions options)
+    : server_(renderer_, {small_radar("main"), small_radar("nose")}, options),
+      thread_([this] { server_.run(); }) {}
+
+TestServer::~TestServer() { stop(); }
+
+void TestServer::stop() {
+  if (!thread_.joinable()) return;
+  server_.stop();
+  thread_.join();
+}
+
+client::Client connect(const TestServer& server, const std::string& name) {
+  client::Client made;
+  const client::Status status = made.connect(server.endpoint(), {.name = name});
+  EXPECT_TRUE(status.ok()) << status.sentence();
+  return made;
+}
+
+client::Status receive_frame(client::Client& client, client::FrameAssembler& frames) {
+  client.set_handler(&frames);
+  while (frames.state() != client::FrameAssembler::State::complete) {
+    if (client::Status status = client.receive(kLong); !status.ok()) return status;
+    if (frames.state() == client::FrameAssembler::State::aborted) {
+      return client::Status::failure(client::Outcome::aborted, frames.abort_reason());
+    }
+  }
+  return {};
+}
+
+RawPeer::RawPeer(const TestServer& server) {
+  const client::Status status = client::Socket::connect(server.endpoint(), kLong, socket_);
+  EXPECT_TRUE(status.ok()) << status.sentence();
+}
+
+void RawPeer::send(std::span<const std::byte> bytes) {
+  // The server may have closed already; what it said counts.
+  (void)socket_.send(bytes, kLong).ok();
+}
+void RawPeer::send(std::string_view text) { send(std::as_bytes(std::span(text.data(), text.size()))); }
+
+std::uint32_t RawPeer::error_number() {
+  wire::Bytes received;
+  std::byte one{};
+  std::uint32_t number = 0;
+  while (socket_.receive(std::span(&one, 1), kLong).ok()) {
+    received.push_back(one);
+    wire::MessageView view;
+    if (wire::decode_message(received, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok) continue;
+    wire::Error error;
+    if (view.header.type == wire::MessageType::error && wire::parse_descriptor(view.descriptor, error)) {
+      number = error.number();
+    }
+    received.clear();
+  }
+  return number;
+}
+
+wire::Bytes hello_bytes() {
+  wire::Hello hello;
+  hello.set_request_id(1);
+  hello.set_major(wire::kMajorVersion);
+  hello.set_client_name("raw");
+  return wire::encode_message(wire::MessageType::hello, {0, 1, wire::utc_now_ns()}, hello);
+}
+
+}  // namespace obliq::test

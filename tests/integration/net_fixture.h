@@ -1,0 +1,92 @@
+#pragma once
+// A server with a stand-in for the radar, so that what is tested is the network side alone, and peers that
+// misbehave.
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/client.h"
+#include "client/frame_assembler.h"
+#include "server/net/server.h"
+
+namespace obliq::test {
+
+/// Bins whose values tell where they belong: power = frame seed + 1000 azimuth + range.
+class PatternRenderer : public net::FrameRenderer {
+ public:
+  std::vector<FieldError> place(const PoseSettings& pose) const override;
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
+};
+
+/// What the pattern holds: r_max_m stands in for all settings, bearing_deg for the pose.
+double pattern_power(const RadarSettings& settings, const PoseSettings& pose, int azimuth, int range);
+
+/// A gate that render threads stop at.
+class Gate {
+ public:
+  void close() { set(false); }
+  void open() { set(true); }
+  void pass() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return open_; });
+  }
+
+ private:
+  void set(bool open) {
+    const std::lock_guard lock(mutex_);
+    open_ = open;
+    changed_.notify_all();
+  }
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = true;
+};
+
+/// Small frames, short limits.
+net::ServerOptions small_options();
+RadarConfig small_radar(const std::string& name);
+
+/// Runs in its own thread until it is destroyed. Has the radars "main" and "nose".
+class TestServer {
+ public:
+  explicit TestServer(net::ServerOptions options = small_options());
+  ~TestServer();
+  client::Endpoint endpoint() const { return {"127.0.0.1", server_.port()}; }
+  /// Returns when run() has returned.
+  void stop();
+
+ private:
+  PatternRenderer renderer_;
+  net::Server server_;
+  std::thread thread_;
+};
+
+/// A connected client; the test fails if it cannot be.
+client::Client connect(const TestServer& server, const std::string& name = "tester");
+
+/// Receives until the assembler holds a complete frame, or something fails.
+client::Status receive_frame(client::Client& client, client::FrameAssembler& frames);
+
+/// Sends what it is told to, byte for byte.
+class RawPeer {
+ public:
+  explicit RawPeer(const TestServer& server);
+  void send(std::span<const std::byte> bytes);
+  void send(std::string_view text);
+  /// The Error that the server sends before it closes; other messages are skipped. 0: it just closed.
+  std::uint32_t error_number();
+  client::Socket& socket() { return socket_; }
+
+ private:
+  client::Socket socket_;
+};
+
+/// A Hello as a client sends it.
+wire::Bytes hello_bytes();
+
+}  // namespace obliq::test

@@ -1,0 +1,409 @@
+// What well-behaved clients get from a server, several at a time.
+#include <gtest/gtest.h>
+
+#include "proto/error_number.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/net_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+using client::FrameAssembler;
+using client::Outcome;
+using wire::ErrorNumber;
+
+constexpr client::Timeout kLong{20000};
+
+std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
+
+/// Every bin of a frame is what the pattern says for its own settings and pose.
+void expect_pattern(const client::AssembledFrame& frame) {
+  RadarSettings settings;
+  settings.r_max_m = frame.descriptor->settings().r_max_m();
+  PoseSettings pose;
+  pose.bearing_deg = frame.descriptor->pose().bearing_deg();
+  ASSERT_EQ(frame.power_w.size(), static_cast<std::size_t>(frame.n_azimuth * frame.n_range));
+  for (int a = 0; a < frame.n_azimuth; ++a) {
+    for (int r = 0; r < frame.n_range; ++r) {
+      const auto at = static_cast<std::size_t>(a * frame.n_range + r);
+      ASSERT_EQ(frame.power_w[at], pattern_power(settings, pose, a, r)) << a << ", " << r;
+      ASSERT_EQ(frame.iq[at].imag(), static_cast<float>(-r));
+      ASSERT_EQ(frame.count[at], static_cast<std::uint32_t>(a));
+      ASSERT_EQ(frame.state[at], r % 4);
+    }
+  }
+}
+
+wire::RenderOnce once_request() {
+  wire::RenderOnce request;
+  request.set_radar("main");
+  request.mutable_settings()->set_azimuth_bins(20);
+  request.mutable_settings()->set_range_bins(32);
+  request.mutable_pose()->set_latitude_deg(33);
+  request.mutable_pose()->set_longitude_deg(-99);
+  request.mutable_pose()->set_height_m(1000);
+  return request;
+}
+
+TEST(Server, WelcomesAndListsItsRadars) {
+  const TestServer server;
+  client::Client client = connect(server, "pilot");
+  EXPECT_EQ(client.welcome().server_name(), "test server");
+  EXPECT_EQ(client.welcome().encodings(0), "raw");
+  EXPECT_EQ(client.welcome().client_name().rfind("pilot (127.0.0.1:", 0), 0u);
+  wire::RadarList list;
+  ASSERT_TRUE(client.list_radars(list).ok());
+  ASSERT_EQ(list.radars_size(), 2);
+  EXPECT_EQ(list.radars(0), "main");
+  EXPECT_EQ(list.radars(1), "nose");
+}
+
+TEST(Server, TellsARadarsCompleteSettingsAndPose) {
+  const TestServer server;
+  client::Client client = connect(server);
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().azimuth_bins(), 20);
+  EXPECT_TRUE(info.settings().has_frequency_ghz());
+  EXPECT_EQ(info.pose().bearing_deg(), 45);
+  EXPECT_EQ(info.settings_version(), 1u);
+  EXPECT_EQ(info.controller(), "");
+}
+
+TEST(Server, RefusesAnUnknownRadarAndNamesThoseThereAre) {
+  const TestServer server;
+  client::Client client = connect(server);
+  wire::RadarInfo info;
+  const client::Status status = client.get_radar("tail", info);
+  EXPECT_EQ(status.number, number(ErrorNumber::unknown_radar));
+  ASSERT_EQ(status.fields.size(), 1u);
+  EXPECT_EQ(status.fields[0].found, "tail");
+  EXPECT_EQ(status.fields[0].allowed, "main, nose");
+}
+
+TEST(Server, StreamsWholeFramesToSeveralClientsAtOnce) {
+  const TestServer server;
+  client::Client first = connect(server);
+  client::Client second = connect(server);
+  ASSERT_TRUE(first.subscribe("main", 50).ok());
+  ASSERT_TRUE(second.subscribe("nose", 50).ok());
+  for (int i = 0; i < 3; ++i) {
+    FrameAssembler frames;
+    const client::Status status = receive_frame(first, frames);
+    ASSERT_TRUE(status.ok()) << status.sentence();
+    EXPECT_EQ(frames.frame().descriptor->radar(), "main");
+    EXPECT_EQ(frames.frame().summary->samples(), 3u) << "one per wedge of the pattern";
+    expect_pattern(frames.frame());
+  }
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(second, frames).ok());
+  EXPECT_EQ(frames.frame().descriptor->radar(), "nose");
+  expect_pattern(frames.frame());
+}
+
+TEST(Server, SendsOnlyThePlanesAskedFor) {
+  const TestServer server;
+  client::Client client = connect(server);
+  const wire::PlaneSet planes = wire::plane_bit(wire::Plane::state);
+  ASSERT_TRUE(client.subscribe("main", 50, planes).ok());
+  FrameAssembler frames(planes);
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  EXPECT_EQ(frames.frame().state.size(), 640u);
+  EXPECT_TRUE(frames.frame().iq.empty());
+}
+
+TEST(Server, SendsWedgesAsTheyAreFinished) {
+  constexpr int kLastWedge = 2;
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.before_wedge = [&](int wedge) {
+    if (wedge == kLastWedge) gate.pass();
+  };
+  const TestServer server(options);
+  client::Client client = connect(server);
+  FrameAssembler frames;
+  client.set_handler(&frames);
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  // 16 of 20 azimuth bins can arrive while the last wedge has not been rendered.
+  while (frames.fraction() < 0.79) {
+    const client::Status status = client.receive(kLong);
+    ASSERT_TRUE(status.ok()) << status.sentence();
+  }
+  EXPECT_EQ(frames.state(), FrameAssembler::State::receiving);
+  EXPECT_EQ(frames.frame().power_w[5], pattern_power(small_radar("").settings, small_radar("").pose, 0, 5));
+  gate.open();
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  expect_pattern(frames.frame());
+}
+
+TEST(Server, ARadarHasOneControllerWhoIsNamedToOthers) {
+  const TestServer server;
+  client::Client pilot = connect(server, "pilot");
+  client::Client other = connect(server, "other");
+  wire::Ack ack;
+  wire::Pose pose;
+  pose.set_bearing_deg(10);
+  EXPECT_EQ(pilot.set_pose("main", pose, ack).number, number(ErrorNumber::not_in_control));
+  ASSERT_TRUE(pilot.claim_control("main").ok());
+  ASSERT_TRUE(pilot.claim_control("main").ok()) << "claiming twice is harmless";
+  for (const client::Status& refused : {other.claim_control("main"), other.set_pose("main", pose, ack),
+                                        other.set_settings("main", {}, ack), other.release_control("main")}) {
+    EXPECT_EQ(refused.number, number(ErrorNumber::controlled_by_other));
+    EXPECT_NE(refused.text.find("pilot (127.0.0.1:"), std::string::npos) << refused.text;
+  }
+  EXPECT_TRUE(other.claim_control("nose").ok()) << "another radar is another matter";
+  EXPECT_TRUE(pilot.set_pose("main", pose, ack).ok());
+  ASSERT_TRUE(pilot.release_control("main").ok());
+  EXPECT_TRUE(other.claim_control("main").ok());
+}
+
+TEST(Server, ControlIsReleasedWhenItsHolderLeaves) {
+  const TestServer server;
+  client::Client pilot = connect(server, "pilot");
+  client::Client other = connect(server, "other");
+  ASSERT_TRUE(pilot.claim_control("main").ok());
+  pilot.close();
+  client::Status status;
+  do {  // the server hears of it in its own time
+    status = other.claim_control("main");
+  } while (status.number == number(ErrorNumber::controlled_by_other));
+  EXPECT_TRUE(status.ok()) << status.sentence();
+}
+
+TEST(Server, NewSettingsAndPoseShowInTheNextFramesAndVersion) {
+  const TestServer server;
+  client::Client client = connect(server);
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::RadarSettings settings;
+  settings.set_r_max_m(50000);
+  wire::Ack ack;
+  ASSERT_TRUE(client.set_settings("main", settings, ack).ok());
+  EXPECT_EQ(ack.settings_version(), 2u);
+  wire::Pose pose;
+  pose.set_bearing_deg(90);
+  pose.set_pose_id(42);
+  pose.set_sim_time_ns(-5);
+  ASSERT_TRUE(client.set_pose("main", pose, ack).ok());
+
+  /// Keeps the echo of the newest block.
+  struct Echo : FrameAssembler {
+    wire::WedgeBlock block;
+    client::Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& newest,
+                            std::span<const std::byte> values) override {
+      block = newest;
+      return FrameAssembler::on_block(header, newest, values);
+    }
+  } frames;
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  EXPECT_EQ(frames.frame().descriptor->settings().r_max_m(), 50000);
+  EXPECT_EQ(frames.frame().descriptor->settings().r_min_m(), 3700) << "absent fields keep their value";
+  expect_pattern(frames.frame());
+  EXPECT_EQ(frames.block.pose().pose_id(), 42u);
+  EXPECT_EQ(frames.block.pose().sim_time_ns(), -5);
+  EXPECT_EQ(frames.block.settings_version(), 2u);
+  EXPECT_GT(frames.block.pose_received_ns(), 0);
+  EXPECT_GE(frames.block.render_start_ns(), frames.block.pose_received_ns());
+  EXPECT_GE(frames.block.send_ns(), frames.block.render_start_ns());
+}
+
+TEST(Server, RefusedSettingsNameEveryFieldAndChangeNothing) {
+  const TestServer server;
+  client::Client client = connect(server);
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::RadarSettings settings;
+  settings.set_frequency_ghz(std::nan(""));
+  settings.set_r_min_m(90000);
+  settings.set_power_w(5);
+  wire::Ack ack;
+  const client::Status status = client.set_settings("main", settings, ack);
+  EXPECT_EQ(status.number, number(ErrorNumber::invalid_value));
+  EXPECT_GE(status.fields.size(), 2u) << status.sentence();
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().power_w(), 1);
+  EXPECT_EQ(info.settings_version(), 1u);
+
+  wire::Pose pose;
+  pose.set_height_m(-50);
+  EXPECT_EQ(client.set_pose("main", pose, ack).number, number(ErrorNumber::invalid_value))
+      << "below the ground";
+}
+
+TEST(Server, ARadarThatCannotBeRenderedSaysWhyAndRecovers) {
+  const TestServer server;
+  client::Client client = connect(server);
+  ASSERT_TRUE(client.claim_control("main").ok());
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  wire::Ack ack;
+  wire::Pose pose;
+  pose.set_height_m(5);  // the pattern wants an oblique frustum above 10 m
+  ASSERT_TRUE(client.set_pose("main", pose, ack).ok());
+  client::Status status;
+  while (status.ok()) status = client.receive(kLong);
+  ASSERT_EQ(status.outcome, Outcome::refused) << status.sentence();
+  ASSERT_EQ(status.fields.size(), 1u);
+  EXPECT_EQ(status.fields[0].allowed, "polar, for an antenna so low");
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_NE(info.fault().find("polar"), std::string::npos);
+
+  pose.set_height_m(500);
+  ASSERT_TRUE(client.set_pose("main", pose, ack).ok());
+  FrameAssembler frames;
+  status = receive_frame(client, frames);
+  EXPECT_TRUE(status.ok()) << status.sentence();
+}
+
+TEST(Server, RenderOnceGivesItsOwnFrameAndTouchesNoRadar) {
+  const TestServer server;
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  request.mutable_settings()->set_r_max_m(44000);
+  ASSERT_TRUE(client.render_once(request).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  EXPECT_EQ(frames.frame().request_id, request.request_id());
+  EXPECT_EQ(frames.frame().descriptor->settings().r_max_m(), 44000);
+  EXPECT_EQ(frames.frame().descriptor->settings().frequency_ghz(), 10) << "absent fields take their default";
+  expect_pattern(frames.frame());
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().r_max_m(), 37000);
+  EXPECT_EQ(info.settings_version(), 1u);
+}
+
+TEST(Server, RenderOnceOfAnySizeComesInSlices) {
+  net::ServerOptions options = small_options();
+  options.slice_bytes = 1;  // one wedge a slice, and each waits until the one before has been taken
+  const TestServer server(options);
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  ASSERT_TRUE(client.render_once(request).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  EXPECT_EQ(frames.frame().summary->samples(), 3u) << "counts of all slices, added up";
+  expect_pattern(frames.frame());
+}
+
+TEST(Server, RenderOnceNeedsAnAntennaAndValidSettings) {
+  const TestServer server;
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  request.clear_pose();
+  request.mutable_settings()->set_azimuth_bins(0);
+  const client::Status status = client.render_once(request);
+  EXPECT_EQ(status.number, number(ErrorNumber::invalid_value));
+  EXPECT_EQ(status.fields.size(), 4u) << status.sentence();
+}
+
+TEST(Server, RenderOnceThatTheSceneForbidsIsAnsweredByAnError) {
+  const TestServer server;
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  request.mutable_pose()->set_height_m(5);
+  ASSERT_TRUE(client.render_once(request).ok()) << "queued: only the planning finds out";
+  const client::Status status = client.receive(kLong);
+  EXPECT_EQ(status.outcome, Outcome::refused);
+  ASSERT_EQ(status.fields.size(), 1u);
+  EXPECT_EQ(status.fields[0].field, "frustum.kind");
+  wire::RenderOnce good = once_request();
+  ASSERT_TRUE(client.render_once(good).ok()) << "the failed one no longer counts";
+}
+
+TEST(Server, TooManyRendersAreRefusedByTheLimitsName) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.max_renders_queued = 2;
+  options.before_wedge = [&](int) { gate.pass(); };
+  const TestServer server(options);
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  EXPECT_TRUE(client.render_once(request).ok());
+  EXPECT_TRUE(client.render_once(request).ok());
+  const client::Status status = client.render_once(request);
+  EXPECT_EQ(status.number, number(ErrorNumber::too_many_renders));
+  EXPECT_NE(status.text.find("max_renders_queued is 2"), std::string::npos);
+  gate.open();
+  /// The two frames may interleave: only their ends are counted.
+  struct Ends : client::FrameHandler {
+    int count = 0;
+    client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override {
+      ++count;
+      return {};
+    }
+  } ends;
+  client.set_handler(&ends);
+  while (ends.count < 2) ASSERT_TRUE(client.receive(kLong).ok());
+  EXPECT_TRUE(client.render_once(request).ok()) << "room again";
+}
+
+TEST(Server, ALargerFrameThanAllowedIsRefused) {
+  net::ServerOptions options = small_options();
+  options.max_bins = 639;
+  const TestServer server(options);
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  const client::Status status = client.render_once(request);
+  EXPECT_EQ(status.number, number(ErrorNumber::invalid_value));
+  EXPECT_NE(status.sentence().find("at most 639 bins"), std::string::npos) << status.sentence();
+}
+
+TEST(Server, UnsubscribingEndsTheFrames) {
+  const TestServer server;
+  client::Client client = connect(server);
+  EXPECT_EQ(client.unsubscribe("main").number, number(ErrorNumber::not_subscribed));
+  ASSERT_TRUE(client.subscribe("main", 100).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  frames.take();
+  ASSERT_TRUE(client.unsubscribe("main").ok());
+  EXPECT_NE(frames.state(), FrameAssembler::State::receiving)
+      << "a begun frame was aborted before the answer";
+  EXPECT_EQ(client.receive(client::Timeout(50)).outcome, Outcome::timed_out);
+}
+
+TEST(Server, ImpossibleRatesAndPlanesAreRefused) {
+  const TestServer server;
+  client::Client client = connect(server);
+  for (const double rate_hz : {0.0, -1.0, 1e9, std::nan(""), HUGE_VAL}) {
+    EXPECT_EQ(client.subscribe("main", rate_hz).number, number(ErrorNumber::invalid_value)) << rate_hz;
+  }
+}
+
+TEST(Server, TellsItsStatus) {
+  const TestServer server;
+  client::Client client = connect(server, "pilot");
+  ASSERT_TRUE(client.claim_control("nose").ok());
+  ASSERT_TRUE(client.subscribe("nose", 50).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  wire::Status status;
+  ASSERT_TRUE(client.get_status(status).ok());
+  EXPECT_EQ(status.clients(), 1u);
+  ASSERT_EQ(status.radars_size(), 2);
+  EXPECT_EQ(status.radars(1).controller().rfind("pilot", 0), 0u);
+  EXPECT_EQ(status.radars(1).subscribers(), 1u);
+  EXPECT_EQ(status.radars(1).rate_hz(), 50);
+  EXPECT_EQ(status.radars(0).frames(), 0u) << "nobody watches it, so it is not rendered";
+  EXPECT_GT(status.bytes_sent(), 13000u) << "a frame is 20 x 32 x 21 bytes";
+}
+
+TEST(Server, RunsOnWhenClientsComeAndGo) {
+  const TestServer server;
+  client::Client stays = connect(server);
+  ASSERT_TRUE(stays.subscribe("main", 50).ok());
+  for (int i = 0; i < 20; ++i) {
+    client::Client passes = connect(server);
+    ASSERT_TRUE(passes.subscribe("main", 100).ok());
+    wire::RenderOnce request = once_request();
+    ASSERT_TRUE(passes.render_once(request).ok());
+  }
+  FrameAssembler frames;
+  EXPECT_TRUE(receive_frame(stays, frames).ok());
+}
+
+}  // namespace
+}  // namespace obliq::test
