@@ -134,6 +134,7 @@ Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::Frame
     return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
   }
   frame_.summary = std::make_unique<wire::FrameSummary>(end.summary());
+  frame_.render_s = end.render_s();
   state_ = State::complete;
   return {};
 }

@@ -24,6 +24,7 @@ struct AssembledFrame {
   std::uint64_t request_id = 0;
   int n_azimuth = 0;
   int n_range = 0;
+  double render_s = 0;  ///< how long the server took
   std::unique_ptr<wire::FrameDescriptor> descriptor;
   std::unique_ptr<wire::FrameSummary> summary;
   std::vector<std::complex<float>> iq;  ///< descriptor.unit

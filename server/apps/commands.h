@@ -12,6 +12,10 @@ namespace obliq {
 void add_render(CLI::App& app);      ///< one frame to files
 void add_frustum(CLI::App& app);     ///< camera values and step sizes
 void add_mesh(CLI::App& app);        ///< the traced triangles
+void add_get(CLI::App& app);         ///< one frame from a server to files
+void add_watch(CLI::App& app);       ///< frames as they come
+void add_pose(CLI::App& app);        ///< where a live radar stands
+void add_status(CLI::App& app);      ///< what a server is doing
 void add_parameters(CLI::App& app);  ///< the reference of radar parameters
 
 }  // namespace obliq

@@ -13,6 +13,10 @@ constexpr auto kCommands = {
     obliq::add_render,
     obliq::add_frustum,
     obliq::add_mesh,
+    obliq::add_get,
+    obliq::add_watch,
+    obliq::add_pose,
+    obliq::add_status,
     obliq::add_parameters,
 };
 

@@ -14,30 +14,9 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-int wedges_of(const RadarSettings& settings) {
-  return (settings.azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
-}
-
 std::vector<FieldError> failure(const char* what) {
   return {{"frame", what, "a frame that can be rendered with the memory there is"}};
 }
-
-// Counts wedge by wedge, added up in the order of the wedges: sums of doubles depend on the order, and the
-// wedges finish in any.
-struct WedgeStats {
-  std::vector<FrameStats> by_wedge;
-
-  void put(const Wedge& wedge) {
-    const auto index = static_cast<std::size_t>(wedge.index);
-    if (by_wedge.size() <= index) by_wedge.resize(index + 1);
-    by_wedge[index] = wedge.stats;
-  }
-  FrameStats sum() const {
-    FrameStats all;
-    for (const FrameStats& stats : by_wedge) all.add(stats);
-    return all;
-  }
-};
 
 }  // namespace
 
@@ -52,7 +31,7 @@ struct RenderThread::OnceTask {
   std::unique_ptr<PlannedFrame> frame;
   std::optional<FrameEncoder> encoder;
   std::uint64_t sequence = 0;
-  WedgeStats stats;
+  std::optional<FrameSum> stats;
   int next_azimuth = 0;
   double render_s = 0;
 };
@@ -194,22 +173,22 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       wire::FrameDescriptor descriptor;
       plan.frame->describe(task.name, descriptor);
       descriptor.set_frame_id(identity.frame_id);
-      WedgeStats stats;
+      FrameSum stats(view->settings->settings);
       RenderOptions options;
       options.threads = options_.threads;
       options.before_wedge = options_.before_wedge;
       options.stop = stop;
       options.on_wedge = [&](Wedge&& wedge) {
-        stats.put(wedge);
+        stats.add(wedge);
         for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins))
           events_.on_live_block(index, block);
       };
       const RadarSettings& settings = view->settings->settings;
       begun = true;
-      events_.on_live_block(index, encoder.begin(descriptor, wedges_of(settings)));
+      events_.on_live_block(index, encoder.begin(descriptor, wedge_count(settings)));
       if (plan.frame->render({0, settings.azimuth_bins}, options)) {
         wire::FrameSummary summary;
-        plan.frame->summarise(stats.sum(), summary);
+        plan.frame->summarise(stats.total(), summary);
         summary.set_frame_id(identity.frame_id);
         const double render_s = Seconds(Clock::now() - now).count();
         events_.on_live_block(index, encoder.end(summary, render_s));
@@ -259,8 +238,9 @@ bool RenderThread::begin_once(OnceTask& task) {
   identity.request_id = job.request_id;
   identity.planes = job.planes;
   identity.pose_received_ns = job.view.pose_received_ns;
+  task.stats.emplace(job.view.settings->settings);
   task.encoder.emplace(identity, task.sequence);
-  task.send(events_, task.encoder->begin(descriptor, wedges_of(job.view.settings->settings)));
+  task.send(events_, task.encoder->begin(descriptor, wedge_count(job.view.settings->settings)));
   return true;
 }
 
@@ -280,7 +260,7 @@ bool RenderThread::continue_once(OnceTask& task) {
   options.before_wedge = options_.before_wedge;
   options.stop = task.job->stop.get_token();
   options.on_wedge = [&](Wedge&& wedge) {
-    task.stats.put(wedge);
+    task.stats->add(wedge);
     for (const BlockPtr& block : task.encoder->wedge(wedge.index, wedge.bins)) {
       task.send(events_, block);
     }
@@ -294,7 +274,7 @@ bool RenderThread::continue_once(OnceTask& task) {
   task.next_azimuth += count;
   if (task.next_azimuth < settings.azimuth_bins) return true;
   wire::FrameSummary summary;
-  task.frame->summarise(task.stats.sum(), summary);
+  task.frame->summarise(task.stats->total(), summary);
   task.send(events_, task.encoder->end(summary, task.render_s));
   return false;
 }

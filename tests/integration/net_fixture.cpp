@@ -159,6 +159,34 @@ std::uint32_t RawPeer::error_number() {
   return number;
 }
 
+void expect_pattern(const client::AssembledFrame& frame) {
+  RadarSettings settings;
+  settings.r_max_m = frame.descriptor->settings().r_max_m();
+  PoseSettings pose;
+  pose.bearing_deg = frame.descriptor->pose().bearing_deg();
+  ASSERT_EQ(frame.power_w.size(), static_cast<std::size_t>(frame.n_azimuth * frame.n_range));
+  for (int a = 0; a < frame.n_azimuth; ++a) {
+    for (int r = 0; r < frame.n_range; ++r) {
+      const auto at = static_cast<std::size_t>(a * frame.n_range + r);
+      ASSERT_EQ(frame.power_w[at], pattern_power(settings, pose, a, r)) << a << ", " << r;
+      ASSERT_EQ(frame.iq[at].imag(), static_cast<float>(-r));
+      ASSERT_EQ(frame.count[at], static_cast<std::uint32_t>(a));
+      ASSERT_EQ(frame.state[at], r % 4);
+    }
+  }
+}
+
+wire::RenderOnce once_request() {
+  wire::RenderOnce request;
+  request.set_radar("main");
+  request.mutable_settings()->set_azimuth_bins(20);
+  request.mutable_settings()->set_range_bins(32);
+  request.mutable_pose()->set_latitude_deg(33);
+  request.mutable_pose()->set_longitude_deg(-99);
+  request.mutable_pose()->set_height_m(1000);
+  return request;
+}
+
 wire::Bytes hello_bytes() {
   wire::Hello hello;
   hello.set_request_id(1);

@@ -66,6 +66,12 @@ class TestServer {
   std::thread thread_;
 };
 
+/// Every bin of a frame is what the pattern says for the frame's own settings and pose.
+void expect_pattern(const client::AssembledFrame& frame);
+
+/// A frame of the size of small_radar's, with an antenna and otherwise defaults.
+wire::RenderOnce once_request();
+
 /// A connected client; the test fails if it cannot be.
 client::Client connect(const TestServer& server, const std::string& name = "tester");
 

@@ -1,0 +1,123 @@
+// `obliq get`: one frame from a server to files, the same files that `obliq render` writes.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "client/frame_assembler.h"
+#include "proto/obliq.pb.h"
+#include "server/apps/commands.h"
+#include "server/apps/scene_loading.h"
+#include "server/apps/server_arguments.h"
+#include "server/control/settings_message.h"
+#include "server/output/frame_files.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+struct GetArguments {
+  ServerArguments server;
+  std::vector<std::string> set;
+  std::string out;
+  bool north_up = false;
+};
+
+// A frame may wait behind others', and its first wedge takes a while.
+constexpr client::Timeout kSilence{600000};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The radar as it is on the server, with the flags applied.
+wire::RenderOnce request_for(client::Client& client, const GetArguments& arguments) {
+  const std::string name = choose_remote_radar(client, arguments.server);
+  wire::RadarInfo info;
+  require(client.get_radar(name, info));
+  RadarConfig radar;
+  radar.name = name;
+  for (const auto& errors :
+       {merge_message(info.settings(), radar.settings), merge_message(info.pose(), radar.pose)}) {
+    if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
+  }
+  apply_radar_flags(arguments.set, radar);
+  wire::RenderOnce request;
+  request.set_radar(name);
+  write_message(radar.settings, *request.mutable_settings());
+  write_message(radar.pose, *request.mutable_pose());
+  return request;
+}
+
+client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& request) {
+  client::FrameAssembler frames;
+  client.set_handler(&frames);
+  require(client.render_once(request));
+  const Progress progress = terminal_progress();
+  while (frames.state() != client::FrameAssembler::State::complete) {
+    require(client.receive(kSilence));
+    if (frames.state() == client::FrameAssembler::State::aborted) {
+      throw InputError("the server gave the frame up: " + frames.abort_reason());
+    }
+    if (progress) progress("receiving", frames.fraction());
+  }
+  client.set_handler(nullptr);
+  return frames.take();
+}
+
+void run(const GetArguments& arguments) {
+  prepare_output_folder(arguments.out);
+  const auto start = std::chrono::steady_clock::now();
+  client::Client client = connect_to_server(arguments.server, "obliq get");
+  wire::RenderOnce request = request_for(client, arguments);
+  client::AssembledFrame frame = receive_frame(client, request);
+  const double received_s = seconds_since(start);
+
+  BinBlock bins;
+  bins.n_azimuth = frame.n_azimuth;
+  bins.n_range = frame.n_range;
+  bins.iq = std::move(frame.iq);
+  bins.power_w = std::move(frame.power_w);
+  bins.count = std::move(frame.count);
+  bins.state = std::move(frame.state);
+  write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins,
+                    arguments.north_up ? MapUp::north : MapUp::bearing);
+  const double written_s = seconds_since(start);
+  write_timing(
+      arguments.out,
+      {{"render_s", frame.render_s}, {"receive_s", received_s}, {"write_s", written_s - received_s}});
+
+  for (const std::string& warning : frame.descriptor->warnings()) {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+  if (frame.summary->coverage() < 1) {
+    std::fprintf(stderr, "warning: known ground covers %.1f %% of the sector\n",
+                 100 * frame.summary->coverage());
+  }
+  std::printf("%s: %.2f M rays, %.2f M samples; rendered in %.0f ms, here after %.0f ms\n",
+              arguments.out.c_str(), static_cast<double>(frame.summary->rays()) / 1e6,
+              static_cast<double>(frame.summary->samples()) / 1e6, 1000 * frame.render_s, 1000 * received_s);
+}
+
+}  // namespace
+
+void add_get(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("get", "Fetch one frame from a server into files");
+  auto arguments = std::make_shared<GetArguments>();
+  add_server_arguments(*command, arguments->server);
+  command
+      ->add_option("--set", arguments->set,
+                   "KEY=VALUE: render with this radar parameter instead of the server's, e.g. "
+                   "antenna.bearing_deg=90 (repeatable); the server's radar stays as it is")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--out", arguments->out, "Folder for the files (made if missing)")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

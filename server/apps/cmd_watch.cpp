@@ -1,0 +1,117 @@
+// `obliq watch`: subscribes to a radar and prints a line per frame.
+#include <CLI/CLI.hpp>
+#include <cinttypes>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "client/frame_assembler.h"
+#include "proto/obliq.pb.h"
+#include "server/apps/commands.h"
+#include "server/apps/server_arguments.h"
+#include "server/output/frame_files.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+struct WatchArguments {
+  ServerArguments server;
+  double rate_hz = 1;
+  std::uint64_t frames = 0;
+  std::string out;
+};
+
+constexpr client::Timeout kSilence{60000};
+// Errors below this number end the connection, those above concern a radar that may recover.
+constexpr std::uint32_t kFirstErrorOfRadar = 100;
+
+double milliseconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-6; }
+
+/// An assembler that also takes the times along the way.
+class TimedFrames : public client::FrameAssembler {
+ public:
+  client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
+    first_wedge_ns_ = 0;
+    bytes_ = header.payload_length;
+    return FrameAssembler::on_begin(header, begin);
+  }
+  client::Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
+                          std::span<const std::byte> values) override {
+    if (first_wedge_ns_ == 0) first_wedge_ns_ = block.send_ns() - block.render_start_ns();
+    pose_age_ns_ = block.pose_received_ns() == 0 ? 0 : block.send_ns() - block.pose_received_ns();
+    bytes_ += header.payload_length;
+    return FrameAssembler::on_block(header, block, values);
+  }
+  client::Status on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) override {
+    // Between the clocks of two machines: exact on one machine, elsewhere as good as both are set.
+    const double underway_ms = milliseconds(wire::utc_now_ns() - header.utc_ns);
+    std::printf("frame %" PRIu64
+                ": rendered in %.1f ms, first wedge after %.1f ms, under way %.1f ms, %.2f MB",
+                end.frame_id(), 1000 * end.render_s(), milliseconds(first_wedge_ns_), underway_ms,
+                static_cast<double>(bytes_) * 1e-6);
+    if (pose_age_ns_ != 0) std::printf(", pose %.1f ms old", milliseconds(pose_age_ns_));
+    std::printf("\n");
+    std::fflush(stdout);
+    return FrameAssembler::on_end(header, end);
+  }
+  client::Status on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) override {
+    std::printf("frame %" PRIu64 ": aborted, %s\n", abort.frame_id(), abort.reason().c_str());
+    std::fflush(stdout);
+    return FrameAssembler::on_abort(header, abort);
+  }
+
+ private:
+  std::int64_t first_wedge_ns_ = 0;
+  std::int64_t pose_age_ns_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+void write(const std::string& out, client::AssembledFrame frame) {
+  BinBlock bins;
+  bins.n_azimuth = frame.n_azimuth;
+  bins.n_range = frame.n_range;
+  bins.iq = std::move(frame.iq);
+  bins.power_w = std::move(frame.power_w);
+  bins.count = std::move(frame.count);
+  bins.state = std::move(frame.state);
+  write_frame_files(out, *frame.descriptor, *frame.summary, bins);
+}
+
+void run(const WatchArguments& arguments) {
+  if (!arguments.out.empty()) prepare_output_folder(arguments.out);
+  client::Client client = connect_to_server(arguments.server, "obliq watch");
+  const std::string radar = choose_remote_radar(client, arguments.server);
+  TimedFrames frames;
+  client.set_handler(&frames);
+  require(client.subscribe(radar, arguments.rate_hz));
+  for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
+    const client::Status status = client.receive(kSilence);
+    if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
+      std::fprintf(stderr, "warning: %s\n", status.sentence().c_str());
+      continue;
+    }
+    // Slower than a frame a minute, or nothing to render: not the server's fault.
+    if (status.outcome == client::Outcome::timed_out) continue;
+    require(status);
+    if (frames.state() != client::FrameAssembler::State::complete) continue;
+    client::AssembledFrame frame = frames.take();
+    if (!arguments.out.empty()) write(arguments.out, std::move(frame));
+    ++seen;
+  }
+}
+
+}  // namespace
+
+void add_watch(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("watch", "Watch a server's radar, one line per frame");
+  auto arguments = std::make_shared<WatchArguments>();
+  add_server_arguments(*command, arguments->server);
+  command->add_option("--rate", arguments->rate_hz, "Frames a second")->type_name("HZ")->default_val(1.0);
+  command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")->type_name("N");
+  command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
+      ->type_name("DIR");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

@@ -1,0 +1,133 @@
+// The daemon: loads a scene and serves its radars.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/scene_arguments.h"
+#include "server/net/scene_renderer.h"
+#include "server/net/server.h"
+#include "terrain/errors.h"
+
+namespace {
+
+using namespace obliq;
+
+/// Megabytes of memory that the process has in use, or 0 where /proc does not say.
+double resident_mb() {
+  std::ifstream file("/proc/self/statm");
+  double size_pages = 0;
+  double resident_pages = 0;
+  file >> size_pages >> resident_pages;
+  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6 : 0;
+}
+
+/// A log line per stage and quarter.
+Progress log_progress() {
+  struct Last {
+    std::string stage;
+    int quarter = 0;
+  };
+  return [last = std::make_shared<Last>()](std::string_view stage, double fraction) {
+    const int quarter = static_cast<int>(fraction * 4);
+    if (stage == last->stage && quarter <= last->quarter) return;
+    *last = {std::string(stage), quarter};
+    spdlog::info("{}: {} %", stage, 25 * quarter);
+  };
+}
+
+std::shared_ptr<const Scene> load_scene(const SceneConfig& config) {
+  spdlog::info("scene {}: loading terrain", config.name);
+  auto world = std::make_shared<const World>(load_world(config.world, log_progress()));
+  const HeightGrid& grid = world->grid;
+  spdlog::info("terrain: {} x {} posts of {:.5g} m, {:.1f} x {:.1f} km", grid.nx, grid.nz, grid.cell_m,
+               (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
+  spdlog::info("buildings: {}", world->buildings.list.size());
+  for (const std::string& note : world->report.notes) spdlog::info("{}", note);
+  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, log_progress());
+  const SceneStats& stats = scene->stats();
+  spdlog::info(
+      "ray-tracing scene: {:.1f} M triangles, {:.0f} MB, built in {:.2f} s ({}); {:.0f} MB in use in all",
+      static_cast<double>(stats.ground_triangles + stats.building_triangles) / 1e6,
+      static_cast<double>(stats.bytes) / 1e6, stats.build_s, stats.tracer, resident_mb());
+  return scene;
+}
+
+/// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
+void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
+  const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
+  const auto plan = renderer.plan(snapshot, radar.pose);
+  if (!plan.frame) {
+    std::string text;
+    for (const FieldError& error : plan.errors) text += (text.empty() ? "" : "; ") + error.text();
+    throw InputError("radar \"" + radar.name + "\": " + text);
+  }
+  wire::FrameDescriptor descriptor;
+  plan.frame->describe(radar.name, descriptor);
+  for (const std::string& warning : descriptor.warnings()) spdlog::warn("radar {}: {}", radar.name, warning);
+}
+
+net::ServerOptions options_of(const SceneConfig& config) {
+  net::ServerOptions options;
+  options.address = config.server.address;
+  options.port = static_cast<std::uint16_t>(config.server.port);
+  options.server_version = OBLIQ_VERSION;
+  options.scene_name = config.name;
+  options.max_clients = config.server.max_clients;
+  options.max_request_bytes = static_cast<std::uint32_t>(config.server.max_request_bytes);
+  options.handshake_timeout_s = config.server.handshake_timeout_s;
+  options.max_bins = config.server.max_bins;
+  options.queue_frames = config.server.queue_frames;
+  options.render_threads = config.threads;
+  options.stop_on_signals = true;
+  return options;
+}
+
+void serve(const SceneConfig& config) {
+  const net::SceneRenderer renderer(load_scene(config), config.name);
+  for (const RadarConfig& radar : config.radars) check_radar(renderer, radar);
+  net::Server server(renderer, config.radars, options_of(config));
+  std::string names;
+  for (const RadarConfig& radar : config.radars) names += (names.empty() ? "" : ", ") + radar.name;
+  spdlog::info("ready: {} on {}", names, server.address());
+  server.run();
+  spdlog::info("stopped");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Serves radar ground maps of real terrain over TCP.", "obliqd"};
+  app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
+  SceneArguments arguments;
+  add_scene_arguments(app, "--config", arguments);
+  const auto setting = [&](const char* key) {
+    return [&arguments, key](const std::string& value) {
+      arguments.set.push_back(std::string(key) + "=" + value);
+    };
+  };
+  app.add_option_function<std::string>("--port", setting("server.port"), "Short for --set server.port");
+  app.add_option_function<std::string>("--address", setting("server.address"),
+                                       "Short for --set server.address");
+  spdlog::set_default_logger(spdlog::stderr_color_mt("obliqd"));
+  spdlog::flush_on(spdlog::level::info);
+  try {
+    app.parse(argc, argv);
+    const auto config = open_scene(arguments);
+    if (config) serve(*config);
+    std::cout.flush();
+    return std::cout ? 0 : 1;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    std::cerr << "obliqd: " << e.what() << " (`obliqd --help` lists what there is)\n";
+  } catch (const std::exception& e) {
+    std::cerr << "obliqd: " << e.what() << '\n';
+  }
+  return 1;
+}

@@ -1,0 +1,91 @@
+#include "server/apps/server_arguments.h"
+
+#include <CLI/CLI.hpp>
+
+#include "proto/obliq.pb.h"
+#include "server/control/complaints.h"
+#include "server/control/config_tree.h"
+#include "server/control/parameters.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+/// Puts one value in its place, or adds a complaint.
+void set_parameter(const std::string& name, const ConfigNode& node, RadarConfig& radar,
+                   Complaints& complaints) {
+  const std::string where = "--set " + name;
+  const Parameter* parameter = find_parameter(name);
+  if (parameter == nullptr) {
+    std::vector<std::string> names;
+    for (const Parameter& known : parameters()) names.emplace_back(known.key.name);
+    const std::string near = nearest_name(name, names);
+    complaints.add(where + ": an unknown key; " +
+                   (near.empty() ? "`obliq parameters` lists them" : "did you mean " + near + "?"));
+    return;
+  }
+  const Slot slot = parameter->slot(radar);
+  const bool is_value = node.kind == ConfigNode::Kind::value;
+  auto error = is_value ? store(parameter->key, slot, node.value)
+                        : FieldError{name, node.found_text(), allowed_text(parameter->key, slot)};
+  if (error) complaints.add(where + ": found " + node.found_text() + "; allowed: " + error->allowed);
+}
+
+}  // namespace
+
+void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
+  app.add_option("--server", arguments.server, "Where obliqd listens")
+      ->type_name("HOST[:PORT]")
+      ->default_val("127.0.0.1:7420");
+  app.add_option("--radar", arguments.radar, "Which radar, when the server has several")->type_name("NAME");
+}
+
+void require(const client::Status& status) {
+  if (!status.ok()) throw InputError(status.sentence());
+}
+
+client::Client connect_to_server(const ServerArguments& arguments, const std::string& name) {
+  const auto endpoint = client::parse_endpoint(arguments.server);
+  if (!endpoint) {
+    throw InputError("--server: found \"" + arguments.server +
+                     "\"; allowed: HOST or HOST:PORT, such as 127.0.0.1:7420");
+  }
+  client::Client client;
+  require(client.connect(*endpoint, {.name = name}));
+  return client;
+}
+
+std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments) {
+  const wire::Welcome& welcome = client.welcome();
+  std::string names;
+  for (const std::string& radar : welcome.radars()) {
+    if (radar == arguments.radar || (arguments.radar.empty() && welcome.radars_size() == 1)) return radar;
+    names += (names.empty() ? "" : ", ") + radar;
+  }
+  throw InputError("--radar: found " + (arguments.radar.empty() ? "nothing" : "\"" + arguments.radar + "\"") +
+                   "; allowed: " + names);
+}
+
+void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar) {
+  Complaints complaints;
+  for (const std::string& flag : flags) {
+    const std::size_t equals = flag.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      complaints.add("--set: found \"" + flag + "\"; allowed: KEY=VALUE, such as radar.r_max_m=37000");
+      continue;
+    }
+    const std::string name = flag.substr(0, equals);
+    const ConfigNode node = parse_config_value(std::string_view(flag).substr(equals + 1), "--set " + name);
+    // As in a scene file, frustum.pixels is one number or [columns, rows].
+    if (name == "frustum.pixels") {
+      const bool pair = node.kind == ConfigNode::Kind::array && node.items.size() == 2;
+      set_parameter("frustum.pixel_columns", pair ? node.items[0] : node, radar, complaints);
+      set_parameter("frustum.pixel_rows", pair ? node.items[1] : node, radar, complaints);
+    } else {
+      set_parameter(name, node, radar, complaints);
+    }
+  }
+  complaints.throw_if_any();
+}
+
+}  // namespace obliq

@@ -1,0 +1,36 @@
+#pragma once
+// What the commands that talk to a server share.
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+#include "server/control/radar_config.h"
+
+namespace CLI {
+class App;
+}
+
+namespace obliq {
+
+struct ServerArguments {
+  std::string server;
+  std::string radar;
+};
+
+/// Adds --server and --radar. `arguments` must outlive the parsing.
+void add_server_arguments(CLI::App& app, ServerArguments& arguments);
+
+/// Throws InputError unless all went well.
+void require(const client::Status& status);
+
+/// Connects, introducing itself by that name. Throws InputError.
+client::Client connect_to_server(const ServerArguments& arguments, const std::string& name);
+
+/// The named radar, or the server's only one. Throws InputError that lists the names.
+std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments);
+
+/// Sets radar parameters from KEY=VALUE, with the keys of a scene file. Limits are left to the server, which
+/// has the last word anyway. Throws InputError.
+void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar);
+
+}  // namespace obliq
