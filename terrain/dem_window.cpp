@@ -108,11 +108,16 @@ class Decoder {
   bool single_ = false;
 };
 
-/// GDAL's raw drivers read past the end of a short file as zeros; compare its size with what it must hold.
+/// GDAL's raw drivers read past the end of a short file as zeros, and take a short GridFloat file, whose
+/// header names no type, for one of bytes: compare the size with what it must hold.
 void require_whole_raw_file(const Raster& raster) {
   GDALDataset* dataset = raster.band().GetDataset();
   const char* driver = dataset->GetDriverName();
   if (std::string(driver) != "EHdr" && std::string(driver) != "ENVI") return;
+  const std::string extension = lower(CPLGetExtension(raster.path().c_str()));
+  if (extension == "flt" && raster.band().GetRasterDataType() != GDT_Float32) {
+    raster.refuse("it is truncated: a GridFloat file holds 4 bytes a post", "a whole file");
+  }
   VSIStatBufL status;
   if (VSIStatL(raster.path().c_str(), &status) != 0) return;
   const double needed = static_cast<double>(raster.columns()) * raster.rows() * dataset->GetRasterCount() *

@@ -62,6 +62,7 @@ void Raster::open() {
   if (GDALDataTypeIsComplex(band().GetRasterDataType())) {
     refuse("its first band holds complex numbers", "a band of real numbers");
   }
+  doubt_ = messages.failure();
   columns_ = dataset_->GetRasterXSize();
   rows_ = dataset_->GetRasterYSize();
 }
@@ -70,7 +71,8 @@ void Raster::place(const std::optional<std::string>& crs) {
   GdalMessages messages;
   if (dataset_->GetGeoTransform(world_from_pixel_.data()) != CE_None ||
       !GDALInvGeoTransform(world_from_pixel_.data(), pixel_from_world_.data())) {
-    refuse("it does not say where its pixels are (no geotransform)", "a georeferenced raster");
+    refuse("it does not say where its pixels are (" + (doubt_.empty() ? "no geotransform" : doubt_) + ")",
+           "a georeferenced raster");
   }
   for (double v : pixel_from_world_) {
     if (!std::isfinite(v)) refuse("its geotransform is not finite", "a georeferenced raster");

@@ -70,6 +70,7 @@ class Raster {
   std::optional<Projection> projection_;
   std::array<double, 6> world_from_pixel_{};
   std::array<double, 6> pixel_from_world_{};
+  std::string doubt_;  ///< what GDAL complained of while it opened the file all the same
   int columns_ = 0;
   int rows_ = 0;
   double posting_m_ = 0;

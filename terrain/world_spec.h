@@ -26,11 +26,12 @@ struct Reach {
 
 /// Shape of synthetic ground. Heights are world y above the (possibly curved) datum surface.
 struct SyntheticSpec {
-  double height_m = 100;      ///< ridge and wall crest, cone top, hills' peak-to-valley relief
-  double base_m = 0;          ///< height of the ground around the shape
-  double slope = 0.05;        ///< ramp: rise over run
+  double height_m =
+      100;              ///< of the ridge's crest, wall's or cone's top; hills: the most they rise over base_m
+  double base_m = 0;    ///< height of the ground around the shape
+  double slope = 0.05;  ///< ramp: rise over run
   double bearing_deg = 0;     ///< ramp: uphill; ridge and wall: direction from the origin to the crest
-  double distance_m = 10000;  ///< ridge, wall, cone: ground distance of the crest or apex from the origin
+  double distance_m = 10000;  ///< from the origin to the ridge's crest, the cone's apex, the wall's near face
   double width_m = 2000;      ///< ridge: foot to foot; wall: thickness; cone: base radius
   std::uint64_t seed = 1;     ///< hills
 };

@@ -81,6 +81,25 @@ TEST(BadDem, TruncatedFilesOfAnyKindAreErrorsAndNeverZeros) {
   }
 }
 
+TEST(BadDem, ShortGridFloatFileIsNotTakenForOneOfBytes) {
+  const Folder folder;
+  folder.text("g.hdr",
+              "ncols 61\nnrows 61\nxllcorner -99.525\nyllcorner 32.975\ncellsize 0.0008\n"
+              "NODATA_value -9999\nbyteorder LSBFIRST\n");
+  folder.text("g.prj",
+              "GEOGCS[\"NAD83\",DATUM[\"North_American_Datum_1983\",SPHEROID[\"GRS 1980\",6378137,"
+              "298.257222101]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]");
+  for (double keep : {0.3, 0.6, 0.9, 1.0}) {
+    const std::size_t bytes = 61 * 61 * 4;
+    const std::string path = folder.text("g.flt", std::string(static_cast<std::size_t>(keep * bytes), '\0'));
+    if (keep == 1.0) {
+      EXPECT_EQ(error_of(bad(path)), "no error");
+    } else {
+      expect_named(error_of(bad(path)), "g.flt");
+    }
+  }
+}
+
 TEST(BadDem, RasterWithoutCoordinateSystemNamesTheKeyThatGivesOne) {
   const Folder folder;
   RasterPlan plan = around(-99.5, 33, hill);

@@ -107,7 +107,8 @@ TEST(RandomPrisms, StandInsideTheGivenPolygonsAndNotInTheirHoles) {
                                                                        test::square(-1000, -1000, 500)}),
                                          test::polygon_feature(frame, {test::square(0, 0, 1000)})}));
   const World world = load_world(spec);
-  for (const auto& [identity, corner] : corners(world)) {
+  for (const auto& prism : corners(world)) {
+    const glm::dvec2 corner = prism.second;
     const auto in = [&](double x, double z, double side, double slack) {
       return corner.x > x - slack && corner.x < x + side + slack && corner.y > z - slack &&
              corner.y < z + side + slack;

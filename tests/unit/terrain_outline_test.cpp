@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "terrain/outline.h"
+
+namespace obliq {
+namespace {
+
+double ring_area(const std::vector<glm::vec2>& ring) {
+  double twice = 0;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const glm::dvec2 a(ring[k]), b(ring[(k + 1) % ring.size()]);
+    twice += a.x * b.y - b.x * a.y;
+  }
+  return twice / 2;
+}
+
+/// Rings the right way round, and roof triangles that are clockwise and add up to the area between the rings.
+void expect_sound(const Outline& outline) {
+  std::vector<glm::dvec2> points;
+  double between = 0;
+  for (std::size_t r = 0; r < outline.rings_m.size(); ++r) {
+    ASSERT_GE(outline.rings_m[r].size(), 3u);
+    const double area = ring_area(outline.rings_m[r]);
+    EXPECT_EQ(area > 0, r == 0);
+    between += area;
+    for (glm::vec2 p : outline.rings_m[r]) points.emplace_back(p);
+  }
+  double roof = 0;
+  for (glm::uvec3 t : outline.roof) {
+    const glm::dvec2 u = points[t.y] - points[t.x], v = points[t.z] - points[t.x];
+    const double area = -(u.x * v.y - u.y * v.x) / 2;
+    EXPECT_GE(area, 0);
+    roof += area;
+  }
+  EXPECT_NEAR(roof, between, 1e-6 * between + 1e-9);
+  EXPECT_GT(between, 0);
+}
+
+TEST(Outline, RandomTangledRingsBecomeSoundOnesOrNone) {
+  std::mt19937_64 random(5);
+  OutlineShaper shaper;
+  int repaired = 0;
+  for (int round = 0; round < 3000; ++round) {
+    // Whole metres make corners on edges and edges on edges common; far coordinates are coarse in float32.
+    const bool coarse = round % 2 == 0;
+    std::uniform_real_distribution<double> place(-20, 20);
+    Polygon polygon;
+    const std::size_t rings = 1 + random() % 3;
+    for (std::size_t r = 0; r < rings; ++r) {
+      Ring ring(3 + random() % 12);
+      for (glm::dvec2& p : ring) {
+        p = {place(random) / static_cast<double>(r + 1), place(random) / static_cast<double>(r + 1)};
+        if (coarse) p = {std::round(p.x), std::round(p.y)};
+        p += glm::dvec2(1, -1) * (round % 3 == 0 ? 40000.0 : 100.0);
+      }
+      polygon.rings.push_back(ring);
+    }
+    const ShapedOutline shaped = shaper.shape(polygon);
+    EXPECT_EQ(shaped.parts.empty(),
+              shaped.state == OutlineState::zero_area || shaped.state == OutlineState::unusable);
+    if (shaped.state == OutlineState::repaired) ++repaired;
+    for (const Outline& part : shaped.parts) expect_sound(part);
+  }
+  EXPECT_GT(repaired, 2000);
+}
+
+TEST(Outline, LShapeWithTwoHolesIsCutExactly) {
+  OutlineShaper shaper;
+  const Polygon polygon{{{{0, 0}, {40, 0}, {40, 20}, {20, 20}, {20, 60}, {0, 60}},
+                         {{2, 2}, {8, 2}, {8, 8}, {2, 8}},
+                         {{2, 40}, {2, 50}, {10, 50}, {10, 40}}}};
+  const ShapedOutline shaped = shaper.shape(polygon);
+  ASSERT_EQ(shaped.state, OutlineState::good);
+  ASSERT_EQ(shaped.parts.size(), 1u);
+  expect_sound(shaped.parts[0]);
+  EXPECT_DOUBLE_EQ(shaped.parts[0].area_m2, 40 * 20 + 20 * 40 - 36 - 80);
+  // n corners and h holes make n + 2 h - 2 triangles.
+  EXPECT_EQ(shaped.parts[0].roof.size(), 14u + 4u - 2u);
+}
+
+TEST(Outline, OverlappingRingsAreUnitedRatherThanCutOut) {
+  OutlineShaper shaper;
+  // The line runs around the same square twice: still one house.
+  const Polygon twice{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {0, 0}, {10, 0}, {10, 10}, {0, 10}}}};
+  const ShapedOutline shaped = shaper.shape(twice);
+  ASSERT_EQ(shaped.parts.size(), 1u);
+  EXPECT_DOUBLE_EQ(shaped.parts[0].area_m2, 100);
+}
+
+TEST(Outline, NumbersThatAreNoneAreUnusable) {
+  OutlineShaper shaper;
+  for (double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
+    EXPECT_EQ(shaper.shape({{{{0, 0}, {bad, 0}, {1, 1}}}}).state, OutlineState::unusable);
+  }
+  EXPECT_EQ(shaper.shape({}).state, OutlineState::unusable);
+  EXPECT_EQ(shaper.shape({{{}}}).state, OutlineState::unusable);
+  EXPECT_EQ(shaper.shape({{{{0, 0}, {1, 1}}}}).state, OutlineState::unusable);
+  EXPECT_EQ(shaper.shape({{{{0, 0}, {1, 1}, {2, 2}}}}).state, OutlineState::zero_area);
+}
+
+}  // namespace
+}  // namespace obliq
