@@ -8,10 +8,15 @@
 namespace obliq {
 namespace {
 
-/// How far outside a triangle, in barycentric units, a double point still counts as inside: a point on a
-/// shared edge must be inside at least one of its two triangles, whatever the rounding (2^-52 of coordinates
-/// up to 2^20 m over cells of at least 2^-5 m gives 2^-27; the slack is a little more).
-constexpr double kEdgeSlack = 1e-7;
+/// How far outside its ground triangle, in x or z, a double point still counts as inside: a point on a shared
+/// edge must be inside at least one of its two triangles, whatever the rounding (2^-52 of coordinates up to
+/// 2^20 m, over a descent of a few thousandths, is below it). Not relative to the cell: beyond the edge the
+/// range is the wrong plane's, by this length times the change of slope over the descent.
+constexpr double kEdgeSlack_m = 1e-7;
+
+/// The same for building triangles, in barycentric units; beyond an edge between two triangles of one face
+/// the plane is the same.
+constexpr double kFaceSlack = 1e-7;
 
 /// One of the two triangles of a grid cell, as the plane y = y0 + slope_x (x - x0) + slope_z (z - z0).
 struct GroundPlane {
@@ -65,8 +70,9 @@ std::optional<double> cross_ground_triangle(const HeightGrid& grid, int i, int j
   const double distance = -plane.height_above(origin) / descent;
   const double s = (origin.x + distance * direction.x - grid.node_x_m(i)) / grid.cell_m;
   const double t = (origin.z + distance * direction.z - grid.node_z_m(j)) / grid.cell_m;
-  const bool inside = upper ? s <= 1 + kEdgeSlack && t <= 1 + kEdgeSlack && s + t >= 1 - kEdgeSlack
-                            : s >= -kEdgeSlack && t >= -kEdgeSlack && s + t <= 1 + kEdgeSlack;
+  const double slack = kEdgeSlack_m / grid.cell_m;
+  const bool inside = upper ? s <= 1 + slack && t <= 1 + slack && s + t >= 1 - slack
+                            : s >= -slack && t >= -slack && s + t <= 1 + slack;
   if (!inside || !(distance >= 0)) return std::nullopt;
   return distance;
 }
@@ -120,7 +126,7 @@ std::optional<double> cross_building_triangle(const Buildings& buildings, std::u
   const double distance = glm::dot(outward, a) / approach;
   if (!(distance >= 0) || !std::isfinite(distance)) return std::nullopt;
   const glm::dvec3 p = distance * direction;
-  const double slack = -kEdgeSlack * area2;
+  const double slack = -kFaceSlack * area2;
   const bool inside = glm::dot(glm::cross(b - a, p - a), outward) >= slack &&
                       glm::dot(glm::cross(c - b, p - b), outward) >= slack &&
                       glm::dot(glm::cross(a - c, p - c), outward) >= slack;
