@@ -205,7 +205,13 @@ class CellCutter {
 
 }  // namespace
 
-void march_profile(const FramePlan& plan, int azimuth_bin, std::vector<FootprintSpan>& spans,
+int profile_strands(const FramePlan& plan) {
+  const double arc_m = plan.bins().r_max_m * plan.bins().azimuth_width_rad;
+  const double pairs = std::ceil(arc_m / plan.scene().world().grid.cell_m / 2);
+  return 2 * static_cast<int>(std::clamp(pairs, 1.0, 4.0));
+}
+
+void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result) {
   const BinGrid& bins = plan.bins();
   const Sector& sector = plan.sector();
@@ -215,9 +221,11 @@ void march_profile(const FramePlan& plan, int azimuth_bin, std::vector<Footprint
   result.visible.assign(static_cast<std::size_t>(bins.n_range), 0);
   result.present.assign(static_cast<std::size_t>(bins.n_range), 0);
 
-  const double bearing = sector.bearing_rad + bins.azimuth_edge_rad(azimuth_bin + 0.5);
+  const double bearing = sector.bearing_rad + bins.azimuth_edge_rad(position);
   const double sin_b = std::sin(bearing);
   const double cos_b = std::cos(bearing);
+  // A building that reaches across a bin's edge is in the lists of both bins.
+  const int azimuth_bin = std::min(static_cast<int>(position), bins.n_azimuth - 1);
   spans.clear();
   for (const std::uint32_t b : plan.buildings_in(azimuth_bin))
     footprint_spans(world.buildings, world.buildings.list[b], antenna.x, antenna.z, sin_b, cos_b, spans);

@@ -18,9 +18,15 @@ struct ProfileResult {
   double covered_area_m2 = 0;  ///< of that, over known ground
 };
 
-/// Marches the vertical plane of an azimuth bin's centre from the nadir through every triangle edge, keeping
-/// the highest elevation met so far. `result` is reused between calls.
-void march_profile(const FramePlan& plan, int azimuth_bin, std::vector<FootprintSpan>& spans,
+/// How many strands (vertical planes) an azimuth bin is divided into, even, 2 to 8: no farther apart at r_max
+/// than the grid's nodes. Planes stand at the bin's edges, its centre and evenly between; a bin is hidden
+/// when all of them say so, since a ray may pass on either side of any one of them.
+int profile_strands(const FramePlan& plan);
+
+/// Marches the vertical plane at azimuth position `position` (in bins: azimuth bin a spans [a, a + 1]) from
+/// the nadir through every triangle edge, keeping the highest elevation met so far. `result` is reused
+/// between calls.
+void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result);
 
 }  // namespace obliq

@@ -77,21 +77,54 @@ void refine(const FramePlan& plan, const RayBatch& rays, const std::array<RoughH
   }
 }
 
-/// Gives every bin without samples its state, and measures coverage.
+/// What the strands of one azimuth bin found together.
+struct BinProfile {
+  std::vector<std::uint8_t> visible, present;  // [n_range]
+
+  void clear(std::size_t n_range) {
+    visible.assign(n_range, 0);
+    present.assign(n_range, 0);
+  }
+  void add(const ProfileResult& strand) {
+    for (std::size_t r = 0; r < visible.size(); ++r) {
+      visible[r] |= strand.visible[r];
+      present[r] |= strand.present[r];
+    }
+  }
+};
+
+void write_states(const BinProfile& profile, std::uint8_t* state) {
+  for (std::size_t r = 0; r < profile.visible.size(); ++r) {
+    if (state[r] == static_cast<std::uint8_t>(BinState::sampled)) continue;
+    const BinState decided = profile.visible[r]   ? BinState::not_sampled
+                             : profile.present[r] ? BinState::shadow
+                                                  : BinState::no_surface;
+    state[r] = static_cast<std::uint8_t>(decided);
+  }
+}
+
+/// Gives every bin without samples its state, and measures coverage along the bins' centres. Neighbours share
+/// the strand between them.
 void decide_states(const FramePlan& plan, Workspace& work, Wedge& wedge) {
   const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
+  const int strands = profile_strands(plan);
+  BinProfile here, next;
+  here.clear(n_range);
+  march_profile(plan, wedge.bins.first_azimuth, work.spans, work.profile);
+  here.add(work.profile);
   for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
-    march_profile(plan, wedge.bins.first_azimuth + a, work.spans, work.profile);
-    wedge.stats.sector_area_m2 += work.profile.sector_area_m2;
-    wedge.stats.covered_area_m2 += work.profile.covered_area_m2;
-    std::uint8_t* state = wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range;
-    for (std::size_t r = 0; r < n_range; ++r) {
-      if (state[r] == static_cast<std::uint8_t>(BinState::sampled)) continue;
-      const BinState decided = work.profile.visible[r]   ? BinState::not_sampled
-                               : work.profile.present[r] ? BinState::shadow
-                                                         : BinState::no_surface;
-      state[r] = static_cast<std::uint8_t>(decided);
+    for (int strand = 1; strand <= strands; ++strand) {
+      march_profile(plan, wedge.bins.first_azimuth + a + static_cast<double>(strand) / strands, work.spans,
+                    work.profile);
+      here.add(work.profile);
+      if (2 * strand != strands) continue;
+      wedge.stats.sector_area_m2 += work.profile.sector_area_m2;
+      wedge.stats.covered_area_m2 += work.profile.covered_area_m2;
     }
+    next.clear(n_range);
+    next.add(work.profile);
+    write_states(here, wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range);
+    std::swap(here, next);
   }
 }
 

@@ -164,7 +164,7 @@ TEST(IndependentTracer, FindsTheSameTriangleAndRangeOnHillsWithPrisms) {
               "[[prisms]]\nper_km2 = 20.0\nheight_m = [10.0, 60.0]\n"
               "[antenna]\nheight_m = 1800.0\nbearing_deg = 33.0\n" +
                   radar(2500, 15000),
-              false);
+              true);
 }
 
 /// A scene in the Los Angeles tile: its cells, the corners of what is loaded, the antenna, the swath.
