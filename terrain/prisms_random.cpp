@@ -195,6 +195,9 @@ void scatter_prisms(World& world, const WorldSpec& spec, const Polygon& area, co
   const GeoWindow window = geo_window(world);
   const double middle_deg = (window.south_west.longitude_deg + window.north_east.longitude_deg) / 2;
   OutlineShaper shaper;
+  // Candidates that do not stand are no operator's buildings that went missing.
+  const std::uint64_t outside = world.report.buildings_outside;
+  const std::uint64_t no_ground = world.report.buildings_no_ground;
   for (const PrismSpec& prisms : spec.prisms) {
     check(prisms);
     const PrismCells cells(prisms);
@@ -217,6 +220,8 @@ void scatter_prisms(World& world, const WorldSpec& spec, const Polygon& area, co
           stand_outline(world, shaper, outline, {candidate.height_m, prisms.material, candidate.identity});
     }
   }
+  world.report.buildings_outside = outside;
+  world.report.buildings_no_ground = no_ground;
   if (progress) progress("prisms", 1);
 }
 

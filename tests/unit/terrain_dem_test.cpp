@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <limits>
@@ -116,6 +117,13 @@ TEST(Dem, FeetAreReadFromTheBandAndTheSceneFileOverridesIt) {
   expect_plane(load_world(spec), 1);
   spec.terrain.unit = VerticalUnit::foot;
   expect_plane(load_world(spec), 0.3048);
+}
+
+TEST(Dem, FeetOfACompoundCoordinateSystemAreRead) {
+  const Folder folder;
+  RasterPlan plan = around(kLon, kLat, plane);
+  plan.crs = "EPSG:4269+6360";  // NAD83 and NAVD88 in US survey feet
+  expect_plane(load_world(plane_scene(write_raster(folder, "compound.tif", plan))), 1200.0 / 3937);
 }
 
 TEST(Dem, UnknownUnitIsRefusedUnlessTheSceneFileNamesOne) {
@@ -267,6 +275,25 @@ TEST(Dem, NodataNanInfinityAndMaskedPixelsAreVoids) {
   const World world = load_world(plane_scene(write_raster(folder, "mask.tif", plan)));
   EXPECT_TRUE(std::isnan(world.grid.height_at_m(0, 0)));
   EXPECT_FALSE(std::isnan(world.grid.height_at_m(600, 0)));
+}
+
+TEST(Dem, SameBitsForAnyNumberOfThreads) {
+  const Folder folder;
+  const std::string dem = write_raster(folder, "a.tif", around(kLon, kLat, [](double x, double y) {
+                                         return 300 * std::sin(900 * x) * std::cos(700 * y);
+                                       }));
+  WorldSpec spec = plane_scene(dem);
+  spec.terrain.cell_m = 7;
+  spec.prisms.emplace_back();
+  std::vector<World> worlds;
+  for (std::size_t threads : {1u, 2u, 8u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    worlds.push_back(load_world(spec));
+  }
+  for (const World& world : worlds) {
+    EXPECT_EQ(world.grid.y_m, worlds[0].grid.y_m);
+    EXPECT_EQ(world.buildings.vertices_m, worlds[0].buildings.vertices_m);
+  }
 }
 
 TEST(Dem, ProgressIsToldWithinZeroAndOne) {

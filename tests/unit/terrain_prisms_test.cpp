@@ -37,6 +37,7 @@ TEST(RandomPrisms, DensityIsTheAskedOne) {
   // 36 km2 at 300 a km2, one in each cell: only the border makes a difference, 24 km of it 29 m deep (2 %).
   EXPECT_NEAR(static_cast<double>(world.buildings.list.size()), 36 * 300, 0.03 * 36 * 300);
   EXPECT_EQ(world.report.prisms_placed, world.buildings.list.size());
+  EXPECT_EQ(world.report.buildings_outside, 0u);
 }
 
 TEST(RandomPrisms, SidesAndHeightsFillTheirRanges) {
