@@ -35,7 +35,49 @@ std::vector<FootprintSpan> disjoint(std::vector<FootprintSpan>& spans) {
   return steps;
 }
 
-/// Carries the running horizon outwards and marks range bins.
+/// Marks the range bins that a connected stretch of profile covers. Slant range is continuous along it, so
+/// its least and greatest range are enough, and they need one square root each for the whole stretch.
+class RangeRun {
+ public:
+  void add(double d, double h) {
+    const double r2 = d * d + h * h;
+    least2_ = std::min(least2_, r2);
+    greatest2_ = std::max(greatest2_, r2);
+  }
+  /// A straight piece; the foot of the perpendicular from the antenna may lie on it, nearer than both ends.
+  void add(double d0, double h0, double d1, double h1) {
+    add(d0, h0);
+    add(d1, h1);
+    const double dd = d1 - d0;
+    const double dh = h1 - h0;
+    const double along = -(d0 * dd + h0 * dh);
+    if (along <= 0) return;
+    const double length2 = dd * dd + dh * dh;
+    if (along >= length2) return;
+    const double cross = d0 * dh - h0 * dd;
+    least2_ = std::min(least2_, cross * cross / length2);
+  }
+  void close(const BinGrid& bins, std::vector<std::uint8_t>& plane) {
+    if (greatest2_ >= 0) {
+      const double low = std::sqrt(least2_);
+      const double high = std::sqrt(greatest2_);
+      if (high >= bins.r_min_m && low < bins.r_max_m) {
+        const int last = high >= bins.r_max_m ? bins.n_range - 1 : bins.range_bin(high);
+        for (int bin = low < bins.r_min_m ? 0 : bins.range_bin(low); bin <= last; ++bin)
+          plane[static_cast<std::size_t>(bin)] = 1;
+      }
+    }
+    least2_ = kInfinity;
+    greatest2_ = -1;
+  }
+
+ private:
+  double least2_ = kInfinity;
+  double greatest2_ = -1;  // negative: empty
+};
+
+/// Carries the running horizon outwards. Heights are relative to the antenna. The horizon is kept as the
+/// point (horizon_d, horizon_h) that set it: slopes are compared by cross products, without a division.
 class Marcher {
  public:
   Marcher(const BinGrid& bins, double antenna_y_m, ProfileResult& result)
@@ -45,67 +87,66 @@ class Marcher {
   void piece(double d0, double y0, double d1, double y1) {
     const double h0 = y0 - antenna_y_m_;
     const double h1 = y1 - antenna_y_m_;
-    if (joined_ && last_d_m_ == d0 && h0 > last_h_m_) wall(d0, last_h_m_, h0);
-    mark(result_.present, d0, h0, d1, h1);
-    const double s0 = slope(d0, h0);
-    const double s1 = slope(d1, h1);
-    if (s1 > horizon_) {
-      double from_d = d0;
-      double from_h = h0;
-      if (s0 < horizon_) {
-        // Where the piece rises out of the shadow: h(d) = horizon d.
+    // Rounding leaves steps of 1e-9 m where pieces meet.
+    if (joined_ && h0 > last_h_m_ + 1e-6) wall(d0, last_h_m_, h0);
+    present_.add(d0, h0, d1, h1);
+    if (hidden(d1, h1)) {
+      end_visible();
+      if (!hidden(d0, h0)) set_horizon(d0, h0);
+    } else if (h1 * d0 > h0 * d1) {  // rising in elevation: its upper side faces the antenna
+      if (hidden(d0, h0)) {
+        // Where the piece comes out of the shadow: h(d) = horizon d.
+        end_visible();
         const double rise = (h1 - h0) / (d1 - d0);
-        from_d = std::clamp((h0 - rise * d0) / (horizon_ - rise), d0, d1);
-        from_h = h0 + rise * (from_d - d0);
+        const double from = std::clamp((h0 - rise * d0) / (horizon_h_ / horizon_d_ - rise), d0, d1);
+        visible_.add(from, h0 + rise * (from - d0), d1, h1);
+      } else {
+        visible_.add(d0, h0, d1, h1);
       }
-      // A piece that falls away is seen at its near edge only.
-      if (s1 > s0) mark(result_.visible, from_d, from_h, d1, h1);
-      horizon_ = std::max({horizon_, s0, s1});
-    } else {
-      horizon_ = std::max(horizon_, s0);
+      set_horizon(d1, h1);
+    } else {  // falls away: seen at its near edge only
+      end_visible();
+      set_horizon(d0, h0);
     }
     joined_ = true;
-    last_d_m_ = d1;
     last_h_m_ = h1;
   }
 
   /// No surface follows; the next piece starts without a wall.
-  void gap() { joined_ = false; }
-
- private:
-  static double slope(double d, double h) { return d > 0 ? h / d : h > 0 ? kInfinity : -kInfinity; }
-
-  void wall(double d, double low, double high) {
-    mark(result_.present, d, low, d, high);
-    const double top = slope(d, high);
-    if (!(top > horizon_)) return;
-    mark(result_.visible, d, std::max(low, std::isfinite(horizon_) ? horizon_ * d : low), d, high);
-    horizon_ = top;
+  void gap() {
+    end_visible();
+    present_.close(bins_, result_.present);
+    joined_ = false;
   }
 
-  void mark(std::vector<std::uint8_t>& plane, double d0, double h0, double d1, double h1) const {
-    const double r0 = std::sqrt(d0 * d0 + h0 * h0);
-    const double r1 = std::sqrt(d1 * d1 + h1 * h1);
-    double low = std::min(r0, r1);
-    const double high = std::max(r0, r1);
-    // The foot of the perpendicular from the antenna, when it lies on the piece, is nearer than both ends.
-    const double dd = d1 - d0;
-    const double dh = h1 - h0;
-    const double length2 = dd * dd + dh * dh;
-    const double along = -(d0 * dd + h0 * dh);
-    if (along > 0 && along < length2) low = std::abs(d0 * dh - h0 * dd) / std::sqrt(length2);
-    if (high < bins_.r_min_m || low >= bins_.r_max_m) return;
-    const int last = high >= bins_.r_max_m ? bins_.n_range - 1 : bins_.range_bin(high);
-    for (int bin = low < bins_.r_min_m ? 0 : bins_.range_bin(low); bin <= last; ++bin)
-      plane[static_cast<std::size_t>(bin)] = 1;
+ private:
+  /// Strictly below the horizon. At the start the horizon is straight down, (0, -1): nothing is below it.
+  bool hidden(double d, double h) const { return h * horizon_d_ < horizon_h_ * d; }
+
+  void set_horizon(double d, double h) {
+    if (!(d > 0)) return;
+    horizon_d_ = d;
+    horizon_h_ = h;
+  }
+
+  void end_visible() { visible_.close(bins_, result_.visible); }
+
+  void wall(double d, double low, double high) {
+    present_.add(d, low);
+    if (hidden(d, high)) return;
+    end_visible();
+    visible_.add(d, horizon_d_ > 0 ? std::max(low, horizon_h_ / horizon_d_ * d) : low, d, high);
+    set_horizon(d, high);
   }
 
   const BinGrid& bins_;
   double antenna_y_m_;
   ProfileResult& result_;
-  double horizon_ = -kInfinity;  // highest tangent of elevation so far
+  RangeRun visible_;
+  RangeRun present_;
+  double horizon_d_ = 0;
+  double horizon_h_ = -1;
   bool joined_ = false;
-  double last_d_m_ = 0;
   double last_h_m_ = 0;
 };
 
@@ -136,43 +177,45 @@ class CellCutter {
   CellCutter(const HeightGrid& grid, const glm::dvec3& antenna, double sin_b, double cos_b,
              std::vector<FootprintSpan> steps, Marcher& marcher)
       : grid_(grid),
-        antenna_(antenna),
-        sin_b_(sin_b),
-        cos_b_(cos_b),
+        start_u_((antenna.x - grid.x0_m) / grid.cell_m),
+        start_v_((antenna.z - grid.z0_m) / grid.cell_m),
+        rate_u_(sin_b / grid.cell_m),
+        rate_v_(cos_b / grid.cell_m),
         steps_(std::move(steps)),
         marcher_(marcher) {}
 
+  /// Cell (i, j), crossed from d0 to d1. With s, t the position in the cell, the triangles meet at s + t = 1.
   void cell(int i, int j, double d0, double d1) {
-    // Along the line s + t (cell units) changes linearly; the triangles meet where it is 1.
-    const double u0 = sum_at(i, j, d0);
-    const double u1 = sum_at(i, j, d1);
-    if ((u0 < 1) != (u1 < 1)) {
-      const double cut = std::clamp(d0 + (d1 - d0) * (1 - u0) / (u1 - u0), d0, d1);
-      triangle(i, j, u0 > u1, d0, cut);
-      triangle(i, j, u0 < u1, cut, d1);
+    const double s = start_u_ - i;
+    const double t = start_v_ - j;
+    const double rate = rate_u_ + rate_v_;
+    const double sum0 = s + t + d0 * rate;
+    const double sum1 = s + t + d1 * rate;
+    if ((sum0 < 1) != (sum1 < 1)) {
+      const double cut = std::clamp((1 - s - t) / rate, d0, d1);
+      triangle(i, j, sum0 > sum1, d0, cut);
+      triangle(i, j, sum0 < sum1, cut, d1);
     } else {
-      triangle(i, j, u0 + u1 > 2, d0, d1);
+      triangle(i, j, sum0 + sum1 > 2, d0, d1);
     }
   }
 
  private:
-  double sum_at(int i, int j, double d) const {
-    return (antenna_.x + d * sin_b_ - grid_.node_x_m(i) + antenna_.z + d * cos_b_ - grid_.node_z_m(j)) /
-           grid_.cell_m;
-  }
-
   void triangle(int i, int j, bool upper, double d0, double d1) {
     if (!(d1 > d0)) return;
     const double y10 = grid_.node_y_m(i + 1, j);
     const double y01 = grid_.node_y_m(i, j + 1);
-    const double base = upper ? grid_.node_y_m(i + 1, j + 1) : grid_.node_y_m(i, j);
-    const double slope_x = (upper ? base - y01 : y10 - base) / grid_.cell_m;
-    const double slope_z = (upper ? base - y10 : y01 - base) / grid_.cell_m;
-    const double x = antenna_.x - grid_.node_x_m(upper ? i + 1 : i);
-    const double z = antenna_.z - grid_.node_z_m(upper ? j + 1 : j);
-    const double start = base + slope_x * x + slope_z * z;
-    const double rise = slope_x * sin_b_ + slope_z * cos_b_;
-    with_roofs(d0, d1, start, rise);
+    const int corner = upper ? 1 : 0;
+    const double base = grid_.node_y_m(i + corner, j + corner);
+    const double per_u = upper ? base - y01 : y10 - base;
+    const double per_v = upper ? base - y10 : y01 - base;
+    const double start = base + per_u * (start_u_ - (i + corner)) + per_v * (start_v_ - (j + corner));
+    const double rise = per_u * rate_u_ + per_v * rate_v_;
+    if (step_ < steps_.size()) {
+      with_roofs(d0, d1, start, rise);
+    } else {
+      marcher_.piece(d0, start + rise * d0, d1, start + rise * d1);
+    }
   }
 
   /// Ground y = start + rise d on [d0, d1], replaced by roofs that stand above it.
@@ -195,9 +238,8 @@ class CellCutter {
   }
 
   const HeightGrid& grid_;
-  const glm::dvec3& antenna_;
-  double sin_b_;
-  double cos_b_;
+  double start_u_, start_v_;  // the antenna, in cells from node (0, 0)
+  double rate_u_, rate_v_;    // cells a metre of ground distance
   std::vector<FootprintSpan> steps_;
   std::size_t step_ = 0;
   Marcher& marcher_;
@@ -262,10 +304,12 @@ void march_profile(const FramePlan& plan, double position, std::vector<Footprint
   int j = cell_of(antenna.z + clip.from * cos_b, grid.z0_m, grid.nz);
   const int step_i = sin_b > 0 ? 1 : -1;
   const int step_j = cos_b > 0 ? 1 : -1;
+  const double per_x = sin_b != 0 ? 1 / sin_b : kInfinity;
+  const double per_z = cos_b != 0 ? 1 / cos_b : kInfinity;
   double d = clip.from;
   while (d < clip.to && i >= 0 && j >= 0 && i < grid.nx - 1 && j < grid.nz - 1) {
-    const double to_x = sin_b != 0 ? (grid.node_x_m(step_i > 0 ? i + 1 : i) - antenna.x) / sin_b : kInfinity;
-    const double to_z = cos_b != 0 ? (grid.node_z_m(step_j > 0 ? j + 1 : j) - antenna.z) / cos_b : kInfinity;
+    const double to_x = sin_b != 0 ? (grid.node_x_m(step_i > 0 ? i + 1 : i) - antenna.x) * per_x : kInfinity;
+    const double to_z = cos_b != 0 ? (grid.node_z_m(step_j > 0 ? j + 1 : j) - antenna.z) * per_z : kInfinity;
     const double end = std::max(d, std::min({to_x, to_z, clip.to}));
     if (grid.cell_known(i, j)) {
       cutter.cell(i, j, d, end);
@@ -280,6 +324,7 @@ void march_profile(const FramePlan& plan, double position, std::vector<Footprint
     }
     d = end;
   }
+  marcher.gap();
   result.covered_area_m2 = std::max(0.0, result.sector_area_m2 - missing_m2);
 }
 

@@ -104,32 +104,46 @@ void write_states(const BinProfile& profile, std::uint8_t* state) {
 }
 
 /// Gives every bin without samples its state, and measures coverage along the bins' centres. Neighbours share
-/// the strand between them.
-void decide_states(const FramePlan& plan, Workspace& work, Wedge& wedge) {
+/// the strand between them; an azimuth bin that needs no states is marched along its centre alone.
+void decide_states(const FramePlan& plan, bool states, Workspace& work, Wedge& wedge) {
   const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
   const int strands = profile_strands(plan);
-  BinProfile here, next;
-  here.clear(n_range);
-  march_profile(plan, wedge.bins.first_azimuth, work.spans, work.profile);
-  here.add(work.profile);
+  BinProfile here, edge;
+  bool edge_known = false;
   for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
-    for (int strand = 1; strand <= strands; ++strand) {
+    std::uint8_t* state = wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range;
+    const bool undecided = states && std::any_of(state, state + n_range, [](std::uint8_t value) {
+                             return value != static_cast<std::uint8_t>(BinState::sampled);
+                           });
+    const int first_strand = edge_known ? 1 : 0;
+    if (edge_known) {
+      here = edge;
+    } else {
+      here.clear(n_range);
+    }
+    edge_known = false;
+    for (int strand = first_strand; strand <= strands; ++strand) {
+      const bool centre = 2 * strand == strands;
+      if (!centre && !undecided) continue;
       march_profile(plan, wedge.bins.first_azimuth + a + static_cast<double>(strand) / strands, work.spans,
                     work.profile);
       here.add(work.profile);
-      if (2 * strand != strands) continue;
-      wedge.stats.sector_area_m2 += work.profile.sector_area_m2;
-      wedge.stats.covered_area_m2 += work.profile.covered_area_m2;
+      if (centre) {
+        wedge.stats.sector_area_m2 += work.profile.sector_area_m2;
+        wedge.stats.covered_area_m2 += work.profile.covered_area_m2;
+      }
+      if (strand == strands) {
+        edge.clear(n_range);
+        edge.add(work.profile);
+        edge_known = true;
+      }
     }
-    next.clear(n_range);
-    next.add(work.profile);
-    write_states(here, wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range);
-    std::swap(here, next);
+    if (undecided) write_states(here, state);
   }
 }
 
 Wedge render_wedge(const FramePlan& plan, const FrameTables& tables, int index, AzimuthRange range,
-                   SampleTap* tap, Workspace& work) {
+                   const RenderOptions& options, Workspace& work) {
   Wedge wedge;
   wedge.index = index;
   wedge.bins = BinBlock(range.first, range.count, plan.bins().n_range);
@@ -139,11 +153,11 @@ Wedge render_wedge(const FramePlan& plan, const FrameTables& tables, int index, 
     wedge.stats.rays += static_cast<std::uint64_t>(work.rays.n);
     plan.scene().tracer().trace(plan.sector().antenna_m, work.rays.dir_x.data(), work.rays.dir_y.data(),
                                 work.rays.dir_z.data(), work.rays.n, work.rough.data());
-    refine(plan, work.rays, work.rough, tap, work.samples, wedge.stats);
+    refine(plan, work.rays, work.rough, options.tap, work.samples, wedge.stats);
     wedge.stats.samples += bins.add(work.samples);
   }
   bins.write(wedge.bins);
-  decide_states(plan, work, wedge);
+  decide_states(plan, options.states, work, wedge);
   return wedge;
 }
 
@@ -177,7 +191,7 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
         if (options.before_wedge) options.before_wedge(index);
         const int bin = index * kWedgeAzimuthBins;
         const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan.settings().azimuth_bins - bin)};
-        Wedge wedge = render_wedge(plan, tables, index, range, options.tap, *work);
+        Wedge wedge = render_wedge(plan, tables, index, range, options, *work);
         const std::scoped_lock lock(delivery);
         if (options.on_wedge && !failed) options.on_wedge(std::move(wedge));
       } catch (...) {

@@ -43,7 +43,8 @@ struct RenderOptions {
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
   std::stop_token stop;                   ///< no further wedge is begun after a stop request
-  SampleTap* tap = nullptr;               ///< receives every sample, for textures
+  bool states = true;        ///< false: bins without samples all say not_sampled, which is quicker
+  SampleTap* tap = nullptr;  ///< receives every sample, for textures
 };
 
 int wedge_count(const RadarSettings& settings);
