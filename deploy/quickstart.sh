@@ -36,7 +36,10 @@ stop_daemon() {
   if kill -KILL "$pid" 2>/dev/null; then
     echo "quickstart: obliqd did not stop within 10 s and was killed" >&2
   fi
-  wait "$pid" 2>/dev/null
+  local status=0
+  wait "$pid" 2>/dev/null || status=$?
+  [ "$status" -eq 0 ] || echo "quickstart: obliqd ended with exit code $status" >&2
+  return "$status"
 }
 trap 'stop_daemon || true' EXIT
 trap 'exit 130' INT
@@ -69,23 +72,26 @@ fi
 
 step "4/6 daemon"
 mkdir -p "$out"
-"$programs/obliqd" --config "$scene" --set server.port=0 >"$out/obliqd.log" 2>&1 </dev/null &
+: >"$out/obliqd.log"
+"$programs/obliqd" --config "$scene" --port 0 >>"$out/obliqd.log" 2>&1 </dev/null &
 daemon=$!
+tail -n +1 -f --pid="$daemon" -s 0.1 "$out/obliqd.log" &
 server=""
 for _ in $(seq $((ready_limit_s * 5))); do
-  server=$(sed -n 's/.*ready.* \(127\.0\.0\.1:[0-9]*\).*/\1/p' "$out/obliqd.log" | head -n 1)
+  server=$(sed -n 's/.*ready: .* on \(127\.0\.0\.1:[0-9]*\)$/\1/p' "$out/obliqd.log" | head -n 1)
   [ -z "$server" ] || break
   kill -0 "$daemon" 2>/dev/null || break
   sleep 0.2
 done
-cat "$out/obliqd.log"
+sleep 0.3 # so that its last lines stand above the next step
 if [ -z "$server" ]; then
-  echo "quickstart: obliqd did not become ready; its log is above" >&2
+  echo "quickstart: obliqd did not become ready; its log is above and in $out/obliqd.log" >&2
   exit 1
 fi
 
-step "5/6 a frame over TCP"
+step "5/6 two frames over TCP"
 "$programs/obliq" get --server "$server" --out "$out"
+"$programs/obliq" get --server "$server" --set frustum.kind=symmetric --out "$out/symmetric"
 
 step "6/6 stop the daemon"
 stop_daemon
@@ -93,16 +99,18 @@ step_end
 
 cat <<TEXT
 
-Done in $SECONDS s. The radar ground map, north up:
+Done in $SECONDS s. The radar ground map:
   $out/ground_map.png
-  $out/ground_map.tif      the same, georeferenced (any GIS opens it)
-  $out/bins.npy            complex I&Q, azimuth x range; frame.json beside it says what is what
+  $out/ground_map.tif             the same, georeferenced (any GIS opens it)
+  $out/bins.npy                   complex I&Q, azimuth x range; frame.json beside it says what is what
+  $out/symmetric/ground_map.png   the same view through an ordinary camera: look at the far half
 
 Try next:
-  # the same view through the other frusta, without a daemon
-  $programs/obliq render $scene --set frustum.kind=polar --out out/polar
-  $programs/obliq render $scene --set frustum.kind=symmetric --out out/symmetric
-  # a daemon of your own, and a client
+  # a daemon of your own, and a client that looks elsewhere
   $programs/obliqd --config $scene &
-  $programs/obliq get --server 127.0.0.1:7420 --out out/mine
+  $programs/obliq get --set antenna.bearing_deg=20 --set frustum.kind=polar --out out/mine
+  # the same without a daemon; every parameter; the range steps of the frusta
+  $programs/obliq render $scene --out out/render
+  $programs/obliq parameters
+  $programs/obliq frustum $scene
 TEXT
