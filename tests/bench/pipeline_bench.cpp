@@ -185,7 +185,8 @@ void Profiles(benchmark::State& state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
       std::vector<FootprintSpan> spans;
       ProfileResult result;
-      for (int a = range.first; a < range.first + range.count; ++a) march_profile(*plan, a + 0.5, spans, result);
+      for (int a = range.first; a < range.first + range.count; ++a)
+        march_profile(*plan, a + 0.5, spans, result);
     });
   }
 }
