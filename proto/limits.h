@@ -10,8 +10,8 @@ constexpr std::uint16_t kDefaultPort = 7420;
 constexpr std::uint32_t kMaxPlaneBytes = 1u << 20;
 /// Protobuf part of any message. A descriptor with 255 materials and many warnings stays under a quarter.
 constexpr std::uint32_t kMaxDescriptorBytes = 1u << 18;
-/// What a server accepts: requests carry no plane data.
-constexpr std::uint32_t kMaxRequestBytes = 1u << 16;
+/// What a server accepts unless it is told otherwise.
+constexpr std::uint32_t kMaxRequestBytes = 1u << 20;
 /// What a client accepts.
 constexpr std::uint32_t kMaxPayloadBytes = kMaxPlaneBytes + kMaxDescriptorBytes;
 

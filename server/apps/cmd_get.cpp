@@ -42,6 +42,9 @@ wire::RenderOnce request_for(client::Client& client, const GetArguments& argumen
        {merge_message(info.settings(), radar.settings), merge_message(info.pose(), radar.pose)}) {
     if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
   }
+  // Which pose of a controller this was, and when, is not part of a frame of our own.
+  radar.pose.pose_id = 0;
+  radar.pose.sim_time_ns = 0;
   apply_radar_flags(arguments.set, radar);
   wire::RenderOnce request;
   request.set_radar(name);

@@ -29,10 +29,10 @@ struct ServerOptions {
   /// taken this much: however large the frame, no more of it is held than twice this.
   std::size_t slice_bytes = std::size_t{16} << 20;
 
-  double handshake_timeout_s = 5;  ///< from connection to Hello
-  double message_timeout_s = 10;   ///< from the first byte of a message to its last
-  double stall_timeout_s = 30;     ///< a client that takes no byte for so long is dropped
-  double stop_grace_s = 0.5;       ///< for the last words to each client when stopping
+  double handshake_timeout_s = 10;  ///< from connection to Hello
+  double message_timeout_s = 10;    ///< from the first byte of a message to its last
+  double stall_timeout_s = 30;      ///< a client that takes no byte for so long is dropped
+  double stop_grace_s = 0.5;        ///< for the last words to each client when stopping
 
   int render_threads = 0;                 ///< 0: all cores
   bool stop_on_signals = false;           ///< SIGINT and SIGTERM

@@ -33,6 +33,9 @@ std::optional<wire::PlaneSet> plane_set(const Planes& planes) {
   return set;
 }
 
+/// RenderOnce names no radar of ours: the name is only echoed, and this is room enough.
+constexpr std::size_t kMaxEchoedName = 256;
+
 const FieldError kPlaneFault{"planes", "a number that is no plane",
                              "0 (iq), 1 (power), 2 (count), 3 (state)"};
 
@@ -328,6 +331,10 @@ void Requests::render_once(const wire::RenderOnce& request) {
   append(errors, validate(settings));
   append(errors, validate(pose));
   append(errors, frame_size_faults(settings, options.max_bins));
+  if (request.radar().size() > kMaxEchoedName) {
+    errors.push_back({"radar", std::to_string(request.radar().size()) + " bytes",
+                      "a name of at most " + std::to_string(kMaxEchoedName) + " bytes"});
+  }
   const auto planes = plane_set(request.planes());
   if (!planes) errors.push_back(kPlaneFault);
   if (errors.empty()) errors = room_.renderer_.place(pose);
@@ -338,7 +345,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   job->client_id = peer_.id;
   job->request_id = request.request_id();
   job->stream_id = ++room_.next_stream_id_;
-  job->radar = presentable(request.radar());
+  job->radar = request.radar();
   job->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
   job->view.pose = pose;
   job->view.pose_received_ns = monotonic_ns();

@@ -41,6 +41,7 @@ struct Request {
   wire::Bytes payload;
 };
 
+// GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
 class Session final : public Peer, public std::enable_shared_from_this<Session> {
  public:
   Session(tcp::socket socket, std::uint64_t session_id, std::shared_ptr<Room> room)
@@ -136,7 +137,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       // Bytes left unread when a socket is closed make the kernel reset the connection, and the peer would
       // lose the Error that tells it why: read on until it closes or the time is up.
       std::array<std::byte, 4096> unwanted;
-      while (!closed_ && co_await read(asio::buffer(unwanted), true)) continue;
+      while (!ended_) co_await read(asio::buffer(unwanted), true);
     }
     close();
   }
@@ -171,13 +172,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
            wire::describe(status, header, limit));
       co_return false;
     }
-    if (header.header_length > wire::kHeaderBytes &&
-        !co_await read(
-            asio::buffer(head.data() + wire::kHeaderBytes, header.header_length - wire::kHeaderBytes))) {
-      co_return false;
-    }
+    // Nothing to read is read at once.
+    const std::size_t longer_by = header.header_length - wire::kHeaderBytes;
+    if (!co_await read(asio::buffer(head.data() + wire::kHeaderBytes, longer_by))) co_return false;
     request.payload.resize(header.payload_length);
-    if (header.payload_length > 0 && !co_await read(asio::buffer(request.payload))) co_return false;
+    if (!co_await read(asio::buffer(request.payload))) co_return false;
     if (wire::message_crc(all.first(header.header_length), request.payload) != header.crc) {
       fail(ErrorNumber::bad_crc, "a message is damaged (CRC mismatch)");
       co_return false;
@@ -195,7 +194,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       co_await asio::async_read(socket_, buffer, asio::redirect_error(asio::use_awaitable, error));
       if (error == asio::error::eof && !finishing_) spdlog::warn("{}: left in the middle of a message", name);
     }
-    co_return !error && !closed_;
+    // The end is reported once: a second read would wait for ever.
+    if (error || closed_) ended_ = true;
+    co_return !ended_;
   }
 
   asio::awaitable<void> write_outbox() {
@@ -244,6 +245,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   asio::steady_timer write_deadline_;  ///< for each message written
   asio::steady_timer linger_;          ///< for the last words
   std::uint64_t sequence_ = 0;         ///< of stream 0
+  bool ended_ = false;                 ///< nothing more comes from the peer
   bool finishing_ = false;             ///< nothing is read any more; what is queued is written
   bool closed_ = false;
 };

@@ -88,9 +88,10 @@ TEST_F(Abuse, AnOversizedLengthIsRefusedAtOnce) {
 TEST_F(Abuse, APayloadThatAClientMayNotSendIsRefused) {
   RawPeer peer(server);
   peer.send(hello_bytes());
-  wire::RenderOnce request;
-  request.set_radar(std::string(wire::kMaxRequestBytes, 'x'));
-  peer.send(wire::encode_message(MessageType::render_once, {}, request));
+  // A client may be sent this much, a server not.
+  const wire::Bytes plane(wire::kMaxPlaneBytes);
+  peer.send(wire::encode_message(MessageType::render_once, {}, wire::RenderOnce(), plane));
+  static_assert(wire::kMaxRequestBytes <= wire::kMaxPlaneBytes);
   EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
 }
 

@@ -1,0 +1,106 @@
+#include "tests/integration/daemon.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <thread>
+
+namespace obliq::test {
+namespace {
+
+pid_t start(const std::string& program, const std::vector<std::string>& arguments,
+            const std::filesystem::path& out, const std::filesystem::path& err) {
+  std::vector<std::string> words = {program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  // In the child: only calls that are safe after a fork of a process with threads.
+  const int out_fd = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int err_fd = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  dup2(out_fd, STDOUT_FILENO);
+  dup2(err_fd, STDERR_FILENO);
+  execv(program.c_str(), argv.data());
+  _exit(127);
+}
+
+int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status); }
+
+}  // namespace
+
+std::string text_of(const std::filesystem::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
+                    const std::filesystem::path& folder) {
+  const pid_t pid = start(program, arguments, folder / "out", folder / "err");
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return {exit_code(status), text_of(folder / "out"), text_of(folder / "err")};
+}
+
+Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem::path& folder)
+    : log_(folder / "obliqd.log") {
+  std::filesystem::remove(log_);  // of an earlier one, which was ready at another address
+  pid_ = start(OBLIQD_PROGRAM, arguments, folder / "obliqd.out", log_);
+  const std::regex ready("ready: .* on ([0-9.]+:[0-9]+)\n");
+  for (;;) {
+    const std::string text = log();
+    std::smatch match;
+    if (std::regex_search(text, match, ready)) {
+      address_ = match[1];
+      return;
+    }
+    siginfo_t info{};
+    if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0)
+      return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+Daemon::~Daemon() {
+  if (pid_ < 0) return;
+  send_signal(SIGKILL);
+  (void)wait();
+}
+
+std::string Daemon::log() const { return text_of(log_); }
+
+void Daemon::send_signal(int signal) const { kill(pid_, signal); }
+
+int Daemon::wait() {
+  int status = 0;
+  waitpid(pid_, &status, 0);
+  pid_ = -1;
+  return exit_code(status);
+}
+
+TestFolder::TestFolder()
+    : path_(std::filesystem::path(testing::TempDir()) /
+            ("obliq_net_" + std::to_string(getpid()) + "_" +
+             testing::UnitTest::GetInstance()->current_test_info()->name())) {
+  std::filesystem::create_directories(path_);
+}
+TestFolder::~TestFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TestFolder::write(const std::string& name, const std::string& text) const {
+  std::ofstream(path_ / name, std::ios::binary) << text;
+  return path_ / name;
+}
+
+}  // namespace obliq::test

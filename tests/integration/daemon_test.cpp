@@ -1,0 +1,167 @@
+// obliqd and the commands that talk to it, end to end: scene file, terrain, Embree, TCP, files.
+#include "tests/integration/daemon.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "client/client.h"
+#include "proto/obliq.pb.h"
+
+namespace obliq::test {
+namespace {
+
+/// Small, with shadow behind the ridge and buildings on it; two radars.
+constexpr const char* kScene = R"(
+[terrain]
+synthetic = "ridge"
+shape = { distance_m = 5000.0 }
+cell_m = 64.0
+[[prisms]]
+per_km2 = 0.5
+[antenna]
+latitude_deg = 33.0
+longitude_deg = -99.5
+height_m = 1500.0
+bearing_deg = 20.0
+[frustum]
+pixels = 64
+[bins]
+azimuth = 36
+range = 32
+[server]
+port = 0
+[[radar]]
+name = "main"
+sector_deg = 60.0
+r_min_m = 2000.0
+r_max_m = 9000.0
+[[radar]]
+name = "nose"
+sector_deg = 90.0
+r_min_m = 2000.0
+r_max_m = 9000.0
+)";
+
+class DaemonTest : public testing::Test {
+ protected:
+  Outcome obliq(const std::vector<std::string>& arguments) const {
+    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", kScene);
+};
+
+void expect_same_files(const std::filesystem::path& one, const std::filesystem::path& other) {
+  int compared = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(one)) {
+    const std::string name = entry.path().filename();
+    if (name == "timing.json") continue;  // outside the promise
+    EXPECT_TRUE(text_of(entry.path()) == text_of(other / name)) << name << " differs";
+    ++compared;
+  }
+  EXPECT_EQ(compared, 7) << "bins, power, count, state, frame.json, ground_map.png and .tif";
+}
+
+TEST_F(DaemonTest, GetWritesTheFilesOfRenderBitForBit) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  const std::vector<std::vector<std::string>> variants = {
+      {"--radar", "main"},
+      {"--radar", "nose", "--set", "frustum.kind=polar", "--set", "antenna.bearing_deg=100"},
+      {"--radar", "nose", "--set", "frustum.pixels=[40, 50]", "--set", "radar.speckle=geometric"}};
+  for (const auto& variant : variants) {
+    std::vector<std::string> get = {"get", "--server", daemon.address(), "--out", folder / "got"};
+    std::vector<std::string> render = {"render", scene, "--out", folder / "rendered"};
+    get.insert(get.end(), variant.begin(), variant.end());
+    render.insert(render.end(), variant.begin(), variant.end());
+    const Outcome got = obliq(get);
+    ASSERT_EQ(got.code, 0) << got.err;
+    const Outcome rendered = obliq(render);
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    expect_same_files(folder / "rendered", folder / "got");
+  }
+}
+
+TEST_F(DaemonTest, GetLeavesTheLiveRadarAloneAndPoseMovesIt) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  const std::string server = daemon.address();
+  ASSERT_EQ(obliq({"get", "--server", server, "--radar", "main", "--set", "antenna.bearing_deg=300", "--out",
+                   folder / "got"})
+                .code,
+            0);
+  Outcome pose = obliq({"pose", "--server", server, "--radar", "main"});
+  EXPECT_NE(pose.out.find("bearing 20.000"), std::string::npos) << pose.out;
+  pose = obliq({"pose", "--server", server, "--radar", "main", "--bearing", "77", "--height=1600"});
+  EXPECT_EQ(pose.code, 0) << pose.err;
+  EXPECT_NE(pose.out.find("1600.00 m above datum, bearing 77.000"), std::string::npos) << pose.out;
+  const Outcome status = obliq({"status", "--server", server});
+  EXPECT_EQ(status.code, 0);
+  EXPECT_NE(status.out.find("nose: settings 1, controlled by nobody"), std::string::npos) << status.out;
+}
+
+TEST_F(DaemonTest, WatchPrintsALinePerFrameAndKeepsTheNewestPicture) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  const Outcome watch = obliq({"watch", "--server", daemon.address(), "--radar", "nose", "--rate", "50",
+                               "--frames", "3", "--out", folder / "newest"});
+  EXPECT_EQ(watch.code, 0) << watch.err;
+  EXPECT_EQ(std::count(watch.out.begin(), watch.out.end(), '\n'), 3) << watch.out;
+  EXPECT_TRUE(std::filesystem::exists(folder / "newest/ground_map.png"));
+}
+
+TEST_F(DaemonTest, SignalsStopItCleanlyWhileClientsWatchAndStall) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Daemon daemon({"--config", scene}, folder.path());
+    client::Client stalled;  // subscribes and never reads
+    ASSERT_TRUE(stalled.connect(*client::parse_endpoint(daemon.address())).ok());
+    ASSERT_TRUE(stalled.subscribe("main", 100).ok());
+    daemon.send_signal(signal);
+    EXPECT_EQ(daemon.wait(), 0);
+    EXPECT_NE(daemon.log().find("stopped"), std::string::npos) << daemon.log();
+  }
+}
+
+TEST_F(DaemonTest, MistakesAtStartAreOneLineAndAnExitCode) {
+  const Daemon running({"--config", scene}, folder.path());
+  const std::string port = running.address().substr(running.address().find(':') + 1);
+  const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
+      {{"--config", scene, "--port", port}, "cannot listen on 127.0.0.1:" + port},
+      {{"--config", scene, "--port", "70000"}, "server.port: found 70000"},
+      {{"--config", scene, "--set", "antenna.height_m=-500"}, "radar \"main\""},
+      {{"--config", folder / "none.toml"}, "none.toml"},
+      {{"--config", scene, "--no-such-flag"}, "--no-such-flag"},
+      {{}, "--config"},
+  };
+  for (const auto& [arguments, part] : mistakes) {
+    const Outcome outcome = run_program(OBLIQD_PROGRAM, arguments, folder.path());
+    EXPECT_EQ(outcome.code, 1) << part;
+    const std::string last = outcome.err.substr(
+        outcome.err.rfind("obliqd: ") == std::string::npos ? 0 : outcome.err.rfind("obliqd: "));
+    EXPECT_NE(last.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(last.begin(), last.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+TEST_F(DaemonTest, CheckConfigAndPrintConfigDoNotServe) {
+  EXPECT_EQ(run_program(OBLIQD_PROGRAM, {"--config", scene, "--check-config"}, folder.path()).code, 0);
+  const Outcome printed = run_program(OBLIQD_PROGRAM, {"--config", scene, "--print-config"}, folder.path());
+  EXPECT_EQ(printed.code, 0);
+  EXPECT_NE(printed.out.find("r_max_m = 9000"), std::string::npos) << printed.out;
+}
+
+TEST_F(DaemonTest, AClientProgramLinksNeitherEmbreeNorGdal) {
+  const Outcome outcome = run_program("/usr/bin/ldd", {FIRST_FRAME_PROGRAM}, folder.path());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("libprotobuf"), std::string::npos) << "ldd does list libraries";
+  EXPECT_EQ(outcome.out.find("embree"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("gdal"), std::string::npos) << outcome.out;
+
+  const Daemon daemon({"--config", scene}, folder.path());
+  const Outcome frame = run_program(FIRST_FRAME_PROGRAM, {daemon.address(), "nose"}, folder.path());
+  EXPECT_EQ(frame.code, 0) << frame.err;
+  EXPECT_NE(frame.out.find("nose: 36 x 32 bins"), std::string::npos) << frame.out;
+}
+
+}  // namespace
+}  // namespace obliq::test
