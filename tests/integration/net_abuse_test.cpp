@@ -90,7 +90,9 @@ TEST_F(Abuse, APayloadThatAClientMayNotSendIsRefused) {
   peer.send(hello_bytes());
   // A client may be sent this much, a server not.
   const wire::Bytes plane(wire::kMaxPlaneBytes);
-  peer.send(wire::encode_message(MessageType::render_once, {}, wire::RenderOnce(), plane));
+  wire::RenderOnce request;
+  request.set_radar("main");
+  peer.send(wire::encode_message(MessageType::render_once, {}, request, plane));
   static_assert(wire::kMaxRequestBytes <= wire::kMaxPlaneBytes);
   EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
 }
