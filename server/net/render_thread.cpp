@@ -176,6 +176,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       FrameSum stats(view->settings->settings);
       RenderOptions options;
       options.threads = options_.threads;
+      options.states = (identity.planes & wire::plane_bit(wire::Plane::state)) != 0;
       options.before_wedge = options_.before_wedge;
       options.stop = stop;
       options.on_wedge = [&](Wedge&& wedge) {
@@ -257,6 +258,7 @@ bool RenderThread::continue_once(OnceTask& task) {
 
   RenderOptions options;
   options.threads = options_.threads;
+  options.states = (task.job->planes & wire::plane_bit(wire::Plane::state)) != 0;
   options.before_wedge = options_.before_wedge;
   options.stop = task.job->stop.get_token();
   options.on_wedge = [&](Wedge&& wedge) {
