@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <string>
 
@@ -44,21 +45,66 @@ double height_m(const HeightGrid& g, double x, double z) {
   return s + t <= 1 ? a + s * (b - a) + t * (c - a) : d + (1 - s) * (c - d) + (1 - t) * (b - d);
 }
 
+/// Roofs by place: buildings in squares of 100 m, inside by the even-odd rule over all rings.
+class Roofs {
+ public:
+  explicit Roofs(const Buildings& buildings) : buildings_(buildings) {
+    for (std::uint32_t b = 0; b < buildings.list.size(); ++b) {
+      double x0 = HUGE_VAL, x1 = -HUGE_VAL, z0 = HUGE_VAL, z1 = -HUGE_VAL;
+      for_each_edge(b, [&](const glm::vec2& p, const glm::vec2&) {
+        x0 = std::min<double>(x0, p.x), x1 = std::max<double>(x1, p.x);
+        z0 = std::min<double>(z0, p.y), z1 = std::max<double>(z1, p.y);
+      });
+      for (int i = square(x0); i <= square(x1); ++i)
+        for (int j = square(z0); j <= square(z1); ++j) squares_[{i, j}].push_back(b);
+    }
+  }
+
+  /// The highest roof there, or the given ground.
+  double highest_m(double x, double z, double ground_m) const {
+    const auto found = squares_.find({square(x), square(z)});
+    if (found == squares_.end()) return ground_m;
+    for (const std::uint32_t b : found->second) {
+      bool inside = false;
+      for_each_edge(b, [&](const glm::vec2& p, const glm::vec2& q) {
+        const double px = p.x, pz = p.y, qx = q.x, qz = q.y;
+        if ((pz > z) != (qz > z) && x < px + (qx - px) * (z - pz) / (qz - pz)) inside = !inside;
+      });
+      if (inside) ground_m = std::max(ground_m, static_cast<double>(buildings_.list[b].roof_y_m));
+    }
+    return ground_m;
+  }
+
+ private:
+  static int square(double m) { return static_cast<int>(std::floor(m / 100)); }
+
+  template <class F>
+  void for_each_edge(std::uint32_t b, F&& f) const {
+    const Building& building = buildings_.list[b];
+    for (std::uint32_t ring = building.first_ring; ring < building.first_ring + building.n_rings; ++ring) {
+      const std::uint32_t begin = buildings_.ring_start[ring], end = buildings_.ring_start[ring + 1];
+      for (std::uint32_t k = begin; k < end; ++k)
+        f(buildings_.ring_xz_m[k], buildings_.ring_xz_m[k + 1 < end ? k + 1 : begin]);
+    }
+  }
+
+  const Buildings& buildings_;
+  std::map<std::pair<int, int>, std::vector<std::uint32_t>> squares_;
+};
+
 /// What one range bin can be: `sure` when several points say so, `maybe` when a point within two steps does.
 struct Seen {
   int visible = 0, present = 0;
   bool maybe_visible = false, maybe_present = false;
 };
 
-std::vector<Seen> brute_force(const World& world, const RadarSettings& s, double bearing_rad) {
+std::vector<Seen> brute_force(const World& world, const Roofs& roofs, const RadarSettings& s,
+                              double bearing_rad) {
   std::vector<Seen> bins(static_cast<std::size_t>(s.range_bins));
   const double spacing = (s.r_max_m - s.r_min_m) / s.range_bins;
   const auto bin = [&](double r) { return static_cast<int>(std::floor((r - s.r_min_m) / spacing)); };
   double highest = -HUGE_VAL;
-  for (int n = 1; n * kStep_m < s.r_max_m; ++n) {
-    const double d = n * kStep_m;
-    const double y = height_m(world.grid, d * std::sin(bearing_rad), d * std::cos(bearing_rad));
-    if (std::isnan(y)) continue;
+  const auto point = [&](double d, double y) {
     const double slope = (y - kAntenna_m) / d;
     const double r = std::hypot(d, y - kAntenna_m);
     const int here = bin(r);
@@ -74,6 +120,18 @@ std::vector<Seen> brute_force(const World& world, const RadarSettings& s, double
       if (maybe) bins[static_cast<std::size_t>(near)].maybe_visible = true;
     }
     highest = std::max(highest, slope);
+  };
+  double before_m = NAN;
+  for (int n = 1; n * kStep_m < s.r_max_m; ++n) {
+    const double d = n * kStep_m;
+    const double x = d * std::sin(bearing_rad), z = d * std::cos(bearing_rad);
+    double y = height_m(world.grid, x, z);
+    if (!std::isnan(y)) y = roofs.highest_m(x, z, y);
+    // A near wall: points up its face. NaN compares false.
+    if (y > before_m + 2)
+      for (double up = before_m + kStep_m; up < y; up += kStep_m) point(d, up);
+    before_m = y;
+    if (!std::isnan(y)) point(d, y);
   }
   return bins;
 }
@@ -81,6 +139,7 @@ std::vector<Seen> brute_force(const World& world, const RadarSettings& s, double
 struct Tally {
   int of_state[4] = {0, 0, 0, 0};
   int wrong = 0;
+  int between = 0;  ///< sampled, but dark along all 25 azimuths: a ray between them, past a building
 };
 
 /// Compares every bin of a frame with brute-force profiles: hidden must be hidden along the bin's edges and
@@ -88,13 +147,15 @@ struct Tally {
 Tally compare(const std::shared_ptr<const Scene>& scene, const RadarSettings& s) {
   const Frame frame = render(scene, test::snapshot(s), test::pose_over_origin(scene->world(), kAntenna_m),
                              {0, s.azimuth_bins});
+  const Roofs roofs(scene->world().buildings);
   Tally tally;
   const double sector = s.sector_deg * std::numbers::pi / 180;
   for (int a = 0; a < s.azimuth_bins; ++a) {
     // 24 parts hold the halves, quarters, sixths and eighths that the renderer may divide a bin into.
     std::vector<std::vector<Seen>> strands;
     for (int part = 0; part <= 24; ++part)
-      strands.push_back(brute_force(scene->world(), s, sector * ((a + part / 24.0) / s.azimuth_bins - 0.5)));
+      strands.push_back(
+          brute_force(scene->world(), roofs, s, sector * ((a + part / 24.0) / s.azimuth_bins - 0.5)));
     for (std::size_t r = 0; r < static_cast<std::size_t>(s.range_bins); ++r) {
       const std::uint8_t state =
           frame.bins.state[static_cast<std::size_t>(a) * static_cast<std::size_t>(s.range_bins) + r];
@@ -108,14 +169,19 @@ Tally compare(const std::shared_ptr<const Scene>& scene, const RadarSettings& s)
         visible |= seen.visible >= 3;
         present |= seen.present >= 3;
       }
+      if (state == 1 && !maybe_visible && maybe_present) {
+        ++tally.between;
+        continue;
+      }
       const bool right = (state <= 1 ? maybe_visible : !visible) && (state <= 2 ? maybe_present : !present);
       if (!right && ++tally.wrong < 5)
         std::printf("    azimuth bin %d range bin %zu: state %d, but visible %d %d, present %d %d\n", a, r,
                     state, visible, maybe_visible, present, maybe_present);
     }
   }
-  std::printf("    not sampled %d, sampled %d, shadow %d, no surface %d; wrong %d\n", tally.of_state[0],
-              tally.of_state[1], tally.of_state[2], tally.of_state[3], tally.wrong);
+  std::printf("    not sampled %d, sampled %d, shadow %d, no surface %d; wrong %d, between %d\n",
+              tally.of_state[0], tally.of_state[1], tally.of_state[2], tally.of_state[3], tally.wrong,
+              tally.between);
   return tally;
 }
 
@@ -125,6 +191,16 @@ WorldSpec spec(SyntheticKind kind, double reach_m = 12000) {
   w.terrain.shape.distance_m = 4000;
   w.terrain.shape.width_m = 900;
   w.terrain.shape.bearing_deg = 20;
+  return w;
+}
+
+/// Tall and broad ones, so that whole bins lie behind them.
+WorldSpec with_prisms(WorldSpec w) {
+  w.prisms.push_back({});
+  w.prisms.back().per_km2 = 20;
+  w.prisms.back().width_m = {40, 80};
+  w.prisms.back().length_m = {60, 200};
+  w.prisms.back().height_m = {20, 120};
   return w;
 }
 
@@ -142,11 +218,13 @@ struct Named {
   const char* name;
   std::function<World()> world;
   int shadow, no_surface;  ///< at least so many bins of each
+  double missed = 0;       ///< share of sampled bins whose view lies between two strands
 };
 
 const Named kScenes[] = {
     {"ridge", [] { return load_world(spec(SyntheticKind::ridge)); }, 500, 50},
     {"hills", [] { return load_world(spec(SyntheticKind::hills)); }, 200, 0},
+    {"hills with prisms", [] { return load_world(with_prisms(spec(SyntheticKind::hills))); }, 300, 0, 3e-3},
     {"void", [] { return with_void(load_world(spec(SyntheticKind::flat)), 300, 4000, 1500); }, 0, 200},
     {"void behind a ridge",
      [] { return with_void(load_world(spec(SyntheticKind::ridge)), 1500, 5200, 1200); }, 300, 200},
@@ -171,6 +249,7 @@ TEST(BinStates, WithSamplesAreThoseOfTheBruteForceProfile) {
     const Tally tally = compare(test::make_scene(scene.world()), settings(FrustumKind::polar, 960));
     EXPECT_EQ(tally.wrong, 0) << scene.name;
     EXPECT_GE(tally.of_state[1], 1000) << scene.name;
+    EXPECT_LE(tally.between, 1e-3 * tally.of_state[1]) << scene.name;
   }
 }
 
@@ -181,6 +260,7 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
     for (const FrustumKind kind : {FrustumKind::polar, FrustumKind::oblique, FrustumKind::symmetric}) {
       const auto render_with = [&](int pixels) {
         RadarSettings s = settings(kind, pixels);
+        s.sector_deg = 7;  // bins of 0.117 degrees, as 120 degrees in 1024: two strands a bin
         s.r_min_m = 1250;  // the perspective frusta need at least the antenna's height above ground
         return render(built, test::snapshot(s), pose, {0, s.azimuth_bins});
       };
@@ -198,9 +278,9 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
       }
       std::printf("    %s, frustum %d: %d bins sampled, %d of them not with a tenth of the rays, %d wrong\n",
                   scene.name, static_cast<int>(kind), sampled, lost, wrong);
-      // A gap or peak between two strands, narrower than a grid cell, is missed: here in at most 3 bins of
-      // 10,000; with one strand a bin (the named wrong version) in 1 of 100.
-      EXPECT_LE(wrong, 3e-4 * sampled) << scene.name;
+      // A gap between two buildings that falls between two strands is missed. With one strand a bin (the
+      // named wrong version) bare hills fail too, with one bin in 100.
+      EXPECT_LE(wrong, scene.missed * sampled) << scene.name;
     }
   }
 }
