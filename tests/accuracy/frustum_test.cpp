@@ -10,7 +10,9 @@
 #include <glm/vec4.hpp>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "server/radar/step_sizes.h"
 #include "terrain/errors.h"
@@ -48,6 +50,23 @@ TEST(FrustumSteps, AreTheCheckValuesOfFlatGroundToFourDigits) {
   expect_digits(steps(FrustumKind::oblique, 37e3).near_m, "15.72");
   expect_digits(steps(FrustumKind::oblique, 10e3).far_m, "4.834");
   expect_digits(steps(FrustumKind::oblique, 10e3).near_m, "0.0118");
+}
+
+TEST(FrustumSteps, AreThoseThatTheProgramPrints) {
+  FILE* pipe = popen(OBLIQ_PROGRAM " frustum --flat-check", "r");
+  ASSERT_TRUE(pipe);
+  std::vector<std::string> rows;
+  char line[256];
+  while (std::fgets(line, sizeof line, pipe)) {
+    std::istringstream words(line);
+    std::string row;
+    for (std::string word; words >> word;) row += (row.empty() ? "" : " ") + word;
+    rows.push_back(row);
+  }
+  EXPECT_EQ(pclose(pipe), 0);
+  ASSERT_GE(rows.size(), 3u);
+  EXPECT_EQ(rows[rows.size() - 2], "37 162.4 1.572 16.31 15.72");
+  EXPECT_EQ(rows[rows.size() - 1], "100 437.7 4.377 43.97 43.75");
 }
 
 TEST(FrustumSteps, OfTheSymmetricCameraAreEqualAnglesBetweenItsEdges) {
