@@ -101,8 +101,10 @@ std::vector<Corner> square(double bearing_deg) {
   return corners;
 }
 
-/// Renders the tower and compares; bearing of the tower in degrees.
-void check_tower(double bearing_deg, const std::string& frustum, double radius_factor) {
+/// Renders the tower and compares; bearing of the tower in degrees. The scene's origin is its first radar,
+/// that many degrees west of the one that looks.
+void check_tower(double bearing_deg, const std::string& frustum, double radius_factor,
+                 double origin_west_deg = 0) {
   const test::Folder folder;
   test::RasterPlan plan = test::around(kLon, kLat, [](double, double) { return kGround_m; });
   plan.columns = plan.rows = 901;
@@ -119,26 +121,32 @@ void check_tower(double bearing_deg, const std::string& frustum, double radius_f
   std::ostringstream scene;
   scene.precision(15);
   scene << "[terrain]\ndem = [\"plain.tif\"]\ncell_m = 100.0\n[earth]\nradius_factor = " << std::showpoint
-        << radius_factor << "\n[[buildings]]\nsource = \"tower.geojson\"\n[antenna]\nlatitude_deg = " << kLat
-        << "\nlongitude_deg = " << kLon << "\nheight_m = " << kAntenna_m << "\nbearing_deg = " << kBearing_deg
-        << "\n[radar]\nsector_deg = " << kSector_deg << "\nr_min_m = " << kRMin_m << "\nr_max_m = " << kRMax_m
-        << "\n[frustum]\nkind = \"" << frustum << "\"\n";
+        << radius_factor << "\n[[buildings]]\nsource = \"tower.geojson\"\n[frustum]\nkind = \"" << frustum
+        << "\"\n";
+  for (const auto& [name, lon] : {std::pair{"origin", kLon - origin_west_deg}, {"main", kLon}})
+    scene << "[[radar]]\nname = \"" << name << "\"\nsector_deg = " << kSector_deg << "\nr_min_m = " << kRMin_m
+          << "\nr_max_m = " << kRMax_m << "\n[radar.antenna]\nlatitude_deg = " << kLat
+          << "\nlongitude_deg = " << lon << "\nheight_m = " << kAntenna_m
+          << "\nbearing_deg = " << kBearing_deg << "\n";
   const std::string toml = folder.text("scene.toml", scene.str());
   const std::string out = folder.file("out");
-  ASSERT_EQ(std::system((OBLIQ_PROGRAM " render '" + toml + "' --out '" + out + "' >'" + folder.file("log") +
-                         "' 2>&1")
+  ASSERT_EQ(std::system((OBLIQ_PROGRAM " render '" + toml + "' --radar main --out '" + out + "' >'" +
+                         folder.file("log") + "' 2>&1")
                             .c_str()),
             0);
 
   // The bins that the near wall spans, by earth-centred arithmetic.
-  const Tangent tangent(kLon, kLat);
+  const Tangent tangent(kLon - origin_west_deg, kLat);
   const Vec antenna = tangent.world(ecef(kLon, kLat, kAntenna_m), radius_factor);
+  const Vec northwards = tangent.world(ecef(kLon, kLat + 1e-3, kAntenna_m), radius_factor);
+  const double north = std::atan2(northwards[0] - antenna[0], northwards[2] - antenna[2]);
   double azimuth_low = 1e9, azimuth_high = -1e9, range_low = 1e9, range_high = -1e9;
   for (const std::size_t k : {0u, 1u}) {
     for (const double h : {kGround_m, kGround_m + kTower_m}) {
       const Vec p = tangent.world(ecef(corners[k].lon, corners[k].lat, h), radius_factor);
       const Vec d{p[0] - antenna[0], p[1] - antenna[1], p[2] - antenna[2]};
-      const double offset_deg = std::atan2(d[0], d[2]) / kDegree_rad - (kBearing_deg - kSector_deg / 2);
+      const double offset_deg =
+          (std::atan2(d[0], d[2]) - north) / kDegree_rad - (kBearing_deg - kSector_deg / 2);
       const double azimuth = offset_deg / kSector_deg * kBins;
       const double range = (std::sqrt(Tangent::dot(d, d)) - kRMin_m) / (kRMax_m - kRMin_m) * kBins;
       azimuth_low = std::min(azimuth_low, azimuth), azimuth_high = std::max(azimuth_high, azimuth);
@@ -208,6 +216,11 @@ void check_tower(double bearing_deg, const std::string& frustum, double radius_f
 TEST(Tower, AppearsAtItsCoordinatesAndInItsBin) {
   check_tower(17, "polar", 4.0 / 3);
   check_tower(73, "oblique", 4.0 / 3);
+}
+
+TEST(Tower, AppearsAtItsCoordinatesAndInItsBinFarFromTheScenesOrigin) {
+  // 46 km: true north turns by 0.28 degrees, 2.4 azimuth bins.
+  check_tower(17, "polar", 4.0 / 3, 0.5);
 }
 
 TEST(Tower, AppearsInItsBinWithoutRefraction) { check_tower(40, "polar", 1.0); }
