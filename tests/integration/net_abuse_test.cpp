@@ -191,6 +191,39 @@ TEST(Limits, TheClientBeyondTheLimitIsTurnedAwayWithAReason) {
   EXPECT_EQ(status.number, number(ErrorNumber::too_many_clients)) << status.sentence();
 }
 
+TEST(Limits, AClientThatReadsNothingIsDroppedInTheEnd) {
+  net::ServerOptions options = small_options();
+  options.stall_timeout_s = 0.3;
+  const TestServer server(options);
+  client::Client watcher = connect(server);
+  client::Client stalled = connect(server);
+  wire::RenderOnce request = once_request();  // 2000 x 2000 bins, 84 MB: more than any socket buffer takes
+  request.mutable_settings()->set_azimuth_bins(2000);
+  request.mutable_settings()->set_range_bins(2000);
+  const client::Status queued = stalled.render_once(request);
+  ASSERT_TRUE(queued.ok()) << queued.sentence();
+  wire::Status status;
+  do {
+    ASSERT_TRUE(watcher.get_status(status).ok());
+  } while (status.clients() > 1);
+  EXPECT_EQ(status.renders_queued(), 0u) << "what it had asked for is forgotten";
+  ASSERT_TRUE(watcher.subscribe("main", 50).ok());
+  FrameAssembler frames;
+  EXPECT_TRUE(receive_frame(watcher, frames).ok());
+}
+
+TEST(Limits, TooManySubscriptionsAreRefusedByTheLimitsName) {
+  net::ServerOptions options = small_options();
+  options.max_subscriptions = 1;
+  const TestServer server(options);
+  client::Client client = connect(server);
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  ASSERT_TRUE(client.subscribe("main", 20).ok()) << "the same one at another rate";
+  const client::Status status = client.subscribe("nose", 50);
+  EXPECT_EQ(status.number, number(ErrorNumber::too_many_subscriptions));
+  EXPECT_NE(status.text.find("max_subscriptions is 1"), std::string::npos) << status.text;
+}
+
 TEST(Limits, APortInUseIsTheOperatorsMistake) {
   const TestServer server;
   net::ServerOptions options = small_options();
@@ -243,12 +276,9 @@ TEST(Stop, AStalledClientDoesNotDelayIt) {
   TestServer server;
   client::Client stalled = connect(server);
   RawPeer silent(server);
-  wire::RenderOnce request;  // 2000 x 2000 bins, 84 MB: more than any socket buffer takes
+  wire::RenderOnce request = once_request();  // again 84 MB
   request.mutable_settings()->set_azimuth_bins(2000);
   request.mutable_settings()->set_range_bins(2000);
-  request.mutable_pose()->set_latitude_deg(33);
-  request.mutable_pose()->set_longitude_deg(-99);
-  request.mutable_pose()->set_height_m(1000);
   const client::Status status = stalled.render_once(request);
   ASSERT_TRUE(status.ok()) << status.sentence();
   server.stop();  // returns, or the test times out
