@@ -100,7 +100,10 @@ std::optional<ExactHit> refine_ground(const World& world, const glm::dvec3& orig
   }
   // Near a silhouette the steps may wander: walk the neighbourhood of the rough hit instead.
   const double reach = 2 * grid.cell_m + 1e-4 * rough_m;
-  return walk_ground(world, origin, direction, std::max(0.0, rough_m - reach), rough_m + reach);
+  if (auto hit = walk_ground(world, origin, direction, std::max(0.0, rough_m - reach), rough_m + reach))
+    return hit;
+  // An underside: the ray has leaked through the mesh somewhere before. Answer it by the whole walk.
+  return walk_ground(world, origin, direction, 0, rough_m);
 }
 
 glm::dvec3 vertex(const Buildings& buildings, std::uint32_t index) {
