@@ -8,7 +8,6 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -55,12 +54,14 @@ Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem:
     : log_(folder / "obliqd.log") {
   std::filesystem::remove(log_);  // of an earlier one, which was ready at another address
   pid_ = start(OBLIQD_PROGRAM, arguments, folder / "obliqd.out", log_);
-  const std::regex ready("ready: .* on ([0-9.]+:[0-9]+)\n");
+  const std::string on = " on ";
   for (;;) {
     const std::string text = log();
-    std::smatch match;
-    if (std::regex_search(text, match, ready)) {
-      address_ = match[1];
+    const std::size_t ready = text.find("ready: ");
+    const std::size_t at = ready == std::string::npos ? ready : text.find(on, ready);
+    const std::size_t end = at == std::string::npos ? at : text.find('\n', at);
+    if (end != std::string::npos) {
+      address_ = text.substr(at + on.size(), end - at - on.size());
       return;
     }
     siginfo_t info{};
