@@ -95,9 +95,12 @@ void add_mesh(CLI::App& app) {
   auto scene = std::make_shared<SceneArguments>();
   auto out = std::make_shared<std::string>();
   add_scene_arguments(*command, "SCENE", *scene);
-  command->add_option("--out", *out, "File to write")->required()->type_name("FILE.ply");
+  command->add_option("--out", *out, "File to write")->type_name("FILE.ply");
   command->callback([scene, out] {
-    if (const auto config = open_scene(*scene)) write_ply(*load_world_with_report(*config), *out);
+    const auto config = open_scene(*scene);
+    if (!config) return;
+    if (out->empty()) throw InputError("mesh: --out: found nothing; allowed: a file to write");
+    write_ply(*load_world_with_report(*config), *out);
   });
 }
 

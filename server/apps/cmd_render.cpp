@@ -117,15 +117,17 @@ void add_render(CLI::App& app) {
   add_scene_arguments(*command, "SCENE", arguments->scene);
   command->add_option("--radar", arguments->radar, "Which radar, when the scene has several")
       ->type_name("NAME");
-  command->add_option("--out", arguments->out, "Folder for the files (made if missing)")
-      ->required()
-      ->type_name("DIR");
+  command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
   command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
   command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
       ->check(CLI::Range(0, 1024));
   command->callback([arguments] {
-    if (const auto config = open_scene(arguments->scene)) run(*config, *arguments);
+    const auto config = open_scene(arguments->scene);
+    if (!config) return;
+    if (arguments->out.empty())
+      throw InputError("render: --out: found nothing; allowed: a folder for the files");
+    run(*config, *arguments);
   });
 }
 

@@ -36,14 +36,40 @@ Progress terminal_progress() {
   };
 }
 
+std::vector<std::string> world_report_lines(const World& world) {
+  const HeightGrid& grid = world.grid;
+  const LoadReport& report = world.report;
+  char text[256];
+  std::vector<std::string> lines;
+  std::snprintf(text, sizeof text, "terrain: %d x %d posts of %.5g m (%.1f x %.1f km)", grid.nx, grid.nz,
+                grid.cell_m, (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
+  std::string line = text;
+  const auto count = [&](std::uint64_t n, const char* what) {
+    if (n > 0) line += ", " + std::to_string(n) + " " + what;
+  };
+  count(report.posts_filled, "void posts filled by interpolation");
+  count(report.posts_absent, "without known ground");
+  lines.push_back(line);
+  if (report.buildings_read > 0 || report.prisms_placed > 0) {
+    line = "buildings: " + std::to_string(world.buildings.list.size()) + " in the scene";
+    count(report.buildings_read, "outlines read");
+    count(report.buildings_repaired, "repaired");
+    count(report.buildings_zero_area, "skipped without area");
+    count(report.buildings_duplicate, "skipped as duplicates");
+    count(report.buildings_outside, "skipped outside the loaded area");
+    count(report.buildings_no_ground, "skipped over unknown ground");
+    count(report.buildings_unusable, "skipped as no usable polygon");
+    count(report.buildings_default_height, "with the default height");
+    count(report.prisms_placed, "random prisms");
+    lines.push_back(line);
+  }
+  lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+  return lines;
+}
+
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {
   auto world = std::make_shared<const World>(load_world(config.world, terminal_progress()));
-  const HeightGrid& grid = world->grid;
-  std::fprintf(stderr, "terrain: %d x %d posts of %.5g m (%.1f x %.1f km)", grid.nx, grid.nz, grid.cell_m,
-               (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
-  if (!world->buildings.list.empty()) std::fprintf(stderr, ", %zu buildings", world->buildings.list.size());
-  std::fputc('\n', stderr);
-  for (const std::string& note : world->report.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  for (const std::string& line : world_report_lines(*world)) std::fprintf(stderr, "%s\n", line.c_str());
   return world;
 }
 

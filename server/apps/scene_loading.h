@@ -3,6 +3,7 @@
 // terminal.
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/control/scene_config.h"
 #include "server/radar/pose.h"
@@ -19,6 +20,9 @@ Pose place_radar(const World& world, const RadarConfig& radar);
 
 /// A progress line on stderr when it is a terminal; silent otherwise.
 Progress terminal_progress();
+
+/// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.
+std::vector<std::string> world_report_lines(const World& world);
 
 /// Loads terrain and buildings and prints what was found, one line per note, on stderr.
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);

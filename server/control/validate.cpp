@@ -9,6 +9,9 @@ namespace {
 /// A range bin shorter than this is a mistake in units: the shortest wavelength allowed is 1 mm.
 constexpr double kShortestBin_m = 0.001;
 
+/// An azimuth bin narrower than this, 0.7 mm at 40 km, is a mistake as well.
+constexpr double kNarrowestBin_deg = 1e-6;
+
 void check_limits(RadarConfig config, WireMessage message, std::vector<FieldError>& errors) {
   for (const Parameter& parameter : parameters()) {
     if (parameter.message != message) continue;
@@ -28,6 +31,11 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
                       std::to_string(s.range_bins) + " between radar.r_min_m = " + toml_number(s.r_min_m) +
                           " and radar.r_max_m = " + toml_number(s.r_max_m),
                       "range bins of at least " + toml_number(kShortestBin_m) + " m"});
+  }
+  if (s.azimuth_bins >= 1 && s.sector_deg / s.azimuth_bins < kNarrowestBin_deg) {
+    errors.push_back({"bins.azimuth",
+                      std::to_string(s.azimuth_bins) + " in radar.sector_deg = " + toml_number(s.sector_deg),
+                      "azimuth bins of at least " + toml_number(kNarrowestBin_deg) + " deg"});
   }
   if (s.frustum == FrustumKind::symmetric && s.sector_deg >= 180) {
     errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with frustum.kind = \"symmetric\"",

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 #include <numbers>
+#include <string>
 
 #include "proto/obliq.pb.h"
+#include "terrain/errors.h"
 #include "terrain/frames.h"
 
 namespace obliq {
@@ -76,9 +78,33 @@ Bounds sector_bounds(const wire::FrameDescriptor& d, double up_rad, double near_
   return bounds;
 }
 
+/// A descriptor may come from any server: refuse what no map can be made of.
+void check_described(const wire::FrameDescriptor& d) {
+  const auto positive = [](const char* field, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw InputError(std::string("frame descriptor: ") + field + ": found " + std::to_string(value) +
+                       "; allowed: a positive number");
+  };
+  positive("azimuth_width_deg", d.azimuth_width_deg());
+  positive("range_spacing_m", d.range_spacing_m());
+  positive("range_start_m", d.range_start_m());
+  const double sector_deg = d.azimuth_width_deg() * d.settings().azimuth_bins();
+  if (!(sector_deg <= 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
+    throw InputError("frame descriptor: found a sector of " + std::to_string(sector_deg) + " degrees from " +
+                     std::to_string(d.azimuth_start_deg()) + "; allowed: at most 360 degrees from a bearing");
+  for (const double value :
+       {d.antenna_x_m(), d.antenna_y_m(), d.antenna_z_m(), d.north_rad(), d.map_reference_height_m(),
+        d.azimuth_start_deg(), d.origin_latitude_deg(), d.origin_longitude_deg(), d.pose().latitude_deg(),
+        d.pose().longitude_deg(), d.pose().bearing_deg()})
+    if (!std::isfinite(value))
+      throw InputError(
+          "frame descriptor: found a position or bearing that is no number; allowed: finite numbers");
+}
+
 }  // namespace
 
 GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, double up_bearing_rad) {
+  check_described(d);
   const double r_min = d.range_start_m();
   const double r_max = r_min + d.range_spacing_m() * bins.n_range;
   const MapProjection projection(d);
@@ -127,8 +153,8 @@ GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, do
           if (r < r_min || r >= r_max) continue;
           double offset = std::fmod(std::atan2(p.x, p.z) - start, 2 * kPi);
           if (offset < 0) offset += 2 * kPi;
-          const int azimuth = static_cast<int>(offset / width);
-          if (azimuth >= bins.n_azimuth) continue;
+          if (!(offset < width * bins.n_azimuth)) continue;
+          const int azimuth = std::min(bins.n_azimuth - 1, static_cast<int>(offset / width));
           const int range = std::min(bins.n_range - 1, static_cast<int>((r - r_min) / d.range_spacing_m()));
           const std::size_t bin = static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(bins.n_range) +
                                   static_cast<std::size_t>(range);

@@ -101,11 +101,14 @@ void FramePlan::sort_buildings_by_azimuth() {
     around = std::abs(previous + std::remainder(first - previous, 2 * kPi) - first) > kPi ||
              highest - lowest > kPi;
     if (nearest > sector_.r_max_m && !around) continue;
+    // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
+    const double last = bins_.n_azimuth - 1;
     const auto add = [&](double from, double to) {
       const double a = std::floor((from - bins_.azimuth_start_rad) / bins_.azimuth_width_rad - 1e-9);
       const double z = std::floor((to - bins_.azimuth_start_rad) / bins_.azimuth_width_rad + 1e-9);
+      if (!(a <= last && z >= 0)) return;
       const int bin0 = static_cast<int>(std::max(0.0, a));
-      const int bin1 = static_cast<int>(std::min<double>(bins_.n_azimuth - 1, z));
+      const int bin1 = static_cast<int>(std::min(last, z));
       for (int bin = bin0; bin <= bin1; ++bin) {
         auto& list = buildings_by_azimuth_[static_cast<std::size_t>(bin)];
         if (list.empty() || list.back() != b) list.push_back(b);

@@ -62,7 +62,7 @@ PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const Sec
     const double ground_end = -std::asin(std::min(1.0, sphere.sin_depression(r_end)));
     if (r_start < r_end && ground_end > lowest) {
       const double above = std::max(0.0, highest - ground_end);
-      const double weight = 2 * above * sector.r_max_m / (r_end - r_start);
+      const double weight = std::min(1e6, 2 * above * sector.r_max_m / (r_end - r_start));
       const int above_rows = std::min(static_cast<int>(n * weight / (1 + weight)), n / 2);
       rows.ground_rows = n - above_rows;
       for (int k = 1; k <= rows.ground_rows; ++k) {
