@@ -46,7 +46,7 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
     descriptor.add_warnings(
         sentence("antenna at %.0f m: an effective-earth factor of %.4g is a rule for below %.0f m", above_m,
                  frame.radius_factor(), kLowAltitude_m));
-  if (off_origin_m > kFarFromOrigin_m)
+  if (off_origin_m > kFarFromOrigin_m && std::isfinite(frame.radius_factor()))
     descriptor.add_warnings(
         sentence("antenna %.1f km from the scene origin: azimuths are off by up to %.3g degrees",
                  off_origin_m / 1000, descriptor.azimuth_error_bound_rad() / kDegree_rad));

@@ -18,12 +18,6 @@ Json number(double value) {
   return value > 0 ? "inf" : "-inf";
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 Json from_message(const Message& message) {
   Json object = Json::object();
   const Reflection& reflection = *message.GetReflection();
@@ -66,7 +60,7 @@ Json from_message(const Message& message) {
         object[field->name()] = reflection.GetUInt64(message, field);
         break;
       case FieldDescriptor::CPPTYPE_ENUM:
-        object[field->name()] = lower(reflection.GetEnum(message, field)->name());
+        object[field->name()] = enum_word(reflection.GetEnum(message, field)->name());
         break;
       case FieldDescriptor::CPPTYPE_FLOAT:
         object[field->name()] = number(static_cast<double>(reflection.GetFloat(message, field)));
@@ -83,6 +77,14 @@ Json edges(double start, double width, int bins) {
 }
 
 }  // namespace
+
+std::string enum_word(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string suffix = "_speckle";
+  if (text.ends_with(suffix)) text.resize(text.size() - suffix.size());
+  return text;
+}
 
 std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary) {
   Json root;

@@ -12,4 +12,7 @@ namespace obliq {
 /// written so that they read back to the same double; infinity, which JSON lacks, as "inf".
 std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary);
 
+/// The scene file's word for a protobuf enumerator: GROUND_SPECKLE is "ground".
+std::string enum_word(std::string enumerator);
+
 }  // namespace obliq
