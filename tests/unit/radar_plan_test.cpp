@@ -168,5 +168,23 @@ TEST_F(PlanTest, SymmetricSectorWithACornerBehindTheCameraIsRefused) {
   for (double power : frame.bins.power_w) EXPECT_TRUE(std::isfinite(power));
 }
 
+TEST_F(PlanTest, TheNarrowestSectorsSortBuildingsWithoutOverflow) {
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::flat, 12000, 200);
+  PrismSpec prisms;
+  prisms.per_km2 = 5;
+  spec.prisms = {prisms};
+  const auto scene = test::make_scene(load_world(spec));
+  ASSERT_GT(scene->world().buildings.list.size(), 100u);
+  const Pose pose = test::pose_over_origin(scene->world(), 900);
+  for (double sector_deg : {1e-3, 1e-9, 1e-300, 5e-324}) {
+    RadarSettings s = settings(FrustumKind::polar);
+    s.sector_deg = sector_deg;
+    s.azimuth_bins = 4096;
+    const PlanResult result = plan_frame(scene, test::snapshot(s), pose);
+    ASSERT_TRUE(result.plan);
+    for (int bin : {0, 2048, 4095}) EXPECT_LE(result.plan->buildings_in(bin).size(), 600u);
+  }
+}
+
 }  // namespace
 }  // namespace obliq
