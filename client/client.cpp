@@ -129,6 +129,13 @@ Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
   hello.set_minor(wire::kMinorVersion);
   hello.set_client_name(options.name.substr(0, wire::kMaxNameBytes));
   Status status = state_->call(MessageType::hello, hello, MessageType::welcome, state_->welcome);
+  const wire::Welcome& welcome = state_->welcome;
+  if (status.ok() && welcome.major() != wire::kMajorVersion) {
+    status = Status::failure(Outcome::bad_stream,
+                             "the server's protocol version: found " + std::to_string(welcome.major()) + "." +
+                                 std::to_string(welcome.minor()) +
+                                 "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
+  }
   if (!status.ok()) {
     status.text = endpoint.text() + ": " + status.text;
     state_->connection.close();

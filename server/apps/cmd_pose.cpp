@@ -1,5 +1,6 @@
 // `obliq pose`: moves the antenna of a live radar.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -48,8 +49,9 @@ void run(const PoseArguments& arguments) {
     require(client.release_control(radar));
   }
   const wire::Pose& pose = info.pose();
-  std::printf("%s: %.7f N, %.7f E, %.2f m above %s, bearing %.3f degrees\n", radar.c_str(),
-              pose.latitude_deg(), pose.longitude_deg(), pose.height_m(),
+  std::printf("%s: %.7f %c, %.7f %c, %.2f m above %s, bearing %.3f degrees\n", radar.c_str(),
+              std::abs(pose.latitude_deg()), pose.latitude_deg() < 0 ? 'S' : 'N',
+              std::abs(pose.longitude_deg()), pose.longitude_deg() < 0 ? 'W' : 'E', pose.height_m(),
               pose.height_reference() == wire::GROUND      ? "ground"
               : pose.height_reference() == wire::ELLIPSOID ? "ellipsoid"
                                                            : "datum",

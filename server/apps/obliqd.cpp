@@ -4,13 +4,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/scene_arguments.h"
+#include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
 #include "server/net/server.h"
 #include "terrain/errors.h"
@@ -89,10 +93,30 @@ net::ServerOptions options_of(const SceneConfig& config) {
   return options;
 }
 
+extern "C" void end_while_loading(int) {
+  constexpr std::string_view kLine = "obliqd: stopping while loading\n";
+  (void)!write(STDERR_FILENO, kLine.data(), kLine.size());  // nobody is left to be told if that fails
+  _exit(0);
+}
+
+/// Until the server takes over, SIGINT and SIGTERM end the process at once: there is nothing to lose yet.
+/// Also where they were ignored at the start, as by a script's `obliqd &`, since the server will heed them
+/// too.
+void heed_signals_while_loading() {
+  struct sigaction action {};
+  action.sa_handler = end_while_loading;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    if (sigaction(signal, &action, nullptr) != 0) spdlog::warn("signal {} cannot be handled", signal);
+  }
+}
+
 void serve(const SceneConfig& config) {
+  const net::ServerOptions options = options_of(config);
+  net::ReservedPort port(options.address, options.port);
   const net::SceneRenderer renderer(load_scene(config), config.name);
   for (const RadarConfig& radar : config.radars) check_radar(renderer, radar);
-  net::Server server(renderer, config.radars, options_of(config));
+  net::Server server(renderer, config.radars, options, std::move(port));
   std::string names;
   for (const RadarConfig& radar : config.radars) names += (names.empty() ? "" : ", ") + radar.name;
   spdlog::info("ready: {} on {}", names, server.address());
@@ -103,7 +127,11 @@ void serve(const SceneConfig& config) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Serves radar ground maps of real terrain over TCP.", "obliqd"};
+  CLI::App app{
+      "Serves radar ground maps of real terrain over TCP. The port is taken at once; until the terrain is "
+      "loaded "
+      "connections are refused (`obliq get --wait SECONDS` tries again).",
+      "obliqd"};
   app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
   SceneArguments arguments;
   add_scene_arguments(app, "--config", arguments);
@@ -117,6 +145,7 @@ int main(int argc, char** argv) {
                                        "Short for --set server.address");
   spdlog::set_default_logger(spdlog::stderr_color_mt("obliqd"));
   spdlog::flush_on(spdlog::level::info);
+  heed_signals_while_loading();
   try {
     app.parse(argc, argv);
     const auto config = open_scene(arguments);

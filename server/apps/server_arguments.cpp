@@ -1,6 +1,9 @@
 #include "server/apps/server_arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <thread>
 
 #include "proto/obliq.pb.h"
 #include "server/control/complaints.h"
@@ -10,6 +13,15 @@
 
 namespace obliq {
 namespace {
+
+constexpr int kMaxWait_s = 86400;
+constexpr std::chrono::milliseconds kRetryPause{100};
+
+/// Whether trying again may help. A server that answers, if only with a refusal, is there.
+bool may_come_up(client::Outcome outcome) {
+  return outcome == client::Outcome::cannot_connect || outcome == client::Outcome::timed_out ||
+         outcome == client::Outcome::closed;
+}
 
 /// Puts one value in its place, or adds a complaint.
 void set_parameter(const std::string& name, const ConfigNode& node, RadarConfig& radar,
@@ -38,6 +50,11 @@ void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
       ->type_name("HOST[:PORT]")
       ->default_val("127.0.0.1:7420");
   app.add_option("--radar", arguments.radar, "Which radar, when the server has several")->type_name("NAME");
+  app.add_option("--wait", arguments.wait_s,
+                 "Where no server answers yet, as while obliqd loads, try again for so long")
+      ->type_name("SECONDS")
+      ->default_val(0)
+      ->check(CLI::Range(0, kMaxWait_s));
 }
 
 void require(const client::Status& status) {
@@ -50,9 +67,23 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
     throw InputError("--server: found \"" + arguments.server +
                      "\"; allowed: HOST or HOST:PORT, such as 127.0.0.1:7420");
   }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(arguments.wait_s);
   client::Client client;
-  require(client.connect(*endpoint, {.name = name}));
-  return client;
+  bool waiting = false;
+  for (;;) {
+    client::Status status = client.connect(*endpoint, {.name = name});
+    if (status.ok()) return client;
+    if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
+      if (waiting) status.text += " (waited " + std::to_string(arguments.wait_s) + " s)";
+      require(status);
+    }
+    if (!waiting) {
+      std::fprintf(stderr, "obliq: waiting for a server at %s, %d s at most\n", endpoint->text().c_str(),
+                   arguments.wait_s);
+    }
+    waiting = true;
+    std::this_thread::sleep_for(kRetryPause);
+  }
 }
 
 std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments) {
@@ -62,6 +93,7 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
     if (radar == arguments.radar || (arguments.radar.empty() && welcome.radars_size() == 1)) return radar;
     names += (names.empty() ? "" : ", ") + radar;
   }
+  if (names.empty()) throw InputError("the server has no radars");
   throw InputError("--radar: found " + (arguments.radar.empty() ? "nothing" : "\"" + arguments.radar + "\"") +
                    "; allowed: " + names);
 }

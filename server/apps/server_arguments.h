@@ -15,15 +15,17 @@ namespace obliq {
 struct ServerArguments {
   std::string server;
   std::string radar;
+  int wait_s = 0;  ///< how long to try again while no server answers
 };
 
-/// Adds --server and --radar. `arguments` must outlive the parsing.
+/// Adds --server, --radar and --wait. `arguments` must outlive the parsing.
 void add_server_arguments(CLI::App& app, ServerArguments& arguments);
 
 /// Throws InputError unless all went well.
 void require(const client::Status& status);
 
-/// Connects, introducing itself by that name. Throws InputError.
+/// Connects, introducing itself by that name; tries again for as long as --wait says, with one line on
+/// stderr. Throws InputError.
 client::Client connect_to_server(const ServerArguments& arguments, const std::string& name);
 
 /// The named radar, or the server's only one. Throws InputError that lists the names.

@@ -10,6 +10,7 @@
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/session.h"
+#include "terrain/errors.h"
 
 namespace obliq::net {
 
@@ -18,23 +19,6 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 namespace {
-
-std::string text_of(const tcp::endpoint& endpoint) {
-  const std::string host = endpoint.address().to_string();
-  return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
-}
-
-tcp::endpoint resolve(asio::io_context& io, const ServerOptions& options) {
-  error_code error;
-  tcp::resolver resolver(io);
-  const auto found = resolver.resolve(options.address, std::to_string(options.port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error || found.empty()) {
-    throw InputError("address: found " + options.address + " (" + error.message() +
-                     "); allowed: an address of this machine");
-  }
-  return found.begin()->endpoint();
-}
 
 // Says why, as far as the peer reads it at once, and closes.
 void turn_away(tcp::socket socket, int max_clients) {
@@ -55,7 +39,7 @@ struct Server::State {
           asio::post(io, std::move(work));
         })) {}
 
-  void listen();
+  void listen(ReservedPort reserved);
   asio::awaitable<void> accept();
   void stop();
 
@@ -63,21 +47,19 @@ struct Server::State {
   tcp::acceptor acceptor{io};
   asio::signal_set signals{io};
   std::shared_ptr<Room> room;
+  std::string address;
   std::uint64_t last_id = 0;
   bool stopping = false;
 };
 
-void Server::State::listen() {
-  const tcp::endpoint endpoint = resolve(io, room->options());
+void Server::State::listen(ReservedPort reserved) {
+  address = reserved.address();
   error_code error;
   const auto check = [&] {
-    if (error) throw InputError("cannot listen on " + text_of(endpoint) + ": " + error.message());
+    if (error) throw InputError("cannot listen on " + address + ": " + error.message());
   };
-  acceptor.open(endpoint.protocol(), error);
-  check();
-  acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  check();
-  acceptor.bind(endpoint, error);
+  const tcp protocol = reserved.is_v6() ? tcp::v6() : tcp::v4();
+  acceptor.assign(protocol, reserved.release(), error);
   check();
   acceptor.listen(asio::socket_base::max_listen_connections, error);
   check();
@@ -119,8 +101,12 @@ void Server::State::stop() {
 
 Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
                const ServerOptions& options)
+    : Server(renderer, radars, options, ReservedPort(options.address, options.port)) {}
+
+Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+               const ServerOptions& options, ReservedPort port)
     : state_(std::make_unique<State>(renderer, radars, options)) {
-  state_->listen();
+  state_->listen(std::move(port));
   if (options.stop_on_signals) {
     state_->signals.add(SIGINT);
     state_->signals.add(SIGTERM);
@@ -137,10 +123,7 @@ std::uint16_t Server::port() const {
   return state_->acceptor.local_endpoint(ignored).port();
 }
 
-std::string Server::address() const {
-  error_code ignored;
-  return text_of(state_->acceptor.local_endpoint(ignored));
-}
+std::string Server::address() const { return state_->address; }
 
 void Server::run() {
   asio::co_spawn(state_->io, state_->accept(), asio::detached);

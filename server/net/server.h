@@ -7,6 +7,7 @@
 #include "server/control/radar_config.h"
 #include "server/net/frame_renderer.h"
 #include "server/net/options.h"
+#include "server/net/reserved_port.h"
 
 namespace obliq::net {
 
@@ -16,6 +17,9 @@ class Server {
  public:
   /// Binds and listens. Throws InputError when the address is unknown or the port in use.
   Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options);
+  /// Listens on a port that was taken earlier, whatever the options say.
+  Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options,
+         ReservedPort port);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

@@ -73,9 +73,10 @@ class ScriptedServer {
   std::thread thread_;
 };
 
-wire::Bytes welcome(std::uint64_t request_id) {
+wire::Bytes welcome(std::uint64_t request_id, std::uint32_t major = wire::kMajorVersion) {
   wire::Welcome message;
   message.set_request_id(request_id);
+  message.set_major(major);
   message.add_radars("main");
   return wire::encode_message(MessageType::welcome, {}, message);
 }
@@ -137,6 +138,35 @@ TEST(CommandFailures, AServerOfAnotherMajorVersion) {
         return answer;
       },
       "protocol version: found 2.0; allowed: 1.x");
+}
+
+TEST(CommandFailures, AServerWhoseWelcomeIsOfAnotherMajorVersion) {
+  expect_failure(
+      "get", [](MessageType, std::uint64_t id) { return welcome(id, 9); },
+      "protocol version: found 9.0; allowed: 1.x");
+}
+
+TEST(CommandFailures, NobodyListensForAsLongAsOneWaits) {
+  const TestFolder folder;
+  std::string address;
+  {
+    address = ScriptedServer([](MessageType, std::uint64_t) { return wire::Bytes(); }).address();
+  }
+  const Outcome outcome =
+      run_program(OBLIQ_PROGRAM, {"status", "--wait", "1", "--server", address}, folder.path());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "obliq: waiting for a server at " + address +
+                             ", 1 s at most\nobliq: cannot connect to " + address +
+                             ": Connection refused (waited 1 s)\n");
+}
+
+TEST(CommandFailures, AServerThatRefusesIsNotWaitedFor) {
+  const TestFolder folder;
+  const ScriptedServer server([](MessageType, std::uint64_t id) { return welcome(id, 9); });
+  const Outcome outcome =
+      run_program(OBLIQ_PROGRAM, {"watch", "--wait", "600", "--server", server.address()}, folder.path());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err.find("waiting"), std::string::npos) << outcome.err;
 }
 
 TEST(CommandFailures, AServerThatIsNone) {

@@ -50,13 +50,15 @@ Outcome run_program(const std::string& program, const std::vector<std::string>& 
   return {exit_code(status), text_of(folder / "out"), text_of(folder / "err")};
 }
 
-Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem::path& folder)
+Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+               const std::string& until)
     : log_(folder / "obliqd.log") {
   std::filesystem::remove(log_);  // of an earlier one, which was ready at another address
   pid_ = start(OBLIQD_PROGRAM, arguments, folder / "obliqd.out", log_);
   const std::string on = " on ";
   for (;;) {
     const std::string text = log();
+    if (!until.empty() && text.find(until) != std::string::npos) return;
     const std::size_t ready = text.find("ready: ");
     const std::size_t at = ready == std::string::npos ? ready : text.find(on, ready);
     const std::size_t end = at == std::string::npos ? at : text.find('\n', at);

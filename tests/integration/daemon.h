@@ -21,8 +21,9 @@ Outcome run_program(const std::string& program, const std::vector<std::string>& 
 /// An obliqd in the background. Killed, if it still runs, by the destructor.
 class Daemon {
  public:
-  /// Returns when it is ready, or has ended.
-  Daemon(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+  /// Returns when it is ready (or its log holds `until`, if that is given), or has ended.
+  Daemon(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+         const std::string& until = "");
   ~Daemon();
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
+#include <future>
 
 #include "client/client.h"
 #include "proto/obliq.pb.h"
@@ -120,6 +122,61 @@ TEST_F(DaemonTest, SignalsStopItCleanlyWhileClientsWatchAndStall) {
     EXPECT_EQ(daemon.wait(), 0);
     EXPECT_NE(daemon.log().find("stopped"), std::string::npos) << daemon.log();
   }
+}
+
+TEST_F(DaemonTest, SignalsWhileItLoadsEndItAtOnceAlsoWhereTheyWereIgnored) {
+  // Fifty million posts: seconds of loading, of which the signal comes in the first hundredth.
+  const std::vector<std::string> slow = {
+      "--config",          scene, "--set", "terrain.synthetic=hills", "--set", "terrain.shape={}", "--set",
+      "terrain.cell_m=2.5"};
+  for (const int signal : {SIGINT, SIGTERM}) {
+    for (const auto inherited : {SIG_DFL, SIG_IGN}) {
+      const auto ours = std::signal(signal, inherited);
+      Daemon daemon(slow, folder.path(), "loading terrain");
+      (void)std::signal(signal, ours);
+      daemon.send_signal(signal);
+      EXPECT_EQ(daemon.wait(), 0);
+      EXPECT_NE(daemon.log().find("obliqd: stopping while loading\n"), std::string::npos) << daemon.log();
+      EXPECT_EQ(daemon.log().find("ready"), std::string::npos) << daemon.log();
+    }
+  }
+}
+
+TEST_F(DaemonTest, GetWaitsForADaemonThatIsNotThereYet) {
+  const std::string address = Daemon({"--config", scene}, folder.path()).address();
+  ASSERT_NE(address, "");
+  const TestFolder& own = folder;
+  std::filesystem::create_directories(own / "get");
+  auto waiting = std::async(std::launch::async, [&] {
+    return run_program(OBLIQ_PROGRAM,
+                       {"get", "--wait", "600", "--server", address, "--radar", "main", "--out", own / "got"},
+                       own / "get");
+  });
+  while (text_of(own / "get/err").find("waiting for a server at " + address) == std::string::npos &&
+         waiting.wait_for(std::chrono::milliseconds(10)) != std::future_status::ready) {
+  }
+  const Daemon daemon({"--config", scene, "--port", address.substr(address.find(':') + 1)}, folder.path());
+  ASSERT_EQ(daemon.address(), address) << daemon.log();
+  const Outcome got = waiting.get();
+  EXPECT_EQ(got.code, 0) << got.err;
+  EXPECT_TRUE(std::filesystem::exists(own / "got/ground_map.png"));
+  // The one line, and what get says about the frame itself.
+  EXPECT_EQ(got.err.find("waiting"), got.err.rfind("waiting")) << got.err;
+}
+
+TEST_F(DaemonTest, APortInUseIsKnownBeforeAnythingIsLoaded) {
+  const Daemon running({"--config", scene}, folder.path());
+  const std::string port = running.address().substr(running.address().find(':') + 1);
+  const Outcome second = run_program(OBLIQD_PROGRAM, {"--config", scene, "--port", port}, folder.path());
+  EXPECT_EQ(second.code, 1);
+  EXPECT_EQ(second.err, "obliqd: cannot listen on " + running.address() + ": Address already in use\n");
+}
+
+TEST_F(DaemonTest, APoseIsPrintedWithItsHemispheres) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  const std::string server = daemon.address();
+  Outcome pose = obliq({"pose", "--server", server, "--radar", "main"});
+  EXPECT_EQ(pose.out.rfind("main: 33.0000000 N, 99.5000000 W, ", 0), 0u) << pose.out;
 }
 
 TEST_F(DaemonTest, MistakesAtStartAreOneLineAndAnExitCode) {
