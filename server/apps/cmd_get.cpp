@@ -1,13 +1,13 @@
 // `obliq get`: one frame from a server to files, the same files that `obliq render` writes.
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <utility>
 
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/frame_report.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
 #include "server/control/settings_message.h"
@@ -91,16 +91,9 @@ void run(const GetArguments& arguments) {
       arguments.out,
       {{"render_s", frame.render_s}, {"receive_s", received_s}, {"write_s", written_s - received_s}});
 
-  for (const std::string& warning : frame.descriptor->warnings()) {
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  }
-  if (frame.summary->coverage() < 1) {
-    std::fprintf(stderr, "warning: known ground covers %.1f %% of the sector\n",
-                 100 * frame.summary->coverage());
-  }
-  std::printf("%s: %.2f M rays, %.2f M samples; rendered in %.0f ms, here after %.0f ms\n",
-              arguments.out.c_str(), static_cast<double>(frame.summary->rays()) / 1e6,
-              static_cast<double>(frame.summary->samples()) / 1e6, 1000 * frame.render_s, 1000 * received_s);
+  print_frame_report(
+      arguments.out, *frame.descriptor, *frame.summary,
+      "in " + milliseconds_text(frame.render_s) + ", here after " + milliseconds_text(received_s));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/frame_report.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/output/describe_frame.h"
@@ -96,17 +97,8 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   seconds["write_s"] = watch.lap();
   write_timing(arguments.out, seconds);
 
-  for (const std::string& warning : descriptor.warnings())
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  if (frame.stats.coverage() < 1)
-    std::fprintf(stderr, "warning: known ground covers %.1f %% of the sector\n",
-                 100 * frame.stats.coverage());
-  std::printf("%s: %.2f M rays, %.2f M samples in %.0f ms", arguments.out.c_str(),
-              static_cast<double>(frame.stats.rays) / 1e6, static_cast<double>(frame.stats.samples) / 1e6,
-              1000 * (seconds["plan_s"] + seconds["render_s"]));
-  if (!world->buildings.list.empty())
-    std::printf(", %u of %zu buildings seen", planned.plan->buildings_seen(), world->buildings.list.size());
-  std::printf("\n");
+  print_frame_report(arguments.out, descriptor, summary,
+                     "in " + milliseconds_text(seconds["plan_s"] + seconds["render_s"]));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/scene_arguments.h"
+#include "server/apps/scene_loading.h"
 #include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
 #include "server/net/server.h"
@@ -49,11 +50,7 @@ Progress log_progress() {
 std::shared_ptr<const Scene> load_scene(const SceneConfig& config) {
   spdlog::info("scene {}: loading terrain", config.name);
   auto world = std::make_shared<const World>(load_world(config.world, log_progress()));
-  const HeightGrid& grid = world->grid;
-  spdlog::info("terrain: {} x {} posts of {:.5g} m, {:.1f} x {:.1f} km", grid.nx, grid.nz, grid.cell_m,
-               (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
-  spdlog::info("buildings: {}", world->buildings.list.size());
-  for (const std::string& note : world->report.notes) spdlog::info("{}", note);
+  for (const std::string& line : world_report_lines(*world)) spdlog::info("{}", line);
   auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, log_progress());
   const SceneStats& stats = scene->stats();
   spdlog::info(

@@ -1,6 +1,6 @@
 #pragma once
 // What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
-// terminal.
+// terminal. The daemon logs the same report.
 #include <memory>
 #include <string>
 #include <vector>

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <future>
+#include <sstream>
 
 #include "client/client.h"
 #include "proto/obliq.pb.h"
@@ -66,6 +67,21 @@ void expect_same_files(const std::filesystem::path& one, const std::filesystem::
   EXPECT_EQ(compared, 7) << "bins, power, count, state, frame.json, ground_map.png and .tif";
 }
 
+/// ", N of M buildings seen".
+std::string last_part(const std::string& line) {
+  const std::size_t comma = line.rfind(',');
+  return comma == std::string::npos ? line : line.substr(comma);
+}
+
+std::string warnings_of(const std::string& lines) {
+  std::string warnings;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind("warning: ", 0) == 0) warnings += line + '\n';
+  }
+  return warnings;
+}
+
 TEST_F(DaemonTest, GetWritesTheFilesOfRenderBitForBit) {
   const Daemon daemon({"--config", scene}, folder.path());
   ASSERT_NE(daemon.address(), "") << daemon.log();
@@ -83,6 +99,10 @@ TEST_F(DaemonTest, GetWritesTheFilesOfRenderBitForBit) {
     const Outcome rendered = obliq(render);
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     expect_same_files(folder / "rendered", folder / "got");
+    EXPECT_NE(rendered.out.find(" buildings seen\n"), std::string::npos) << rendered.out;
+    EXPECT_EQ(last_part(got.out), last_part(rendered.out));
+    // Both warn in the same words; render's other lines are about its loading.
+    EXPECT_EQ(warnings_of(got.err), warnings_of(rendered.err));
   }
 }
 

@@ -1,0 +1,31 @@
+#include "server/apps/frame_report.h"
+
+#include <cstdio>
+
+#include "proto/obliq.pb.h"
+
+namespace obliq {
+
+void print_frame_report(const std::string& out, const wire::FrameDescriptor& descriptor,
+                        const wire::FrameSummary& summary, const std::string& times) {
+  for (const std::string& warning : descriptor.warnings()) {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+  if (summary.coverage() < 1) {
+    std::fprintf(stderr, "warning: known ground covers %.1f %% of the sector\n", 100 * summary.coverage());
+  }
+  std::printf("%s: %.2f M rays, %.2f M samples %s", out.c_str(), static_cast<double>(summary.rays()) / 1e6,
+              static_cast<double>(summary.samples()) / 1e6, times.c_str());
+  if (descriptor.buildings_in_scene() > 0) {
+    std::printf(", %u of %u buildings seen", summary.buildings_seen(), descriptor.buildings_in_scene());
+  }
+  std::printf("\n");
+}
+
+std::string milliseconds_text(double seconds) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.0f ms", 1000 * seconds);
+  return text;
+}
+
+}  // namespace obliq

@@ -1,0 +1,20 @@
+#pragma once
+// What render and get say about a frame that has been written.
+#include <string>
+
+namespace obliq::wire {
+class FrameDescriptor;
+class FrameSummary;
+}  // namespace obliq::wire
+
+namespace obliq {
+
+/// The frame's warnings, a line each on stderr, and one line on stdout: where its files are, rays, samples,
+/// `times` in the caller's words, buildings seen.
+void print_frame_report(const std::string& out, const wire::FrameDescriptor& descriptor,
+                        const wire::FrameSummary& summary, const std::string& times);
+
+/// "12 ms".
+std::string milliseconds_text(double seconds);
+
+}  // namespace obliq
