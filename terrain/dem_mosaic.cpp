@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include "terrain/dem_window.h"
 #include "terrain/errors.h"
 #include "terrain/geodetic_lattice.h"
 #include "terrain/grid_area.h"
 #include "terrain/resample.h"
+#include "terrain/seams.h"
 
 namespace obliq {
 namespace {
@@ -73,7 +75,7 @@ constexpr Rect kEverywhere{-HUGE_VAL, -HUGE_VAL, HUGE_VAL, HUGE_VAL};
 
 /// Reads what one file has for the grid and gives it to the unknown nodes.
 void fill_from_file(HeightGrid& grid, const GeodeticLattice& geodetic, const Raster& file,
-                    const std::optional<VerticalUnit>& unit, const Progress& progress) {
+                    const std::optional<VerticalUnit>& unit, Seams* seams, const Progress& progress) {
   const PostLattice lattice = post_lattice(geodetic, file);
   // "Clearly coarser": a cell of two postings and more takes the mean of the posts it stands for.
   const int step = std::clamp(static_cast<int>(grid.cell_m / file.posting_m()), 1, 4096);
@@ -84,7 +86,7 @@ void fill_from_file(HeightGrid& grid, const GeodeticLattice& geodetic, const Ras
     const PixelRect rect = needed_pixels(lattice, grid, file, step, shift_columns);
     if (rect.empty()) continue;
     const DemWindow window = read_window(file, rect, step, unit, progress);
-    fill_from_window(grid, lattice, window, shift_columns);
+    fill_from_window(grid, lattice, window, shift_columns, seams);
   }
 }
 
@@ -128,12 +130,16 @@ double DemMosaic::finest_posting_m(const WorldFrame& frame, const Rect& rect) co
 
 void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, const Progress& progress) const {
   const GeodeticLattice geodetic = geodetic_lattice(frame, {grid.x0_m, grid.z0_m, grid.x1_m(), grid.z1_m()});
+  // One file keeps to its posts; between two of them there is ground that neither knows alone.
+  std::optional<Seams> seams;
+  if (files_.size() > 1) seams.emplace(grid);
   for (std::size_t n = 0; n < files_.size(); ++n) {
     const auto share = [&](std::string_view stage, double fraction) {
       if (progress) progress(stage, (static_cast<double>(n) + fraction) / static_cast<double>(files_.size()));
     };
-    fill_from_file(grid, geodetic, files_[n], terrain_.unit, share);
+    fill_from_file(grid, geodetic, files_[n], terrain_.unit, seams ? &*seams : nullptr, share);
   }
+  if (seams) seams->close(grid);
 }
 
 void DemMosaic::refuse_no_ground(const WorldFrame& frame, const Rect& wanted) const {

@@ -26,7 +26,8 @@ class DemMosaic {
   /// Distance between posts of the finest file that touches rect, metres.
   double finest_posting_m(const WorldFrame& frame, const Rect& rect) const;
 
-  /// Gives the grid's unknown nodes their heights, file by file. Throws InputError when a file cannot be
+  /// Gives the grid's unknown nodes their heights, file by file, and then those on the seams
+  /// between files. Throws InputError when a file cannot be
   /// read.
   void fill(HeightGrid& grid, const WorldFrame& frame, const Progress& progress) const;
 

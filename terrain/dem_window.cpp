@@ -213,6 +213,32 @@ double DemWindow::height_at_m(double column, double row) const {
              mix(static_cast<double>(post[below]), static_cast<double>(post[below + right]), s), t);
 }
 
+DemWindow::Share DemWindow::share_at(double column, double row) const {
+  // Places half-way between the posts of two files must belong to one of them whatever the rounding.
+  constexpr double kOwned = 0.501;
+  Share share;
+  const double u = (column - column0) / step;
+  const double v = (row - row0) / step;
+  if (!(u > -1 && v > -1 && u < nx && v < nz)) return share;
+  const int c0 = static_cast<int>(std::floor(u));
+  const int r0 = static_cast<int>(std::floor(v));
+  double sum = 0;
+  for (int r = std::max(0, r0); r <= std::min(nz - 1, r0 + 1); ++r) {
+    for (int c = std::max(0, c0); c <= std::min(nx - 1, c0 + 1); ++c) {
+      const double post_m = static_cast<double>(
+          height_m[static_cast<std::size_t>(r) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(c)]);
+      if (std::isnan(post_m)) continue;
+      const double du = std::abs(u - c);
+      const double dv = std::abs(v - r);
+      share.weight += (1 - du) * (1 - dv);
+      sum += (1 - du) * (1 - dv) * post_m;
+      share.owned = share.owned || (du <= kOwned && dv <= kOwned);
+    }
+  }
+  if (share.weight > 0) share.height_m = sum / share.weight;
+  return share;
+}
+
 DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
                       const std::optional<VerticalUnit>& unit, const Progress& progress) {
   const Decoder decoder(raster, metres_per_unit(raster, unit));

@@ -25,6 +25,14 @@ struct DemWindow {
   /// belongs to the raster but has posts on one side only, takes the nearest post's height. NaN when a post
   /// that carries weight is void or the place is outside.
   double height_at_m(double column, double row) const;
+
+  /// What the window's valid posts around a place say of it, up to one posting beyond the window.
+  struct Share {
+    double height_m = 0;  ///< mean of the valid posts, weighted as bilinear interpolation weights them
+    double weight = 0;    ///< sum of those weights: 1 when all four are valid, 0 when none is
+    bool owned = false;   ///< a valid post stands within half a posting
+  };
+  Share share_at(double column, double row) const;
 };
 
 /// Metres per unit of the raster's values: the given unit, else the band's, else its vertical system's, else

@@ -33,6 +33,21 @@ double solve_height_m(const LatticePoint& point, const DemWindow& window, double
   return height_m;
 }
 
+/// What the valid posts around a node say of it when they are not all four, with world y.
+Seams::Share solve_share(const LatticePoint& point, const DemWindow& window, double shift_columns,
+                         double guess_m) {
+  DemWindow::Share found;
+  found.height_m = guess_m;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double before_m = found.height_m;
+    const double share = layer_share(before_m);
+    found = window.share_at(at_share(point.column, share) + shift_columns, at_share(point.row, share));
+    if (!(found.weight > 0)) return {};
+    if (std::abs(found.height_m - before_m) <= kSettled_m) break;
+  }
+  return {0, point.world_y_m(found.height_m), found.weight, found.owned};
+}
+
 /// True when a piece of the row between these lattice columns may touch the raster.
 bool may_touch(const LatticeRow& row, int first, const DemWindow& window, double shift_columns) {
   double c0 = HUGE_VAL, c1 = -HUGE_VAL, r0 = HUGE_VAL, r1 = -HUGE_VAL;
@@ -49,11 +64,13 @@ bool may_touch(const LatticeRow& row, int first, const DemWindow& window, double
       r1 = std::max(r1, r);
     }
   }
-  return c1 >= -0.5 && r1 >= -0.5 && c0 <= window.raster_columns - 0.5 && r0 <= window.raster_rows - 0.5;
+  const double reach = window.step;  // of the outermost posts
+  return c1 >= -reach && r1 >= -reach && c0 <= window.raster_columns - 1 + reach &&
+         r0 <= window.raster_rows - 1 + reach;
 }
 
 void fill_row(HeightGrid& grid, int j, const PostLattice& lattice, const DemWindow& window,
-              double shift_columns, double middle_m) {
+              double shift_columns, double middle_m, Seams* seams) {
   const LatticeRow row(lattice, grid.node_z_m(j));
   int tested = -1;
   bool touches = false;
@@ -68,7 +85,13 @@ void fill_row(HeightGrid& grid, int j, const PostLattice& lattice, const DemWind
     if (!touches) continue;
     const LatticePoint point = row.at(x_m);
     const double height_m = solve_height_m(point, window, shift_columns, middle_m);
-    if (!std::isnan(height_m)) grid.y_m[grid.index(i, j)] = static_cast<float>(point.world_y_m(height_m));
+    if (!std::isnan(height_m)) {
+      grid.y_m[grid.index(i, j)] = static_cast<float>(point.world_y_m(height_m));
+    } else if (seams) {
+      Seams::Share share = solve_share(point, window, shift_columns, middle_m);
+      share.i = i;
+      if (share.weight > 0) seams->add(j, share);
+    }
   }
 }
 
@@ -122,9 +145,9 @@ PixelRect needed_pixels(const PostLattice& lattice, const HeightGrid& grid, cons
 }
 
 void fill_from_window(HeightGrid& grid, const PostLattice& lattice, const DemWindow& window,
-                      double shift_columns) {
+                      double shift_columns, Seams* seams) {
   const double middle_m = middle_height_m(window);
-  for_each_row(grid.nz, [&](int j) { fill_row(grid, j, lattice, window, shift_columns, middle_m); });
+  for_each_row(grid.nz, [&](int j) { fill_row(grid, j, lattice, window, shift_columns, middle_m, seams); });
 }
 
 }  // namespace obliq

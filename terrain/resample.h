@@ -2,6 +2,7 @@
 #include "terrain/dem_window.h"
 #include "terrain/geodetic_lattice.h"
 #include "terrain/height_grid.h"
+#include "terrain/seams.h"
 
 namespace obliq {
 
@@ -11,8 +12,9 @@ PixelRect needed_pixels(const PostLattice& lattice, const HeightGrid& grid, cons
                         double shift_columns);
 
 /// Gives every unknown node the height of the DEM at its place: solves for the height h whose geodetic
-/// position, at world (x, z), is where the DEM says h. Nodes off the window or over voids stay unknown.
+/// position, at world (x, z), is where the DEM says h. Nodes off the window or over voids stay unknown;
+/// of those that have some valid posts around them, seams (when given) learns what these say.
 void fill_from_window(HeightGrid& grid, const PostLattice& lattice, const DemWindow& window,
-                      double shift_columns);
+                      double shift_columns, Seams* seams);
 
 }  // namespace obliq
