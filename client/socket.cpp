@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstring>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -29,6 +30,18 @@ int poll_until(int fd, short events, Timeout timeout) {
   }
 }
 
+// Where nobody listens on a port of the range that outgoing connections take theirs from, TCP may connect a
+// socket to itself (RFC 793, simultaneous open). Who tries again and again meets that sooner or later.
+bool is_own_peer(int fd) {
+  sockaddr_storage own{};
+  sockaddr_storage peer{};
+  socklen_t own_size = sizeof own;
+  socklen_t peer_size = sizeof peer;
+  return ::getsockname(fd, reinterpret_cast<sockaddr*>(&own), &own_size) == 0 &&
+         ::getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &peer_size) == 0 && own_size == peer_size &&
+         std::memcmp(&own, &peer, own_size) == 0;
+}
+
 Status connect_to(const addrinfo& address, Timeout timeout, int& fd) {
   fd = ::socket(address.ai_family, address.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address.ai_protocol);
   if (fd < 0) return Status::failure(Outcome::cannot_connect, reason(errno));
@@ -45,6 +58,7 @@ Status connect_to(const addrinfo& address, Timeout timeout, int& fd) {
       }
     }
   }
+  if (error == 0 && is_own_peer(fd)) error = ECONNREFUSED;
   if (error == 0) {
     // Requests are small and each waits for its answer; without this they would wait for one another too.
     const int on = 1;
