@@ -12,7 +12,8 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
   if (summary.coverage() < 1) {
-    std::fprintf(stderr, "warning: known ground covers %.1f %% of the sector\n", 100 * summary.coverage());
+    std::fprintf(stderr, "warning: %.2g %% of the sector has no known ground\n",
+                 100 * (1 - summary.coverage()));
   }
   std::printf("%s: %.2f M rays, %.2f M samples %s", out.c_str(), static_cast<double>(summary.rays()) / 1e6,
               static_cast<double>(summary.samples()) / 1e6, times.c_str());
