@@ -15,6 +15,11 @@ namespace {
 
 constexpr double kSyntheticCell_m = 30;  ///< of synthetic ground when no radar says what it needs
 
+/// What is filled when the scene does not say: a missing post or two of coarse models, small lakes of fine
+/// ones.
+constexpr double kFill_m = 200;
+constexpr double kFillPostings = 3;
+
 /// The given cell on the grid's quantum, or what the scene needs.
 double cell_size_m(const WorldSpec& spec, double auto_m) {
   if (!spec.terrain.cell_m) return round_to_quantum_m(auto_m);
@@ -46,18 +51,21 @@ void note_coverage(World& world, const WantedArea& wanted) {
   world.report.notes.emplace_back(note);
 }
 
-void load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress) {
+/// Loads all elevation models; returns the distance between posts of the finest.
+double load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress) {
   DemMosaic mosaic(spec.terrain);
   const Rect covered = mosaic.extent(world.frame);
   const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
   if (rect.empty()) mosaic.refuse_no_ground(world.frame, wanted.rect);
-  const double needed_m = std::max(mosaic.finest_posting_m(world.frame, rect), spec.sampling_footprint_m);
+  const double posting_m = mosaic.finest_posting_m(world.frame, rect);
+  const double needed_m = std::max(posting_m, spec.sampling_footprint_m);
   world.grid = empty_grid(rect, cell_size_m(spec, needed_m));
   mosaic.fill(world.grid, world.frame, progress);
   const auto known = [](float y) { return !std::isnan(y); };
   if (std::none_of(world.grid.y_m.begin(), world.grid.y_m.end(), known)) {
     mosaic.refuse_no_ground(world.frame, rect);
   }
+  return posting_m;
 }
 
 void count_nodes(World& world, const std::vector<std::size_t>& filled) {
@@ -73,9 +81,10 @@ void count_nodes(World& world, const std::vector<std::size_t>& filled) {
 
 void load_ground(World& world, const WorldSpec& spec, const Progress& progress) {
   const TerrainSpec& terrain = spec.terrain;
-  if (!(terrain.fill_void_m >= 0) || !std::isfinite(terrain.fill_void_m)) {
-    throw InputError("[terrain] fill_void_m: found " + std::to_string(terrain.fill_void_m) +
-                     "; allowed: a number of metres from 0");
+  const std::optional<double>& fill_m = terrain.fill_void_m;
+  if (fill_m && (!(*fill_m >= 0) || !std::isfinite(*fill_m))) {
+    throw InputError("[terrain] fill_void_m: found " + std::to_string(*fill_m) +
+                     "; allowed: \"auto\" or a number of metres from 0");
   }
   if (!std::isfinite(spec.sampling_footprint_m)) {
     throw InputError("sampling footprint: found " + std::to_string(spec.sampling_footprint_m) +
@@ -86,8 +95,8 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
   if (terrain.synthetic != SyntheticKind::none) {
     load_synthetic(world, spec, wanted);
   } else {
-    load_dem(world, spec, wanted, progress);
-    filled = fill_voids(world.grid, terrain.fill_void_m);
+    const double posting_m = round_to_quantum_m(load_dem(world, spec, wanted, progress));
+    filled = fill_voids(world.grid, fill_m.value_or(std::max(kFill_m, kFillPostings * posting_m)));
   }
   cut_to_polygon(world.grid, wanted.polygon);
   count_nodes(world, filled);

@@ -22,9 +22,9 @@ constexpr double kDegree_m = 111133;
 constexpr double kMostPrisms = 8e6;
 
 void check(const PrismSpec& spec) {
-  if (!(spec.per_km2 > 0) || spec.per_km2 > 1e5) {
+  if (!(spec.per_km2 >= 0) || spec.per_km2 > 1e5) {
     throw InputError("[[prisms]] per_km2: found " + std::to_string(spec.per_km2) +
-                     "; allowed: more than 0, at most 100000");
+                     "; allowed: 0 (none) to 100000");
   }
   for (const auto& [key, range] : {std::pair{"width_m", spec.width_m}, std::pair{"length_m", spec.length_m},
                                    std::pair{"height_m", spec.height_m}}) {
@@ -200,6 +200,7 @@ void scatter_prisms(World& world, const WorldSpec& spec, const Polygon& area, co
   const std::uint64_t no_ground = world.report.buildings_no_ground;
   for (const PrismSpec& prisms : spec.prisms) {
     check(prisms);
+    if (prisms.per_km2 == 0) continue;
     const PrismCells cells(prisms);
     CellList list;
     for (const GeoPolygon& polygon : polygons_of(prisms, window, world.report)) {

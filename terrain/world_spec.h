@@ -44,7 +44,8 @@ struct TerrainSpec {
   SyntheticSpec shape;
   std::vector<LonLat> area;      ///< polygon; empty: the union of the reaches
   std::optional<double> cell_m;  ///< empty: auto
-  double fill_void_m = 200;      ///< voids no wider than this are filled by interpolation
+  /// Voids no wider than this are filled by interpolation; empty: the larger of 200 m and three postings.
+  std::optional<double> fill_void_m;
 };
 
 struct BuildingSourceSpec {

@@ -73,6 +73,8 @@ std::string terrain(const SceneConfig& config) {
     text += line("area", polygon(spec.area), "What is loaded: longitude, latitude. [restart]");
   text += line("cell_m", spec.cell_m ? toml_number(*spec.cell_m) : "\"auto\"",
                "Spacing of the ground grid, m, or \"auto\". [restart]");
+  text += line("fill_void_m", spec.fill_void_m ? toml_number(*spec.fill_void_m) : "\"auto\"",
+               "Voids no wider than this are filled, m, or \"auto\". [restart]");
   text += section("terrain.", config);
   if (spec.synthetic != SyntheticKind::none)
     text += header("terrain.shape") + section("terrain.shape.", config);

@@ -19,12 +19,6 @@ using Scene = SceneConfig;
 const std::array kScene{
     Entry<Scene>{{"terrain.synthetic", "", {}, kSyntheticKinds, "Made-up ground instead of a dem."},
                  [](Scene& c) -> Slot { return &c.world.terrain.synthetic; }},
-    Entry<Scene>{{"terrain.fill_void_m",
-                  "m",
-                  closed(0, 100e3),
-                  {},
-                  "Voids no wider than this are filled by interpolation; wider ones are no ground."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.fill_void_m; }},
     Entry<Scene>{{"terrain.shape.height_m",
                   "m",
                   closed(0, 9000),
@@ -98,7 +92,7 @@ const std::array kBuildings{
 };
 
 const std::array kPrisms{
-    Entry<PrismSpec>{{"per_km2", "1/km2", closed(0, 100000), {}, "Prisms per square kilometre."},
+    Entry<PrismSpec>{{"per_km2", "1/km2", closed(0, 100000), {}, "Prisms per square kilometre; 0: none."},
                      [](PrismSpec& p) -> Slot { return &p.per_km2; }},
     Entry<PrismSpec>{{"seed", "", {}, {}, "Another seed, other prisms."},
                      [](PrismSpec& p) -> Slot { return &p.seed; }},
@@ -142,6 +136,9 @@ constexpr std::array kSpecial{
                "the radars' reach and 25 %", "What is loaded."},
     SpecialKey{"terrain.cell_m", "\"auto\" or a number 0.03125 to 10000 m", "\"auto\"",
                "Spacing of the ground grid."},
+    SpecialKey{"terrain.fill_void_m", "\"auto\" or a number 0 to 100000 m", "\"auto\"",
+               "Voids no wider than this are filled by interpolation, wider ones are no ground; auto: the "
+               "larger of 200 m and three postings of the finest dem."},
     SpecialKey{"frustum.pixels", "a number, or [columns, rows]", "2048",
                "Sets pixel_columns and pixel_rows."},
     SpecialKey{"buildings.source", "a path", "", "Outlines: any OGR path."},

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "server/control/material_library.h"
 #include "server/control/scene_keys.h"
@@ -60,7 +61,8 @@ std::vector<LonLat> polygon_of(const ConfigNode& node) {
     ConfigNode holder;
     holder.items = {item};
     holder.items[0].key = "corner";
-    const auto pair = SectionReader(holder, "", unheard).numbers("corner", closed(-180, 180), 2, 2);
+    // Beyond 180: outlines across the antimeridian run on.
+    const auto pair = SectionReader(holder, "", unheard).numbers("corner", closed(-360, 360), 2, 2);
     if (pair.size() != 2 || std::abs(pair[1]) > 90) return {};
     corners.push_back({pair[0], pair[1]});
   }
@@ -75,8 +77,8 @@ std::vector<LonLat> polygon_of(const ConfigNode& node) {
 
 void read_area(SectionReader& reader, TerrainSpec& terrain) {
   constexpr auto kAllowed =
-      "[west, south, east, north] with west < east and south < north, or a polygon [[longitude, latitude], "
-      "...], degrees";
+      "[west, south, east, north] in degrees with south < north, at most 180 degrees eastward from west to "
+      "east, or a polygon [[longitude, latitude], ...]";
   const ConfigNode* node = reader.take("area");
   if (node == nullptr) return;
   const bool nested = node->kind == Kind::array && !node->items.empty() && node->items[0].kind == Kind::array;
@@ -85,8 +87,10 @@ void read_area(SectionReader& reader, TerrainSpec& terrain) {
     if (terrain.area.empty()) reader.complain(*node, "area", kAllowed);
     return;
   }
-  const auto box = reader.numbers("area", closed(-180, 180), 4, 4);
+  auto box = reader.numbers("area", closed(-180, 180), 4, 4);
   if (box.empty()) return;
+  // A west beyond the east is a box across the antimeridian; half a turn tells it from two swapped numbers.
+  if (box[0] > box[2] && box[0] - box[2] > 180) box[2] += 360;
   if (box[0] < box[2] && box[1] < box[3] && box[1] >= -90 && box[3] <= 90) {
     terrain.area = {{box[0], box[1]}, {box[2], box[1]}, {box[2], box[3]}, {box[0], box[3]}};
   } else {
@@ -94,19 +98,18 @@ void read_area(SectionReader& reader, TerrainSpec& terrain) {
   }
 }
 
-void read_cell(SectionReader& reader, TerrainSpec& terrain) {
-  const ConfigNode* node = reader.take("cell_m");
+/// "auto", which leaves the value empty, or a number within the key's limits.
+void read_auto(SectionReader& reader, std::string_view name, const Key& key, std::optional<double>& value) {
+  const ConfigNode* node = reader.take(name);
   if (node == nullptr) return;
   const auto* text = node->kind == Kind::value ? std::get_if<std::string>(&node->value) : nullptr;
   if (text != nullptr && *text == "auto") return;
-  // The least is the grid's quantum (terrain/height_grid.h).
-  const Key key{"terrain.cell_m", "m", closed(1.0 / 32, 10000)};
-  double cell_m = 0;
-  const bool good = node->kind == Kind::value && !store(key, &cell_m, node->value) && !check(key, &cell_m);
+  double number = 0;
+  const bool good = node->kind == Kind::value && !store(key, &number, node->value) && !check(key, &number);
   if (good) {
-    terrain.cell_m = cell_m;
+    value = number;
   } else {
-    reader.complain(*node, "cell_m", "\"auto\" or a " + allowed_text(key, &cell_m));
+    reader.complain(*node, name, "\"auto\" or a " + allowed_text(key, &number));
   }
 }
 
@@ -131,7 +134,9 @@ void read_terrain(SceneReading& reading, const ConfigNode& table) {
   for (const ConfigNode* path : reader.texts("dem"))
     terrain.dem.push_back(resolved_path(*path, reading.folder));
   read_area(reader, terrain);
-  read_cell(reader, terrain);
+  // The least cell is the grid's quantum (terrain/height_grid.h).
+  read_auto(reader, "cell_m", Key{"terrain.cell_m", "m", closed(1.0 / 32, 10000)}, terrain.cell_m);
+  read_auto(reader, "fill_void_m", Key{"terrain.fill_void_m", "m", closed(0, 100e3)}, terrain.fill_void_m);
   read_unit(reader, terrain);
   std::string crs;
   if (reader.read("crs", Key{"terrain.crs", ""}, &crs)) terrain.crs = crs;

@@ -141,11 +141,22 @@ handshake_timeout_s = 0.1
   EXPECT_EQ(print_config(again), printed);
 }
 
+TEST(PrintConfig, AnAreaAcrossTheAntimeridianReadsBackTheSame) {
+  const SceneConfig config =
+      load_scene_file(write("[terrain]\nsynthetic = \"hills\"\narea = [179.5, -18, -179.5, -17]\n", "_m"));
+  const std::string printed = print_config(config);
+  const SceneConfig again = load_scene_file(write(printed, "_n"));
+  expect_same(config, again);
+  ASSERT_EQ(again.world.terrain.area.size(), 4u);
+  EXPECT_EQ(again.world.terrain.area[1].longitude_deg, 180.5);
+}
+
 TEST(PrintConfig, DefaultsReadBackTheSame) {
   const SceneConfig config = load_scene_file(write("[terrain]\nsynthetic = \"hills\"\n", "_d"));
   const std::string printed = print_config(config);
   expect_same(config, load_scene_file(write(printed, "_e")));
   EXPECT_NE(printed.find("radius_factor = inf"), std::string::npos);
+  EXPECT_NE(printed.find("fill_void_m = \"auto\""), std::string::npos);
   EXPECT_NE(printed.find("[integer 1 to 16384; live]"), std::string::npos);
 }
 

@@ -184,11 +184,30 @@ TEST_F(SceneFile, AreaIsABoxOrAPolygon) {
   ASSERT_EQ(area("[-100, 32, -99, 33.5]").size(), 4u);
   EXPECT_EQ(area("[-100, 32, -99, 33.5]")[2].latitude_deg, 33.5);
   ASSERT_EQ(area("[[-100, 32], [-99, 32], [-99.5, 33]]").size(), 3u);
+  // Across the antimeridian a box goes on eastward.
+  const std::vector<LonLat> fiji = area("[179, -18, -179, -16]");
+  ASSERT_EQ(fiji.size(), 4u);
+  EXPECT_EQ(fiji[0].longitude_deg, 179);
+  EXPECT_EQ(fiji[1].longitude_deg, 181);
+  EXPECT_EQ(fiji[2].longitude_deg, 181);
+  EXPECT_EQ(fiji[2].latitude_deg, -16);
   for (const std::string bad :
-       {"[1, 2, 3]", "[-99, 32, -100, 33]", "[-100, 32, nan, 33]", "[-100, -95, -99, 33]", "[[1, 2], [3, 4]]",
-        "[[0, 0], [1, 1], [2, 2]]", "[[0, 0], [1, 95], [2, 2]]", "\"all\"", "[[0, 0], [1, \"x\"], [2, 2]]",
-        "[]", "7"})
+       {"[1, 2, 3]", "[-99, 32, -100, 33]", "[90, 0, -90, 1]", "[-100, 32, nan, 33]", "[-100, -95, -99, 33]",
+        "[[1, 2], [3, 4]]", "[[0, 0], [1, 1], [2, 2]]", "[[0, 0], [1, 95], [2, 2]]", "\"all\"",
+        "[[0, 0], [1, \"x\"], [2, 2]]", "[]", "7"})
     EXPECT_SAYS(complaint(kFlat + ("area = " + bad)), "FILE:3: terrain.area: found");
+}
+
+TEST_F(SceneFile, WidestVoidIsANumberOrAutomatic) {
+  const auto fill_m = [&](const std::string& value) {
+    return read(kFlat + ("fill_void_m = " + value)).world.terrain.fill_void_m;
+  };
+  EXPECT_FALSE(read(kFlat).world.terrain.fill_void_m);
+  EXPECT_FALSE(fill_m("\"auto\""));
+  EXPECT_EQ(fill_m("0"), 0.0);
+  EXPECT_EQ(fill_m("450.5"), 450.5);
+  for (const std::string bad : {"-1", "nan", "\"all\"", "[1]", "100001"})
+    EXPECT_SAYS(complaint(kFlat + ("fill_void_m = " + bad)), "FILE:3: terrain.fill_void_m: found");
 }
 
 TEST_F(SceneFile, MaterialsAreOverriddenAddedAndNamed) {

@@ -146,6 +146,14 @@ TEST(RandomPrisms, DoNotOverlapWhileTheyFitTheirCells) {
   }
 }
 
+TEST(RandomPrisms, NoneStandAtADensityOfZero) {
+  WorldSpec spec = prism_scene();
+  spec.prisms[0].per_km2 = 0;
+  const World world = load_world(spec);
+  EXPECT_EQ(world.buildings.list.size(), 0u);
+  EXPECT_EQ(world.report.prisms_placed, 0u);
+}
+
 TEST(RandomPrisms, StandOnGroundOnly) {
   const Folder folder;
   test::RasterPlan plan =
@@ -170,7 +178,7 @@ TEST(RandomPrisms, ImpossibleNumbersAndSourcesAreRefusedByKey) {
     EXPECT_NE(text.find(key), std::string::npos) << text;
   };
   expect(error([&](PrismSpec& p) { p.per_km2 = nan; }), "[[prisms]] per_km2");
-  expect(error([](PrismSpec& p) { p.per_km2 = 0; }), "[[prisms]] per_km2");
+  expect(error([](PrismSpec& p) { p.per_km2 = -1; }), "[[prisms]] per_km2");
   expect(error([](PrismSpec& p) { p.width_m = {20, 10}; }), "[[prisms]] width_m");
   expect(error([&](PrismSpec& p) { p.length_m = {nan, 10}; }), "[[prisms]] length_m");
   expect(error([](PrismSpec& p) { p.height_m = {-1, 10}; }), "[[prisms]] height_m");

@@ -116,6 +116,23 @@ TEST(Seams, OneFileIsNotWidened) {
   EXPECT_FALSE(world.grid.node_known(i + 1, j + 1));
 }
 
+TEST(Voids, OneMissingPostIsFilledHoweverCoarseTheModel) {
+  const Folder folder;
+  for (const double post_m : {30.0, 300.0}) {
+    RasterPlan plan = quad([](long, long) { return true; });
+    plan.geotransform = {kEast_m - 50.3 * post_m, post_m, 0, kNorth_m + 50.2 * post_m, 0, -post_m};
+    plan.value = [post_m](double x, double y) {
+      return std::hypot(x - kEast_m, y - kNorth_m) < 0.6 * post_m ? kVoid : plane(x, y);
+    };
+    WorldSpec spec = test::scene(kLon, kLat, 20 * post_m, {write_raster(folder, "hole.tif", plan)});
+    const World world = load_world(spec);
+    EXPECT_EQ(world.report.posts_absent, 0u) << post_m;
+    EXPECT_GE(world.report.posts_filled, 1u) << post_m;
+    spec.terrain.fill_void_m = 0;
+    EXPECT_GE(load_world(spec).report.posts_absent, 1u) << post_m;
+  }
+}
+
 TEST(Seams, TheTwoQuadsOfSanFranciscoHaveNoCrackBetweenThem) {
   const std::string south = test::shared_file("sf_city/sanfranciscos.dem");
   const std::string north = test::shared_file("sf_city/San_Fran_North.dem");
