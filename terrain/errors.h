@@ -1,6 +1,7 @@
 #pragma once
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace obliq {
 
@@ -19,5 +20,12 @@ struct FieldError {
 
   std::string text() const { return field + ": found " + found + "; allowed: " + allowed; }
 };
+
+/// All of them in one line.
+inline std::string all_text(const std::vector<FieldError>& errors) {
+  std::string text;
+  for (const FieldError& error : errors) text += (text.empty() ? "" : "; ") + error.text();
+  return text;
+}
 
 }  // namespace obliq

@@ -178,7 +178,9 @@ void load_buildings(World& world, const WorldSpec& spec, const Polygon& area, co
     world.report.buildings_read += summary.skipped_by_index;
     world.report.buildings_outside += summary.skipped_by_index;
     world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
-    if (!has_field && summary.visited > 0) {
+    if (summary.visited == 0) {
+      world.report.notes.push_back(source.source + ": no features in the loaded area");
+    } else if (!has_field) {
       world.report.notes.push_back(source.source + ": none of its " + std::to_string(summary.visited) +
                                    " features has a field \"" + source.height_field + "\"");
     }

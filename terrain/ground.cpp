@@ -36,18 +36,29 @@ void load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wante
     throw InputError("[terrain] area: found none and no radar; allowed: synthetic ground needs one of them");
   }
   const double needed_m = spec.sampling_footprint_m > 0 ? spec.sampling_footprint_m : kSyntheticCell_m;
-  world.grid = empty_grid(wanted.rect, cell_size_m(spec, std::max(1.0, needed_m)));
+  const double cell_m = cell_size_m(spec, std::max(1.0, needed_m));
+  Rect rect = wanted.rect;
+  if (cell_m > 0 && std::isfinite(cell_m)) {
+    // Made-up ground has no edge of its own: the grid reaches out to whole cells.
+    rect.x0_m = std::floor(rect.x0_m / cell_m) * cell_m;
+    rect.z0_m = std::floor(rect.z0_m / cell_m) * cell_m;
+    rect.x1_m = std::ceil(rect.x1_m / cell_m) * cell_m;
+    rect.z1_m = std::ceil(rect.z1_m / cell_m) * cell_m;
+  }
+  world.grid = empty_grid(rect, cell_m);
   fill_synthetic(world.grid, spec.terrain.synthetic, spec.terrain.shape, world.frame);
 }
 
-void note_coverage(World& world, const WantedArea& wanted) {
+void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted) {
   if (wanted.rect.empty()) return;
   const double covered = covered_fraction(world.grid, wanted);
   if (covered > 0.9995) return;
-  char note[160];
-  std::snprintf(note, sizeof note,
-                "elevation covers %.1f %% of the wanted area; %.1f %% of it has no known ground",
-                100 * covered, 100 * (1 - covered));
+  char note[200];
+  std::snprintf(note, sizeof note, "elevation covers %.1f %% of %s; %.1f %% of it has no known ground",
+                100 * covered,
+                spec.terrain.area.empty() ? "the discs that the radars reach in all directions, plus 25 %"
+                                          : "[terrain] area",
+                100 * (1 - covered));
   world.report.notes.emplace_back(note);
 }
 
@@ -100,7 +111,7 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
   }
   cut_to_polygon(world.grid, wanted.polygon);
   count_nodes(world, filled);
-  note_coverage(world, wanted);
+  note_coverage(world, spec, wanted);
   if (world.report.posts_absent == world.report.posts) {
     throw InputError(
         "[terrain] area: found no known ground inside it; allowed: an area on the elevation model");

@@ -106,6 +106,7 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
     }
   });
   world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
+  if (summary.visited == 0) world.report.notes.push_back(surface.source + ": no features in the loaded area");
   if (unusable > 0) {
     world.report.notes.push_back(surface.source + ": " + std::to_string(unusable) +
                                  " polygons are not usable and were skipped");

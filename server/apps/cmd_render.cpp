@@ -60,11 +60,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   watch.lap();
   const PlanResult planned = plan_frame(scene, snapshot, pose);
-  if (!planned.plan) {
-    std::string text;
-    for (const FieldError& error : planned.errors) text += (text.empty() ? "" : "; ") + error.text();
-    throw InputError("radar \"" + radar.name + "\": " + text);
-  }
+  if (!planned.plan) throw InputError("radar \"" + radar.name + "\": " + all_text(planned.errors));
   seconds["plan_s"] = watch.lap();
 
   std::unique_ptr<SampleTextures> textures;

@@ -64,11 +64,7 @@ std::shared_ptr<const Scene> load_scene(const SceneConfig& config) {
 void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   const auto plan = renderer.plan(snapshot, radar.pose);
-  if (!plan.frame) {
-    std::string text;
-    for (const FieldError& error : plan.errors) text += (text.empty() ? "" : "; ") + error.text();
-    throw InputError("radar \"" + radar.name + "\": " + text);
-  }
+  if (!plan.frame) throw InputError("radar \"" + radar.name + "\": " + all_text(plan.errors));
   wire::FrameDescriptor descriptor;
   plan.frame->describe(radar.name, descriptor);
   for (const std::string& warning : descriptor.warnings()) spdlog::warn("radar {}: {}", radar.name, warning);

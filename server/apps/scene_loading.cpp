@@ -22,9 +22,7 @@ Pose place_radar(const World& world, const RadarConfig& radar) {
   std::vector<FieldError> errors;
   const auto pose = place_antenna(world, radar.pose, errors);
   if (pose) return *pose;
-  std::string text;
-  for (const FieldError& error : errors) text += (text.empty() ? "" : "; ") + error.text();
-  throw InputError("radar \"" + radar.name + "\": " + text);
+  throw InputError("radar \"" + radar.name + "\": " + all_text(errors));
 }
 
 Progress terminal_progress() {

@@ -32,7 +32,7 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
                           " and radar.r_max_m = " + toml_number(s.r_max_m),
                       "range bins of at least " + toml_number(kShortestBin_m) + " m"});
   }
-  if (s.azimuth_bins >= 1 && s.sector_deg / s.azimuth_bins < kNarrowestBin_deg) {
+  if (s.azimuth_bins >= 1 && s.sector_deg > 0 && s.sector_deg / s.azimuth_bins < kNarrowestBin_deg) {
     errors.push_back({"bins.azimuth",
                       std::to_string(s.azimuth_bins) + " in radar.sector_deg = " + toml_number(s.sector_deg),
                       "azimuth bins of at least " + toml_number(kNarrowestBin_deg) + " deg"});

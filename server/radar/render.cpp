@@ -216,11 +216,7 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
 Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose,
              AzimuthRange azimuths, const RenderOptions& options) {
   const PlanResult planned = plan_frame(std::move(scene), std::move(settings), pose);
-  if (!planned.plan) {
-    std::string text;
-    for (const FieldError& error : planned.errors) text += (text.empty() ? "" : "; ") + error.text();
-    throw InputError(text);
-  }
+  if (!planned.plan) throw InputError(all_text(planned.errors));
   const FramePlan& plan = *planned.plan;
   Frame frame;
   frame.bins = BinBlock(azimuths.first, azimuths.count, plan.bins().n_range);
