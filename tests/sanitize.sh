@@ -10,9 +10,9 @@ cd "$root"
 
 # GDAL, GEOS and PROJ keep caches until exit, which are not our leaks. TBB, inside Embree, is not built for the
 # thread sanitizer, so only faults with one of our own frames on both sides count.
-export ASAN_OPTIONS=detect_leaks=0:strict_string_checks=1
+export ASAN_OPTIONS=detect_leaks=0:strict_string_checks=1:allocator_may_return_null=1
 export UBSAN_OPTIONS=print_stacktrace=1
-export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp:ignore_noninstrumented_modules=1:halt_on_error=1"
+export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp:ignore_noninstrumented_modules=1:halt_on_error=1:allocator_may_return_null=1"
 
 [ $# -gt 0 ] || set -- asan tsan
 deploy/install-deps.sh build test
