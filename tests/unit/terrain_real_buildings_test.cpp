@@ -1,6 +1,8 @@
 // Real outlines. They are not part of the project: without them, skipped.
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {
@@ -15,6 +17,9 @@ struct City {
   std::uint64_t features;
   double least_kept;
 };
+
+/// What a listing of the tests shows of the parameter.
+void PrintTo(const City& value, std::ostream* out) { *out << value.name; }
 
 class RealCity : public testing::TestWithParam<City> {};
 

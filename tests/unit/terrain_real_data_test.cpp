@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 
 #include "tests/unit/terrain_files.h"
 
@@ -16,6 +17,9 @@ struct RealFile {
   VerticalUnit unit = VerticalUnit::metre;
   bool override_unit = false;
 };
+
+/// What a listing of the tests shows of the parameter.
+void PrintTo(const RealFile& value, std::ostream* out) { *out << value.name; }
 
 class RealDem : public testing::TestWithParam<RealFile> {};
 
