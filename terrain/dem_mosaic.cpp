@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <optional>
 
+#include "terrain/constants.h"
 #include "terrain/dem_window.h"
 #include "terrain/errors.h"
 #include "terrain/geodetic_lattice.h"
@@ -15,8 +15,6 @@
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 /// The tangent plane says nothing useful about places further from the origin than this.
 constexpr double kNear_deg = 15;

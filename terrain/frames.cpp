@@ -3,15 +3,12 @@
 #include <GeographicLib/Constants.hpp>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "terrain/constants.h"
+
 namespace obliq {
-namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
-
-}  // namespace
+namespace {}  // namespace
 
 WorldFrame::WorldFrame(double origin_latitude_rad, double origin_longitude_rad, double radius_factor)
     : origin_latitude_rad_(origin_latitude_rad),

@@ -35,6 +35,9 @@ class WorldFrame {
   /// The ellipsoid's own y (<= 0) at tangent-plane position (x, z), before any lift. Metres.
   double ellipsoid_y_m(double x_m, double z_m) const;
 
+  /// World y of the datum surface (height 0) at (x, z), lift included: ellipsoid_y_m / k. Metres, <= 0.
+  double datum_y_m(double x_m, double z_m) const { return ellipsoid_y_m(x_m, z_m) / radius_factor_; }
+
   /// What is subtracted from the tangent-plane y at (x, z): (1 - 1/k) ellipsoid_y_m. Metres, <= 0.
   double lift_m(double x_m, double z_m) const;
 

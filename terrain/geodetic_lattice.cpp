@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "terrain/constants.h"
 #include "terrain/parallel.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
 constexpr double kMeanRadius_m = 6371000;
 
 /// Where the plumb line's point of this height stands above world (x, z). Fixed point: a step dy changes the

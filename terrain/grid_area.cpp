@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "terrain/constants.h"
 #include "terrain/errors.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 /// A meridian or parallel leaves its chord by s^2 / 8R tan(latitude): a few centimetres on this length.
 constexpr double kLongestAreaEdge_deg = 0.01;

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "terrain/constants.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 WorldPoint world_point(const WorldFrame& frame, const LonLat& p, double height_m) {
   return frame.world_from_geodetic({p.latitude_deg * kDegree_rad, p.longitude_deg * kDegree_rad, height_m});

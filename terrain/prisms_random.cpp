@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "terrain/constants.h"
 #include "terrain/errors.h"
 #include "terrain/footprints.h"
 #include "terrain/hash.h"
@@ -12,8 +13,6 @@
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 /// Mean length of a degree of a meridian on WGS84; densities are meant to a percent at best.
 constexpr double kDegree_m = 111133;

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "terrain/constants.h"
 #include "terrain/errors.h"
 #include "terrain/hash.h"
 #include "terrain/parallel.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 /// A wall's faces are found on nodes; rounding of sin and cos at 100 km is far below this.
 constexpr double kFaceSlack_m = 1e-6;
@@ -119,7 +117,7 @@ void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& s
       const double x_m = grid.node_x_m(i);
       const double z_m = grid.node_z_m(j);
       // Tangent-plane y is ellipsoid_y, the lift takes (1 - 1/k) of it away: 1/k stays.
-      const double datum_m = frame.ellipsoid_y_m(x_m, z_m) / frame.radius_factor();
+      const double datum_m = frame.datum_y_m(x_m, z_m);
       grid.y_m[grid.index(i, j)] = static_cast<float>(synthetic_height_m(kind, shape, x_m, z_m) + datum_m);
     }
   });

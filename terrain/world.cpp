@@ -1,8 +1,8 @@
 #include "terrain/world.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "terrain/constants.h"
 #include "terrain/dem_mosaic.h"
 #include "terrain/errors.h"
 #include "terrain/footprints.h"
@@ -15,7 +15,6 @@
 namespace obliq {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
 WorldFrame frame_of(const WorldSpec& spec) {
   const LonLat& o = spec.origin;
   if (!(std::abs(o.latitude_deg) <= 90) || !(std::abs(o.longitude_deg) <= 540)) {

@@ -2,19 +2,18 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 
 #include "server/apps/commands.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/step_sizes.h"
+#include "terrain/constants.h"
 #include "terrain/errors.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
 constexpr double kPaperHeight_m = 1000;  // of Figure 6
 constexpr int kPaperPixels = 2048;
 

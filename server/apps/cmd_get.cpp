@@ -8,6 +8,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/frame_report.h"
+#include "server/apps/received_bins.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
 #include "server/control/settings_message.h"
@@ -77,13 +78,7 @@ void run(const GetArguments& arguments) {
   client::AssembledFrame frame = receive_frame(client, request);
   const double received_s = seconds_since(start);
 
-  BinBlock bins;
-  bins.n_azimuth = frame.n_azimuth;
-  bins.n_range = frame.n_range;
-  bins.iq = std::move(frame.iq);
-  bins.power_w = std::move(frame.power_w);
-  bins.count = std::move(frame.count);
-  bins.state = std::move(frame.state);
+  const BinBlock bins = take_bins(frame);
   write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins,
                     arguments.north_up ? MapUp::north : MapUp::bearing);
   const double written_s = seconds_since(start);

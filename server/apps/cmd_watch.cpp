@@ -8,6 +8,7 @@
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/received_bins.h"
 #include "server/apps/server_arguments.h"
 #include "server/output/frame_files.h"
 #include "terrain/errors.h"
@@ -68,13 +69,7 @@ class TimedFrames : public client::FrameAssembler {
 };
 
 void write(const std::string& out, client::AssembledFrame frame) {
-  BinBlock bins;
-  bins.n_azimuth = frame.n_azimuth;
-  bins.n_range = frame.n_range;
-  bins.iq = std::move(frame.iq);
-  bins.power_w = std::move(frame.power_w);
-  bins.count = std::move(frame.count);
-  bins.state = std::move(frame.state);
+  const BinBlock bins = take_bins(frame);
   write_frame_files(out, *frame.descriptor, *frame.summary, bins);
 }
 

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
 #include "server/radar/frame_plan.h"
+#include "terrain/constants.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 /// Above this height the 4/3 rule is not to be trusted (design section 1: 24 m of height at 100 km from 3
 /// km).
@@ -86,8 +84,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   // At most rho / (k R) tan|elevation|, rho the antenna's distance from the scene origin (design section 1).
   const double rho_m = std::hypot(pose.antenna.m.x, pose.antenna.m.z);
   const double sine = std::clamp(plan.box().antenna_above_bottom_m / bins.r_min_m, 0.0, 0.9999);
-  constexpr double kEarthRadius_m = 6371008.8;  // IUGG mean radius R1
-  descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kEarthRadius_m) * sine /
+  descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kMeanEarthRadius_m) * sine /
                                          std::sqrt(1 - sine * sine));
   for (const Material& material : plan.scene().materials()) {
     wire::Material& row = *descriptor.add_materials();

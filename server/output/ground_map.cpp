@@ -8,6 +8,7 @@
 #include <string>
 
 #include "proto/obliq.pb.h"
+#include "terrain/constants.h"
 #include "terrain/errors.h"
 #include "terrain/frames.h"
 
@@ -15,7 +16,6 @@ namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree_rad = kPi / 180;
 constexpr int kMaxSide = 2048;
 /// Pixels between exactly projected points; between them world coordinates are interpolated bilinearly. Over
 /// 1 km the plane's curvature leaves (1 km)^2 / 8 R = 2 cm.

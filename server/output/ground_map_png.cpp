@@ -13,13 +13,13 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/frame_json.h"
+#include "terrain/constants.h"
 #include "terrain/errors.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree_rad = kPi / 180;
 constexpr int kPictureSide = 1400;  ///< longer side of the map in the picture, pixels
 constexpr int kMargin = 46;
 constexpr int kCaption = 92;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "server/radar/metres_text.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -12,12 +12,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
-
-std::string metres(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.2f m", value);
-  return text;
-}
 
 BinGrid bin_grid(const RadarSettings& settings) {
   BinGrid bins;
@@ -42,12 +36,12 @@ void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
   const double above_ground_m = pose.antenna.m.y - ground_y_m;
   // Equality is legal; the slack covers float32 heights.
   if (settings.r_min_m < above_ground_m - 1e-6 * settings.r_min_m)
-    errors.push_back({"radar.r_min_m", metres(settings.r_min_m),
-                      "at least the antenna's height above the ground, " + metres(above_ground_m) +
+    errors.push_back({"radar.r_min_m", metres_text(settings.r_min_m),
+                      "at least the antenna's height above the ground, " + metres_text(above_ground_m) +
                           ", with the symmetric and oblique frusta; any with frustum.kind \"polar\""});
   if (settings.frustum == FrustumKind::oblique && plan.extent().any && plan.box().kappa_m <= 0)
     errors.push_back({"frustum.kind",
-                      "\"oblique\" with the antenna " + metres(-plan.box().kappa_m) +
+                      "\"oblique\" with the antenna " + metres_text(-plan.box().kappa_m) +
                           " below the highest ground or roof in the sector",
                       "an antenna above it, or frustum.kind \"polar\""});
 }

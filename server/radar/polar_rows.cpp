@@ -4,11 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "terrain/constants.h"
+
 namespace obliq {
 namespace {
-
-/// Mean earth radius, metres (IUGG R1 of WGS84). Only the spacing of rows depends on it.
-constexpr double kEarthRadius_m = 6371008.8;
 
 /// Sphere of the effective earth at the median height, as the antenna sees it.
 struct MedianSphere {
@@ -53,8 +52,8 @@ PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const Sec
   const double highest = std::clamp(extent.highest_elevation_rad, lowest + 1e-9, kHalfPi);
   rows.edge_rad.push_back(lowest);
   MedianSphere sphere;
-  sphere.curvature = 1 / (frame.radius_factor() * kEarthRadius_m);
-  const double datum_y = frame.ellipsoid_y_m(sector.antenna_m.x, sector.antenna_m.z) / frame.radius_factor();
+  sphere.curvature = 1 / (frame.radius_factor() * kMeanEarthRadius_m);
+  const double datum_y = frame.datum_y_m(sector.antenna_m.x, sector.antenna_m.z);
   sphere.clearance_m = sector.antenna_m.y - datum_y - extent.median_height_m;
   if (sphere.clearance_m > 0) {
     const double r_end = std::min(sector.r_max_m, sphere.horizon_m());

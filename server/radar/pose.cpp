@@ -1,20 +1,13 @@
 #include "server/radar/pose.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/footprint_index.h"
+#include "server/radar/metres_text.h"
+#include "terrain/constants.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180;
-
-std::string metres(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.2f m", value);
-  return text;
-}
 
 /// Height above the datum at which the plumb line of a position meets the ground; NaN where none is known.
 /// The line leans by distance / earth radius, so two steps from the datum leave less than a millimetre within
@@ -59,13 +52,14 @@ std::optional<Pose> place_antenna(const World& world, const PoseSettings& settin
   pose.ground_y_m = world.grid.height_at_m(at.x, at.z);
   if (at.y <= pose.ground_y_m)
     errors.push_back(
-        {"antenna.height_m", metres(pose.ground_y_m - at.y) + " below the ground",
+        {"antenna.height_m", metres_text(pose.ground_y_m - at.y) + " below the ground",
          "an antenna above the ground, which is there at " +
-             metres(world.frame.geodetic_from_world({glm::dvec3(at.x, pose.ground_y_m, at.z)}).height_m) +
+             metres_text(
+                 world.frame.geodetic_from_world({glm::dvec3(at.x, pose.ground_y_m, at.z)}).height_m) +
              " above the datum"});
   if (const auto roof_y_m = roof_above(world.buildings, at))
     errors.push_back({"antenna.height_m",
-                      "inside a building, " + metres(*roof_y_m - at.y) + " below its roof",
+                      "inside a building, " + metres_text(*roof_y_m - at.y) + " below its roof",
                       "an antenna outside every building"});
   pose.north_rad = world.frame.north_rad(geodetic);
   pose.bearing_world_rad = settings.bearing_deg * kDegree_rad + pose.north_rad;

@@ -273,10 +273,9 @@ void march_profile(const FramePlan& plan, double position, std::vector<Footprint
     footprint_spans(world.buildings, world.buildings.list[b], antenna.x, antenna.z, sin_b, cos_b, spans);
 
   // The sector's ground between r_min and r_max at the median height, for coverage.
-  const double clearance =
-      plan.extent().any ? antenna.y - plan.extent().median_height_m -
-                              world.frame.ellipsoid_y_m(antenna.x, antenna.z) / world.frame.radius_factor()
-                        : 0.0;
+  const double clearance = plan.extent().any ? antenna.y - plan.extent().median_height_m -
+                                                   world.frame.datum_y_m(antenna.x, antenna.z)
+                                             : 0.0;
   const double near_m = std::sqrt(std::max(0.0, bins.r_min_m * bins.r_min_m - clearance * clearance));
   const double far_m = std::sqrt(std::max(0.0, bins.r_max_m * bins.r_max_m - clearance * clearance));
   const auto ring_area = [&](double d0, double d1) {

@@ -100,8 +100,7 @@ class SectorScan {
       const double mx = grid.node_x_m(middle_i);
       const double mz = grid.node_z_m(middle_j);
       const double my = grid.node_y_m(middle_i, middle_j);
-      if (holds(mx, my, mz))
-        heights_.push_back(my - world_.frame.ellipsoid_y_m(mx, mz) / world_.frame.radius_factor());
+      if (holds(mx, my, mz)) heights_.push_back(my - world_.frame.datum_y_m(mx, mz));
     }
     if (kind == Overlap::full) {
       bottom_ = std::min(bottom_, lowest);

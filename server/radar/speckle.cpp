@@ -63,7 +63,7 @@ glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
   const double z = (s.z_cell + 0.5) * side;
   const double y = world_.grid.height_at_m(x, z);
   // A cell whose centre has no ground (the edge of a void) takes the datum surface: fixed, like the rest.
-  return {x, std::isnan(y) ? world_.frame.ellipsoid_y_m(x, z) / world_.frame.radius_factor() : y, z};
+  return {x, std::isnan(y) ? world_.frame.datum_y_m(x, z) : y, z};
 }
 
 std::complex<double> SpeckleField::response(const Scatterer& s) const {
