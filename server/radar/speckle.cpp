@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "server/radar/exact_math.h"
+#include "terrain/hash.h"
 
 namespace obliq {
 namespace {

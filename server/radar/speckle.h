@@ -22,14 +22,6 @@ struct Scatterer {
   bool operator==(const Scatterer&) const = default;
 };
 
-/// A well-mixed 64-bit hash: the finaliser of SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).
-constexpr std::uint64_t mix64(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
 /// Amplitude and phase of scatterers for one frame geometry. Immutable.
 class SpeckleField {
  public:
