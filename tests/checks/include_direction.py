@@ -17,6 +17,7 @@ ALLOWED = {
     "client": ["proto"],
     "server/scene": ["terrain"],
     "server/radar": ["terrain", "server/scene"],
+    "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/control": SERVER_CORE + ["proto"],
     "server/output": SERVER_CORE + ["proto", "server/control"],
     "server/net": SERVER_CORE + ["proto", "server/control", "server/output"],
@@ -110,6 +111,8 @@ def self_test():
         "server/net/a.cpp": '#include "client/client.h"',
         "server/apps/a.h": "#include <CLI/CLI.hpp>",
         "server/radar/c.cpp": '#include "bins.h"',
+        "server/radar/e.cpp": '#include "server/accuracy/bin_errors.h"',
+        "server/accuracy/a.h": '#include "server/control/key.h"',
     }
     right = {
         "terrain/f.cpp": '#include <gdal_priv.h>\n#include <vector>\n#include "terrain/world.h"',
