@@ -58,6 +58,9 @@ class FramePlan {
   void mark_building_seen(std::uint32_t building) const {
     seen_[building].store(1, std::memory_order_relaxed);
   }
+  bool building_seen(std::uint32_t building) const {
+    return seen_[building].load(std::memory_order_relaxed) != 0;
+  }
   std::uint32_t buildings_seen() const;
 
  private:

@@ -1,7 +1,6 @@
 #include "server/radar/render.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
@@ -11,12 +10,10 @@
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/profile.h"
-#include "server/radar/ray_source.h"
-#include "server/radar/sample_tap.h"
+#include "server/radar/sample_source.h"
 #include "server/radar/scattering.h"
 #include "server/radar/speckle.h"
 #include "server/radar/wedge_bins.h"
-#include "server/scene/embree_tracer.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -35,47 +32,10 @@ struct FrameTables {
 
 /// The buffers of one thread, reused from wedge to wedge.
 struct Workspace {
-  RayBatch rays;
-  std::array<RoughHit, kBatch> rough;
   SampleBatch samples;
   std::vector<FootprintSpan> spans;
   ProfileResult profile;
 };
-
-/// Re-intersects rough hits in double and turns them into samples.
-void refine(const FramePlan& plan, const RayBatch& rays, const std::array<RoughHit, kBatch>& rough,
-            SampleTap* tap, SampleBatch& samples, FrameStats& stats) {
-  const World& world = plan.scene().world();
-  const Sector& sector = plan.sector();
-  samples.n = 0;
-  for (int ray = 0; ray < rays.n; ++ray) {
-    const auto k = static_cast<std::size_t>(ray);
-    if (rough[k].kind == RoughHit::Kind::none) continue;
-    const glm::dvec3 direction(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]);
-    const auto hit = refine_hit(world, sector.antenna_m, direction, rough[k]);
-    if (!hit) {
-      ++stats.rejected;
-      continue;
-    }
-    ++stats.hits;
-    const auto s = static_cast<std::size_t>(samples.n++);
-    samples.azimuth_bin[s] = rays.azimuth_bin[k];
-    samples.slant_range_m[s] = hit->slant_range_m;
-    samples.solid_angle_sr[s] = rays.solid_angle_sr[k];
-    samples.cos_incidence[s] = hit->cos_incidence;
-    samples.azimuth_offset_rad[s] = plan.bins().azimuth_edge_rad(rays.azimuth_bin[k] + 0.5);
-    samples.sin_elevation[s] = direction.y;
-    samples.x_m[s] = hit->position_m.x;
-    samples.z_m[s] = hit->position_m.z;
-    samples.face[s] = hit->face;
-    samples.material[s] = hit->material;
-    if (tap) {
-      const double right = direction.x * sector.cos_bearing - direction.z * sector.sin_bearing;
-      const double ahead = direction.x * sector.sin_bearing + direction.z * sector.cos_bearing;
-      tap->on_hit(rays.pixel[k], std::atan2(right, ahead), *hit);
-    }
-  }
-}
 
 /// What the strands of one azimuth bin found together.
 struct BinProfile {
@@ -147,15 +107,9 @@ Wedge render_wedge(const FramePlan& plan, const FrameTables& tables, int index, 
   Wedge wedge;
   wedge.index = index;
   wedge.bins = BinBlock(range.first, range.count, plan.bins().n_range);
-  WedgeBins bins(plan, tables.scattering, tables.speckle, range);
-  const auto source = make_ray_source(plan, range);
-  while (source->next(work.rays)) {
-    wedge.stats.rays += static_cast<std::uint64_t>(work.rays.n);
-    plan.scene().tracer().trace(plan.sector().antenna_m, work.rays.dir_x.data(), work.rays.dir_y.data(),
-                                work.rays.dir_z.data(), work.rays.n, work.rough.data());
-    refine(plan, work.rays, work.rough, options.tap, work.samples, wedge.stats);
-    wedge.stats.samples += bins.add(work.samples);
-  }
+  WedgeBins bins(plan, tables.scattering, tables.speckle, range, options.surfaces);
+  const auto source = make_sample_source(plan, range, options.tap);
+  while (source->next(work.samples, wedge.stats)) wedge.stats.samples += bins.add(work.samples);
   bins.write(wedge.bins);
   decide_states(plan, options.states, work, wedge);
   return wedge;

@@ -1,6 +1,6 @@
 #pragma once
-// The core call. Reads top to bottom like the pipeline it is: plan the frame, then wedge by wedge generate
-// rays, trace, refine in double, scatter, bin.
+// The core call. Reads top to bottom like the pipeline it is: plan the frame, then wedge by wedge find
+// samples, scatter, bin.
 #include <functional>
 #include <memory>
 #include <stop_token>
@@ -38,13 +38,17 @@ struct Wedge {
   FrameStats stats;
 };
 
+/// Which returns are binned. All surfaces hide what lies behind them, whatever is binned.
+enum class Surfaces { all, ground, buildings };
+
 struct RenderOptions {
   int threads = 0;                        ///< 0 = all cores
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
   std::stop_token stop;                   ///< no further wedge is begun after a stop request
   bool states = true;        ///< false: bins without samples all say not_sampled, which is quicker
-  SampleTap* tap = nullptr;  ///< receives every sample, for textures
+  SampleTap* tap = nullptr;  ///< receives every hit of a pixel, for textures
+  Surfaces surfaces = Surfaces::all;
 };
 
 int wedge_count(const RadarSettings& settings);

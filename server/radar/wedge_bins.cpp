@@ -9,8 +9,8 @@
 namespace obliq {
 
 WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     AzimuthRange range)
-    : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range) {
+                     AzimuthRange range, Surfaces surfaces)
+    : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range), surfaces_(surfaces) {
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
   range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
@@ -35,6 +35,8 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
     const double r = samples.slant_range_m[k];
     const int range_bin = bins.range_bin(r);
     if (range_bin < 0) continue;
+    if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
+      continue;
     const double r2 = r * r;
     const double sigma = scattering_.cross_section_m2(samples.material[k], samples.solid_angle_sr[k] * r2,
                                                       samples.cos_incidence[k]);

@@ -16,7 +16,7 @@ namespace obliq {
 class WedgeBins {
  public:
   WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            AzimuthRange range);
+            AzimuthRange range, Surfaces surfaces = Surfaces::all);
 
   /// Scatters and bins samples; returns how many fell into the range swath.
   std::uint64_t add(const SampleBatch& samples);
@@ -39,6 +39,7 @@ class WedgeBins {
   const ScatteringTable& scattering_;
   const SpeckleField& speckle_;
   AzimuthRange range_;
+  Surfaces surfaces_;
   double range_constant_;  // K = P_t G^2 lambda^2 / (4 pi)^3 without the gain
   std::vector<double> power_w_;
   std::vector<std::uint32_t> count_;

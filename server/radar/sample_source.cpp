@@ -1,0 +1,11 @@
+#include "server/radar/sample_source.h"
+
+#include "server/radar/ray_samples.h"
+
+namespace obliq {
+
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap) {
+  return std::make_unique<RaySamples>(plan, range, tap);
+}
+
+}  // namespace obliq

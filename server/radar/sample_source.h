@@ -1,0 +1,24 @@
+#pragma once
+#include <memory>
+
+#include "server/radar/batches.h"
+#include "server/radar/bins.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/sample_tap.h"
+
+namespace obliq {
+
+/// Finds the visible pieces of surface of one wedge, batch by batch, in a fixed order. What comes after knows
+/// nothing of rays, pixels or planes.
+class SampleSource {
+ public:
+  virtual ~SampleSource() = default;
+  /// Fills the batch (possibly with nothing) and counts what it took; false when nothing was left to look at.
+  virtual bool next(SampleBatch& samples, FrameStats& stats) = 0;
+};
+
+/// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks. `tap`
+/// may be null; it and the plan must outlive the source.
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap);
+
+}  // namespace obliq
