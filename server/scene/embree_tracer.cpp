@@ -170,10 +170,13 @@ struct EmbreeTracer::Impl {
   }
 };
 
-EmbreeTracer::EmbreeTracer(const World& world, int threads, const Progress& progress)
+EmbreeTracer::EmbreeTracer(const World& world, int threads, const Progress& progress, TracerIsa isa)
     : impl_(std::make_unique<Impl>()) {
   const unsigned n = threads > 0 ? static_cast<unsigned>(threads) : std::thread::hardware_concurrency();
-  impl_->device = rtcNewDevice(("threads=" + std::to_string(n)).c_str());
+  if (!has_isa(isa)) throw InputError(std::string("Embree: this processor has no ") + isa_name(isa));
+  std::string config = "threads=" + std::to_string(n);
+  if (isa != TracerIsa::best) config += std::string(",isa=") + isa_name(isa);
+  impl_->device = rtcNewDevice(config.c_str());
   if (!impl_->device) throw InputError("Embree: cannot create a device on this machine");
   rtcSetDeviceMemoryMonitorFunction(impl_->device, Impl::count_memory, impl_.get());
   impl_->scene = rtcNewScene(impl_->device);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "server/scene/tracer_isa.h"
 #include "terrain/progress.h"
 #include "terrain/world.h"
 
@@ -25,8 +26,9 @@ class EmbreeTracer {
  public:
   static constexpr int kPacket = 16;
 
-  /// Throws InputError when Embree cannot build the scene (out of memory).
-  EmbreeTracer(const World& world, int threads, const Progress& progress);
+  /// Throws InputError when Embree cannot build the scene (out of memory), or when this machine lacks the
+  /// instruction set.
+  EmbreeTracer(const World& world, int threads, const Progress& progress, TracerIsa isa = TracerIsa::best);
   ~EmbreeTracer();
   EmbreeTracer(const EmbreeTracer&) = delete;
   EmbreeTracer& operator=(const EmbreeTracer&) = delete;

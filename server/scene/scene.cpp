@@ -9,7 +9,7 @@
 namespace obliq {
 
 Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads,
-             const Progress& progress)
+             const Progress& progress, TracerIsa isa)
     : world_(std::move(world)), materials_(std::move(materials)), tiles_(world_->grid) {
   std::size_t highest = 0;
   for (std::uint8_t id : world_->surface_material) highest = std::max<std::size_t>(highest, id);
@@ -19,7 +19,7 @@ Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials
     throw InputError("materials: surface uses material number " + std::to_string(highest) + ", only " +
                      std::to_string(materials_.size()) + " are defined");
   const auto start = std::chrono::steady_clock::now();
-  tracer_ = std::make_unique<EmbreeTracer>(*world_, threads, progress);
+  tracer_ = std::make_unique<EmbreeTracer>(*world_, threads, progress, isa);
   stats_.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   stats_.bytes = tracer_->bytes();
   const HeightGrid& grid = world_->grid;

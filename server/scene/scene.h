@@ -6,6 +6,7 @@
 
 #include "server/scene/materials.h"
 #include "server/scene/tile_bounds.h"
+#include "server/scene/tracer_isa.h"
 #include "terrain/progress.h"
 #include "terrain/world.h"
 
@@ -24,9 +25,10 @@ struct SceneStats {
 /// The world plus its ray-tracing structure and material table. Immutable, shared by all radars and threads.
 class Scene {
  public:
-  /// materials[id] for every material id in the world. threads: for the build; 0 = all cores.
+  /// materials[id] for every material id in the world. threads: for the build; 0 = all cores. isa: the
+  /// tracer's instruction set, for tests that compare them.
   Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads,
-        const Progress& progress = {});
+        const Progress& progress = {}, TracerIsa isa = TracerIsa::best);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
