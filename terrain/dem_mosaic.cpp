@@ -71,9 +71,18 @@ Rect extent_of(const Raster& file, const WorldFrame& frame) {
 
 constexpr Rect kEverywhere{-HUGE_VAL, -HUGE_VAL, HUGE_VAL, HUGE_VAL};
 
+/// What the files of a mosaic fill and tell, one after the other.
+struct Filling {
+  HeightGrid& grid;
+  const WorldFrame& frame;
+  SourceErrors& errors;
+  std::optional<Seams> seams;
+};
+
 /// Reads what one file has for the grid and gives it to the unknown nodes.
-void fill_from_file(HeightGrid& grid, const GeodeticLattice& geodetic, const Raster& file,
-                    const std::optional<VerticalUnit>& unit, Seams* seams, const Progress& progress) {
+void fill_from_file(Filling& to, const GeodeticLattice& geodetic, const Raster& file,
+                    const std::optional<VerticalUnit>& unit, const Progress& progress) {
+  HeightGrid& grid = to.grid;
   const PostLattice lattice = post_lattice(geodetic, file);
   // "Clearly coarser": a cell of two postings and more takes the mean of the posts it stands for.
   const int step = std::clamp(static_cast<int>(grid.cell_m / file.posting_m()), 1, 4096);
@@ -83,8 +92,11 @@ void fill_from_file(HeightGrid& grid, const GeodeticLattice& geodetic, const Ras
     const double shift_columns = turns * turn;
     const PixelRect rect = needed_pixels(lattice, grid, file, step, shift_columns);
     if (rect.empty()) continue;
-    const DemWindow window = read_window(file, rect, step, unit, progress);
-    fill_from_window(grid, lattice, window, shift_columns, seams);
+    PostSample sample = to.errors.sample(file);
+    const DemWindow window = read_window(file, rect, step, unit, progress, &sample);
+    const std::vector<WorldPoint> posts = to.errors.place(sample, file, to.frame, grid);
+    fill_from_window(grid, lattice, window, shift_columns, to.seams ? &*to.seams : nullptr);
+    to.errors.compare(posts, grid);
   }
 }
 
@@ -126,18 +138,19 @@ double DemMosaic::finest_posting_m(const WorldFrame& frame, const Rect& rect) co
   return finest_m;
 }
 
-void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, const Progress& progress) const {
+void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& errors,
+                     const Progress& progress) const {
   const GeodeticLattice geodetic = geodetic_lattice(frame, {grid.x0_m, grid.z0_m, grid.x1_m(), grid.z1_m()});
   // One file keeps to its posts; between two of them there is ground that neither knows alone.
-  std::optional<Seams> seams;
-  if (files_.size() > 1) seams.emplace(grid);
+  Filling filling{grid, frame, errors, {}};
+  if (files_.size() > 1) filling.seams.emplace(grid);
   for (std::size_t n = 0; n < files_.size(); ++n) {
     const auto share = [&](std::string_view stage, double fraction) {
       if (progress) progress(stage, (static_cast<double>(n) + fraction) / static_cast<double>(files_.size()));
     };
-    fill_from_file(grid, geodetic, files_[n], terrain_.unit, seams ? &*seams : nullptr, share);
+    fill_from_file(filling, geodetic, files_[n], terrain_.unit, share);
   }
-  if (seams) seams->close(grid);
+  if (filling.seams) filling.seams->close(grid);
 }
 
 void DemMosaic::refuse_no_ground(const WorldFrame& frame, const Rect& wanted) const {

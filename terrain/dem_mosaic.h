@@ -8,6 +8,7 @@
 #include "terrain/polygon.h"
 #include "terrain/progress.h"
 #include "terrain/raster.h"
+#include "terrain/source_error.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
@@ -27,9 +28,9 @@ class DemMosaic {
   double finest_posting_m(const WorldFrame& frame, const Rect& rect) const;
 
   /// Gives the grid's unknown nodes their heights, file by file, and then those on the seams
-  /// between files. Throws InputError when a file cannot be
-  /// read.
-  void fill(HeightGrid& grid, const WorldFrame& frame, const Progress& progress) const;
+  /// between files; `errors` learns how far the surface then lies from the files' posts. Throws InputError
+  /// when a file cannot be read.
+  void fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& errors, const Progress& progress) const;
 
   /// Says that no file has heights in the wanted world rectangle, with both extents in degrees.
   [[noreturn]] void refuse_no_ground(const WorldFrame& frame, const Rect& wanted) const;

@@ -240,7 +240,7 @@ DemWindow::Share DemWindow::share_at(double column, double row) const {
 }
 
 DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
-                      const std::optional<VerticalUnit>& unit, const Progress& progress) {
+                      const std::optional<VerticalUnit>& unit, const Progress& progress, PostSample* sample) {
   const Decoder decoder(raster, metres_per_unit(raster, unit));
   require_whole_raw_file(raster);
   DemWindow window;
@@ -259,9 +259,16 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
   const int used_columns = window.nx * window.step;
   for (int r0 = 0; r0 < window.nz; r0 += strip_posts) {
     const int r1 = std::min(window.nz, r0 + strip_posts);
-    reader.read({rect.column0, rect.row0 + r0 * window.step, rect.column0 + used_columns,
-                 rect.row0 + r1 * window.step},
-                stored);
+    const PixelRect strip{rect.column0, rect.row0 + r0 * window.step, rect.column0 + used_columns,
+                          rect.row0 + r1 * window.step};
+    reader.read(strip, stored);
+    if (sample) {
+      sample->take(strip, [&](int row, int column) {
+        return decoder.height_m(
+            stored[static_cast<std::size_t>(row) * static_cast<std::size_t>(used_columns) +
+                   static_cast<std::size_t>(column)]);
+      });
+    }
     for (int r = r0; r < r1; ++r) {
       for (int c = 0; c < window.nx; ++c) {
         double sum = 0;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "terrain/post_sample.h"
 #include "terrain/progress.h"
 #include "terrain/raster.h"
 #include "terrain/world_spec.h"
@@ -41,8 +42,10 @@ double metres_per_unit(const Raster& raster, const std::optional<VerticalUnit>& 
 
 /// Reads the window, each block of step x step pixels averaged to one post (void when more than half of its
 /// pixels are). Void are nodata, masked, not finite, and what no land on earth can be (below -9 km, above
-/// 100 km). Throws InputError when anything cannot be read: never zeros for missing data.
+/// 100 km). Throws InputError when anything cannot be read: never zeros for missing data. `sample`, when
+/// given, keeps some of the raster's own posts.
 DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
-                      const std::optional<VerticalUnit>& unit, const Progress& progress);
+                      const std::optional<VerticalUnit>& unit, const Progress& progress,
+                      PostSample* sample = nullptr);
 
 }  // namespace obliq

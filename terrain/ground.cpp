@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "terrain/dem_mosaic.h"
 #include "terrain/errors.h"
@@ -47,6 +48,8 @@ void load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wante
   }
   world.grid = empty_grid(rect, cell_m);
   fill_synthetic(world.grid, spec.terrain.synthetic, spec.terrain.shape, world.frame);
+  world.report.source_error =
+      synthetic_error(world.grid, spec.terrain.synthetic, spec.terrain.shape, world.frame);
 }
 
 void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted) {
@@ -62,8 +65,13 @@ void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted
   world.report.notes.emplace_back(note);
 }
 
-/// Loads all elevation models; returns the distance between posts of the finest.
-double load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress) {
+/// All elevation models on the grid.
+struct Loaded {
+  double posting_m = 0;  ///< distance between posts of the finest
+  SourceErrors errors;
+};
+
+Loaded load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress) {
   DemMosaic mosaic(spec.terrain);
   const Rect covered = mosaic.extent(world.frame);
   const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
@@ -71,12 +79,13 @@ double load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, c
   const double posting_m = mosaic.finest_posting_m(world.frame, rect);
   const double needed_m = std::max(posting_m, spec.sampling_footprint_m);
   world.grid = empty_grid(rect, cell_size_m(spec, needed_m));
-  mosaic.fill(world.grid, world.frame, progress);
+  Loaded loaded{posting_m, SourceErrors(world.grid)};
+  mosaic.fill(world.grid, world.frame, loaded.errors, progress);
   const auto known = [](float y) { return !std::isnan(y); };
   if (std::none_of(world.grid.y_m.begin(), world.grid.y_m.end(), known)) {
     mosaic.refuse_no_ground(world.frame, rect);
   }
-  return posting_m;
+  return loaded;
 }
 
 void count_nodes(World& world, const std::vector<std::size_t>& filled) {
@@ -103,13 +112,16 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
   }
   const WantedArea wanted = wanted_area(spec, world.frame);
   std::vector<std::size_t> filled;
+  std::optional<Loaded> loaded;
   if (terrain.synthetic != SyntheticKind::none) {
     load_synthetic(world, spec, wanted);
   } else {
-    const double posting_m = round_to_quantum_m(load_dem(world, spec, wanted, progress));
+    loaded = load_dem(world, spec, wanted, progress);
+    const double posting_m = round_to_quantum_m(loaded->posting_m);
     filled = fill_voids(world.grid, fill_m.value_or(std::max(kFill_m, kFillPostings * posting_m)));
   }
   cut_to_polygon(world.grid, wanted.polygon);
+  if (loaded) world.report.source_error = loaded->errors.summary(world.grid);
   count_nodes(world, filled);
   note_coverage(world, spec, wanted);
   if (world.report.posts_absent == world.report.posts) {

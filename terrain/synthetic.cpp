@@ -109,6 +109,18 @@ double synthetic_height_m(SyntheticKind kind, const SyntheticSpec& shape, double
   return shape.base_m;
 }
 
+SourceError synthetic_error(const HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
+                            const WorldFrame& frame) {
+  SourceErrors errors(grid);
+  std::vector<WorldPoint> points;
+  for (const glm::dvec2& p : errors.places(grid)) {
+    points.push_back(
+        {glm::dvec3(p.x, synthetic_height_m(kind, shape, p.x, p.y) + frame.datum_y_m(p.x, p.y), p.y)});
+  }
+  errors.compare(points, grid);
+  return errors.summary(grid);
+}
+
 void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
                     const WorldFrame& frame) {
   check(kind, shape);

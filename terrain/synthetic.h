@@ -1,6 +1,7 @@
 #pragma once
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
+#include "terrain/source_error.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
@@ -17,5 +18,9 @@ double synthetic_height_m(SyntheticKind kind, const SyntheticSpec& shape, double
 /// InputError when a number of the shape is not usable.
 void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
                     const WorldFrame& frame);
+
+/// How far the grid's triangles lie from the shape itself.
+SourceError synthetic_error(const HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
+                            const WorldFrame& frame);
 
 }  // namespace obliq

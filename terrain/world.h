@@ -7,6 +7,7 @@
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
 #include "terrain/progress.h"
+#include "terrain/source_error.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
@@ -16,6 +17,7 @@ struct LoadReport {
   std::uint64_t posts = 0;           ///< grid nodes
   std::uint64_t posts_filled = 0;    ///< void nodes filled by interpolation
   std::uint64_t posts_absent = 0;    ///< nodes left without ground (voids too wide, outside every DEM)
+  SourceError source_error;          ///< of the ground against the elevation models' posts
   std::uint64_t buildings_read = 0;  ///< features seen in the sources
   std::uint64_t buildings_kept = 0;  ///< prisms in the scene (a multipolygon makes several)
   std::uint64_t buildings_repaired = 0;

@@ -8,6 +8,20 @@
 
 namespace obliq {
 
+namespace {
+
+std::string source_error_line(const SourceError& error) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "grid against its source, vertically, at %llu posts: median %.3g m, 95 %% within %.3g m, rms "
+                "%.3g m, greatest %.3g m",
+                static_cast<unsigned long long>(error.posts), error.median_m, error.p95_m, error.rms_m,
+                error.greatest_m);
+  return text;
+}
+
+}  // namespace
+
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name) {
   std::string names;
   for (const RadarConfig& radar : config.radars) {
@@ -48,6 +62,7 @@ std::vector<std::string> world_report_lines(const World& world) {
   count(report.posts_filled, "void posts filled by interpolation");
   count(report.posts_absent, "without known ground");
   lines.push_back(line);
+  if (report.source_error.posts > 0) lines.push_back(source_error_line(report.source_error));
   if (report.buildings_read > 0 || report.prisms_placed > 0) {
     line = "buildings: " + std::to_string(world.buildings.list.size()) + " in the scene";
     count(report.buildings_read, "outlines read");

@@ -97,6 +97,13 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
     row.set_plate_exponent(material.plate_exponent);
   }
   descriptor.set_cell_m(world.grid.cell_m);
+  const SourceError& error = world.report.source_error;
+  wire::SourceError& row = *descriptor.mutable_source_error();
+  row.set_posts(error.posts);
+  row.set_median_m(error.median_m);
+  row.set_p95_m(error.p95_m);
+  row.set_rms_m(error.rms_m);
+  row.set_greatest_m(error.greatest_m);
   descriptor.set_wedge_azimuth_bins(kWedgeAzimuthBins);
   descriptor.set_buildings_in_scene(static_cast<std::uint32_t>(world.buildings.list.size()));
   add_warnings(plan, rho_m, descriptor);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/scene/exact_hit.h"
+#include "terrain/hash.h"
 #include "terrain/world.h"
 
 namespace obliq {
