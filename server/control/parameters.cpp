@@ -123,7 +123,7 @@ const std::array kParameters{
         "r_max_m",
         kNoModbus,
         [](RadarConfig& c) -> Slot { return &c.settings.r_max_m; }},
-    Parameter{{"radar.power_w", "W", above(0, 1e12), {}, "Transmitted power."},
+    Parameter{{"radar.power_w", "W", closed(0, 1e12), {}, "Transmitted power; 0: a radar that is silent."},
               Change::live,
               kRadar,
               "power_w",

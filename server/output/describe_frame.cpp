@@ -51,6 +51,19 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
   if (!plan.extent().any) descriptor.add_warnings("no known ground in the sector");
 }
 
+/// tan|elevation| of the steepest line of sight into the sector's box, down or up; at most 70.7.
+double steepest_tangent(const FramePlan& plan) {
+  constexpr double kGreatestSine = 0.9999;
+  const double below_m = plan.box().antenna_above_bottom_m;
+  const double r_min_m = plan.bins().r_min_m;
+  const double down = below_m <= 0                        ? 0
+                      : below_m < kGreatestSine * r_min_m ? below_m / r_min_m
+                                                          : kGreatestSine;
+  const double up = std::sin(plan.extent().highest_elevation_rad);
+  const double sine = std::clamp(std::max(down, up), 0.0, kGreatestSine);
+  return sine / std::sqrt(1 - sine * sine);
+}
+
 }  // namespace
 
 void describe_frame(const FramePlan& plan, const std::string& radar, const std::string& scene_name,
@@ -83,9 +96,8 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_map_reference_height_m(plan.extent().median_height_m);
   // At most rho / (k R) tan|elevation|, rho the antenna's distance from the scene origin (design section 1).
   const double rho_m = std::hypot(pose.antenna.m.x, pose.antenna.m.z);
-  const double sine = std::clamp(plan.box().antenna_above_bottom_m / bins.r_min_m, 0.0, 0.9999);
-  descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kMeanEarthRadius_m) * sine /
-                                         std::sqrt(1 - sine * sine));
+  descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kMeanEarthRadius_m) *
+                                         steepest_tangent(plan));
   for (const Material& material : plan.scene().materials()) {
     wire::Material& row = *descriptor.add_materials();
     row.set_name(material.name);

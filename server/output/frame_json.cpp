@@ -15,6 +15,7 @@ using google::protobuf::Reflection;
 
 Json number(double value) {
   if (std::isfinite(value)) return value;
+  if (std::isnan(value)) return "nan";
   return value > 0 ? "inf" : "-inf";
 }
 

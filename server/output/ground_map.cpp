@@ -87,7 +87,9 @@ void check_described(const wire::FrameDescriptor& d) {
   };
   positive("azimuth_width_deg", d.azimuth_width_deg());
   positive("range_spacing_m", d.range_spacing_m());
-  positive("range_start_m", d.range_start_m());
+  if (!(d.range_start_m() >= 0) || !std::isfinite(d.range_start_m()))
+    throw InputError("frame descriptor: range_start_m: found " + std::to_string(d.range_start_m()) +
+                     "; allowed: a number from 0");
   const double sector_deg = d.azimuth_width_deg() * d.settings().azimuth_bins();
   if (!(sector_deg <= 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
     throw InputError("frame descriptor: found a sector of " + std::to_string(sector_deg) + " degrees from " +

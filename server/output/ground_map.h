@@ -21,7 +21,7 @@ struct GroundMap {
   double antenna_above_m = 0;  ///< antenna above the reference height
   double up_rad = 0;           ///< true bearing of the picture's up direction; 0 for north up
   std::vector<float>
-      magnitude_db;  ///< [height][width] 20 log10 |I&Q|, dB re sqrt(W); kNoValue without a sample
+      magnitude_db;  ///< [height][width] 20 log10 |I&Q|, dB re sqrt(W); kNoValue where that is 0
   std::vector<float> slant_range_m;  ///< [height][width]
   std::vector<std::uint8_t> state;   ///< [height][width] BinState; kOutside off the sector
   static constexpr float kNoValue = -9999;

@@ -70,12 +70,23 @@ TEST(GroundMap, DescriptorsThatNoMapCanBeMadeOfAreRefused) {
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     refuses([&](wire::FrameDescriptor& d) { d.set_azimuth_width_deg(bad); });
     refuses([&](wire::FrameDescriptor& d) { d.set_range_spacing_m(bad); });
+    if (bad == 0) continue;  // a swath may begin at the antenna
     refuses([&](wire::FrameDescriptor& d) { d.set_range_start_m(bad); });
   }
   refuses([](wire::FrameDescriptor& d) { d.set_azimuth_width_deg(6.1); });
   refuses([](wire::FrameDescriptor& d) { d.set_azimuth_start_deg(1e300); });
   refuses([](wire::FrameDescriptor& d) { d.set_antenna_x_m(std::nan("")); });
   refuses([](wire::FrameDescriptor& d) { d.mutable_pose()->set_bearing_deg(HUGE_VAL); });
+}
+
+TEST(GroundMap, ASwathThatBeginsAtTheAntennaMakesAMap) {
+  wire::FrameDescriptor d = flat_descriptor();
+  d.set_range_start_m(0);
+  const GroundMap map = map_to_ground(d, BinBlock(0, 60, 90), 0);
+  // 60 to 120 degrees, 90 bins of 100 m from 0, in pixels of 100 m: from the antenna to 9 km east.
+  EXPECT_NEAR(map.left_m, 0, 100);
+  EXPECT_NEAR(map.left_m + map.width * map.pixel_m, 9000, 100);
+  EXPECT_NEAR(map.top_m, 4500, 100);
 }
 
 TEST(GroundMap, ASectorOfAMillionthOfADegreeMakesAMap) {
