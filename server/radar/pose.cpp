@@ -62,7 +62,10 @@ std::optional<Pose> place_antenna(const World& world, const PoseSettings& settin
                       "inside a building, " + metres_text(*roof_y_m - at.y) + " below its roof",
                       "an antenna outside every building"});
   pose.north_rad = world.frame.north_rad(geodetic);
-  pose.bearing_world_rad = settings.bearing_deg * kDegree_rad + pose.north_rad;
+  // Whole turns off in degrees, where they are exact: 0 and 360 give the same bits, and so do -180 and 180.
+  double bearing_deg = std::remainder(settings.bearing_deg, 360.0);
+  if (bearing_deg == -180) bearing_deg = 180;
+  pose.bearing_world_rad = bearing_deg * kDegree_rad + pose.north_rad;
   if (errors.size() != errors_before) return std::nullopt;
   return pose;
 }
