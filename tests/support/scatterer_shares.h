@@ -1,0 +1,53 @@
+#pragma once
+// What each scatterer gives to each bin, P_bc of design section 3, worked out anew from the samples: own cell
+// arithmetic, own radar equation. An oracle for the speckle of whole frames.
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "server/radar/frame_plan.h"
+#include "server/scene/exact_hit.h"
+
+namespace obliq::test {
+
+/// A ground cell of side_m with its south-west corner at (x, z) = (x_cell, z_cell) side_m, or a building
+/// face.
+struct Cell {
+  double side_m = 0;
+  std::int64_t x_cell = 0;
+  std::int64_t z_cell = 0;
+  std::uint32_t face = kNoFace;
+  std::uint8_t material = 0;
+
+  auto operator<=>(const Cell&) const = default;
+};
+
+/// Power by scatterer of one bin, watts.
+using BinShares = std::map<Cell, double>;
+
+/// The scatterer of a sample: cells whose side is the largest power of two that is at most half of
+/// min(range spacing, r0 x azimuth width), r0 the power of two at or below the slant range.
+Cell cell_of(const BinGrid& bins, double slant_range_m, double x_m, double z_m, std::uint32_t face,
+             std::uint8_t material);
+
+/// The point that a cell's phase refers to: a face's centre, or the ground at the cell's middle.
+glm::dvec3 reference_point_m(const World& world, const Cell& cell);
+
+/// Ground and buildings, both with constant gamma: 1 for ground, 3 for buildings.
+std::vector<Material> constant_gamma_materials();
+
+/// Shares of all bins, [azimuth bins][range bins]. Every material of the scene has constant gamma and the
+/// antenna a gain of 1 (checked).
+std::vector<BinShares> shares_of_bins(const FramePlan& plan);
+
+/// The plan of a frame, or an exception with what was wrong.
+std::shared_ptr<const FramePlan> plan_or_throw(std::shared_ptr<const Scene> scene,
+                                               const RadarSettings& settings, const Pose& pose);
+
+/// 4 pi r / lambda, r the distance between two points, in long double.
+long double round_trip_phase_rad(const glm::dvec3& antenna_m, const glm::dvec3& point_m,
+                                 double frequency_ghz);
+
+}  // namespace obliq::test
