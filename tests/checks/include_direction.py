@@ -17,6 +17,8 @@ ALLOWED = {
     "client": ["proto"],
     "server/scene": ["terrain"],
     "server/radar": ["terrain", "server/scene"],
+    # The truth shares no code with the pipeline but the material functions.
+    "server/truth": ["terrain", "server/scene/materials.h", "server/radar/scattering.h"],
     "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/control": SERVER_CORE + ["proto"],
     "server/output": SERVER_CORE + ["proto", "server/control"],
@@ -107,6 +109,8 @@ def self_test():
         "server/radar/b.cpp": "#include <embree3/rtcore.h>",
         "server/output/a.cpp": '#include "server/net/session.h"',
         "server/control/b.cpp": '#include "server/output/frame_files.h"',
+        "server/truth/a.cpp": '#include "server/scene/scene.h"',
+        "server/truth/b.h": '#include "server/radar/frame_plan.h"',
         "server/control/a.h": "#include <toml++/toml.h>",
         "server/net/a.cpp": '#include "client/client.h"',
         "server/apps/a.h": "#include <CLI/CLI.hpp>",
@@ -115,6 +119,7 @@ def self_test():
         "server/accuracy/a.h": '#include "server/control/key.h"',
     }
     right = {
+        "server/truth/c.cpp": '#include "server/radar/scattering.h"\n#include "server/scene/materials.h"',
         "terrain/f.cpp": '#include <gdal_priv.h>\n#include <vector>\n#include "terrain/world.h"',
         "client/c.cpp": '#include "obliq.pb.h"\n#include "proto/codec.h"',
         "server/scene/c.cpp": '#include <embree3/rtcore.h>\n#include "terrain/world.h"',
