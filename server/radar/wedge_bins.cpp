@@ -7,6 +7,13 @@
 #include "server/radar/exact_math.h"
 
 namespace obliq {
+namespace {
+
+/// The shortest wavelength that is allowed. The radar equation is one of the far field: nearer than this it
+/// means nothing, and at 0, an antenna against a wall, it divides by it.
+constexpr double kNearest_m = 1e-3;
+
+}  // namespace
 
 WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                      AzimuthRange range, Surfaces surfaces)
@@ -34,7 +41,7 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
     const int range_bin = bins.range_bin(r);
-    if (range_bin < 0) continue;
+    if (range_bin < 0 || r < kNearest_m) continue;
     if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
       continue;
     const double r2 = r * r;

@@ -73,7 +73,7 @@ std::optional<double> cross_ground_triangle(const HeightGrid& grid, int i, int j
   const double slack = kEdgeSlack_m / grid.cell_m;
   const bool inside = upper ? s <= 1 + slack && t <= 1 + slack && s + t >= 1 - slack
                             : s >= -slack && t >= -slack && s + t <= 1 + slack;
-  if (!inside || !(distance >= 0)) return std::nullopt;
+  if (!inside || !(distance > 0)) return std::nullopt;
   return distance;
 }
 
@@ -127,7 +127,7 @@ std::optional<double> cross_building_triangle(const Buildings& buildings, std::u
   const double approach = glm::dot(outward, direction);
   if (!(approach < 0)) return std::nullopt;
   const double distance = glm::dot(outward, a) / approach;
-  if (!(distance >= 0) || !std::isfinite(distance)) return std::nullopt;
+  if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
   const glm::dvec3 p = distance * direction;
   const double slack = -kFaceSlack * area2;
   const bool inside = glm::dot(glm::cross(b - a, p - a), outward) >= slack &&
