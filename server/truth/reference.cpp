@@ -84,6 +84,30 @@ struct BinBuildings {
   std::vector<std::pair<std::uint32_t, BuildingTruth>> seen;  ///< by index, rising
 };
 
+/// A vertical plane in an azimuth bin and the azimuth it stands for.
+struct PlaneSpot {
+  double from_start_rad;  ///< clockwise from the sector's start
+  double width_rad;
+};
+
+/// The middles of equal parts of every stretch between corners of buildings, no part wider than the bin's
+/// share of a plane. Corners closer together than a millionth of the bin are as good as one.
+std::vector<PlaneSpot> place_planes(const SightedBuildings& sighted, int azimuth, double bin_width_rad,
+                                    int planes_per_bin) {
+  std::vector<PlaneSpot> spots;
+  std::vector<double> ends = sighted.corner_bearings_rad(azimuth);
+  ends.push_back((azimuth + 1) * bin_width_rad);
+  double from = azimuth * bin_width_rad;
+  for (const double end : ends) {
+    const double stretch = end - from;
+    if (stretch < 1e-6 * bin_width_rad && end != ends.back()) continue;
+    const int n = std::max(1, static_cast<int>(std::ceil(stretch / bin_width_rad * planes_per_bin - 1e-9)));
+    for (int k = 0; k < n; ++k) spots.push_back({from + (k + 0.5) / n * stretch, stretch / n});
+    from = end;
+  }
+  return spots;
+}
+
 /// All that one thread needs to integrate azimuth bins of its own.
 class BinIntegrator {
  public:
@@ -91,7 +115,7 @@ class BinIntegrator {
                 const ReferenceSampling& sampling, const StripIntegral& integral)
       : sighted_(sighted),
         view_(view),
-        planes_(sampling.planes_per_bin),
+        planes_per_bin_(sampling.planes_per_bin),
         integral_(integral),
         walk_(world, sighted, view) {}
 
@@ -100,12 +124,11 @@ class BinIntegrator {
     std::map<std::uint32_t, BuildingTruth> seen;
     std::map<std::pair<std::uint32_t, int>, double> power_by_bin_w;
     const double width_rad = view_.sector_rad / view_.azimuth_bins;
-    for (int plane = 0; plane < planes_; ++plane) {
-      const double from_start = (azimuth + (plane + 0.5) / planes_) * width_rad;
-      walk_.walk(view_.bearing_rad - view_.sector_rad / 2 + from_start, azimuth, strips_);
+    for (const PlaneSpot& spot : place_planes(sighted_, azimuth, width_rad, planes_per_bin_)) {
+      walk_.walk(view_.bearing_rad - view_.sector_rad / 2 + spot.from_start_rad, azimuth, strips_);
       for (const Strip& strip : strips_.lit) {
         shares_.clear();
-        integral_.add(strip, shares_);
+        integral_.add(strip, spot.width_rad, shares_);
         for (const BinShare& share : shares_) {
           if (strip.building == kGroundStrip) {
             ground_w[share.range_bin] += share.power_w;
@@ -119,7 +142,7 @@ class BinIntegrator {
       }
       for (const Strip& strip : strips_.alone) {
         shares_.clear();
-        integral_.add(strip, shares_);
+        integral_.add(strip, spot.width_rad, shares_);
         for (const BinShare& share : shares_)
           seen[static_cast<std::uint32_t>(strip.building)].unoccluded_sr += share.solid_angle_sr;
       }
@@ -135,7 +158,7 @@ class BinIntegrator {
  private:
   const SightedBuildings& sighted_;
   const ReferenceView& view_;
-  int planes_;
+  int planes_per_bin_;
   const StripIntegral& integral_;
   PlaneWalk walk_;
   PlaneStrips strips_;
@@ -191,8 +214,7 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
 
   const SightedBuildings sighted(world.buildings, view, first_azimuth, n_azimuth);
   check_antenna(world, sighted, sighted.in_bin(first_azimuth), view.antenna_m);
-  const StripIntegral integral(materials, view, sampling.step_m,
-                               view.sector_rad / view.azimuth_bins / sampling.planes_per_bin);
+  const StripIntegral integral(materials, view, sampling.step_m);
   std::vector<BinBuildings> by_bin(static_cast<std::size_t>(n_azimuth));
   share_out(n_azimuth, sampling.threads, progress, [&] {
     return [&, integrator = BinIntegrator(world, sighted, view, sampling, integral)](int a) mutable {

@@ -16,6 +16,8 @@ constexpr double kSlack_rad = 1e-9;
 
 glm::dvec2 corner(const Buildings& buildings, std::uint32_t k) { return glm::dvec2(buildings.ring_xz_m[k]); }
 
+double bearing_rad(const glm::dvec2& away) { return std::atan2(away.x, away.y); }
+
 /// The corners [first, last) of a building's outline and holes.
 struct Corners {
   std::uint32_t first, last;
@@ -29,38 +31,34 @@ struct Corners {
 SightedBuildings::SightedBuildings(const Buildings& buildings, const ReferenceView& view, int first_azimuth,
                                    int n_azimuth)
     : buildings_(buildings),
+      view_(view),
       antenna_m_(view.antenna_m),
       first_azimuth_(first_azimuth),
       by_bin_(static_cast<std::size_t>(n_azimuth)) {
-  for (std::uint32_t b = 0; b < buildings.list.size(); ++b) sort_in(b, view);
+  for (std::uint32_t b = 0; b < buildings.list.size(); ++b) sort_in(b);
 }
 
-void SightedBuildings::sort_in(std::uint32_t building, const ReferenceView& view) {
+void SightedBuildings::sort_in(std::uint32_t building) {
   const Corners corners(buildings_, buildings_.list[building]);
   const glm::dvec2 here(antenna_m_.x, antenna_m_.z);
   Rect box;
   for (std::uint32_t k = corners.first; k < corners.last; ++k) box.include(corner(buildings_, k));
   const glm::dvec2 nearest(std::clamp(here.x, box.x0_m, box.x1_m), std::clamp(here.y, box.z0_m, box.z1_m));
-  if (std::hypot(nearest.x - here.x, nearest.y - here.y) > view.r_max_m) return;
+  if (std::hypot(nearest.x - here.x, nearest.y - here.y) > view_.r_max_m) return;
   if (nearest == here) {
     for (auto& bin : by_bin_) bin.push_back(building);
     return;
   }
   // The box, and so the building, subtends less than half a turn.
-  const auto bearing = [&](std::uint32_t k) {
-    const glm::dvec2 away = corner(buildings_, k) - here;
-    return std::atan2(away.x, away.y);
-  };
-  const double first = bearing(corners.first);
+  const double first = bearing_rad(corner(buildings_, corners.first) - here);
   double least = 0, greatest = 0;
   for (std::uint32_t k = corners.first; k < corners.last; ++k) {
-    const double off = std::remainder(bearing(k) - first, kTurn);
+    const double off = std::remainder(bearing_rad(corner(buildings_, k) - here) - first, kTurn);
     least = std::min(least, off);
     greatest = std::max(greatest, off);
   }
-  const double width_rad = view.sector_rad / view.azimuth_bins;
-  double from = std::remainder(first + least - kSlack_rad - (view.bearing_rad - view.sector_rad / 2), kTurn);
-  if (from < 0) from += kTurn;
+  const double width_rad = view_.sector_rad / view_.azimuth_bins;
+  const double from = from_start_rad(first + least - kSlack_rad);
   const double to = from + greatest - least + 2 * kSlack_rad;
   const int last_bin = static_cast<int>(by_bin_.size()) - 1;
   // A building across the sector's start begins at its end, a turn earlier.
@@ -73,6 +71,26 @@ void SightedBuildings::sort_in(std::uint32_t building, const ReferenceView& view
       listed = a;
     }
   }
+}
+
+double SightedBuildings::from_start_rad(double bearing) const {
+  const double off = std::remainder(bearing - (view_.bearing_rad - view_.sector_rad / 2), kTurn);
+  return off < 0 ? off + kTurn : off;
+}
+
+std::vector<double> SightedBuildings::corner_bearings_rad(int azimuth) const {
+  const glm::dvec2 here(antenna_m_.x, antenna_m_.z);
+  const double width_rad = view_.sector_rad / view_.azimuth_bins;
+  std::vector<double> bearings;
+  for (const std::uint32_t b : in_bin(azimuth)) {
+    const Corners corners(buildings_, buildings_.list[b]);
+    for (std::uint32_t k = corners.first; k < corners.last; ++k) {
+      const double at = from_start_rad(bearing_rad(corner(buildings_, k) - here));
+      if (at > azimuth * width_rad && at < (azimuth + 1) * width_rad) bearings.push_back(at);
+    }
+  }
+  std::sort(bearings.begin(), bearings.end());
+  return bearings;
 }
 
 bool SightedBuildings::cross(std::uint32_t building, const AzimuthPlane& plane, std::size_t owner,

@@ -30,15 +30,21 @@ class SightedBuildings {
     return by_bin_[static_cast<std::size_t>(azimuth - first_azimuth_)];
   }
 
+  /// Bearings clockwise from the sector's start, in radians, of the corners inside an azimuth bin of the
+  /// buildings in it, rising. In between them the planes cross the same walls.
+  std::vector<double> corner_bearings_rad(int azimuth) const;
+
   /// Appends the plane's crossings with one building's outline, unsorted. Returns whether the antenna's own
   /// position is inside the outline (even-odd rule).
   bool cross(std::uint32_t building, const AzimuthPlane& plane, std::size_t owner,
              std::vector<OutlineCrossing>& crossings) const;
 
  private:
-  void sort_in(std::uint32_t building, const ReferenceView& view);
+  void sort_in(std::uint32_t building);
+  double from_start_rad(double bearing_rad) const;
 
   const Buildings& buildings_;
+  const ReferenceView view_;
   glm::dvec3 antenna_m_;
   int first_azimuth_;
   std::vector<std::vector<std::uint32_t>> by_bin_;

@@ -6,14 +6,16 @@
 
 namespace obliq {
 
-/// The strip's line by its perpendicular foot: a point t from the foot has range r^2 = p^2 + t^2.
+/// The strip's line by its perpendicular foot and the azimuth it stands for: a point t from the foot has
+/// range r^2 = p^2 + t^2.
 struct StripIntegral::Line {
   double p_m;         ///< the antenna's distance from the line
   double t0_m, t1_m;  ///< of the strip's ends
   double d_per_t;     ///< ground distance gained a metre along the strip
   double foot_d_m;    ///< ground distance of the foot
+  double width_rad;
 
-  explicit Line(const Strip& strip) {
+  Line(const Strip& strip, double azimuth_rad) : width_rad(azimuth_rad) {
     const double along_d = strip.d1_m - strip.d0_m;
     const double along_h = strip.h1_m - strip.h0_m;
     const double length = std::sqrt(along_d * along_d + along_h * along_h);
@@ -27,22 +29,20 @@ struct StripIntegral::Line {
   double t_at_range(double r_m) const { return std::sqrt(std::max(0.0, (r_m - p_m) * (r_m + p_m))); }
 };
 
-StripIntegral::StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m,
-                             double plane_width_rad)
+StripIntegral::StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m)
     : scattering_(materials, view.wavelength_m),
       range_constant_(view.power_w * view.gain * view.gain * view.wavelength_m * view.wavelength_m /
                       std::pow(4 * std::numbers::pi, 3)),
       step_m_(step_m),
-      width_rad_(plane_width_rad),
       r_min_m_(view.r_min_m),
       r_max_m_(view.r_max_m),
       spacing_m_((view.r_max_m - view.r_min_m) / view.range_bins),
       n_range_(view.range_bins),
       range_normalisation_(view.range_normalisation) {}
 
-void StripIntegral::add(const Strip& strip, std::vector<BinShare>& shares) const {
+void StripIntegral::add(const Strip& strip, double width_rad, std::vector<BinShare>& shares) const {
   if (strip.d0_m == strip.d1_m && strip.h0_m == strip.h1_m) return;
-  const Line line(strip);
+  const Line line(strip, width_rad);
   if (!(line.p_m > 0)) return;  // edge-on in this plane: no projected area
   // Range falls towards the foot and rises beyond it.
   if (line.t0_m < 0) add_monotone(strip, line, -1, std::max(0.0, -line.t1_m), -line.t0_m, shares);
@@ -78,7 +78,7 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
     const double r2 = line.p_m * line.p_m + t_m * t_m;
     const double r_m = std::sqrt(r2);
     const double d_m = line.foot_d_m + t_m * line.d_per_t;
-    const double projected_area_m2 = d_m * width_rad_ * step_m * line.p_m / r_m;
+    const double projected_area_m2 = d_m * line.width_rad * step_m * line.p_m / r_m;
     const double sigma_m2 = scattering_.cross_section_m2(strip.material, projected_area_m2,
                                                          std::min(1.0, strip.plane_distance_m / r_m));
     share.power_w += range_constant_ * (range_normalisation_ ? sigma_m2 : sigma_m2 / (r2 * r2));

@@ -14,14 +14,14 @@ struct BinShare {
   double solid_angle_sr;
 };
 
-/// Integrates the radar equation over strips, each as wide as its vertical plane stands for. Immutable.
+/// Integrates the radar equation over strips. Immutable.
 class StripIntegral {
  public:
-  StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m,
-                double plane_width_rad);
+  StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m);
 
   /// Appends one share for every range bin the strip lies in; twice when the range falls and rises again.
-  void add(const Strip& strip, std::vector<BinShare>& shares) const;
+  /// width_rad: azimuth that the strip's plane stands for.
+  void add(const Strip& strip, double width_rad, std::vector<BinShare>& shares) const;
 
  private:
   struct Line;
@@ -32,7 +32,6 @@ class StripIntegral {
   ScatteringTable scattering_;
   double range_constant_;  // K
   double step_m_;
-  double width_rad_;
   double r_min_m_, r_max_m_, spacing_m_;
   int n_range_;
   bool range_normalisation_;
