@@ -52,6 +52,29 @@ inline SinCos sincos_turns(double turns) {
   }
 }
 
+/// atan2(right, ahead) in (-pi, pi]: the bearing of a point, clockwise from straight ahead; 0 at the origin.
+/// Absolute error below 4e-16: two steps of Newton's method from a guess that is off by at most 0.004.
+inline double bearing_of(double right, double ahead) {
+  const double length = std::sqrt(right * right + ahead * ahead);
+  if (!(length > 0)) return 0;
+  const double sine = right / length;
+  const double cosine = ahead / length;
+  const double s = std::fabs(sine);
+  const double c = std::fabs(cosine);
+  constexpr double kPi = 3.14159265358979323846;
+  const double tangent = s < c ? s / c : c / s;
+  double angle = tangent * (kPi / 4 + 0.273 * (1 - tangent));
+  if (s >= c) angle = kPi / 2 - angle;
+  if (cosine < 0) angle = kPi - angle;
+  if (sine < 0) angle = -angle;
+  for (int step = 0; step < 2; ++step) {
+    const SinCos at = sincos_turns(angle / (2 * kPi));
+    const double off = sine * at.cos - cosine * at.sin;  // sin of what is missing
+    angle += off + off * off * off / 6;
+  }
+  return angle;
+}
+
 /// exp(x) for x <= 0; 0 below -700. Relative error below 4e-16.
 inline double exp_of_negative(double x) {
   if (!(x > -700)) return 0;

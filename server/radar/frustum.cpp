@@ -5,6 +5,7 @@
 #include <glm/ext/matrix_clip_space.hpp>
 #include <numbers>
 
+#include "server/radar/exact_math.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -16,6 +17,18 @@ glm::dvec3 PerspectiveFrustum::direction(double column, double row) const {
   const double sin_pitch = std::sin(pitch_rad);
   const double cos_pitch = std::cos(pitch_rad);
   return {x, y * cos_pitch - near_m * sin_pitch, near_m * cos_pitch + y * sin_pitch};
+}
+
+double PerspectiveFrustum::wide_solid_angle_sr(double column, double row) const {
+  const auto corner = [&](double from_column, double from_row) {
+    const double x = column_x_m(column + from_column);
+    const double y = row_y_m(row + from_row);
+    return bearing_of(x * y, near_m * std::sqrt(x * x + y * y + near_m * near_m));
+  };
+  // Rows run down the picture: the first row's edge has the greatest y.
+  const double sum = corner(0.5, -0.5) - corner(-0.5, -0.5) - corner(0.5, 0.5) + corner(-0.5, 0.5);
+  // Good to 1e-15 sr: what a plane seen edge-on leaves may be less.
+  return std::max(0.0, sum);
 }
 
 glm::dmat4 PerspectiveFrustum::camera_from_antenna() const {

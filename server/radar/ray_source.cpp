@@ -140,9 +140,8 @@ class PerspectiveRays : public RaySource {
     batch.dir_x[k] = d.x;
     batch.dir_y[k] = d.y;
     batch.dir_z[k] = d.z;
-    // dX dY D_n / (X^2 + Y^2 + D_n^2)^(3/2): the viewing-plane vector has the same length as (x, y, z).
-    batch.solid_angle_sr[k] =
-        camera_.pixel_width_m() * camera_.pixel_height_m() * camera_.near_m / (length2 * length);
+    // The viewing-plane vector has the same length as (x, y, z).
+    batch.solid_angle_sr[k] = camera_.solid_angle_sr(column, row_, length2, length);
     batch.azimuth_bin[k] = bin;
     batch.pixel[k] = static_cast<std::uint32_t>(row_) * static_cast<std::uint32_t>(camera_.columns) +
                      static_cast<std::uint32_t>(column);

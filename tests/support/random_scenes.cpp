@@ -239,8 +239,9 @@ RandomScene random_scene(std::uint64_t seed, const RandomSceneOptions& options) 
   RandomScene scene;
   scene.seed = seed;
   World& world = scene.world;
-  const double factor = dice.one_of(
-      {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 4.0 / 3, 1.0});
+  constexpr double kFlat = std::numeric_limits<double>::infinity();
+  const double drawn = dice.one_of({kFlat, kFlat, 4.0 / 3, 1.0});
+  const double factor = options.curved ? drawn : kFlat;
   world.frame = WorldFrame(33 * kDegree_rad, -99.5 * kDegree_rad, factor);
   world.grid = empty_grid(dice, options);
   HeightGrid& grid = world.grid;

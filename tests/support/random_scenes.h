@@ -42,6 +42,7 @@ struct RandomSceneOptions {
   int most_prisms = 6;     ///< fewer stand where one falls on a void
   bool voids = true;       ///< one scene in three has some
   bool outside = true;     ///< one antenna in ten stands just outside the grid
+  bool curved = true;      ///< one scene in two has earth curvature
   bool far_origin = true;  ///< one grid in six lies about 100 km from the world's origin
   double most_sector_deg = 360;
 };

@@ -45,36 +45,43 @@ std::vector<Material> constant_gamma_materials() {
   return materials;
 }
 
-std::vector<BinShares> shares_of_bins(const FramePlan& plan) {
-  for (const Material& material : plan.scene().materials())
-    if (material.model != ScatteringModel::constant_gamma || plan.settings().gain_db != 0)
-      throw std::logic_error("shares_of_bins: constant gamma and a gain of 1 only");
-  const BinGrid& bins = plan.bins();
-  const RadarSettings& settings = plan.settings();
-  const double lambda_m = kSpeedOfLight_m_s / (settings.frequency_ghz * 1e9);
-  // Monostatic radar equation with sigma = gamma dOmega r^2: P = P_t lambda^2 gamma dOmega / ((4 pi)^3 r^2).
-  const double constant = settings.power_w * lambda_m * lambda_m / static_cast<double>(64 * kPi * kPi * kPi);
-  std::vector<BinShares> shares(static_cast<std::size_t>(bins.n_azimuth) *
-                                static_cast<std::size_t>(bins.n_range));
+void for_each_sample(const FramePlan& plan, const std::function<void(const SampleBatch&, std::size_t)>& use) {
   const auto batch = std::make_unique<SampleBatch>();
   FrameStats stats;
-  for (int first = 0; first < bins.n_azimuth; first += kWedgeAzimuthBins) {
-    const AzimuthRange range{first, std::min(kWedgeAzimuthBins, bins.n_azimuth - first)};
+  const int n = plan.bins().n_azimuth;
+  for (int first = 0; first < n; first += kWedgeAzimuthBins) {
+    const AzimuthRange range{first, std::min(kWedgeAzimuthBins, n - first)};
     const auto source = make_sample_source(plan, range, nullptr);
-    while (source->next(*batch, stats)) {
-      for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k) {
-        const double r = batch->slant_range_m[k];
-        const double at = std::floor((r - bins.r_min_m) / bins.range_spacing_m);
-        if (!(r >= bins.r_min_m && r < bins.r_max_m)) continue;
-        const auto range_bin = static_cast<std::size_t>(std::min(at, bins.n_range - 1.0));
-        const double gamma = plan.scene().materials()[batch->material[k]].gamma;
-        const double shown = settings.range_normalisation ? r * r : 1 / (r * r);
-        const Cell cell = cell_of(bins, r, batch->x_m[k], batch->z_m[k], batch->face[k], batch->material[k]);
-        shares[static_cast<std::size_t>(batch->azimuth_bin[k]) * static_cast<std::size_t>(bins.n_range) +
-               range_bin][cell] += constant * gamma * batch->solid_angle_sr[k] * shown;
-      }
-    }
+    while (source->next(*batch, stats))
+      for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k) use(*batch, k);
   }
+}
+
+double sample_power_w(const FramePlan& plan, const SampleBatch& batch, std::size_t k) {
+  const RadarSettings& settings = plan.settings();
+  const Material& material = plan.scene().materials()[batch.material[k]];
+  if (material.model != ScatteringModel::constant_gamma || settings.gain_db != 0)
+    throw std::logic_error("sample_power_w: constant gamma and a gain of 1 only");
+  // Monostatic radar equation with sigma = gamma dOmega r^2: P = P_t lambda^2 gamma dOmega / ((4 pi)^3 r^2).
+  const double lambda_m = kSpeedOfLight_m_s / (settings.frequency_ghz * 1e9);
+  const double constant = settings.power_w * lambda_m * lambda_m / static_cast<double>(64 * kPi * kPi * kPi);
+  const double r2 = batch.slant_range_m[k] * batch.slant_range_m[k];
+  return constant * material.gamma * batch.solid_angle_sr[k] * (settings.range_normalisation ? r2 : 1 / r2);
+}
+
+std::vector<BinShares> shares_of_bins(const FramePlan& plan) {
+  const BinGrid& bins = plan.bins();
+  const auto n_range = static_cast<std::size_t>(bins.n_range);
+  std::vector<BinShares> shares(static_cast<std::size_t>(bins.n_azimuth) * n_range);
+  for_each_sample(plan, [&](const SampleBatch& batch, std::size_t k) {
+    const double r = batch.slant_range_m[k];
+    if (!(r >= bins.r_min_m && r < bins.r_max_m)) return;
+    const double at = std::floor((r - bins.r_min_m) / bins.range_spacing_m);
+    const auto range_bin = static_cast<std::size_t>(std::min(at, bins.n_range - 1.0));
+    const Cell cell = cell_of(bins, r, batch.x_m[k], batch.z_m[k], batch.face[k], batch.material[k]);
+    shares[static_cast<std::size_t>(batch.azimuth_bin[k]) * n_range + range_bin][cell] +=
+        sample_power_w(plan, batch, k);
+  });
   return shares;
 }
 

@@ -2,11 +2,13 @@
 // What each scatterer gives to each bin, P_bc of design section 3, worked out anew from the samples: own cell
 // arithmetic, own radar equation. An oracle for the speckle of whole frames.
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <map>
 #include <tuple>
 #include <vector>
 
+#include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
 #include "server/scene/exact_hit.h"
 
@@ -38,8 +40,14 @@ glm::dvec3 reference_point_m(const World& world, const Cell& cell);
 /// Ground and buildings, both with constant gamma: 1 for ground, 3 for buildings.
 std::vector<Material> constant_gamma_materials();
 
-/// Shares of all bins, [azimuth bins][range bins]. Every material of the scene has constant gamma and the
-/// antenna a gain of 1 (checked).
+/// Calls use(batch, k) for every sample of a frame, wedge by wedge as the renderer asks for them.
+void for_each_sample(const FramePlan& plan, const std::function<void(const SampleBatch&, std::size_t)>& use);
+
+/// The power that a sample's return has by the radar equation, own arithmetic. The sample's material has
+/// constant gamma and the antenna a gain of 1.
+double sample_power_w(const FramePlan& plan, const SampleBatch& batch, std::size_t k);
+
+/// Shares of all bins, [azimuth bins][range bins].
 std::vector<BinShares> shares_of_bins(const FramePlan& plan);
 
 /// The plan of a frame, or an exception with what was wrong.
