@@ -37,6 +37,16 @@ std::string sentence(const char* format, Values... values) {
   return text;
 }
 
+/// The lift y -= (1 - 1/k) y0(x, z) tilts by (1 - 1/k) rho / R at distance rho from the origin: y changes by
+/// that share of the horizontal distance d, and a slant range by (dy / r) of it, dy d / r <= |dy|.
+double shear_bound_m(const FramePlan& plan, double off_origin_m) {
+  const SectorExtent& extent = plan.extent();
+  const double antenna_y_m = plan.pose().antenna.m.y;
+  const double tilt =
+      std::abs(1 - 1 / plan.scene().world().frame.radius_factor()) * off_origin_m / kMeanEarthRadius_m;
+  return tilt * std::max(std::abs(antenna_y_m - extent.bottom_y_m), std::abs(antenna_y_m - extent.top_y_m));
+}
+
 void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescriptor& descriptor) {
   const WorldFrame& frame = plan.scene().world().frame;
   const double above_m = frame.geodetic_from_world(plan.pose().antenna).height_m;
@@ -46,8 +56,10 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
                  frame.radius_factor(), kLowAltitude_m));
   if (off_origin_m > kFarFromOrigin_m && std::isfinite(frame.radius_factor()))
     descriptor.add_warnings(
-        sentence("antenna %.1f km from the scene origin: azimuths are off by up to %.3g degrees",
-                 off_origin_m / 1000, descriptor.azimuth_error_bound_rad() / kDegree_rad));
+        sentence("antenna %.1f km from the scene origin: azimuths are off by up to %.3g degrees, slant "
+                 "ranges by %.3g m",
+                 off_origin_m / 1000, descriptor.azimuth_error_bound_rad() / kDegree_rad,
+                 shear_bound_m(plan, off_origin_m)));
   if (!plan.extent().any) descriptor.add_warnings("no known ground in the sector");
 }
 
