@@ -192,12 +192,13 @@ double metres_per_unit(const Raster& raster, const std::optional<VerticalUnit>& 
   return metres;
 }
 
-double DemWindow::height_at_m(double column, double row) const {
+double DemWindow::height_at_m(double column, double row, bool between_posts_only) const {
   if (!(column >= -0.5 && row >= -0.5 && column <= raster_columns - 0.5 && row <= raster_rows - 0.5)) {
     return kVoid;
   }
   const double u = std::clamp((column - column0) / step, 0.0, static_cast<double>(nx - 1));
   const double v = std::clamp((row - row0) / step, 0.0, static_cast<double>(nz - 1));
+  if (between_posts_only && (u != (column - column0) / step || v != (row - row0) / step)) return kVoid;
   const int c = std::min(static_cast<int>(u), std::max(0, nx - 2));
   const int r = std::min(static_cast<int>(v), std::max(0, nz - 2));
   const double s = u - c;

@@ -23,9 +23,9 @@ struct DemWindow {
   std::vector<float> height_m;  ///< [nz][nx]
 
   /// Bilinear between the four posts around a place in raster post coordinates. The outer half pixel, which
-  /// belongs to the raster but has posts on one side only, takes the nearest post's height. NaN when a post
-  /// that carries weight is void or the place is outside.
-  double height_at_m(double column, double row) const;
+  /// belongs to the raster but has posts on one side only, takes the nearest post's height, or none when only
+  /// places between posts are asked for. NaN when a post that carries weight is void or the place is outside.
+  double height_at_m(double column, double row, bool between_posts_only) const;
 
   /// What the window's valid posts around a place say of it, up to one posting beyond the window.
   struct Share {

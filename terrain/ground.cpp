@@ -77,7 +77,9 @@ Loaded load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, c
   const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
   if (rect.empty()) mosaic.refuse_no_ground(world.frame, wanted.rect);
   const double posting_m = mosaic.finest_posting_m(world.frame, rect);
-  const double needed_m = std::max(posting_m, spec.sampling_footprint_m);
+  // An elevation model of a few posts still gets a grid: at least two nodes lie on any three cells.
+  const double shorter_m = std::min(rect.x1_m - rect.x0_m, rect.z1_m - rect.z0_m);
+  const double needed_m = std::min(std::max(posting_m, spec.sampling_footprint_m), shorter_m / 3);
   world.grid = empty_grid(rect, cell_size_m(spec, needed_m));
   Loaded loaded{posting_m, SourceErrors(world.grid)};
   mosaic.fill(world.grid, world.frame, loaded.errors, progress);

@@ -20,13 +20,15 @@ constexpr int kMaxRounds = 12;
 double at_share(const double layers[2], double share) { return layers[0] + share * (layers[1] - layers[0]); }
 
 /// DEM height under the plumb line through world (x, z); NaN where there is none. guess_m is where to start.
+/// Of several files, one that has posts all around a place knows more of it than one whose border it is:
+/// between_posts_only leaves a border's outer half pixel to the other files, and to the seams at last.
 double solve_height_m(const LatticePoint& point, const DemWindow& window, double shift_columns,
-                      double guess_m) {
+                      double guess_m, bool between_posts_only) {
   double height_m = guess_m;
   for (int round = 0; round < kMaxRounds; ++round) {
     const double share = layer_share(height_m);
-    const double next_m =
-        window.height_at_m(at_share(point.column, share) + shift_columns, at_share(point.row, share));
+    const double next_m = window.height_at_m(at_share(point.column, share) + shift_columns,
+                                             at_share(point.row, share), between_posts_only);
     if (!(std::abs(next_m - height_m) > kSettled_m)) return next_m;  // settled, or NaN
     height_m = next_m;
   }
@@ -84,7 +86,7 @@ void fill_row(HeightGrid& grid, int j, const PostLattice& lattice, const DemWind
     }
     if (!touches) continue;
     const LatticePoint point = row.at(x_m);
-    const double height_m = solve_height_m(point, window, shift_columns, middle_m);
+    const double height_m = solve_height_m(point, window, shift_columns, middle_m, seams != nullptr);
     if (!std::isnan(height_m)) {
       grid.y_m[grid.index(i, j)] = static_cast<float>(point.world_y_m(height_m));
     } else if (seams) {
