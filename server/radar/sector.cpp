@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "server/radar/footprint_index.h"
+
 namespace obliq {
 namespace {
 
@@ -48,6 +50,10 @@ class SectorScan {
     const double up = y_m - sector_.antenna_m.y;
     const double range = std::sqrt(right * right + ahead * ahead + up * up);
     if (range > sector_.r_max_m + margin_m_ || range < sector_.r_min_m - margin_m_) return false;
+    return in_azimuth(right, ahead);
+  }
+
+  bool in_azimuth(double right, double ahead) const {
     // Distances beyond the right and the left edge of the sector.
     const double past_right = right * cos_half_ - ahead * sin_half_;
     const double past_left = -right * cos_half_ - ahead * sin_half_;
@@ -71,6 +77,30 @@ class SectorScan {
     const double offset = std::abs(std::atan2(sector_.right_m(x_m, z_m), sector_.ahead_m(x_m, z_m)));
     if (offset - half_angle > sector_.width_rad / 2) return Overlap::none;
     return range_inside && offset + half_angle <= sector_.width_rad / 2 ? Overlap::full : Overlap::partial;
+  }
+
+  /// The part of a vertical line that lies in sector and swath; nothing when none does. A line stands for a
+  /// steep edge of the mesh or a wall, both ends of which may be out of range while its middle is not.
+  struct Reach {
+    bool any = false;
+    double low_y_m = 0, high_y_m = 0;
+  };
+  Reach reach(double x_m, double z_m, double low_y_m, double high_y_m) const {
+    const double right = sector_.right_m(x_m, z_m);
+    const double ahead = sector_.ahead_m(x_m, z_m);
+    const double ground2 = right * right + ahead * ahead;
+    const double far_m = sector_.r_max_m + margin_m_;
+    if (ground2 > far_m * far_m || !in_azimuth(right, ahead)) return {};
+    const double near_m = std::max(0.0, sector_.r_min_m - margin_m_);
+    // Heights relative to the antenna between -farthest and -nearest or between nearest and farthest.
+    const double farthest = std::sqrt(far_m * far_m - ground2);
+    const double nearest = std::sqrt(std::max(0.0, near_m * near_m - ground2));
+    double low = std::max(low_y_m - sector_.antenna_m.y, -farthest);
+    double high = std::min(high_y_m - sector_.antenna_m.y, farthest);
+    if (low > -nearest) low = std::max(low, nearest);
+    if (high < nearest) high = std::min(high, -nearest);
+    if (!(low <= high)) return {};
+    return {true, low + sector_.antenna_m.y, high + sector_.antenna_m.y};
   }
 
   void raise(double x_m, double y_m, double z_m) {
@@ -117,6 +147,7 @@ class SectorScan {
         const double pz = grid.node_z_m(j);
         const double py = grid.node_y_m(i, j);
         if (kind == Overlap::partial) {
+          visit_steep_edges(i, j);
           if (!holds(px, py, pz)) continue;
           bottom_ = std::min(bottom_, py);
           top_ = std::max(top_, py);
@@ -126,17 +157,83 @@ class SectorScan {
     }
   }
 
+  /// Edges of the mesh from a node that rise or fall by more than the margin covers: 1.5 cells hold the other
+  /// end of an edge of 1.41 cells that climbs by half a cell.
+  void visit_steep_edges(int i, int j) {
+    const HeightGrid& grid = world_.grid;
+    const double y = grid.node_y_m(i, j);
+    for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {-1, 1}}) {
+      if (i + di < 0 || i + di >= grid.nx || j + dj >= grid.nz || !grid.node_known(i + di, j + dj)) continue;
+      const double other = grid.node_y_m(i + di, j + dj);
+      if (std::abs(other - y) <= 0.5 * grid.cell_m) continue;
+      const double x = grid.node_x_m(i);
+      const double z = grid.node_z_m(j);
+      if (holds(x, y, z) && holds(grid.node_x_m(i + di), other, grid.node_z_m(j + dj))) continue;
+      const Reach part = reach(x, z, std::min(y, other), std::max(y, other));
+      if (!part.any) continue;
+      bottom_ = std::min(bottom_, part.low_y_m);
+      top_ = std::max(top_, part.high_y_m);
+      raise(x, part.high_y_m, z);
+    }
+  }
+
   void visit_building(const Building& building) {
     const Buildings& all = world_.buildings;
     const auto roof = static_cast<double>(building.roof_y_m);
-    const std::uint32_t ring = building.first_ring;
-    for (std::uint32_t k = all.ring_start[ring]; k < all.ring_start[ring + 1]; ++k) {
-      const auto x = static_cast<double>(all.ring_xz_m[k].x);
-      const auto z = static_cast<double>(all.ring_xz_m[k].y);
-      if (!holds(x, roof, z)) continue;
+    const std::uint32_t begin = all.ring_start[building.first_ring];
+    const std::uint32_t end = all.ring_start[building.first_ring + 1];
+    if (begin == end) return;
+    const glm::dvec2 first(all.ring_xz_m[begin]);
+    double size = roof - static_cast<double>(building.base_y_m);
+    bool all_inside = true;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const glm::dvec2 p(all.ring_xz_m[k]);
+      size = std::max({size, std::abs(p.x - first.x), std::abs(p.y - first.y)});
+      if (!holds(p.x, roof, p.y)) {
+        all_inside = false;
+        continue;
+      }
       top_ = std::max(top_, roof);
-      raise(x, roof, z);
+      raise(p.x, roof, p.y);
     }
+    // What is smaller than the margin cannot reach into the swath without its corners.
+    if (!all_inside && size > margin_m_ / 2) visit_large_building(building, size);
+  }
+
+  /// Walls and roof of a building whose corners are not all in sector and swath.
+  void visit_large_building(const Building& building, double size_m) {
+    const Buildings& all = world_.buildings;
+    const auto roof = static_cast<double>(building.roof_y_m);
+    const auto base = static_cast<double>(building.base_y_m);
+    const std::uint32_t begin = all.ring_start[building.first_ring];
+    const std::uint32_t end = all.ring_start[building.first_ring + 1];
+    const glm::dvec2 first(all.ring_xz_m[begin]);
+    if (overlap(first.x, first.y, 1.5 * size_m + margin_m_, base, roof) == Overlap::none) return;
+    constexpr double kMostSteps = 64;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const glm::dvec2 p(all.ring_xz_m[k]);
+      const glm::dvec2 q(all.ring_xz_m[k + 1 < end ? k + 1 : begin]);
+      const double steps =
+          std::clamp(std::ceil(std::hypot(q.x - p.x, q.y - p.y) / margin_m_), 1.0, kMostSteps);
+      for (double step = 0; step < steps; ++step) {
+        const glm::dvec2 at = p + step / steps * (q - p);
+        const Reach part = reach(at.x, at.y, base, roof);
+        if (!part.any) continue;
+        top_ = std::max(top_, part.high_y_m);
+        raise(at.x, part.high_y_m, at.y);
+      }
+    }
+    // A roof that fills the sector from edge to edge has no corner or wall in it: ask at the far end.
+    const double down = sector_.antenna_m.y - roof;
+    if (!(down > 0 && down < sector_.r_max_m)) return;
+    const double ground = std::sqrt(sector_.r_max_m * sector_.r_max_m - down * down);
+    const glm::dvec3 far = sector_.antenna_m + sector_.world_from_antenna(0, -down, ground);
+    std::vector<FootprintSpan> spans;
+    footprint_spans(all, building, far.x, far.z, 0, 1, spans);
+    const auto holds_far = [](const FootprintSpan& span) { return span.near_m == 0; };
+    if (std::none_of(spans.begin(), spans.end(), holds_far)) return;
+    top_ = std::max(top_, roof);
+    raise(far.x, roof, far.z);
   }
 
   const World& world_;

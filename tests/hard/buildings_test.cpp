@@ -234,6 +234,33 @@ TEST(HardBuildings, OneCentimetreAndOneKilometre) {
   }
 }
 
+TEST(HardBuildings, WithoutACornerInTheSectorOrInRangeAreLookedAtAllTheSame) {
+  // A block wider than a sector of one degree, and one so high that its roof is out of range while its wall
+  // is not. A sector bounded by roof corners alone casts no ray at either.
+  World wide = flat(), high = flat();
+  test::add_prism(wide, test::rectangle(0, 1700, 1600, 800), 300);
+  test::add_prism(high, test::rectangle(0, 1700, 400, 400), 4000);
+  const auto roof = test::make_scene(std::move(wide), one_material());
+  const auto wall = test::make_scene(std::move(high), one_material());
+  for (const test::Sampling& sampling : test::kSamplings) {
+    SCOPED_TRACE(sampling.name);
+    RadarSettings s = test::sampled(settings(), sampling);
+    s.sector_deg = 1;
+    s.azimuth_bins = 2;
+    s.pixel_columns = 24;
+    s.pixel_rows = 1000;
+    const PlanResult planned =
+        plan_frame(roof, test::snapshot(s), test::pose_at(roof->world(), {1.5, 550, 3.25}, 0));
+    ASSERT_TRUE(planned.plan);
+    EXPECT_EQ(planned.plan->extent().top_y_m, 300);
+    rendered(roof, s, planned.plan->pose(), sampling);
+    const Rendered seen = rendered(wall, s, test::pose_at(wall->world(), {1.5, 550, 3.25}, 0), sampling);
+    if (seen.refused) continue;
+    // The wall, 1,497 m away, fills every bin from there to r_max.
+    for (std::size_t r = 18; r < 40; ++r) EXPECT_EQ(seen.frame.bins.state[r], 1) << "range bin " << r;
+  }
+}
+
 TEST(HardBuildings, AnAntennaOverARoofsEdgeOnItsCornerOrAgainstAWallSeesFiniteThings) {
   World world = flat();
   test::add_prism(world, test::rectangle(0, 0, 100, 100), 20);
