@@ -25,7 +25,8 @@ constexpr const char* kGroundNames[] = {"flat", "noise", "terraces", "ridges", "
 HeightGrid empty_grid(Dice& dice, const RandomSceneOptions& options) {
   HeightGrid grid;
   grid.nx = std::max(2, options.nodes);
-  grid.nz = std::max(2, grid.nx + dice.integer(-grid.nx / 4, grid.nx / 4));
+  const int more = dice.integer(-grid.nx / 4, grid.nx / 4);
+  grid.nz = options.square ? grid.nx : std::max(2, grid.nx + more);
   grid.cell_m = dice.one_of({1.0, 3.03125, 10.0, 10.0, 30.0, 250.0, 1000.0});
   const double away_m = options.far_origin && dice.chance(1.0 / 6) ? 1e5 : grid.cell_m;
   grid.x0_m = rounded(dice.uniform(-away_m, away_m) - grid.cell_m * (grid.nx / 2), kGridQuantum_m);

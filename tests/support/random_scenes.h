@@ -39,6 +39,7 @@ class Dice {
 
 struct RandomSceneOptions {
   int nodes = 33;          ///< along x; along z up to a quarter fewer or more
+  bool square = false;     ///< as many nodes along z as along x
   int most_prisms = 6;     ///< fewer stand where one falls on a void
   bool voids = true;       ///< one scene in three has some
   bool outside = true;     ///< one antenna in ten stands just outside the grid
