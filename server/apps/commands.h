@@ -11,6 +11,7 @@ namespace obliq {
 
 void add_render(CLI::App& app);      ///< one frame to files
 void add_frustum(CLI::App& app);     ///< camera values and step sizes
+void add_explain(CLI::App& app);     ///< what each ingredient changes and costs
 void add_mesh(CLI::App& app);        ///< the traced triangles
 void add_get(CLI::App& app);         ///< one frame from a server to files
 void add_watch(CLI::App& app);       ///< frames as they come

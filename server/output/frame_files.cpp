@@ -16,7 +16,6 @@
 #include "terrain/errors.h"
 
 namespace obliq {
-namespace {
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
@@ -24,8 +23,6 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.close();
   if (!file) throw InputError(path.string() + ": cannot be written (" + std::strerror(errno) + ")");
 }
-
-}  // namespace
 
 void prepare_output_folder(const std::filesystem::path& directory) {
   std::error_code error;

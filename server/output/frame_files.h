@@ -24,6 +24,9 @@ void prepare_output_folder(const std::filesystem::path& directory);
 void write_frame_files(const std::filesystem::path& directory, const wire::FrameDescriptor& descriptor,
                        const wire::FrameSummary& summary, const BinBlock& bins, MapUp up = MapUp::bearing);
 
+/// Writes a whole text file. Throws InputError that names it.
+void write_text(const std::filesystem::path& path, const std::string& text);
+
 /// Writes timing.json, seconds by stage: outside the bit-for-bit promise.
 void write_timing(const std::filesystem::path& directory, const std::map<std::string, double>& seconds);
 

@@ -20,6 +20,7 @@ ALLOWED = {
     # The truth shares no code with the pipeline but the material functions.
     "server/truth": ["terrain", "server/scene/materials.h", "server/radar/scattering.h"],
     "server/accuracy": SERVER_CORE + ["server/truth"],
+    "server/explain": SERVER_CORE + ["server/accuracy"],
     "server/control": SERVER_CORE + ["proto"],
     "server/output": SERVER_CORE + ["proto", "server/control"],
     "server/net": SERVER_CORE + ["proto", "server/control", "server/output"],

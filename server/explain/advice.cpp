@@ -1,0 +1,232 @@
+#include "server/explain/advice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/explain/table.h"
+#include "server/explain/thresholds.h"
+#include "server/explain/verdict.h"
+#include "server/radar/scattering.h"
+#include "terrain/constants.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kTenth_db = 0.1;
+constexpr double kFullContrast = 0.98;  ///< as near to 1 as a measured frame can tell
+
+std::string k_text(double curvature) { return curvature == 0 ? "inf" : format("%.4g", 1 / curvature); }
+
+std::string within_swath(double range_m, double horizon, const SceneFacts& f) {
+  if (range_m >= horizon) return format("anywhere this side of the horizon (%.1f km)", horizon / 1000);
+  return format(range_m > f.settings.r_max_m ? "up to %.1f km, beyond this swath" : "only up to %.1f km",
+                range_m / 1000);
+}
+
+/// Curvature and refraction: one earth against another.
+std::string earth_threshold(const Comparison& c, const SceneFacts& f) {
+  const double with = 1 / f.earth_factor;
+  const double without = c.ingredient == Ingredient::curvature ? 0 : f.earth_factor == 1 ? 1 / c.value : 1;
+  const double r = f.settings.r_max_m;
+  const double h = f.height_m;
+  std::string text;
+  if (c.ingredient == Ingredient::curvature) {
+    text = format(
+        "drop r^2/(2kR), R = 6371 km: %.1f m at %.4g km with k = %.4g, %.1f m with k = 1 (parabola through "
+        "the "
+        "sphere). ",
+        earth_drop_m(r, with), r / 1000, f.earth_factor, earth_drop_m(r, 1));
+  } else {
+    text = format("drop r^2/(2kR) differs by %.1f m at %.4g km between k = %s and k = %s. ",
+                  std::abs(earth_drop_m(r, with) - earth_drop_m(r, without)), r / 1000, k_text(with).c_str(),
+                  k_text(without).c_str());
+  }
+  if (!(h > 0)) return text + "The antenna is not above its median ground: no level-ground threshold.";
+  const double horizon = horizon_m(h, std::max(with, without));
+  text += format(
+      "Over level ground %.0f m below, a bin's power goes with 1 - r^2/(2kRh) (law of cosines; 0 at the "
+      "horizon): "
+      "below 0.1 dB %s; half a range bin (%.3g m) of slant range ",
+      h, within_swath(range_of_power_change_m(h, with, without, kTenth_db), horizon, f).c_str(),
+      f.range_spacing_m / 2);
+  const double moved = range_of_slant_shift_m(h, with, without, f.range_spacing_m / 2);
+  return text + (moved >= horizon || moved > r ? "is never reached in this swath."
+                                               : format("is reached at %.1f km.", moved / 1000));
+}
+
+double depression_rad(double height_m, double slant_m) {
+  return std::asin(std::clamp(height_m / slant_m, 0.0, 1.0));
+}
+
+std::string cell_threshold(const Comparison& c, const SceneFacts& f) {
+  std::string text;
+  if (f.source_error.posts > 0) {
+    text = format("cells of %.4g m lie %.3g m (95 %%) off their source", f.cell_m, f.source_error.p95_m);
+    if (c.source_error && c.source_error->posts > 0)
+      text += format(", cells of %.4g m %.3g m", c.value, c.source_error->p95_m);
+    text += ". ";
+  }
+  if (!(f.height_m > 0)) return text;
+  const double steepest = depression_rad(f.height_m, f.settings.r_min_m);
+  const double allowed = vertical_tolerance_m(f.range_spacing_m / 2, steepest);
+  text += format(
+      "An error of %.3g m moves ground at r_min by half a range bin (bin/2 / sin depression, %.1f deg)",
+      allowed, steepest / kDegree_rad);
+  if (f.source_error.p95_m > 0 && c.source_error && c.source_error->p95_m > 0 && c.value > f.cell_m &&
+      c.source_error->p95_m > f.source_error.p95_m) {
+    const double order =
+        std::log(c.source_error->p95_m / f.source_error.p95_m) / std::log(c.value / f.cell_m);
+    text += format(
+        "; the error grows as cell^%.2g here: reached by cells of %.3g m. Slopes, and so single bins, "
+        "suffer sooner: see the dB",
+        order, cell_of_error_m(f.cell_m, f.source_error.p95_m, order, allowed));
+  }
+  return text + ".";
+}
+
+std::string wall_threshold(const SceneFacts& f) {
+  if (!(f.height_m > 0) || !(f.sizes.side_m > 0)) return {};
+  const double near = depression_rad(f.height_m, f.settings.r_min_m);
+  const double far = depression_rad(f.height_m, f.settings.r_max_m);
+  const double share = 1 - std::pow(10.0, -kTenth_db / 10);
+  const double steep = depression_of_wall_share_rad(f.sizes.height_m, f.sizes.side_m, share);
+  const ScatteringTable table(f.materials, 1);
+  const auto facing_db = [&](double e) {
+    const double wall = table.cross_section_m2(f.building_material, 1, std::cos(e));
+    const double roof = table.cross_section_m2(f.building_material, 1, std::sin(e));
+    return 10 * std::log10(wall / roof);
+  };
+  std::string text = format(
+      "a middle building (%.3g m high, %.3g m wide) shows H cos e / (H cos e + W sin e) of itself as wall: "
+      "%.0f %% at "
+      "r_min (e = %.1f deg), %.0f %% at r_max (%.1f deg). Walls give less than 0.1 dB only above e = %.1f "
+      "deg%s. ",
+      f.sizes.height_m, f.sizes.side_m, 100 * wall_share(f.sizes.height_m, f.sizes.side_m, near),
+      near / kDegree_rad, 100 * wall_share(f.sizes.height_m, f.sizes.side_m, far), far / kDegree_rad,
+      steep / kDegree_rad, steep > near ? ", steeper than this swath" : "");
+  const double at_near = facing_db(near), at_far = facing_db(far);
+  if (std::isfinite(at_near) && std::isfinite(at_far))
+    text += format(
+        "By its material a facing wall returns %+.1f dB at r_min and %+.1f dB at r_max against the roof, "
+        "area for area.",
+        at_near, at_far);
+  return text;
+}
+
+std::string material_threshold(const Comparison& c, const SceneFacts& f) {
+  const ScatteringTable table(f.materials, 299792458.0 / (f.settings.frequency_ghz * 1e9));
+  const double near = depression_rad(std::max(0.0, f.height_m), f.settings.r_min_m);
+  const double far = depression_rad(std::max(0.0, f.height_m), f.settings.r_max_m);
+  const auto against_db = [&](double e) {
+    return 10 * std::log10(table.cross_section_m2(c.material, 1, std::sin(e)) /
+                           table.cross_section_m2(0, 1, std::sin(e)));
+  };
+  const double at_near = against_db(near), at_far = against_db(far);
+  if (!std::isfinite(at_near) || !std::isfinite(at_far)) return {};
+  return format(
+      "level pieces of it return %+.1f dB at r_min and %+.1f dB at r_max against the terrain's material "
+      "(sigma per projected area); not needed where both are below 0.1 dB.",
+      at_near, at_far);
+}
+
+std::string speckle_threshold(const Explanation& all) {
+  const SpeckleMeasure& geometric = all.geometric_speckle;
+  return format(
+      "contrast |v|^2/P: ground %.2f, geometric %.2f (fully developed: 1). Geometric speckle of n like "
+      "samples "
+      "has sqrt(1 - 1/n) (Goodman 2007, 3.2): %.2g from %.0f samples a bin on; here a bin has %.0f.",
+      all.ground_speckle.contrast, geometric.contrast, kFullContrast, 1 / (1 - kFullContrast * kFullContrast),
+      geometric.median_samples);
+}
+
+std::string threshold(const Comparison& c, const Explanation& all) {
+  switch (c.ingredient) {
+    case Ingredient::curvature:
+    case Ingredient::refraction:
+      return earth_threshold(c, all.facts);
+    case Ingredient::cell_size:
+      return cell_threshold(c, all.facts);
+    case Ingredient::walls:
+      return wall_threshold(all.facts);
+    case Ingredient::buildings:
+      return {};
+    case Ingredient::material:
+      return material_threshold(c, all.facts);
+    case Ingredient::speckle:
+      return speckle_threshold(all);
+  }
+  return {};
+}
+
+/// What the change saves: "saves 12 ms a frame, 40 MB", "costs ...", "nothing". Times within 5 % are alike.
+std::string saving(const Comparison& c, const Explanation& all) {
+  const double ms = 1000 * (all.costs.frame_s - c.costs.frame_s);
+  const double mb = (static_cast<double>(all.costs.bytes()) - static_cast<double>(c.costs.bytes())) / 1e6;
+  const bool time = std::abs(ms) > 50 * all.costs.frame_s;
+  const bool memory = std::abs(mb) >= 0.5;
+  std::string saves, costs;
+  const auto add = [](std::string& to, const std::string& what) { to += (to.empty() ? "" : ", ") + what; };
+  if (time) add(ms > 0 ? saves : costs, format("%.0f ms a frame", std::abs(ms)));
+  if (memory) add(mb > 0 ? saves : costs, format("%.0f MB", std::abs(mb)));
+  if (saves.empty() && costs.empty()) return "saves nothing";
+  return (saves.empty() ? "" : "saves " + saves) + (saves.empty() || costs.empty() ? "" : " and ") +
+         (costs.empty() ? "" : "costs " + costs);
+}
+
+std::string change_text(const Comparison& c) {
+  std::string text = format(
+      "changes half of the bins by more than %.2g dB, 5 %% by more than %.2g dB, %.2g %% by more "
+      "than 1 dB",
+      c.power.median_db, c.power.percentile95_db, 100 * c.power.over_1_db);
+  if (c.shift) text += format(", and the ground by up to %.3g m in slant range", c.shift->slant_m);
+  return text;
+}
+
+std::string words(const Comparison& c, const Explanation& all) {
+  if (!c.reason.empty()) return "not measured: " + c.reason + ".";
+  if (c.ingredient == Ingredient::speckle) {
+    const bool ground = all.facts.settings.speckle == SpeckleKind::ground;
+    return format(
+               "%s speckle %s; ground speckle stays with the ground from pulse to pulse, geometric follows "
+               "the "
+               "sampling: needed where I&Q is used, powers are the same.",
+               c.change.c_str(), saving(c, all).c_str()) +
+           (ground ? "" : " This scene has geometric.");
+  }
+  std::string text;
+  const bool finer = c.ingredient == Ingredient::cell_size && c.value < all.facts.cell_m;
+  const std::string what = finer || c.adds ? "would be needed" : "needed";
+  switch (c.verdict) {
+    case Verdict::needed:
+      text = finer    ? "finer cells would show: " + c.change + " " + change_text(c) + "; " + saving(c, all)
+             : c.adds ? "the scene leaves it out, and it would show: it " + change_text(c)
+                      : "needed: " + c.change + " " + change_text(c) + "; " + saving(c, all);
+      break;
+    case Verdict::not_needed:
+      text = finer    ? "finer cells are not needed: " + c.change + " " + saving(c, all) + " and "
+             : c.adds ? "may stay left out: it "
+                      : "may be left out: " + c.change + " " + saving(c, all) + " and ";
+      text += change_text(c);
+      break;
+    case Verdict::beyond_measure:
+      text = "below the sampling noise of this measurement: cannot be told, but " + c.change + " " +
+             change_text(c) + " at most";
+      break;
+    case Verdict::not_measured:
+      return "not measured.";
+  }
+  if (c.verdict == Verdict::needed && c.below_frustum_noise)
+    text += format(". In single bins it is below the sampling noise of this frustum (median %.2g dB)",
+                   all.frustum_noise.median_db);
+  return text + ".";
+}
+
+}  // namespace
+
+void judge(Comparison& c, const Explanation& all) {
+  decide(c, all);
+  c.threshold = threshold(c, all);
+  c.advice = words(c, all);
+}
+
+}  // namespace obliq

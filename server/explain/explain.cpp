@@ -1,0 +1,324 @@
+#include "server/explain/explain.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "server/explain/advice.h"
+#include "server/explain/table.h"
+#include "server/explain/verdict.h"
+#include "terrain/errors.h"
+#include "terrain/grid_area.h"
+
+namespace obliq {
+namespace {
+
+constexpr int kTimings = 3;  ///< of a frame; the quickest counts
+/// The sampling noise of the comparison is seen with other densities than its own, about as fine.
+constexpr int kOtherColumns = 5;
+constexpr int kOtherRows = 15;
+constexpr double kStandardEarth = 4.0 / 3;
+/// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
+constexpr double kMostFineNodes = 0x1p26;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A world with its ray-tracing structure, ready to render.
+struct Stage {
+  std::shared_ptr<World> world;
+  std::shared_ptr<const Scene> scene;
+  Pose pose;
+  std::shared_ptr<const FramePlan> own;   ///< the scene's own frustum
+  std::shared_ptr<const FramePlan> fine;  ///< the comparison's source
+  Costs costs;
+};
+
+class Experiment {
+ public:
+  Experiment(const ExplainInput& input, const Progress& progress) : input_(input), progress_(progress) {}
+
+  Explanation run() {
+    Stage stage = load(input_.world);
+    measure_scene(stage);
+    compare_speckle(stage);
+    compare_materials(stage);
+    compare_buildings(stage);
+    stage = {};  // one world at a time
+    compare_earths();
+    compare_cells();
+    std::ranges::stable_sort(result_.comparisons, {}, &Comparison::ingredient);
+    for (Comparison& c : result_.comparisons) judge(c, result_);
+    tell("done", 1);
+    return std::move(result_);
+  }
+
+ private:
+  void tell(const std::string& what, double fraction) const {
+    if (progress_) progress_(what, fraction);
+  }
+  /// Progress by comparisons made; how many there will be is known within a few.
+  void begin(const std::string& what) {
+    tell("explaining: " + what, std::min(0.99, static_cast<double>(++steps_) / 12));
+  }
+
+  Stage load(const WorldSpec& spec) {
+    begin("loading terrain");
+    Stage stage;
+    const auto start = std::chrono::steady_clock::now();
+    stage.world = std::make_shared<World>(load_world(spec));
+    stage.costs.load_s = seconds_since(start);
+    build(stage, input_.materials);
+    return stage;
+  }
+
+  static void take_down(Stage& stage) {
+    stage.own = stage.fine = nullptr;
+    stage.scene = nullptr;
+  }
+
+  /// Builds and plans anew from the stage's world.
+  void build(Stage& stage, const std::vector<Material>& materials) {
+    take_down(stage);  // the old one's memory goes first
+    stage.scene = std::make_shared<const Scene>(stage.world, materials, input_.threads);
+    stage.costs.build_s = stage.scene->stats().build_s;
+    stage.costs.grid_bytes = grid_bytes(*stage.world);
+    stage.costs.building_bytes = building_bytes(stage.world->buildings);
+    stage.costs.tracer_bytes = stage.scene->stats().bytes;
+    std::vector<FieldError> errors;
+    const auto pose = place_antenna(*stage.world, input_.pose, errors);
+    if (!pose) throw InputError("radar \"" + input_.radar + "\": " + all_text(errors));
+    stage.pose = *pose;
+    stage.own = plan(stage, input_.settings);
+    if (!stage.own->extent().any)
+      throw InputError("radar \"" + input_.radar + "\": no known ground in its sector");
+    stage.fine = plan(stage, comparison_settings(input_.settings, kComparisonColumns, kComparisonRows));
+  }
+
+  std::shared_ptr<const FramePlan> plan(const Stage& stage, const RadarSettings& settings) const {
+    const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
+    const PlanResult planned = plan_frame(stage.scene, snapshot, stage.pose);
+    if (!planned.plan) throw InputError("radar \"" + input_.radar + "\": " + all_text(planned.errors));
+    return planned.plan;
+  }
+
+  std::vector<double> fine_power(const Stage& stage) const {
+    return render_sample(*stage.fine, wedges_, input_.threads, 1, false).power_w;
+  }
+
+  /// Time of the scene's own frame, states included, as the user gets it.
+  WedgePlanes own_frame(Stage& stage) const {
+    WedgePlanes planes = render_sample(*stage.own, wedges_, input_.threads, kTimings, true);
+    stage.costs.frame_s = planes.frame_s;
+    return planes;
+  }
+
+  void measure_scene(Stage& stage) {
+    begin("the scene as it is");
+    wedges_ = even_wedges(input_.settings);
+    ranges_ = range_bins_of(stage.fine->bins());
+    probes_.emplace(*stage.fine, wedges_);
+    note_facts(stage);
+    power_w_ = fine_power(stage);
+    own_frame(stage);
+    result_.costs = stage.costs;
+
+    begin("sampling noise");
+    const auto at_densities = [&](int columns, int rows) {
+      return render_sample(*plan(stage, comparison_settings(input_.settings, columns, rows)), wedges_,
+                           input_.threads, 1, false)
+          .power_w;
+    };
+    result_.measurement_noise = power_change(power_w_, at_densities(kOtherColumns, kOtherRows), ranges_);
+    RadarSettings own = input_.settings;
+    own.range_normalisation = false;
+    result_.frustum_noise = power_change(
+        power_w_, render_sample(*plan(stage, own), wedges_, input_.threads, 1, false).power_w, ranges_);
+  }
+
+  void note_facts(const Stage& stage) {
+    SceneFacts& f = result_.facts;
+    const World& world = *stage.world;
+    f.scene = input_.scene;
+    f.radar = input_.radar;
+    f.settings = input_.settings;
+    f.materials = input_.materials;
+    f.radius_factor = world.frame.radius_factor();
+    f.earth_factor = std::isfinite(f.radius_factor) ? f.radius_factor : kStandardEarth;
+    f.height_m =
+        world.frame.geodetic_from_world(stage.pose.antenna).height_m - stage.own->extent().median_height_m;
+    f.range_spacing_m = stage.own->bins().range_spacing_m;
+    f.cell_m = world.grid.cell_m;
+    f.nodes = world.grid.y_m.size();
+    f.source_error = world.report.source_error;
+    f.buildings = world.buildings.list.size();
+    f.sizes = median_sizes(world.buildings);
+    if (f.buildings > 0) f.building_material = world.buildings.list.front().material;
+    f.threads = input_.threads;
+    f.measured_azimuth_bins = azimuth_bins_in(wedges_);
+    f.ground_points = probes_->size();
+  }
+
+  static Comparison named(Ingredient ingredient, const std::string& name, const std::string& change) {
+    Comparison c;
+    c.ingredient = ingredient;
+    c.name = name;
+    c.change = change;
+    return c;
+  }
+  void keep(Comparison c) { result_.comparisons.push_back(std::move(c)); }
+
+  void compare_speckle(Stage& stage) {
+    begin("speckle");
+    const auto frame = [&](SpeckleKind kind) {
+      RadarSettings settings = input_.settings;
+      settings.speckle = kind;
+      return render_sample(*plan(stage, settings), wedges_, input_.threads, kTimings, true);
+    };
+    const WedgePlanes ground = frame(SpeckleKind::ground);
+    const WedgePlanes geometric = frame(SpeckleKind::geometric);
+    result_.ground_speckle = measure_speckle(ground);
+    result_.geometric_speckle = measure_speckle(geometric);
+    result_.ground_speckle_frame_s = ground.frame_s;
+    result_.geometric_speckle_frame_s = geometric.frame_s;
+    const bool is_ground = input_.settings.speckle == SpeckleKind::ground;
+    Comparison c = named(Ingredient::speckle, "speckle", is_ground ? "geometric" : "ground");
+    RangeBins ranges = ranges_;
+    ranges.range_normalisation = input_.settings.range_normalisation;
+    c.power = power_change(ground.power_w, geometric.power_w, ranges);
+    c.costs = result_.costs;
+    c.costs.frame_s = is_ground ? geometric.frame_s : ground.frame_s;
+    keep(std::move(c));
+  }
+
+  void compare_materials(Stage& stage) {
+    for (const std::uint8_t id : materials_used(*stage.world)) {
+      Comparison c = named(Ingredient::material, "material", input_.materials[id].name + " as terrain");
+      begin(c.change);
+      c.material = id;
+      std::vector<Material> materials = input_.materials;
+      materials[id] = materials[0];
+      const double load_s = stage.costs.load_s;
+      build(stage, materials);
+      finish(c, stage, power_w_);
+      c.costs.load_s = load_s;
+      keep(std::move(c));
+    }
+  }
+
+  void compare_buildings(Stage& stage) {
+    if (stage.world->buildings.list.empty()) return;
+    const auto compare = [&](Ingredient ingredient, const std::string& name, const std::string& change) {
+      Comparison c = named(ingredient, name, change);
+      begin(name + ", " + change);
+      build(stage, input_.materials);
+      finish(c, stage, power_w_);
+      keep(std::move(c));
+    };
+    // No one else holds this world between two scenes: it may be changed.
+    take_down(stage);
+    stage.world->buildings = without_walls(stage.world->buildings);
+    compare(Ingredient::walls, "building walls", "roofs only");
+    take_down(stage);
+    stage.world->buildings = {};
+    compare(Ingredient::buildings, "buildings", "none");
+  }
+
+  /// Compares the stage's bins, and its ground where it may have moved.
+  void finish(Comparison& c, Stage& stage, const std::vector<double>& against_w) {
+    c.power = power_change(against_w, fine_power(stage), ranges_);
+    own_frame(stage);
+    c.costs = stage.costs;
+  }
+
+  /// Loads a changed world and compares it; what cannot be loaded or rendered becomes the reason.
+  void compare_world(Comparison& c, const WorldSpec& spec, const std::vector<double>& against_w,
+                     const GroundProbes& probes, Stage* kept = nullptr) {
+    begin(c.name + ", " + c.change);
+    try {
+      Stage stage = load(spec);
+      finish(c, stage, against_w);
+      c.shift = probes.shift_in(*stage.world, stage.pose);
+      c.source_error = stage.world->report.source_error;
+      if (kept) *kept = std::move(stage);
+    } catch (const InputError& error) {
+      c.reason = error.what();
+    }
+  }
+
+  void compare_earths() {
+    constexpr double kFlat = std::numeric_limits<double>::infinity();
+    const SceneFacts& facts = result_.facts;
+    const bool flat = !std::isfinite(facts.radius_factor);
+    WorldSpec spec = input_.world;
+
+    // A flat scene is compared with the standard earth, and that one's refraction with it.
+    Comparison curvature = named(Ingredient::curvature, "earth curvature", "");
+    curvature.adds = flat;
+    curvature.value = spec.radius_factor = flat ? kStandardEarth : kFlat;
+    curvature.change = flat ? format("with k = %.4g", spec.radius_factor) : "flat earth, k = inf";
+    Stage curved;
+    compare_world(curvature, spec, power_w_, *probes_, flat ? &curved : nullptr);
+
+    Comparison refraction = named(Ingredient::refraction, "refraction", "");
+    refraction.adds = flat || facts.radius_factor == 1;
+    refraction.value = spec.radius_factor = facts.radius_factor == 1 ? kStandardEarth : 1;
+    refraction.change =
+        format(facts.radius_factor == 1 ? "with k = %.4g" : "vacuum, k = %.4g", spec.radius_factor);
+    if (!flat) {
+      compare_world(refraction, spec, power_w_, *probes_);
+    } else if (!curvature.reason.empty()) {
+      refraction.reason = curvature.reason;
+    } else {
+      const std::vector<double> standard_w = fine_power(curved);
+      const GroundProbes probes(*curved.fine, wedges_);
+      curved = {};
+      compare_world(refraction, spec, standard_w, probes);
+    }
+    keep(std::move(curvature));
+    keep(std::move(refraction));
+  }
+
+  void compare_cells() {
+    const SceneFacts& facts = result_.facts;
+    for (const double factor : {2.0, 0.5}) {
+      WorldSpec spec = input_.world;
+      const double cell_m = round_to_quantum_m(factor * facts.cell_m);
+      spec.terrain.cell_m = cell_m;
+      Comparison c = named(Ingredient::cell_size, "cell size", format("cells of %.4g m", cell_m));
+      c.value = cell_m;
+      const double growth = facts.cell_m * facts.cell_m / (cell_m * cell_m);
+      const double needed = growth * static_cast<double>(result_.costs.bytes());
+      const auto free = static_cast<double>(available_bytes());
+      if (factor < 1 && growth * static_cast<double>(facts.nodes) > kMostFineNodes) {
+        c.reason = format("%.0f million nodes are more than the %.0f that are tried",
+                          growth * static_cast<double>(facts.nodes) / 1e6, kMostFineNodes / 1e6);
+      } else if (factor < 1 && free > 0 && needed > free / 2) {
+        c.reason = format("needs about %.0f MB of memory, %.0f are free", needed / 1e6, free / 1e6);
+      } else {
+        compare_world(c, spec, power_w_, *probes_);
+      }
+      keep(std::move(c));
+    }
+  }
+
+  const ExplainInput& input_;
+  const Progress& progress_;
+  Explanation result_;
+  std::vector<AzimuthRange> wedges_;
+  RangeBins ranges_;
+  std::optional<GroundProbes> probes_;
+  std::vector<double> power_w_;  ///< of the scene as it is, by the comparison's source
+  int steps_ = 0;
+};
+
+}  // namespace
+
+Explanation explain_scene(const ExplainInput& input, const Progress& progress) {
+  return Experiment(input, progress).run();
+}
+
+}  // namespace obliq

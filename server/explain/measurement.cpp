@@ -1,0 +1,140 @@
+#include "server/explain/measurement.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace obliq {
+namespace {
+
+constexpr int kWedges = 8;  ///< of 8 azimuth bins: 64
+/// A plane of 16384 x 32768 pixels still numbers its pixels in 32 bits.
+constexpr int kMostColumns = 32768;
+constexpr int kMostRows = 65536;
+
+int threads_of(int threads) {
+  return threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+/// Every wedge once, each on one thread.
+void render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int workers, bool states,
+                 WedgePlanes& planes) {
+  const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
+  std::vector<std::size_t> first_bin;
+  std::size_t bins = 0;
+  for (const AzimuthRange& wedge : wedges) {
+    first_bin.push_back(bins);
+    bins += static_cast<std::size_t>(wedge.count) * n_range;
+  }
+  planes.power_w.resize(bins);
+  planes.iq.resize(bins);
+  planes.count.resize(bins);
+  std::vector<FrameStats> stats(wedges.size());
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto work = [&] {
+    for (std::size_t w = next++; w < wedges.size(); w = next++) {
+      RenderOptions options;
+      options.threads = 1;
+      options.states = states;
+      options.on_wedge = [&](Wedge&& wedge) {
+        std::ranges::copy(wedge.bins.power_w,
+                          planes.power_w.begin() + static_cast<std::ptrdiff_t>(first_bin[w]));
+        std::ranges::copy(wedge.bins.iq, planes.iq.begin() + static_cast<std::ptrdiff_t>(first_bin[w]));
+        std::ranges::copy(wedge.bins.count, planes.count.begin() + static_cast<std::ptrdiff_t>(first_bin[w]));
+        stats[w] = wedge.stats;
+      };
+      try {
+        render_wedges(plan, wedges[w], options);
+      } catch (...) {
+        const std::scoped_lock lock(failing);
+        failure = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    for (int t = 1; t < workers; ++t) helpers.emplace_back(work);
+    work();
+  }
+  if (failure) std::rethrow_exception(failure);
+  planes.stats = {};
+  for (const FrameStats& one : stats) planes.stats.add(one);
+}
+
+}  // namespace
+
+std::vector<AzimuthRange> even_wedges(const RadarSettings& settings) {
+  const int all = wedge_count(settings);
+  const int chosen = std::min(all, kWedges);
+  std::vector<AzimuthRange> wedges;
+  for (int n = 0; n < chosen; ++n) {
+    const int index = static_cast<int>((2LL * n + 1) * all / (2LL * chosen));
+    const int first = index * kWedgeAzimuthBins;
+    wedges.push_back({first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first)});
+  }
+  return wedges;
+}
+
+int azimuth_bins_in(const std::vector<AzimuthRange>& wedges) {
+  int bins = 0;
+  for (const AzimuthRange& wedge : wedges) bins += wedge.count;
+  return bins;
+}
+
+WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int threads,
+                          int repetitions, bool states) {
+  WedgePlanes planes;
+  const int all_threads = threads_of(threads);
+  const int workers = std::min(all_threads, static_cast<int>(wedges.size()));
+  // From some wedges on some threads to all of both.
+  const double scale = static_cast<double>(plan.bins().n_azimuth) / azimuth_bins_in(wedges) *
+                       static_cast<double>(workers) / all_threads;
+  for (int n = 0; n < repetitions; ++n) {
+    const auto start = std::chrono::steady_clock::now();
+    render_once(plan, wedges, workers, states, planes);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    planes.frame_s = n == 0 ? scale * seconds : std::min(planes.frame_s, scale * seconds);
+  }
+  return planes;
+}
+
+RadarSettings comparison_settings(RadarSettings settings, int columns, int rows) {
+  settings.frustum = kComparisonSource;
+  settings.pixel_columns = std::min(kMostColumns, columns * settings.azimuth_bins);
+  settings.pixel_rows = std::min(kMostRows, rows * settings.range_bins);
+  settings.range_normalisation = false;
+  settings.speckle = SpeckleKind::geometric;  // only powers are compared: the quicker one
+  return settings;
+}
+
+RangeBins range_bins_of(const BinGrid& bins) {
+  return {bins.r_min_m, bins.range_spacing_m, bins.n_range, false};
+}
+
+SpeckleMeasure measure_speckle(const WedgePlanes& planes) {
+  SpeckleMeasure measure;
+  std::vector<std::uint32_t> samples;
+  double sum = 0, squares = 0;
+  for (std::size_t k = 0; k < planes.power_w.size(); ++k) {
+    if (!(planes.power_w[k] > 0)) continue;
+    const double relative = std::norm(std::complex<double>(planes.iq[k])) / planes.power_w[k];
+    sum += relative;
+    squares += relative * relative;
+    samples.push_back(planes.count[k]);
+  }
+  if (samples.empty() || !(sum > 0)) return measure;
+  const auto n = static_cast<double>(samples.size());
+  measure.contrast = std::sqrt(std::max(0.0, squares / n - sum / n * (sum / n))) / (sum / n);
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  measure.median_samples = *middle;
+  return measure;
+}
+
+}  // namespace obliq

@@ -1,0 +1,214 @@
+#include "server/explain/report.h"
+
+#include <cmath>
+
+#include "server/explain/table.h"
+
+namespace obliq {
+namespace {
+
+constexpr std::size_t kWidth = 100;
+
+const char* kind_name(FrustumKind kind) {
+  switch (kind) {
+    case FrustumKind::symmetric:
+      return "symmetric";
+    case FrustumKind::oblique:
+      return "oblique";
+    case FrustumKind::polar:
+      return "polar";
+  }
+  return "";
+}
+
+const char* verdict_word(const Comparison& c) {
+  switch (c.verdict) {
+    case Verdict::needed:
+      return c.below_frustum_noise ? "needed, below the sampling noise of this frustum" : "needed";
+    case Verdict::not_needed:
+      return "may be left out";
+    case Verdict::beyond_measure:
+      return "below the sampling noise";
+    case Verdict::not_measured:
+      return "not measured";
+  }
+  return "";
+}
+
+std::string number(double value, int digits) {
+  return std::isfinite(value) ? format("%.*f", digits, value) : value > 0 ? "inf" : value < 0 ? "-inf" : "-";
+}
+
+std::string percent(double share) { return number(100 * share, 2); }
+
+std::string megabytes(std::uint64_t bytes) { return number(static_cast<double>(bytes) / 1e6, 1); }
+
+std::vector<std::string> scene_lines(const Explanation& all) {
+  const SceneFacts& f = all.facts;
+  const RadarSettings& s = f.settings;
+  std::vector<std::string> lines;
+  lines.push_back(
+      format("%s, radar %s: %s frustum of %d x %d pixels, sector of %.4g degrees, %.4g to %.4g km, "
+             "%d x %d bins.",
+             f.scene.c_str(), f.radar.c_str(), kind_name(s.frustum), s.pixel_columns, s.pixel_rows,
+             s.sector_deg, s.r_min_m / 1000, s.r_max_m / 1000, s.azimuth_bins, s.range_bins));
+  lines.push_back(
+      format("The antenna is %.0f m above its median ground; k = %.4g; cells of %.4g m; %llu buildings.",
+             f.height_m, f.radius_factor, f.cell_m, static_cast<unsigned long long>(f.buildings)));
+  lines.push_back(
+      format("Measured in %d of %d azimuth bins, even wedges, with rays of the %s frustum, %d columns an "
+             "azimuth bin and %d rows a range bin; shifts at %zu ground points. Frame times are the "
+             "scene's own frustum's, scaled up from these wedges.",
+             f.measured_azimuth_bins, s.azimuth_bins, kind_name(kComparisonSource), kComparisonColumns,
+             kComparisonRows, f.ground_points));
+  return lines;
+}
+
+std::vector<std::string> change_cells(const PowerChange& p) {
+  return {number(p.median_db, 2), number(p.percentile95_db, 2), percent(p.over_1_db),
+          percent(p.vanished),    percent(p.appeared),          number(p.total_db(), 2)};
+}
+
+Table change_table(const Explanation& all) {
+  Table table;
+  table.head = {{"", "", "median", "95 %", ">1 dB", "gone", "new", "total", "slant", "height"},
+                {"ingredient", "changed to", "dB", "dB", "%", "%", "%", "dB", "m", "m"}};
+  for (const Comparison& c : all.comparisons) {
+    if (c.ingredient == Ingredient::speckle) continue;  // powers stay
+    std::vector<std::string> row{c.name, c.change};
+    const auto cells = c.reason.empty() ? change_cells(c.power) : std::vector<std::string>(6, "-");
+    row.insert(row.end(), cells.begin(), cells.end());
+    row.push_back(c.shift ? number(c.shift->slant_m, 1) : "-");
+    row.push_back(c.shift ? number(c.shift->vertical_m, 1) : "-");
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+std::string noise_line(const char* name, const PowerChange& p) {
+  return format(
+      "%s: median %.2f dB, 95 %% below %.2f dB, %.2f %% by more than 1 dB, %.2f %% gone, %.2f %% new, total "
+      "%+.3f dB.",
+      name, p.median_db, p.percentile95_db, 100 * p.over_1_db, 100 * p.vanished, 100 * p.appeared,
+      p.total_db());
+}
+
+std::vector<std::string> noise_lines(const Explanation& all) {
+  return {noise_line("sampling noise of this frustum", all.frustum_noise),
+          noise_line("sampling noise of this measurement", all.measurement_noise)};
+}
+
+std::vector<std::string> cost_cells(const Costs& c) {
+  return {number(1000 * c.frame_s, 0), c.load_s > 0 ? number(c.load_s, 2) : "-",
+          number(c.build_s, 2),        megabytes(c.grid_bytes),
+          megabytes(c.building_bytes), megabytes(c.tracer_bytes)};
+}
+
+Table cost_table(const Explanation& all) {
+  Table table;
+  table.head = {{"", "", "frame", "load", "build", "grid", "buildings", "Embree"},
+                {"ingredient", "changed to", "ms", "s", "s", "MB", "MB", "MB"}};
+  const auto add = [&](const std::string& name, const std::string& change, const Costs& costs) {
+    std::vector<std::string> row{name, change};
+    const auto cells = cost_cells(costs);
+    row.insert(row.end(), cells.begin(), cells.end());
+    table.rows.push_back(row);
+  };
+  add("as the scene is", "", all.costs);
+  for (const Comparison& c : all.comparisons)
+    if (c.reason.empty()) add(c.name, c.change, c.costs);
+  return table;
+}
+
+/// "earth curvature (flat earth, k = inf)".
+std::string title(const Comparison& c) { return c.name + " (" + c.change + ")"; }
+
+}  // namespace
+
+std::string plain_report(const Explanation& all) {
+  std::string text;
+  for (const std::string& line : scene_lines(all)) text += wrapped(line, kWidth, 2);
+  text += "\nWHAT EACH INGREDIENT CHANGES: |10 log10| of the power ratio in lit bins, and moved ground\n\n";
+  text += plain_table(change_table(all)) + "\n";
+  for (const std::string& line : noise_lines(all)) text += wrapped(line, kWidth, 2);
+  text += "\nWHAT IT COSTS\n\n" + plain_table(cost_table(all));
+  text += "\nFROM WHERE ON IT MATTERS, by closed forms with this scene's numbers\n\n";
+  for (const Comparison& c : all.comparisons)
+    if (!c.threshold.empty()) text += wrapped(title(c) + ": " + c.threshold, kWidth, 2);
+  text += "\nVERDICT\n\n";
+  for (const Comparison& c : all.comparisons) text += wrapped(c.name + ": " + c.advice, kWidth, 2);
+  return text;
+}
+
+std::string markdown_report(const Explanation& all) {
+  std::string text = "# What " + all.facts.scene + " needs\n\n";
+  for (const std::string& line : scene_lines(all)) text += line + "\n";
+  text +=
+      "\n## What each ingredient changes\n\nMedian, 95th percentile: |10 log10| of the power ratio in lit "
+      "bins. "
+      "Slant, height: greatest movement of a ground point.\n\n";
+  text += markdown_table(change_table(all)) + "\n";
+  for (const std::string& line : noise_lines(all)) text += "- " + line + "\n";
+  text += "\n## What it costs\n\n" + markdown_table(cost_table(all));
+  text += "\n## From where on it matters\n\n";
+  for (const Comparison& c : all.comparisons)
+    if (!c.threshold.empty()) text += "- **" + title(c) + "**: " + c.threshold + "\n";
+  text += "\n## Verdict\n\n";
+  for (const Comparison& c : all.comparisons) text += "- **" + c.name + "**: " + c.advice + "\n";
+  return text;
+}
+
+std::string csv_report(const Explanation& all) {
+  std::string text =
+      "ingredient,changed_to,verdict,median_db,percentile95_db,over_1_db,vanished,appeared,total_db,slant_"
+      "shift_m,"
+      "height_shift_m,frame_ms,load_s,build_s,grid_mb,buildings_mb,embree_mb,source_error_p95_m,threshold,"
+      "advice\n";
+  const auto exact = [](double value) {
+    return std::isfinite(value) ? format("%.9g", value) : std::string();
+  };
+  const auto line = [&](const std::vector<std::string>& fields) {
+    for (std::size_t n = 0; n < fields.size(); ++n) text += (n > 0 ? "," : "") + csv_field(fields[n]);
+    text += "\n";
+  };
+  const auto power_fields = [&](std::vector<std::string>& to, const PowerChange& p) {
+    for (const double value :
+         {p.median_db, p.percentile95_db, p.over_1_db, p.vanished, p.appeared, p.total_db()})
+      to.push_back(exact(value));
+  };
+  const auto cost_fields = [&](std::vector<std::string>& to, const Costs& c) {
+    for (const double value :
+         {1000 * c.frame_s, c.load_s, c.build_s, static_cast<double>(c.grid_bytes) / 1e6,
+          static_cast<double>(c.building_bytes) / 1e6, static_cast<double>(c.tracer_bytes) / 1e6})
+      to.push_back(exact(value));
+  };
+  std::vector<std::string> scene{"scene", all.facts.scene, "", "", "", "", "", "", "", "", ""};
+  cost_fields(scene, all.costs);
+  scene.push_back(exact(all.facts.source_error.p95_m));
+  scene.insert(scene.end(), {"", ""});
+  line(scene);
+  const auto noise = [&](const char* name, const PowerChange& p) {
+    std::vector<std::string> fields{name, "", ""};
+    power_fields(fields, p);
+    fields.resize(20);
+    line(fields);
+  };
+  noise("sampling noise of this frustum", all.frustum_noise);
+  noise("sampling noise of this measurement", all.measurement_noise);
+  for (const Comparison& c : all.comparisons) {
+    std::vector<std::string> fields{c.name, c.change, verdict_word(c)};
+    if (c.reason.empty()) {
+      power_fields(fields, c.power);
+      fields.push_back(c.shift ? exact(c.shift->slant_m) : "");
+      fields.push_back(c.shift ? exact(c.shift->vertical_m) : "");
+      cost_fields(fields, c.costs);
+      fields.push_back(c.source_error ? exact(c.source_error->p95_m) : "");
+    }
+    fields.resize(18);
+    fields.insert(fields.end(), {c.threshold, c.advice});
+    line(fields);
+  }
+  return text;
+}
+
+}  // namespace obliq

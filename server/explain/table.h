@@ -1,0 +1,34 @@
+#pragma once
+// Tables and paragraphs of plain text.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace obliq {
+
+/// printf into a string.
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[400];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+/// Cells of text. The first two columns are words, the rest numbers.
+struct Table {
+  std::vector<std::vector<std::string>> head;  ///< one or more lines above the rule
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// Columns aligned by spaces, words to the left and cut to their column, numbers to the right.
+std::string plain_table(const Table& table);
+/// A Markdown table; the lines of the head are joined.
+std::string markdown_table(const Table& table);
+
+/// Breaks at spaces so that no line has more than `width` characters. Lines after the first are indented.
+std::string wrapped(const std::string& text, std::size_t width, std::size_t indent);
+
+/// A CSV field: in quotes, quotes doubled, where it needs them (RFC 4180).
+std::string csv_field(const std::string& text);
+
+}  // namespace obliq

@@ -1,0 +1,101 @@
+#include "server/explain/variants.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+namespace obliq {
+namespace {
+
+template <typename T>
+std::uint64_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// By the shoelace formula; holes count as built over.
+double outline_area_m2(const Buildings& buildings, const Building& building) {
+  const std::uint32_t begin = buildings.ring_start[building.first_ring];
+  const std::uint32_t end = buildings.ring_start[building.first_ring + 1];
+  double doubled = 0;
+  for (std::uint32_t k = begin; k < end; ++k) {
+    // Differences from the first corner, since the outline is far smaller than its distance from the origin.
+    const glm::dvec2 a(buildings.ring_xz_m[k] - buildings.ring_xz_m[begin]);
+    const glm::dvec2 b(buildings.ring_xz_m[k + 1 < end ? k + 1 : begin] - buildings.ring_xz_m[begin]);
+    doubled += a.x * b.y - b.x * a.y;
+  }
+  return std::abs(doubled) / 2;
+}
+
+}  // namespace
+
+Buildings without_walls(const Buildings& buildings) {
+  Buildings roofs = buildings;
+  roofs.triangles.clear();
+  roofs.triangle_face.clear();
+  for (Building& building : roofs.list) {
+    const auto first = static_cast<std::uint32_t>(roofs.triangles.size());
+    for (std::uint32_t t = building.first_triangle; t < building.first_triangle + building.n_triangles; ++t) {
+      if (buildings.faces[buildings.triangle_face[t]].wall) continue;
+      roofs.triangles.push_back(buildings.triangles[t]);
+      roofs.triangle_face.push_back(buildings.triangle_face[t]);
+    }
+    building.first_triangle = first;
+    building.n_triangles = static_cast<std::uint32_t>(roofs.triangles.size()) - first;
+  }
+  return roofs;
+}
+
+std::vector<std::uint8_t> materials_used(const World& world) {
+  std::array<bool, 256> used{};
+  for (const std::uint8_t id : world.surface_material) used[id] = true;
+  for (const Building& building : world.buildings.list) used[building.material] = true;
+  std::vector<std::uint8_t> ids;
+  for (std::size_t id = 1; id < used.size(); ++id)
+    if (used[id]) ids.push_back(static_cast<std::uint8_t>(id));
+  return ids;
+}
+
+BuildingSizes median_sizes(const Buildings& buildings) {
+  std::vector<double> heights_m, sides_m;
+  for (const Building& building : buildings.list) {
+    sides_m.push_back(std::sqrt(outline_area_m2(buildings, building)));
+    // A wall's centre is half-way up what stands out of the ground.
+    for (std::uint32_t f = building.first_face; f < building.first_face + building.n_faces; ++f) {
+      if (!buildings.faces[f].wall) continue;
+      heights_m.push_back(2 * (static_cast<double>(building.roof_y_m) - buildings.faces[f].centre_m.y));
+      break;
+    }
+  }
+  return {median(heights_m), median(sides_m)};
+}
+
+std::uint64_t grid_bytes(const World& world) {
+  return bytes_of(world.grid.y_m) + bytes_of(world.surface_material);
+}
+
+std::uint64_t building_bytes(const Buildings& b) {
+  return bytes_of(b.list) + bytes_of(b.faces) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
+         bytes_of(b.vertices_m) + bytes_of(b.triangles) + bytes_of(b.triangle_face);
+}
+
+std::uint64_t available_bytes() {
+  std::ifstream file("/proc/meminfo");
+  std::string name, unit;
+  std::uint64_t kilobytes = 0;
+  while (file >> name >> kilobytes) {
+    std::getline(file, unit);
+    if (name == "MemAvailable:") return kilobytes * 1024;
+  }
+  return 0;
+}
+
+}  // namespace obliq

@@ -1,0 +1,32 @@
+#pragma once
+// Changed copies of what a scene is made of.
+#include <cstdint>
+#include <vector>
+
+#include "server/scene/materials.h"
+#include "terrain/world.h"
+
+namespace obliq {
+
+/// The same buildings with the walls' triangles left out: roofs that hang in the air.
+Buildings without_walls(const Buildings& buildings);
+
+/// Material ids that ground or buildings of a world have, 0 (the terrain's) left out, rising.
+std::vector<std::uint8_t> materials_used(const World& world);
+
+/// Middle sizes of a world's buildings, metres: roofs above the ground, roots of the outlines' areas. 0
+/// without any.
+struct BuildingSizes {
+  double height_m = 0;
+  double side_m = 0;
+};
+BuildingSizes median_sizes(const Buildings& buildings);
+
+/// Bytes that the program itself holds: grid, surface materials, buildings.
+std::uint64_t grid_bytes(const World& world);
+std::uint64_t building_bytes(const Buildings& buildings);
+
+/// Memory that this machine could still give, by /proc/meminfo; 0 where that does not say.
+std::uint64_t available_bytes();
+
+}  // namespace obliq
