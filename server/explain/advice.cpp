@@ -77,7 +77,7 @@ std::string cell_threshold(const Comparison& c, const SceneFacts& f) {
     const double order =
         std::log(c.source_error->p95_m / f.source_error.p95_m) / std::log(c.value / f.cell_m);
     text += format(
-        "; the error grows as cell^%.2g here: reached by cells of %.3g m. Slopes, and so single bins, "
+        "; the error grows as cell^%.2g here: reached by cells of %.0f m. Slopes, and so single bins, "
         "suffer sooner: see the dB",
         order, cell_of_error_m(f.cell_m, f.source_error.p95_m, order, allowed));
   }
@@ -158,67 +158,69 @@ std::string threshold(const Comparison& c, const Explanation& all) {
   return {};
 }
 
-/// What the change saves: "saves 12 ms a frame, 40 MB", "costs ...", "nothing". Times within 5 % are alike.
+/// What the change saves: "saves 12 ms a frame, 40 MB", "costs ...", "saves nothing". Frame times differ when
+/// they do so by more than a twentieth and by more than the repetitions of one of them.
 std::string saving(const Comparison& c, const Explanation& all) {
-  const double ms = 1000 * (all.costs.frame_s - c.costs.frame_s);
+  const double saved_s = all.costs.frame_s - c.costs.frame_s;
   const double mb = (static_cast<double>(all.costs.bytes()) - static_cast<double>(c.costs.bytes())) / 1e6;
-  const bool time = std::abs(ms) > 50 * all.costs.frame_s;
-  const bool memory = std::abs(mb) >= 0.5;
+  const double noise_s = std::max({all.costs.frame_s / 20, all.costs.spread_s, c.costs.spread_s});
   std::string saves, costs;
   const auto add = [](std::string& to, const std::string& what) { to += (to.empty() ? "" : ", ") + what; };
-  if (time) add(ms > 0 ? saves : costs, format("%.0f ms a frame", std::abs(ms)));
-  if (memory) add(mb > 0 ? saves : costs, format("%.0f MB", std::abs(mb)));
+  if (std::abs(saved_s) > noise_s)
+    add(saved_s > 0 ? saves : costs, format("%.0f ms a frame", 1000 * std::abs(saved_s)));
+  if (std::abs(mb) >= std::max(0.5, 1e-8 * static_cast<double>(all.costs.bytes())))
+    add(mb > 0 ? saves : costs, format("%.0f MB", std::abs(mb)));
   if (saves.empty() && costs.empty()) return "saves nothing";
   return (saves.empty() ? "" : "saves " + saves) + (saves.empty() || costs.empty() ? "" : " and ") +
          (costs.empty() ? "" : "costs " + costs);
 }
 
+/// "median 0.1 dB, 95 % of bins within 1.1 dB, 5.7 % off by more than 1 dB, ground within 5.8 m".
 std::string change_text(const Comparison& c) {
-  std::string text = format(
-      "changes half of the bins by more than %.2g dB, 5 %% by more than %.2g dB, %.2g %% by more "
-      "than 1 dB",
-      c.power.median_db, c.power.percentile95_db, 100 * c.power.over_1_db);
-  if (c.shift) text += format(", and the ground by up to %.3g m in slant range", c.shift->slant_m);
+  const PowerChange& p = c.power;
+  std::string text =
+      format("95 %% of bins within %.2g dB, %.2g %% of them off by more than 1 dB, total %+.2f dB",
+             p.percentile95_db, 100 * p.over_1_db, p.total_db());
+  if (c.shift) text += format(", ground within %.3g m of slant range", c.shift->slant_m);
   return text;
+}
+
+std::string noise_note(const Comparison& c, const Explanation& all) {
+  if (c.verdict != Verdict::needed || !c.below_frustum_noise) return {};
+  return format(
+      " In single bins this is below the sampling noise of this frustum (median %.2g dB): a finer one shows "
+      "it.",
+      all.frustum_noise.median_db);
 }
 
 std::string words(const Comparison& c, const Explanation& all) {
   if (!c.reason.empty()) return "not measured: " + c.reason + ".";
   if (c.ingredient == Ingredient::speckle) {
     const bool ground = all.facts.settings.speckle == SpeckleKind::ground;
-    return format(
-               "%s speckle %s; ground speckle stays with the ground from pulse to pulse, geometric follows "
-               "the "
-               "sampling: needed where I&Q is used, powers are the same.",
-               c.change.c_str(), saving(c, all).c_str()) +
-           (ground ? "" : " This scene has geometric.");
+    return std::string(ground ? "ground speckle is needed"
+                              : "the scene has geometric speckle; ground is needed") +
+           " where I&Q is used from pulse to pulse, since geometric follows the sampling; powers are the "
+           "same: " +
+           c.change + " " + saving(c, all) + ".";
   }
-  std::string text;
   const bool finer = c.ingredient == Ingredient::cell_size && c.value < all.facts.cell_m;
-  const std::string what = finer || c.adds ? "would be needed" : "needed";
+  const std::string change = c.change + ": " + change_text(c);
+  const std::string price = "; " + saving(c, all) + ".";
   switch (c.verdict) {
     case Verdict::needed:
-      text = finer    ? "finer cells would show: " + c.change + " " + change_text(c) + "; " + saving(c, all)
-             : c.adds ? "the scene leaves it out, and it would show: it " + change_text(c)
-                      : "needed: " + c.change + " " + change_text(c) + "; " + saving(c, all);
-      break;
+      if (finer) return "finer cells would show (" + change + ")" + price + noise_note(c, all);
+      if (c.adds) return "needed, but this scene leaves it out (" + change + ")." + noise_note(c, all);
+      return "needed (" + change + "); leaving it out " + saving(c, all) + "." + noise_note(c, all);
     case Verdict::not_needed:
-      text = finer    ? "finer cells are not needed: " + c.change + " " + saving(c, all) + " and "
-             : c.adds ? "may stay left out: it "
-                      : "may be left out: " + c.change + " " + saving(c, all) + " and ";
-      text += change_text(c);
-      break;
+      if (finer) return "finer cells are not needed (" + change + ")" + price;
+      if (c.adds) return "may stay left out (" + change + ").";
+      return "may be left out: " + saving(c, all) + " (" + change + ").";
     case Verdict::beyond_measure:
-      text = "below the sampling noise of this measurement: cannot be told, but " + c.change + " " +
-             change_text(c) + " at most";
-      break;
+      return "below the sampling noise of this measurement (" + change + ")" + price;
     case Verdict::not_measured:
-      return "not measured.";
+      break;
   }
-  if (c.verdict == Verdict::needed && c.below_frustum_noise)
-    text += format(". In single bins it is below the sampling noise of this frustum (median %.2g dB)",
-                   all.frustum_noise.median_db);
-  return text + ".";
+  return "not measured.";
 }
 
 }  // namespace

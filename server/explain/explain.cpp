@@ -16,12 +16,9 @@ namespace obliq {
 namespace {
 
 constexpr int kTimings = 3;  ///< of a frame; the quickest counts
-/// The sampling noise of the comparison is seen with other densities than its own, about as fine.
-constexpr int kOtherColumns = 5;
-constexpr int kOtherRows = 15;
 constexpr double kStandardEarth = 4.0 / 3;
 /// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
-constexpr double kMostFineNodes = 0x1p26;
+constexpr double kMostFineNodes = 0x1p25;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -95,7 +92,7 @@ class Experiment {
     stage.own = plan(stage, input_.settings);
     if (!stage.own->extent().any)
       throw InputError("radar \"" + input_.radar + "\": no known ground in its sector");
-    stage.fine = plan(stage, comparison_settings(input_.settings, kComparisonColumns, kComparisonRows));
+    stage.fine = plan(stage, comparison_settings(input_.settings, kComparisonSource, kComparisonDensity));
   }
 
   std::shared_ptr<const FramePlan> plan(const Stage& stage, const RadarSettings& settings) const {
@@ -105,14 +102,18 @@ class Experiment {
     return planned.plan;
   }
 
-  std::vector<double> fine_power(const Stage& stage) const {
-    return render_sample(*stage.fine, wedges_, input_.threads, 1, false).power_w;
+  std::vector<double> power(const FramePlan& frame) const {
+    return render_sample(frame, wedges_, input_.threads, 1, false).power_w;
+  }
+  std::vector<double> power_by(const Stage& stage, FrustumKind source, Density density) const {
+    return power(*plan(stage, comparison_settings(input_.settings, source, density)));
   }
 
   /// Time of the scene's own frame, states included, as the user gets it.
   WedgePlanes own_frame(Stage& stage) const {
     WedgePlanes planes = render_sample(*stage.own, wedges_, input_.threads, kTimings, true);
     stage.costs.frame_s = planes.frame_s;
+    stage.costs.spread_s = planes.spread_s;
     return planes;
   }
 
@@ -122,21 +123,24 @@ class Experiment {
     ranges_ = range_bins_of(stage.fine->bins());
     probes_.emplace(*stage.fine, wedges_);
     note_facts(stage);
-    power_w_ = fine_power(stage);
+    power_w_ = power(*stage.fine);
     own_frame(stage);
     result_.costs = stage.costs;
 
     begin("sampling noise");
-    const auto at_densities = [&](int columns, int rows) {
-      return render_sample(*plan(stage, comparison_settings(input_.settings, columns, rows)), wedges_,
-                           input_.threads, 1, false)
-          .power_w;
-    };
-    result_.measurement_noise = power_change(power_w_, at_densities(kOtherColumns, kOtherRows), ranges_);
+    result_.measurement_noise =
+        power_change(power_w_, power_by(stage, kComparisonSource, kOtherDensity), ranges_);
+    if (!stage.world->buildings.list.empty()) {
+      wall_power_w_ =
+          kWallSource == kComparisonSource ? power_w_ : power_by(stage, kWallSource, kComparisonDensity);
+      result_.wall_noise =
+          kWallSource == kComparisonSource
+              ? result_.measurement_noise
+              : power_change(wall_power_w_, power_by(stage, kWallSource, kOtherDensity), ranges_);
+    }
     RadarSettings own = input_.settings;
     own.range_normalisation = false;
-    result_.frustum_noise = power_change(
-        power_w_, render_sample(*plan(stage, own), wedges_, input_.threads, 1, false).power_w, ranges_);
+    result_.frustum_noise = power_change(power_w_, power(*plan(stage, own)), ranges_);
   }
 
   void note_facts(const Stage& stage) {
@@ -157,7 +161,7 @@ class Experiment {
     f.buildings = world.buildings.list.size();
     f.sizes = median_sizes(world.buildings);
     if (f.buildings > 0) f.building_material = world.buildings.list.front().material;
-    f.threads = input_.threads;
+    f.threads = threads_of(input_.threads);
     f.measured_azimuth_bins = azimuth_bins_in(wedges_);
     f.ground_points = probes_->size();
   }
@@ -182,8 +186,6 @@ class Experiment {
     const WedgePlanes geometric = frame(SpeckleKind::geometric);
     result_.ground_speckle = measure_speckle(ground);
     result_.geometric_speckle = measure_speckle(geometric);
-    result_.ground_speckle_frame_s = ground.frame_s;
-    result_.geometric_speckle_frame_s = geometric.frame_s;
     const bool is_ground = input_.settings.speckle == SpeckleKind::ground;
     Comparison c = named(Ingredient::speckle, "speckle", is_ground ? "geometric" : "ground");
     RangeBins ranges = ranges_;
@@ -196,8 +198,8 @@ class Experiment {
 
   void compare_materials(Stage& stage) {
     for (const std::uint8_t id : materials_used(*stage.world)) {
-      Comparison c = named(Ingredient::material, "material", input_.materials[id].name + " as terrain");
-      begin(c.change);
+      Comparison c = named(Ingredient::material, "material " + input_.materials[id].name, "as terrain");
+      begin(c.name + ", " + c.change);
       c.material = id;
       std::vector<Material> materials = input_.materials;
       materials[id] = materials[0];
@@ -215,7 +217,7 @@ class Experiment {
       Comparison c = named(ingredient, name, change);
       begin(name + ", " + change);
       build(stage, input_.materials);
-      finish(c, stage, power_w_);
+      finish(c, stage, ingredient == Ingredient::walls ? wall_power_w_ : power_w_);
       keep(std::move(c));
     };
     // No one else holds this world between two scenes: it may be changed.
@@ -229,7 +231,9 @@ class Experiment {
 
   /// Compares the stage's bins, and its ground where it may have moved.
   void finish(Comparison& c, Stage& stage, const std::vector<double>& against_w) {
-    c.power = power_change(against_w, fine_power(stage), ranges_);
+    const bool walls = c.ingredient == Ingredient::walls;
+    c.power = power_change(
+        against_w, walls ? power_by(stage, kWallSource, kComparisonDensity) : power(*stage.fine), ranges_);
     own_frame(stage);
     c.costs = stage.costs;
   }
@@ -273,7 +277,7 @@ class Experiment {
     } else if (!curvature.reason.empty()) {
       refraction.reason = curvature.reason;
     } else {
-      const std::vector<double> standard_w = fine_power(curved);
+      const std::vector<double> standard_w = power(*curved.fine);
       const GroundProbes probes(*curved.fine, wedges_);
       curved = {};
       compare_world(refraction, spec, standard_w, probes);
@@ -288,7 +292,8 @@ class Experiment {
       WorldSpec spec = input_.world;
       const double cell_m = round_to_quantum_m(factor * facts.cell_m);
       spec.terrain.cell_m = cell_m;
-      Comparison c = named(Ingredient::cell_size, "cell size", format("cells of %.4g m", cell_m));
+      Comparison c = named(Ingredient::cell_size, factor > 1 ? "cell size x 2" : "cell size x 1/2",
+                           format("cells of %.4g m", cell_m));
       c.value = cell_m;
       const double growth = facts.cell_m * facts.cell_m / (cell_m * cell_m);
       const double needed = growth * static_cast<double>(result_.costs.bytes());
@@ -311,7 +316,8 @@ class Experiment {
   std::vector<AzimuthRange> wedges_;
   RangeBins ranges_;
   std::optional<GroundProbes> probes_;
-  std::vector<double> power_w_;  ///< of the scene as it is, by the comparison's source
+  std::vector<double> power_w_;       ///< of the scene as it is, by the comparison's source
+  std::vector<double> wall_power_w_;  ///< the same by the source for walls
   int steps_ = 0;
 };
 

@@ -18,9 +18,10 @@ enum class Ingredient { curvature, refraction, cell_size, walls, buildings, mate
 
 /// Time and memory of one scene.
 struct Costs {
-  double load_s = 0;   ///< terrain and buildings; 0: not loaded again
-  double build_s = 0;  ///< the ray-tracing structure
-  double frame_s = 0;  ///< a frame with the scene's own frustum, scaled up from the wedges
+  double load_s = 0;    ///< terrain and buildings; 0: not loaded again
+  double build_s = 0;   ///< the ray-tracing structure
+  double frame_s = 0;   ///< a frame with the scene's own frustum, scaled up from the wedges
+  double spread_s = 0;  ///< how much its repetitions differed
   std::uint64_t grid_bytes = 0;
   std::uint64_t building_bytes = 0;
   std::uint64_t tracer_bytes = 0;
@@ -79,11 +80,10 @@ struct Explanation {
   SceneFacts facts;
   Costs costs;
   PowerChange measurement_noise;  ///< the comparison source against itself at another density
+  PowerChange wall_noise;         ///< the same of the source that walls are compared with
   PowerChange frustum_noise;      ///< the scene's own frustum against the comparison source
   SpeckleMeasure ground_speckle;
   SpeckleMeasure geometric_speckle;
-  double ground_speckle_frame_s = 0;
-  double geometric_speckle_frame_s = 0;
   std::vector<Comparison> comparisons;
 };
 

@@ -1,11 +1,13 @@
 #include "server/explain/measurement.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 namespace obliq {
@@ -16,13 +18,16 @@ constexpr int kWedges = 8;  ///< of 8 azimuth bins: 64
 constexpr int kMostColumns = 32768;
 constexpr int kMostRows = 65536;
 
-int threads_of(int threads) {
-  return threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+/// Processor time of this thread: what a wedge costs, however busy the machine is.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Every wedge once, each on one thread.
-void render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int workers, bool states,
-                 WedgePlanes& planes) {
+/// Every wedge once, each on one thread. Returns the processor time of all.
+double render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int workers, bool states,
+                   WedgePlanes& planes) {
   const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
   std::vector<std::size_t> first_bin;
   std::size_t bins = 0;
@@ -34,6 +39,7 @@ void render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges,
   planes.iq.resize(bins);
   planes.count.resize(bins);
   std::vector<FrameStats> stats(wedges.size());
+  std::vector<double> seconds(wedges.size());
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failing;
@@ -50,7 +56,9 @@ void render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges,
         stats[w] = wedge.stats;
       };
       try {
+        const double start = thread_seconds();
         render_wedges(plan, wedges[w], options);
+        seconds[w] = thread_seconds() - start;
       } catch (...) {
         const std::scoped_lock lock(failing);
         failure = std::current_exception();
@@ -65,6 +73,7 @@ void render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges,
   if (failure) std::rethrow_exception(failure);
   planes.stats = {};
   for (const FrameStats& one : stats) planes.stats.add(one);
+  return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }
 
 }  // namespace
@@ -81,6 +90,10 @@ std::vector<AzimuthRange> even_wedges(const RadarSettings& settings) {
   return wedges;
 }
 
+int threads_of(int threads) {
+  return threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 int azimuth_bins_in(const std::vector<AzimuthRange>& wedges) {
   int bins = 0;
   for (const AzimuthRange& wedge : wedges) bins += wedge.count;
@@ -92,22 +105,22 @@ WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>
   WedgePlanes planes;
   const int all_threads = threads_of(threads);
   const int workers = std::min(all_threads, static_cast<int>(wedges.size()));
-  // From some wedges on some threads to all of both.
-  const double scale = static_cast<double>(plan.bins().n_azimuth) / azimuth_bins_in(wedges) *
-                       static_cast<double>(workers) / all_threads;
+  // From some wedges to all, and from one thread to all of them.
+  const double scale = static_cast<double>(plan.bins().n_azimuth) / azimuth_bins_in(wedges) / all_threads;
+  double slowest_s = 0;
   for (int n = 0; n < repetitions; ++n) {
-    const auto start = std::chrono::steady_clock::now();
-    render_once(plan, wedges, workers, states, planes);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    planes.frame_s = n == 0 ? scale * seconds : std::min(planes.frame_s, scale * seconds);
+    const double frame_s = scale * render_once(plan, wedges, workers, states, planes);
+    planes.frame_s = n == 0 ? frame_s : std::min(planes.frame_s, frame_s);
+    slowest_s = std::max(slowest_s, frame_s);
   }
+  planes.spread_s = slowest_s - planes.frame_s;
   return planes;
 }
 
-RadarSettings comparison_settings(RadarSettings settings, int columns, int rows) {
-  settings.frustum = kComparisonSource;
-  settings.pixel_columns = std::min(kMostColumns, columns * settings.azimuth_bins);
-  settings.pixel_rows = std::min(kMostRows, rows * settings.range_bins);
+RadarSettings comparison_settings(RadarSettings settings, FrustumKind source, Density density) {
+  settings.frustum = source;
+  settings.pixel_columns = std::min(kMostColumns, density.columns * settings.azimuth_bins);
+  settings.pixel_rows = std::min(kMostRows, density.rows * settings.range_bins);
   settings.range_normalisation = false;
   settings.speckle = SpeckleKind::geometric;  // only powers are compared: the quicker one
   return settings;

@@ -11,13 +11,23 @@
 namespace obliq {
 
 /// What the comparisons are rendered with, whatever frustum the scene has: the source with the least sampling
-/// noise of its own. Its densities, in samples a bin, are beside it.
+/// noise of its own. Buildings without walls exist as triangles only, so walls are compared by rays.
 constexpr FrustumKind kComparisonSource = FrustumKind::polar;
-constexpr int kComparisonColumns = 4;  ///< an azimuth bin
-constexpr int kComparisonRows = 16;    ///< a range bin
+constexpr FrustumKind kWallSource = FrustumKind::polar;
+
+/// How densely a source samples the bins.
+struct Density {
+  int columns = 0;  ///< an azimuth bin
+  int rows = 0;     ///< a range bin; the sweep has none
+};
+constexpr Density kComparisonDensity{8, 16};
+/// About as dense: what differs between the two is sampling noise.
+constexpr Density kOtherDensity{9, 15};
 
 /// Eight wedges of a frame, 64 azimuth bins, spread evenly over it; all when it has no more.
 std::vector<AzimuthRange> even_wedges(const RadarSettings& settings);
+/// 0: all cores.
+int threads_of(int threads);
 int azimuth_bins_in(const std::vector<AzimuthRange>& wedges);
 
 /// The bins of some wedges, one after the other: planes [azimuth bins of the wedges][n_range].
@@ -25,7 +35,9 @@ struct WedgePlanes {
   std::vector<double> power_w;
   std::vector<std::complex<float>> iq;
   std::vector<std::uint32_t> count;
-  double frame_s = 0;  ///< what the whole frame would take on all threads, by the quickest of the repetitions
+  double frame_s =
+      0;  ///< the wedges' processor time scaled to all bins and threads, of the quickest repetition
+  double spread_s = 0;  ///< how much longer the slowest took
   FrameStats stats;
 };
 
@@ -33,9 +45,9 @@ struct WedgePlanes {
 WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int threads,
                           int repetitions, bool states);
 
-/// The scene's settings with the comparison's source, so many columns an azimuth bin and rows a range bin. No
-/// range normalisation, so that bins weigh as design section 3 has it.
-RadarSettings comparison_settings(RadarSettings settings, int columns, int rows);
+/// The scene's settings with another source. No range normalisation, so that bins weigh as design section 3
+/// has it.
+RadarSettings comparison_settings(RadarSettings settings, FrustumKind source, Density density);
 
 RangeBins range_bins_of(const BinGrid& bins);
 

@@ -36,6 +36,7 @@ const char* verdict_word(const Comparison& c) {
 }
 
 std::string number(double value, int digits) {
+  if (std::abs(value) < 0.5 * std::pow(10.0, -digits)) value = 0;  // no "-0.00"
   return std::isfinite(value) ? format("%.*f", digits, value) : value > 0 ? "inf" : value < 0 ? "-inf" : "-";
 }
 
@@ -55,12 +56,15 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   lines.push_back(
       format("The antenna is %.0f m above its median ground; k = %.4g; cells of %.4g m; %llu buildings.",
              f.height_m, f.radius_factor, f.cell_m, static_cast<unsigned long long>(f.buildings)));
+  std::string density = format("%d azimuths an azimuth bin", kComparisonDensity.columns);
+  if (kComparisonSource == FrustumKind::polar)
+    density = format("rays of the polar frustum, %d x %d a bin", kComparisonDensity.columns,
+                     kComparisonDensity.rows);
+  else if (f.buildings > 0)
+    density += format(" (walls by rays, %d x %d a bin)", kComparisonDensity.columns, kComparisonDensity.rows);
   lines.push_back(
-      format("Measured in %d of %d azimuth bins, even wedges, with rays of the %s frustum, %d columns an "
-             "azimuth bin and %d rows a range bin; shifts at %zu ground points. Frame times are the "
-             "scene's own frustum's, scaled up from these wedges.",
-             f.measured_azimuth_bins, s.azimuth_bins, kind_name(kComparisonSource), kComparisonColumns,
-             kComparisonRows, f.ground_points));
+      format("Measured in %d of %d azimuth bins, even wedges, with %s; shifts at %zu ground points.",
+             f.measured_azimuth_bins, s.azimuth_bins, density.c_str(), f.ground_points));
   return lines;
 }
 
@@ -85,17 +89,23 @@ Table change_table(const Explanation& all) {
   return table;
 }
 
-std::string noise_line(const char* name, const PowerChange& p) {
+std::string noise_text(const PowerChange& p) {
   return format(
-      "%s: median %.2f dB, 95 %% below %.2f dB, %.2f %% by more than 1 dB, %.2f %% gone, %.2f %% new, total "
-      "%+.3f dB.",
-      name, p.median_db, p.percentile95_db, 100 * p.over_1_db, 100 * p.vanished, 100 * p.appeared,
-      p.total_db());
+      "median %.2f dB, 95 %% of bins within %.2f dB, %.1f %% of them off by more than 1 dB; %.1f %% of lit "
+      "bins without a sample; total %+.3f dB",
+      p.median_db, p.percentile95_db, 100 * p.over_1_db, 100 * p.vanished, p.total_db());
 }
 
-std::vector<std::string> noise_lines(const Explanation& all) {
-  return {noise_line("sampling noise of this frustum", all.frustum_noise),
-          noise_line("sampling noise of this measurement", all.measurement_noise)};
+struct NamedText {
+  std::string name, text;
+};
+
+std::vector<NamedText> noises(const Explanation& all) {
+  std::vector<NamedText> list{{"sampling noise of this frustum", noise_text(all.frustum_noise)},
+                              {"sampling noise of this measurement", noise_text(all.measurement_noise)}};
+  if (kWallSource != kComparisonSource && all.facts.buildings > 0)
+    list.push_back({"sampling noise where walls are compared", noise_text(all.wall_noise)});
+  return list;
 }
 
 std::vector<std::string> cost_cells(const Costs& c) {
@@ -120,23 +130,35 @@ Table cost_table(const Explanation& all) {
   return table;
 }
 
+std::string times_text(const Explanation& all) {
+  return format(
+      "Frame: the scene's own frustum on these wedges, processor time scaled to all azimuth bins and %d "
+      "threads; it repeats within %.0f ms. Load and build as the clock saw them.",
+      all.facts.threads, std::ceil(1000 * all.costs.spread_s));
+}
+
 /// "earth curvature (flat earth, k = inf)".
 std::string title(const Comparison& c) { return c.name + " (" + c.change + ")"; }
 
 }  // namespace
 
 std::string plain_report(const Explanation& all) {
+  constexpr std::size_t kLabel = 19;
   std::string text;
-  for (const std::string& line : scene_lines(all)) text += wrapped(line, kWidth, 2);
-  text += "\nWHAT EACH INGREDIENT CHANGES: |10 log10| of the power ratio in lit bins, and moved ground\n\n";
+  for (const std::string& line : scene_lines(all)) text += wrapped("", line, kWidth, 0);
+  text +=
+      "\nWHAT EACH CHANGE DOES: |10 log10| of the power ratio in lit bins; greatest shift of ground "
+      "points\n\n";
   text += plain_table(change_table(all)) + "\n";
-  for (const std::string& line : noise_lines(all)) text += wrapped(line, kWidth, 2);
+  for (const NamedText& noise : noises(all))
+    text += wrapped("", noise.name + ": " + noise.text + ".", kWidth, 0);
   text += "\nWHAT IT COSTS\n\n" + plain_table(cost_table(all));
+  text += wrapped("", times_text(all), kWidth, 0);
   text += "\nFROM WHERE ON IT MATTERS, by closed forms with this scene's numbers\n\n";
   for (const Comparison& c : all.comparisons)
-    if (!c.threshold.empty()) text += wrapped(title(c) + ": " + c.threshold, kWidth, 2);
+    if (!c.threshold.empty()) text += wrapped(c.name, c.threshold, kWidth, kLabel);
   text += "\nVERDICT\n\n";
-  for (const Comparison& c : all.comparisons) text += wrapped(c.name + ": " + c.advice, kWidth, 2);
+  for (const Comparison& c : all.comparisons) text += wrapped(c.name, c.advice, kWidth, kLabel);
   return text;
 }
 
@@ -144,17 +166,18 @@ std::string markdown_report(const Explanation& all) {
   std::string text = "# What " + all.facts.scene + " needs\n\n";
   for (const std::string& line : scene_lines(all)) text += line + "\n";
   text +=
-      "\n## What each ingredient changes\n\nMedian, 95th percentile: |10 log10| of the power ratio in lit "
-      "bins. "
-      "Slant, height: greatest movement of a ground point.\n\n";
+      "\n## What each change does\n\nMedian, 95 %: |10 log10| of the power ratio in lit bins. Slant, height: "
+      "greatest shift of a ground point.\n\n";
   text += markdown_table(change_table(all)) + "\n";
-  for (const std::string& line : noise_lines(all)) text += "- " + line + "\n";
-  text += "\n## What it costs\n\n" + markdown_table(cost_table(all));
+  const auto item = [&](const std::string& name, const std::string& what) {
+    if (!what.empty()) text += "- **" + name + "**: " + what + "\n";
+  };
+  for (const NamedText& noise : noises(all)) item(noise.name, noise.text + ".");
+  text += "\n## What it costs\n\n" + markdown_table(cost_table(all)) + "\n" + times_text(all) + "\n";
   text += "\n## From where on it matters\n\n";
-  for (const Comparison& c : all.comparisons)
-    if (!c.threshold.empty()) text += "- **" + title(c) + "**: " + c.threshold + "\n";
+  for (const Comparison& c : all.comparisons) item(title(c), c.threshold);
   text += "\n## Verdict\n\n";
-  for (const Comparison& c : all.comparisons) text += "- **" + c.name + "**: " + c.advice + "\n";
+  for (const Comparison& c : all.comparisons) item(c.name, c.advice);
   return text;
 }
 
@@ -195,6 +218,7 @@ std::string csv_report(const Explanation& all) {
   };
   noise("sampling noise of this frustum", all.frustum_noise);
   noise("sampling noise of this measurement", all.measurement_noise);
+  noise("sampling noise where walls are compared", all.wall_noise);
   for (const Comparison& c : all.comparisons) {
     std::vector<std::string> fields{c.name, c.change, verdict_word(c)};
     if (c.reason.empty()) {

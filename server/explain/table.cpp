@@ -65,19 +65,24 @@ std::string markdown_table(const Table& table) {
   return text + "\n";
 }
 
-std::string wrapped(const std::string& text, std::size_t width, std::size_t indent) {
-  std::string result, line;
+std::string wrapped(const std::string& label, const std::string& text, std::size_t width,
+                    std::size_t indent) {
+  const std::string margin(indent, ' ');
+  const bool own_line = label.size() >= indent && !label.empty();
+  std::string result = own_line ? label + "\n" : "";
+  std::string line = own_line ? margin : padded(label, indent, true);
+  std::size_t words = 0;
   std::size_t at = 0;
   while (at < text.size()) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
     const std::string word = text.substr(at, end - at);
     at = end + 1;
-    if (!line.empty() && line.size() + 1 + word.size() > width) {
+    if (words > 0 && line.size() + 1 + word.size() > width) {
       result += line + "\n";
-      line = std::string(indent, ' ') + word;
-    } else {
-      line += (line.empty() ? "" : " ") + word;
+      line = margin;
+      words = 0;
     }
+    line += (words++ > 0 ? " " : "") + word;
   }
   return result + line + "\n";
 }

@@ -25,8 +25,9 @@ std::string plain_table(const Table& table);
 /// A Markdown table; the lines of the head are joined.
 std::string markdown_table(const Table& table);
 
-/// Breaks at spaces so that no line has more than `width` characters. Lines after the first are indented.
-std::string wrapped(const std::string& text, std::size_t width, std::size_t indent);
+/// Breaks at spaces so that no line has more than `width` characters. The text stands `indent` to the right;
+/// the label takes that room on the first line, or a line of its own where it is longer.
+std::string wrapped(const std::string& label, const std::string& text, std::size_t width, std::size_t indent);
 
 /// A CSV field: in quotes, quotes doubled, where it needs them (RFC 4180).
 std::string csv_field(const std::string& text);

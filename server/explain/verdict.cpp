@@ -13,7 +13,7 @@ struct Measure {
 
 void decide(Comparison& c, const Explanation& all) {
   if (!c.reason.empty()) return;
-  const PowerChange& noise = all.measurement_noise;
+  const PowerChange& noise = c.ingredient == Ingredient::walls ? all.wall_noise : all.measurement_noise;
   const Measure measures[] = {
       {c.power.median_db, kNoticeableMedian_db, noise.median_db},
       {c.power.percentile95_db, kNoticeable95_db, noise.percentile95_db},

@@ -1,0 +1,135 @@
+// The parts of `obliq explain` that are not closed forms: comparison, verdict, changed copies, tables.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/explain/power_change.h"
+#include "server/explain/table.h"
+#include "server/explain/variants.h"
+#include "server/explain/verdict.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+TEST(PowerChange, CountsWhatMovesWhatGoesAndWhatComes) {
+  // Ten bins of q = 1 at r = 1.5, 2.5, ...; the last one is dark.
+  const RangeBins ranges{1, 1, 10, false};
+  std::vector<double> power_w, changed_w;
+  for (int r = 0; r < 10; ++r) power_w.push_back(r < 9 ? std::pow(ranges.centre_m(r), -3) : 0);
+  changed_w = power_w;
+  EXPECT_EQ(power_change(power_w, changed_w, ranges).median_db, 0);
+  changed_w[0] *= 2;    // 3 dB
+  changed_w[1] = 0;     // gone
+  changed_w[2] *= 0.8;  // 0.97 dB
+  changed_w[9] = std::pow(ranges.centre_m(9), -3);
+  const PowerChange change = power_change(power_w, changed_w, ranges);
+  EXPECT_EQ(change.lit, 9u);
+  EXPECT_DOUBLE_EQ(change.vanished, 1.0 / 9);
+  EXPECT_DOUBLE_EQ(change.appeared, 1.0 / 9);
+  EXPECT_DOUBLE_EQ(change.over_1_db, 2.0 / 9);
+  // Between the largest two of eight: 0.969 + 0.65 (3.010 - 0.969).
+  EXPECT_NEAR(change.percentile95_db, 2.2959, 1e-4);
+  EXPECT_EQ(change.median_db, 0);
+}
+
+Explanation quiet() {
+  Explanation all;
+  all.facts.range_spacing_m = 30;
+  return all;
+}
+
+TEST(Verdict, ASmallChangeMayBeLeftOutAndALargeOneIsNeeded) {
+  Explanation all = quiet();
+  Comparison c;
+  c.power.median_db = 0.09;
+  c.power.percentile95_db = 0.9;
+  c.shift = GroundShift{14.9, 100};  // the height alone decides nothing
+  decide(c, all);
+  EXPECT_EQ(c.verdict, Verdict::not_needed);
+  c.shift->slant_m = 15;
+  decide(c, all);
+  EXPECT_EQ(c.verdict, Verdict::needed);
+  c.shift->slant_m = 0;
+  c.power.over_1_db = 0.01;
+  decide(c, all);
+  EXPECT_EQ(c.verdict, Verdict::needed);
+}
+
+TEST(Verdict, AChangeThatNoiseCouldMakeUpIsSaidToBeBelowIt) {
+  Explanation all = quiet();
+  all.measurement_noise.median_db = 0.1;
+  all.frustum_noise.median_db = 1;
+  all.frustum_noise.percentile95_db = 5;
+  all.frustum_noise.over_1_db = 0.5;
+  Comparison c;
+  c.power.median_db = 0.12;
+  decide(c, all);
+  EXPECT_EQ(c.verdict, Verdict::beyond_measure);
+  c.power.median_db = 0.2;
+  decide(c, all);
+  EXPECT_EQ(c.verdict, Verdict::needed);
+  EXPECT_TRUE(c.below_frustum_noise);
+  c.power.median_db = 2;
+  decide(c, all);
+  EXPECT_FALSE(c.below_frustum_noise);
+}
+
+TEST(Verdict, NothingIsDecidedWithoutAMeasurement) {
+  Comparison c;
+  c.reason = "no memory";
+  c.power.median_db = 9;
+  decide(c, quiet());
+  EXPECT_EQ(c.verdict, Verdict::not_measured);
+}
+
+TEST(Variants, RoofsStayWhenWallsGo) {
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::flat, 1000, 50);
+  spec.prisms.push_back({});
+  spec.prisms[0].per_km2 = 20;
+  spec.prisms[0].height_m = {7, 7};
+  spec.prisms[0].width_m = spec.prisms[0].length_m = {20, 20};
+  const World world = load_world(spec);
+  ASSERT_GT(world.buildings.list.size(), 10u);
+  const Buildings roofs = without_walls(world.buildings);
+  // A rectangle has two triangles of roof and eight of wall.
+  EXPECT_EQ(roofs.triangles.size() * 5, world.buildings.triangles.size());
+  for (const Building& building : roofs.list) {
+    ASSERT_EQ(building.n_triangles, 2u);
+    for (std::uint32_t t = building.first_triangle; t < building.first_triangle + 2; ++t) {
+      const BuildingFace& face = roofs.faces[roofs.triangle_face[t]];
+      EXPECT_FALSE(face.wall);
+      EXPECT_EQ(&roofs.list[face.building], &building);
+    }
+  }
+  EXPECT_NEAR(median_sizes(world.buildings).height_m, 7, 1e-4);  // float32 at 7 m
+  EXPECT_NEAR(median_sizes(world.buildings).side_m, 20, 1e-3);   // float32 corners at 1 km: 6e-5 m
+  EXPECT_EQ(materials_used(world), std::vector<std::uint8_t>{1});
+}
+
+TEST(Table, AlignsWordsLeftAndNumbersRight) {
+  const Table table{{{"name", "to", "dB"}}, {{"a long long long long name", "b", "1.5"}, {"c", "", "10.25"}}};
+  EXPECT_EQ(plain_table(table),
+            "name                  to     dB\n"
+            "-------------------------------\n"
+            "a long long long l..  b     1.5\n"
+            "c                         10.25\n");
+  EXPECT_EQ(
+      markdown_table(table),
+      "| name | to | dB |\n|---|---|---:|\n| a long long long long name | b | 1.5 |\n| c |  | 10.25 |\n");
+}
+
+TEST(Table, ParagraphsBreakAtSpacesBesideTheirLabel) {
+  EXPECT_EQ(wrapped("x", "one two three", 10, 3), "x  one two\n   three\n");
+  EXPECT_EQ(wrapped("", "one", 10, 0), "one\n");
+  EXPECT_EQ(wrapped("long", "one", 10, 2), "long\n  one\n");
+}
+
+TEST(Table, CsvFieldsAreQuotedWhereTheyMust) {
+  EXPECT_EQ(csv_field("plain"), "plain");
+  EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
+  EXPECT_EQ(csv_field("say \"x\""), "\"say \"\"x\"\"\"");
+}
+
+}  // namespace
+}  // namespace obliq
