@@ -13,7 +13,8 @@
 // the higher of ground and roofs; a wall is lit on its near side only. Known ground and buildings are solid
 // all the way down: beyond a void, what lies behind the next known ground is in its shadow.
 //
-// Lit strips are cut at the exact range-bin edges, then into equal steps of at most step_m, and
+// Lit strips are cut at the exact range-bin edges, then into equal steps of at most step_m (step_m r / 200 m
+// nearer than 200 m), and
 //   P_bin = sum of K sigma(A_proj, theta) / r^4,  K = P_t G^2 lambda^2 / (4 pi)^3
 // (Ulaby & Long 2014, sigma = sigma0 dA; Richards 2014, eq. 2.8) with the area element projected towards the
 // antenna, A_proj = dA cos(theta). dA is d dphi dd / n_y on ground and roofs and d dphi dy / |n . e| on walls

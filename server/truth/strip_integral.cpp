@@ -6,6 +6,16 @@
 
 namespace obliq {
 
+namespace {
+
+/// Nearer than this, steps shrink with range: what they integrate varies over lengths in proportion to r.
+constexpr double kFullStepRange_m = 200;
+
+/// Of one stretch in one range bin: for antennas a hair's breadth from a surface.
+constexpr double kMostSteps = 1e6;
+
+}  // namespace
+
 /// The strip's line by its perpendicular foot and the azimuth it stands for: a point t from the foot has
 /// range r^2 = p^2 + t^2.
 struct StripIntegral::Line {
@@ -66,11 +76,13 @@ void StripIntegral::add_monotone(const Strip& strip, const Line& line, double si
   }
 }
 
-/// Midpoint rule in equal steps of at most step_m.
+/// Midpoint rule in equal steps of at most step_m, less where the stretch is near.
 BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double from_m, double to_m,
                                   int bin) const {
   const double length_m = std::fabs(to_m - from_m);
-  const int steps = std::max(1, static_cast<int>(std::ceil(length_m / step_m_)));
+  const double nearest_m = std::sqrt(line.p_m * line.p_m + std::min(from_m * from_m, to_m * to_m));
+  const double widest_m = step_m_ * std::min(1.0, nearest_m / kFullStepRange_m);
+  const int steps = static_cast<int>(std::clamp(std::ceil(length_m / widest_m), 1.0, kMostSteps));
   const double step_m = length_m / steps;
   BinShare share{bin, 0, 0};
   for (int k = 0; k < steps; ++k) {

@@ -10,24 +10,14 @@
 namespace obliq {
 namespace {
 
-using test::add_prism;
 using test::ErrorAtSize;
 using test::fitted_order;
 using test::made_world;
 
-/// Hills of 120 m on 200 m cells, 1.2 to 6 km from the antenna; houses of tens of metres at any angle.
+/// On 200 m cells, 1.2 to 6 km from the antenna.
 World hills(bool built) {
-  World world = made_world(7000, 200, [](double x, double z) {
-    return 60 * std::sin(x / 700 + 1) * std::cos(z / 900) + 60 * std::sin((x + 2 * z) / 1300);
-  });
-  if (!built) return world;
-  for (int k = 0; k < 40; ++k) {
-    const double range = 1500 + 100 * k, bearing = (k * 0.618 - std::floor(k * 0.618) - 0.5) * 0.3;
-    const double turn = 0.9 * k, a = 40 + 3 * (k % 7), b = 30 + 5 * (k % 4);
-    const glm::dvec2 at(range * std::sin(bearing), range * std::cos(bearing));
-    const glm::dvec2 u(a * std::cos(turn), a * std::sin(turn)), v(-b * std::sin(turn), b * std::cos(turn));
-    add_prism(world, {at, at + u, at + u + v, at + v}, 12 + k % 5 * 6);
-  }
+  World world = made_world(7000, 200, test::hills_m);
+  if (built) test::add_houses(world, 40, 1500, 100, 0.3);
   return world;
 }
 

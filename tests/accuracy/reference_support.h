@@ -46,6 +46,24 @@ inline std::size_t bin_index(const ReferenceBins& bins, int azimuth, int range) 
          static_cast<std::size_t>(range);
 }
 
+/// Smooth hills of 120 m.
+inline double hills_m(double x_m, double z_m) {
+  return 60 * std::sin(x_m / 700 + 1) * std::cos(z_m / 700) + 60 * std::sin((x_m + 2 * z_m) / 1100);
+}
+
+/// Houses of tens of metres at any angle, in a fan around north: the nth at nearest_m + n spacing_m.
+inline void add_houses(World& world, int houses, double nearest_m, double spacing_m, double fan_rad) {
+  for (int n = 0; n < houses; ++n) {
+    const double golden = n * 0.618 - std::floor(n * 0.618);
+    const double range = nearest_m + n * spacing_m, bearing = (golden - 0.5) * fan_rad;
+    const double turn = 0.9 * n, width = 40 + 3 * (n % 7), depth = 30 + 5 * (n % 4);
+    const glm::dvec2 at(range * std::sin(bearing), range * std::cos(bearing));
+    const glm::dvec2 u(width * std::cos(turn), width * std::sin(turn));
+    const glm::dvec2 v(-depth * std::sin(turn), depth * std::cos(turn));
+    add_prism(world, {at, at + u, at + u + v, at + v}, 12 + n % 5 * 6);
+  }
+}
+
 /// A straight line in the vertical plane of one azimuth, from (d0, h0) to (d1, h1): ground distance and
 /// height above the antenna.
 struct ProfileLine {

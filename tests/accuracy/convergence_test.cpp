@@ -1,0 +1,110 @@
+// Every source of samples converges to the reference renderer as its sampling grows: for terrain alone,
+// buildings alone, and both.
+//
+// The order. A pixel lies in one bin whole, so a bin's power is a count of lattice points in a region of the
+// sphere, weighted smoothly. Across boundaries at any angle to the lattice the count of N^2 points is off by
+// O(N^1/2) (Kendall, "On the number of lattice points inside a random oval", Q. J. Math. 1948): a relative
+// error of O(N^-3/2). Boundaries along the lattice (the polar frustum's rows on level range-bin edges, walls'
+// edges and shadows) take or leave whole rows: O(N^-1). So E falls by 2^3 at least over three doublings.
+// Anything that the source and the truth do not agree on leaves an E that does not fall: a building's wall
+// without its own normal, shadows by a horizon that starts at r_min, a solid angle off by a percent.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "server/accuracy/bin_errors.h"
+#include "tests/accuracy/reference_support.h"
+#include "tests/support/fitted_order.h"
+#include "tests/support/samplings.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+using test::ErrorAtSize;
+
+constexpr int kSizes[] = {256, 512, 1024, 2048};
+constexpr double kLeastFall = 8;
+
+RadarSettings small_sector() {
+  RadarSettings s;
+  s.sector_deg = 20;
+  s.r_min_m = 2000;
+  s.r_max_m = 6000;
+  s.azimuth_bins = 64;
+  s.range_bins = 64;
+  return s;
+}
+
+std::vector<Material> materials() {
+  std::vector<Material> list = test::two_materials();
+  list[1].rms_slope = 0.3;  // a lobe wide enough that many walls return
+  return list;
+}
+
+/// The truth of the surfaces that a frame bins.
+std::vector<double> truth_w(const World& world, const ReferenceView& view, const ReferenceSampling& sampling,
+                            Surfaces surfaces) {
+  const ReferenceBins bins = test::integrate_all(world, materials(), view, sampling);
+  std::vector<double> sum(bins.ground_w.size());
+  for (std::size_t k = 0; k < sum.size(); ++k) {
+    if (surfaces != Surfaces::buildings) sum[k] += bins.ground_w[k];
+    if (surfaces != Surfaces::ground) sum[k] += bins.building_w[k];
+  }
+  return sum;
+}
+
+void expect_every_source_converges(World world, Surfaces surfaces) {
+  const RadarSettings settings = small_sector();
+  const glm::dvec3 antenna_m(0, 900, 0);
+  ReferenceView view = test::view_from(antenna_m, 0, settings.sector_deg, settings.azimuth_bins,
+                                       settings.r_min_m, settings.r_max_m, settings.range_bins);
+  view.wavelength_m = 299792458.0 / (settings.frequency_ghz * 1e9);
+  const RangeBins ranges{settings.r_min_m, (settings.r_max_m - settings.r_min_m) / settings.range_bins,
+                         settings.range_bins, false};
+  const std::vector<double> truth = truth_w(world, view, {128, 1, 0}, surfaces);
+  const BinErrors own = bin_errors(truth_w(world, view, {64, 2, 0}, surfaces), truth, ranges);
+  std::printf("    truth's own E with half the planes and twice the step: %.1e; %d bins lit, %d dark\n",
+              own.power_error, static_cast<int>(own.lit), static_cast<int>(own.dark));
+
+  const auto scene = test::make_scene(std::move(world), materials());
+  const Pose pose = test::pose_at(scene->world(), antenna_m, 0);
+  RenderOptions options;
+  options.states = false;
+  options.surfaces = surfaces;
+  for (const test::Sampling& sampling : test::kSamplings) {
+    std::vector<ErrorAtSize> errors;
+    std::printf("    %-10s N: E (gaps, false light)", sampling.name);
+    for (const int n : kSizes) {
+      RadarSettings s = test::sampled(settings, sampling);
+      s.pixel_columns = s.pixel_rows = n;
+      const Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
+      const BinErrors e = bin_errors(frame.bins.power_w, truth, ranges);
+      errors.push_back({1.0 / n, e.power_error});
+      std::printf("  %d: %.4f (%.1f %%, %.1f %%)", n, e.power_error, 100 * e.gap_fraction(),
+                  100 * e.false_light_fraction());
+      EXPECT_LE(own.power_error, e.power_error / 10) << sampling.name << ", N = " << n;
+    }
+    std::printf("  order %.2f\n", test::fitted_order(errors));
+    EXPECT_GT(errors.front().error / errors.back().error, kLeastFall) << sampling.name;
+  }
+}
+
+TEST(Convergence, OfTerrainAlone) {
+  expect_every_source_converges(test::made_world(7000, 100, test::hills_m), Surfaces::ground);
+}
+
+TEST(Convergence, OfBuildingsAlone) {
+  World world = test::made_world(7000, 100, [](double, double) { return 0; });
+  test::add_houses(world, 60, 2100, 62, 0.33);
+  expect_every_source_converges(std::move(world), Surfaces::buildings);
+}
+
+TEST(Convergence, OfTerrainWithBuildings) {
+  World world = test::made_world(7000, 100, test::hills_m);
+  test::add_houses(world, 60, 2100, 62, 0.33);
+  expect_every_source_converges(std::move(world), Surfaces::all);
+}
+
+}  // namespace
+}  // namespace obliq
