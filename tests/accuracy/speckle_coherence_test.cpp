@@ -97,11 +97,13 @@ TEST_P(CoherenceOfEverySource, TheSameGroundGivesTheSameSpeckleFromAnyPose) {
   // bins.
   const auto scene = hills();
   RadarSettings s = settings();
-  s.azimuth_bins = s.range_bins = 128;
+  s.azimuth_bins = 128;
+  s.range_bins = 256;
   s.sector_deg = 55;
   s.r_min_m = 4200;
   s.r_max_m = 8100;
-  s.pixel_columns = s.pixel_rows = 160;
+  s.pixel_columns = 128;
+  s.pixel_rows = 320;
   const double west = -std::numbers::pi / 2;
   const Look south(scene, s, pose_at(scene->world(), {0, 1800, 0}, 0.05));
   const Look east(scene, s, pose_at(scene->world(), {6100.25, 2400.5, 6000}, west));
@@ -186,7 +188,7 @@ TEST_P(CoherenceOfEverySource, APointScatterersPhaseFollowsGeometryWhenTheAntenn
           "    %g GHz, moved (%g, %g, %g) m: %d bins of one face (%d roofs), turned by up to %.3f rad, worst "
           "error %.1e rad\n",
           frequency_ghz, move.x, move.y, move.z, turns.bins, turns.roofs, turns.most_rad, turns.worst_rad);
-      EXPECT_GE(turns.bins, 20);
+      EXPECT_GE(turns.bins, 10);
       EXPECT_GE(turns.roofs, 3);
       EXPECT_LT(turns.worst_rad, 1e-3);
     }

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 
 #include "server/radar/frame_plan.h"
@@ -37,23 +38,30 @@ double dirichlet8(double q_per_m) {
 
 class DecorrelationOfEverySource : public testing::TestWithParam<test::NamedSource> {
  protected:
-  static std::shared_ptr<const Scene> flat() {
-    static const auto scene = test::make_scene(
-        load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 100)), test::constant_gamma_materials());
-    return scene;
+  /// Flat ground where the bin lies, with nodes every quarter metre: a sample of the sweep is as long as the
+  /// bin's part of a triangle, and only samples finer than the cells tell them apart.
+  static std::shared_ptr<const Scene> ground_near(double middle_m) {
+    World world;
+    world.frame = WorldFrame(33 * kPi / 180, -99.5 * kPi / 180, std::numeric_limits<double>::infinity());
+    world.grid.cell_m = 0.25;
+    world.grid.nx = world.grid.nz = 97;
+    world.grid.x0_m = -12;
+    world.grid.z0_m = middle_m - 12;
+    world.grid.y_m.assign(97 * 97, 0.0f);
+    return test::make_scene(std::move(world), test::constant_gamma_materials());
   }
 
   /// One look of an antenna at (x, height, z) on one bin: ground from near_m to far_m away from it.
   struct Look {
     glm::dvec3 antenna_m{0.0};
-    double bearing_rad = 0;
     RadarSettings settings;
     test::BinShares shares;
     double power_w = 0;
     std::vector<Complex> voltage;  ///< [seed]
 
-    Look(const glm::dvec3& antenna, double bearing, double near_m, double far_m)
-        : antenna_m(antenna), bearing_rad(bearing) {
+    Look(const std::shared_ptr<const Scene>& scene, const glm::dvec3& antenna, double bearing, double near_m,
+         double far_m)
+        : antenna_m(antenna) {
       settings.frustum = GetParam().kind;
       settings.frequency_ghz = kFrequency_ghz;
       // Between 4096 and 8192 m a cell is the largest power of two up to 4096 m x width / 2: 1 m. At 8186 m
@@ -66,14 +74,14 @@ class DecorrelationOfEverySource : public testing::TestWithParam<test::NamedSour
       Pose pose;
       pose.antenna.m = antenna;
       pose.bearing_world_rad = bearing;
-      pose.ground_y_m = 0;
-      shares = test::shares_of_bins(*test::plan_or_throw(flat(), settings, pose)).front();
+      pose.ground_y_m = std::numeric_limits<double>::quiet_NaN();
+      shares = test::shares_of_bins(*test::plan_or_throw(scene, settings, pose)).front();
       RenderOptions options;
       options.threads = 1;
       options.states = false;
       for (int seed = 1; seed <= kSeeds; ++seed) {
         settings.speckle_seed = seed;
-        const BinBlock bins = render(flat(), test::snapshot(settings), pose, {0, 1}, options).bins;
+        const BinBlock bins = render(scene, test::snapshot(settings), pose, {0, 1}, options).bins;
         voltage.emplace_back(bins.iq[0]);
         power_w = bins.power_w[0];
       }
@@ -88,12 +96,12 @@ class DecorrelationOfEverySource : public testing::TestWithParam<test::NamedSour
   }
 
   /// The same from the powers and places of the cells.
-  static Complex expected(const Look& one, const Look& two) {
+  static Complex expected(const World& world, const Look& one, const Look& two) {
     Complex sum = 0;
     for (const auto& [cell, p] : one.shares) {
       const auto other = two.shares.find(cell);
       if (other == two.shares.end()) continue;
-      const glm::dvec3 place = test::reference_point_m(flat()->world(), cell);
+      const glm::dvec3 place = test::reference_point_m(world, cell);
       const long double turn = test::round_trip_phase_rad(two.antenna_m, place, kFrequency_ghz) -
                                test::round_trip_phase_rad(one.antenna_m, place, kFrequency_ghz);
       sum += std::sqrt(p * other->second) *
@@ -102,8 +110,9 @@ class DecorrelationOfEverySource : public testing::TestWithParam<test::NamedSour
     return sum / std::sqrt(one.power_w * two.power_w);
   }
 
-  static void compare(const Look& one, const Look& two, double q_per_m, const char* what) {
-    const Complex found = measured(one, two), sum = expected(one, two);
+  static void compare(const World& world, const Look& one, const Look& two, double q_per_m,
+                      const char* what) {
+    const Complex found = measured(one, two), sum = expected(world, one, two);
     const double theory = dirichlet8(q_per_m);
     std::printf("    %s, 8 q a = %.2f x 2 pi: theory %.3f, cells %.3f, measured %.3f\n", what,
                 8 * q_per_m / (2 * kPi), theory, std::abs(sum), std::abs(found));
@@ -120,7 +129,8 @@ constexpr double kParts[] = {0, 0.3, 0.6, 1.0, 1.43, 2.0};  ///< of the change t
 
 TEST_P(DecorrelationOfEverySource, AroundTheBinFollowsTheDirichletKernel) {
   const double middle_m = 8186;
-  const Look here({0, 100, 0}, 0, middle_m - 4, middle_m + 4);
+  const auto scene = ground_near(middle_m);
+  const Look here(scene, {0, 100, 0}, 0, middle_m - 4, middle_m + 4);
   const double cos_elevation = middle_m / std::hypot(middle_m, 100.0);
   std::size_t whole = 0;
   for (const auto& [cell, p] : here.shares) {
@@ -131,22 +141,23 @@ TEST_P(DecorrelationOfEverySource, AroundTheBinFollowsTheDirichletKernel) {
   for (const double part : kParts) {
     // (4 pi / lambda) cos(elevation) sin(angle) 8 m = 2 pi part
     const double angle = std::asin(part * kWavelength_m / (16 * cos_elevation));
-    const Look there({-middle_m * std::sin(angle), 100, middle_m - middle_m * std::cos(angle)}, angle,
+    const Look there(scene, {-middle_m * std::sin(angle), 100, middle_m - middle_m * std::cos(angle)}, angle,
                      middle_m - 4, middle_m + 4);
-    compare(here, there, part * 2 * kPi / 8, "around");
+    compare(scene->world(), here, there, part * 2 * kPi / 8, "around");
   }
 }
 
 TEST_P(DecorrelationOfEverySource, InElevationFollowsTheDirichletKernel) {
   const double middle_m = 7900, height_m = 1500;
-  const Look here({0, height_m, 0}, 0, middle_m - 4, middle_m + 4);
+  const auto scene = ground_near(middle_m);
+  const Look here(scene, {0, height_m, 0}, 0, middle_m - 4, middle_m + 4);
   const double cos_elevation = middle_m / std::hypot(middle_m, height_m);
   for (const double part : kParts) {
     // (4 pi / lambda) (cos(elevation 1) - cos(elevation 2)) 8 m = 2 pi part
     const double cos_there = cos_elevation - part * kWavelength_m / 16;
     const double there_m = middle_m * std::sqrt(1 / (cos_there * cos_there) - 1);
-    const Look there({0, there_m, 0}, 0, middle_m - 4, middle_m + 4);
-    compare(here, there, part * 2 * kPi / 8, "higher");
+    const Look there(scene, {0, there_m, 0}, 0, middle_m - 4, middle_m + 4);
+    compare(scene->world(), here, there, part * 2 * kPi / 8, "higher");
   }
 }
 
