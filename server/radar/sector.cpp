@@ -162,8 +162,11 @@ class SectorScan {
   void visit_steep_edges(int i, int j) {
     const HeightGrid& grid = world_.grid;
     const double y = grid.node_y_m(i, j);
-    for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {-1, 1}}) {
-      if (i + di < 0 || i + di >= grid.nx || j + dj >= grid.nz || !grid.node_known(i + di, j + dj)) continue;
+    // All six, so that an edge counts at both its ends and no direction is special.
+    for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}) {
+      if (i + di < 0 || i + di >= grid.nx || j + dj < 0 || j + dj >= grid.nz ||
+          !grid.node_known(i + di, j + dj))
+        continue;
       const double other = grid.node_y_m(i + di, j + dj);
       if (std::abs(other - y) <= 0.5 * grid.cell_m) continue;
       const double x = grid.node_x_m(i);
