@@ -109,9 +109,9 @@ TEST(HardBinEdges, RaysExactlyOnAnAzimuthEdgeAreCastOnceAndInTheBinThatBeginsThe
     one.azimuth_bins = 1;
     const Frame undivided = render(flat_scene(), test::snapshot(one), pose, {0, 1});
     test::expect_sane(frame, s, flat_scene()->materials());
+    if (!sampling.rays()) continue;  // its columns are cut from the bins
     EXPECT_EQ(frame.stats.samples, undivided.stats.samples);
     const PlanResult planned = plan_frame(flat_scene(), test::snapshot(s), pose);
-    if (planned.plan->camera().columns == 0 && planned.plan->polar().ray_rad.empty()) continue;  // no rays
     const auto rays = make_ray_source(*planned.plan, {0, 2});
     const auto batch = std::make_unique<RayBatch>();
     int on_edge = 0;
@@ -190,7 +190,9 @@ TEST(HardBinEdges, OnePixelIsOneSampleOfTheWholeSectorsSolidAngle) {
       const Pose pose = test::pose_at(flat_scene()->world(), {3, 1000, 8}, -45);
       const Frame frame = render(flat_scene(), test::snapshot(s), pose, {0, bins});
       test::expect_sane(frame, s, flat_scene()->materials());
-      EXPECT_LE(frame.stats.rays, 1u);
+      if (sampling.rays()) {
+        EXPECT_LE(frame.stats.rays, 1u);
+      }
       EXPECT_GE(frame.stats.samples, 1u);
     }
   }

@@ -104,6 +104,11 @@ TEST(HardBuildings, OneInsideAnotherChangesNothing) {
     const RadarSettings s = test::sampled(settings(), sampling);
     const Pose pose = test::pose_at(one->world(), {-20, 550, 3}, 4);
     const Rendered a = rendered(one, s, pose, sampling), b = rendered(three, s, pose, sampling);
+    if (!sampling.rays()) {
+      // Planes stand where buildings are, seen or not: other midpoints of the same surface.
+      EXPECT_NEAR(b.power_w / a.power_w, 1, 1e-4);
+      continue;
+    }
     EXPECT_EQ(a.frame.bins.power_w, b.frame.bins.power_w);
     EXPECT_EQ(a.frame.bins.iq, b.frame.bins.iq);
     EXPECT_EQ(a.frame.bins.state, b.frame.bins.state);
@@ -137,6 +142,10 @@ TEST(HardBuildings, OverlappingOnesAreTheirUnion) {
     const RadarSettings s = test::sampled(settings(), sampling);
     const Pose pose = test::pose_at(one->world(), {-20.5, 550, 3.25}, 4);
     const Rendered a = rendered(two, s, pose, sampling), b = rendered(one, s, pose, sampling);
+    if (!sampling.rays()) {
+      EXPECT_NEAR(b.power_w / a.power_w, 1, 1e-4);  // planes at other midpoints
+      continue;
+    }
     // The same surface met by the same rays: rounding of a few planes' equations.
     EXPECT_EQ(a.frame.bins.state, b.frame.bins.state);
     for (std::size_t k = 0; k < a.frame.bins.power_w.size(); ++k)

@@ -10,6 +10,8 @@ struct Sampling {
   FrustumKind frustum;
 
   bool perspective() const { return frustum == FrustumKind::symmetric || frustum == FrustumKind::oblique; }
+  /// Casts one ray a pixel, laid out whatever the bins and the buildings are.
+  bool rays() const { return perspective() || frustum == FrustumKind::polar; }
 };
 
 inline constexpr Sampling kSamplings[] = {
