@@ -24,10 +24,15 @@ struct ExplainArguments {
 void run(const SceneConfig& config, const ExplainArguments& arguments) {
   if (!arguments.out.empty()) prepare_output_folder(arguments.out);
   const RadarConfig& radar = choose_radar(config, arguments.radar);
+  const Progress progress = terminal_progress();
+  const auto print_loaded = [&](const World& world) {
+    if (progress) progress("loaded", 1);  // ends the line that it would write into
+    print_world_report(world);
+  };
   const Explanation explanation =
       explain_scene({config.name, radar.name, config.world, config.materials, radar.settings, radar.pose,
-                     arguments.threads > 0 ? arguments.threads : config.threads},
-                    terminal_progress());
+                     arguments.threads > 0 ? arguments.threads : config.threads, print_loaded},
+                    progress);
   std::fputs(plain_report(explanation).c_str(), stdout);
   if (arguments.out.empty()) return;
   const std::filesystem::path folder = arguments.out;

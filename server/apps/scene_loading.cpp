@@ -80,9 +80,13 @@ std::vector<std::string> world_report_lines(const World& world) {
   return lines;
 }
 
+void print_world_report(const World& world) {
+  for (const std::string& line : world_report_lines(world)) std::fprintf(stderr, "%s\n", line.c_str());
+}
+
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {
   auto world = std::make_shared<const World>(load_world(config.world, terminal_progress()));
-  for (const std::string& line : world_report_lines(*world)) std::fprintf(stderr, "%s\n", line.c_str());
+  print_world_report(*world);
   return world;
 }
 

@@ -24,6 +24,9 @@ Progress terminal_progress();
 /// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.
 std::vector<std::string> world_report_lines(const World& world);
 
+/// Prints those lines on stderr.
+void print_world_report(const World& world);
+
 /// Loads terrain and buildings and prints what was found, one line per note, on stderr.
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);
 

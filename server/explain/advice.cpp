@@ -66,7 +66,7 @@ std::string cell_threshold(const Comparison& c, const SceneFacts& f) {
       text += format(", cells of %.4g m %.3g m", c.value, c.source_error->p95_m);
     text += ". ";
   }
-  if (!(f.height_m > 0)) return text;
+  if (!(f.height_m > 0) || c.value < f.cell_m) return text;
   const double steepest = depression_rad(f.height_m, f.settings.r_min_m);
   const double allowed = vertical_tolerance_m(f.range_spacing_m / 2, steepest);
   text += format(
@@ -97,7 +97,8 @@ std::string wall_threshold(const SceneFacts& f) {
     return 10 * std::log10(wall / roof);
   };
   std::string text = format(
-      "a middle building (%.3g m high, %.3g m wide) shows H cos e / (H cos e + W sin e) of itself as wall: "
+      "a building of median size (%.3g m high, %.3g m wide) shows H cos e / (H cos e + W sin e) of itself as "
+      "wall: "
       "%.0f %% at "
       "r_min (e = %.1f deg), %.0f %% at r_max (%.1f deg). Walls give less than 0.1 dB only above e = %.1f "
       "deg%s. ",
@@ -134,7 +135,7 @@ std::string speckle_threshold(const Explanation& all) {
   return format(
       "contrast |v|^2/P: ground %.2f, geometric %.2f (fully developed: 1). Geometric speckle of n like "
       "samples "
-      "has sqrt(1 - 1/n) (Goodman 2007, 3.2): %.2g from %.0f samples a bin on; here a bin has %.0f.",
+      "has sqrt(1 - 1/n) (Goodman 2007, 3.2): %.2g from %.0f samples a bin on; here the median bin has %.0f.",
       all.ground_speckle.contrast, geometric.contrast, kFullContrast, 1 / (1 - kFullContrast * kFullContrast),
       geometric.median_samples);
 }
@@ -175,22 +176,15 @@ std::string saving(const Comparison& c, const Explanation& all) {
          (costs.empty() ? "" : "costs " + costs);
 }
 
-/// "median 0.1 dB, 95 % of bins within 1.1 dB, 5.7 % off by more than 1 dB, ground within 5.8 m".
+/// "95 % of bins within 1.1 dB, 5.7 % of them off by more than 1 dB, total +0.02 dB, ground within 5.80 m".
 std::string change_text(const Comparison& c) {
   const PowerChange& p = c.power;
+  const double total_db = std::abs(p.total_db()) < 0.005 ? 0 : p.total_db();  // no "-0.00"
   std::string text =
       format("95 %% of bins within %.2g dB, %.2g %% of them off by more than 1 dB, total %+.2f dB",
-             p.percentile95_db, 100 * p.over_1_db, p.total_db());
-  if (c.shift) text += format(", ground within %.3g m of slant range", c.shift->slant_m);
+             p.percentile95_db, 100 * p.over_1_db, total_db);
+  if (c.shift) text += format(", ground within %.2f m of slant range", c.shift->slant_m);
   return text;
-}
-
-std::string noise_note(const Comparison& c, const Explanation& all) {
-  if (c.verdict != Verdict::needed || !c.below_frustum_noise) return {};
-  return format(
-      " In single bins this is below the sampling noise of this frustum (median %.2g dB): a finer one shows "
-      "it.",
-      all.frustum_noise.median_db);
 }
 
 std::string words(const Comparison& c, const Explanation& all) {
@@ -203,20 +197,23 @@ std::string words(const Comparison& c, const Explanation& all) {
            "same: " +
            c.change + " " + saving(c, all) + ".";
   }
-  const bool finer = c.ingredient == Ingredient::cell_size && c.value < all.facts.cell_m;
-  const std::string change = c.change + ": " + change_text(c);
-  const std::string price = "; " + saving(c, all) + ".";
+  const bool cell = c.ingredient == Ingredient::cell_size;
+  const bool finer = cell && c.value < all.facts.cell_m;
+  const std::string change = " (" + c.change + ": " + change_text(c) + ")";
+  const std::string price = saving(c, all) + ".";
+  const std::string mark = c.below_frustum_noise ? "*" : "";
   switch (c.verdict) {
     case Verdict::needed:
-      if (finer) return "finer cells would show (" + change + ")" + price + noise_note(c, all);
-      if (c.adds) return "needed, but this scene leaves it out (" + change + ")." + noise_note(c, all);
-      return "needed (" + change + "); leaving it out " + saving(c, all) + "." + noise_note(c, all);
+      if (finer) return "finer cells would show" + mark + change + "; halving them " + price;
+      if (c.adds) return "needed" + mark + ", but this scene leaves it out" + change + ".";
+      return "needed" + mark + change + (cell ? "; doubling the cells " : "; leaving it out ") + price;
     case Verdict::not_needed:
-      if (finer) return "finer cells are not needed (" + change + ")" + price;
-      if (c.adds) return "may stay left out (" + change + ").";
-      return "may be left out: " + saving(c, all) + " (" + change + ").";
+      if (finer) return "finer cells are not needed" + change + "; halving them " + price;
+      if (c.adds) return "may stay left out" + change + ".";
+      return (cell ? "cells may be doubled" : "may be left out") + change + "; that " + price;
     case Verdict::beyond_measure:
-      return "below the sampling noise of this measurement (" + change + ")" + price;
+      return "below the sampling noise of this measurement" + change + "; " +
+             (cell ? "the change " : "leaving it out ") + price;
     case Verdict::not_measured:
       break;
   }

@@ -39,7 +39,9 @@ class Experiment {
   Experiment(const ExplainInput& input, const Progress& progress) : input_(input), progress_(progress) {}
 
   Explanation run() {
+    begin("loading terrain");
     Stage stage = load(input_.world);
+    if (input_.on_loaded) input_.on_loaded(*stage.world);
     measure_scene(stage);
     compare_speckle(stage);
     compare_materials(stage);
@@ -57,13 +59,11 @@ class Experiment {
   void tell(const std::string& what, double fraction) const {
     if (progress_) progress_(what, fraction);
   }
-  /// Progress by comparisons made; how many there will be is known within a few.
   void begin(const std::string& what) {
-    tell("explaining: " + what, std::min(0.99, static_cast<double>(++steps_) / 12));
+    tell("explaining: " + what, static_cast<double>(steps_++) / all_steps_);
   }
 
   Stage load(const WorldSpec& spec) {
-    begin("loading terrain");
     Stage stage;
     const auto start = std::chrono::steady_clock::now();
     stage.world = std::make_shared<World>(load_world(spec));
@@ -109,6 +109,14 @@ class Experiment {
     return power(*plan(stage, comparison_settings(input_.settings, source, density)));
   }
 
+  /// Largest differences from the same scene at other densities.
+  PowerChange noise_of(const Stage& stage, FrustumKind source, const std::vector<double>& power_w) const {
+    PowerChange noise;
+    for (const Density& density : kOtherDensities)
+      noise = larger_of(noise, power_change(power_w, power_by(stage, source, density), ranges_));
+    return noise;
+  }
+
   /// Time of the scene's own frame, states included, as the user gets it.
   WedgePlanes own_frame(Stage& stage) const {
     WedgePlanes planes = render_sample(*stage.own, wedges_, input_.threads, kTimings, true);
@@ -123,23 +131,28 @@ class Experiment {
     ranges_ = range_bins_of(stage.fine->bins());
     probes_.emplace(*stage.fine, wedges_);
     note_facts(stage);
+    all_steps_ +=
+        static_cast<int>(materials_used(*stage.world).size()) + (result_.facts.buildings > 0 ? 2 : 0);
     power_w_ = power(*stage.fine);
+    if (std::ranges::none_of(power_w_, [](double w) { return w > 0; }))
+      throw InputError("radar \"" + input_.radar +
+                       "\": found no power in the bins; allowed: a scene with visible, "
+                       "reflecting ground in sector and range");
     own_frame(stage);
     result_.costs = stage.costs;
+    stage.costs.load_s = 0;  // what is made of this world from now on is not loaded again
 
     begin("sampling noise");
-    result_.measurement_noise =
-        power_change(power_w_, power_by(stage, kComparisonSource, kOtherDensity), ranges_);
+    result_.measurement_noise = noise_of(stage, kComparisonSource, power_w_);
     if (!stage.world->buildings.list.empty()) {
-      wall_power_w_ =
-          kWallSource == kComparisonSource ? power_w_ : power_by(stage, kWallSource, kComparisonDensity);
-      result_.wall_noise =
-          kWallSource == kComparisonSource
-              ? result_.measurement_noise
-              : power_change(wall_power_w_, power_by(stage, kWallSource, kOtherDensity), ranges_);
+      const bool same = kWallSource == kComparisonSource;
+      wall_power_w_ = same ? power_w_ : power_by(stage, kWallSource, kComparisonDensity);
+      result_.wall_noise = same ? result_.measurement_noise : noise_of(stage, kWallSource, wall_power_w_);
     }
     RadarSettings own = input_.settings;
     own.range_normalisation = false;
+    own.power_w = 1;
+    own.gain_db = 0;
     result_.frustum_noise = power_change(power_w_, power(*plan(stage, own)), ranges_);
   }
 
@@ -192,7 +205,9 @@ class Experiment {
     ranges.range_normalisation = input_.settings.range_normalisation;
     c.power = power_change(ground.power_w, geometric.power_w, ranges);
     c.costs = result_.costs;
+    c.costs.build_s = 0;  // nothing is made anew
     c.costs.frame_s = is_ground ? geometric.frame_s : ground.frame_s;
+    c.costs.load_s = 0;
     keep(std::move(c));
   }
 
@@ -203,10 +218,8 @@ class Experiment {
       c.material = id;
       std::vector<Material> materials = input_.materials;
       materials[id] = materials[0];
-      const double load_s = stage.costs.load_s;
       build(stage, materials);
       finish(c, stage, power_w_);
-      c.costs.load_s = load_s;
       keep(std::move(c));
     }
   }
@@ -270,8 +283,10 @@ class Experiment {
     Comparison refraction = named(Ingredient::refraction, "refraction", "");
     refraction.adds = flat || facts.radius_factor == 1;
     refraction.value = spec.radius_factor = facts.radius_factor == 1 ? kStandardEarth : 1;
-    refraction.change =
-        format(facts.radius_factor == 1 ? "with k = %.4g" : "vacuum, k = %.4g", spec.radius_factor);
+    refraction.change = format(flat                       ? "k = %.4g, not 4/3"
+                               : facts.radius_factor == 1 ? "with k = %.4g"
+                                                          : "vacuum, k = %.4g",
+                               spec.radius_factor);
     if (!flat) {
       compare_world(refraction, spec, power_w_, *probes_);
     } else if (!curvature.reason.empty()) {
@@ -318,7 +333,8 @@ class Experiment {
   std::optional<GroundProbes> probes_;
   std::vector<double> power_w_;       ///< of the scene as it is, by the comparison's source
   std::vector<double> wall_power_w_;  ///< the same by the source for walls
-  int steps_ = 0;
+  int steps_ = 0;                     // begun, for the progress
+  int all_steps_ = 8;  // loading, scene, noise, speckle, two earths, two cells; then materials and buildings
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct ExplainInput {
   std::vector<Material> materials;
   RadarSettings settings;
   PoseSettings pose;
-  int threads = 0;  ///< 0: all cores
+  int threads = 0;                              ///< 0: all cores
+  std::function<void(const World&)> on_loaded;  ///< told of the scene as it is, before anything is changed
 };
 
 /// Renders some wedges of the scene as it is and with one ingredient after the other changed, one changed

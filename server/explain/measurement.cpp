@@ -16,7 +16,7 @@ namespace {
 constexpr int kWedges = 8;  ///< of 8 azimuth bins: 64
 /// A plane of 16384 x 32768 pixels still numbers its pixels in 32 bits.
 constexpr int kMostColumns = 32768;
-constexpr int kMostRows = 65536;
+constexpr int kMostRows = 32768;
 
 /// Processor time of this thread: what a wedge costs, however busy the machine is.
 double thread_seconds() {
@@ -120,8 +120,11 @@ WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>
 RadarSettings comparison_settings(RadarSettings settings, FrustumKind source, Density density) {
   settings.frustum = source;
   settings.pixel_columns = std::min(kMostColumns, density.columns * settings.azimuth_bins);
-  settings.pixel_rows = std::min(kMostRows, density.rows * settings.range_bins);
+  settings.pixel_rows =
+      static_cast<int>(std::min(1.0 * kMostRows, std::ceil(density.rows * settings.range_bins)));
   settings.range_normalisation = false;
+  settings.power_w = 1;
+  settings.gain_db = 0;
   settings.speckle = SpeckleKind::geometric;  // only powers are compared: the quicker one
   return settings;
 }

@@ -18,11 +18,12 @@ constexpr FrustumKind kWallSource = FrustumKind::polar;
 /// How densely a source samples the bins.
 struct Density {
   int columns = 0;  ///< an azimuth bin
-  int rows = 0;     ///< a range bin; the sweep has none
+  double rows = 0;  ///< a range bin; the sweep has none
 };
 constexpr Density kComparisonDensity{8, 16};
-/// About as dense: what differs between the two is sampling noise.
-constexpr Density kOtherDensity{9, 15};
+/// About as dense: what differs from them is sampling noise. No whole numbers of rows, since a change of the
+/// scene shifts the rows against the range bins too.
+constexpr Density kOtherDensities[] = {{9, 15.43}, {7, 17.21}};
 
 /// Eight wedges of a frame, 64 azimuth bins, spread evenly over it; all when it has no more.
 std::vector<AzimuthRange> even_wedges(const RadarSettings& settings);
@@ -45,8 +46,8 @@ struct WedgePlanes {
 WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int threads,
                           int repetitions, bool states);
 
-/// The scene's settings with another source. No range normalisation, so that bins weigh as design section 3
-/// has it.
+/// The scene's settings with another source, of 1 W and 0 dB. No range normalisation, so that bins weigh as
+/// design section 3 has it.
 RadarSettings comparison_settings(RadarSettings settings, FrustumKind source, Density density);
 
 RangeBins range_bins_of(const BinGrid& bins);

@@ -1,5 +1,6 @@
 #include "server/explain/power_change.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace obliq {
@@ -10,6 +11,18 @@ constexpr double kOneDecibel = 1.2589254117941673;  // 10^0.1
 }  // namespace
 
 double PowerChange::total_db() const { return 10 * std::log10(total_ratio); }
+
+PowerChange larger_of(const PowerChange& a, const PowerChange& b) {
+  PowerChange larger;
+  larger.lit = std::max(a.lit, b.lit);
+  larger.median_db = std::max(a.median_db, b.median_db);
+  larger.percentile95_db = std::max(a.percentile95_db, b.percentile95_db);
+  larger.over_1_db = std::max(a.over_1_db, b.over_1_db);
+  larger.vanished = std::max(a.vanished, b.vanished);
+  larger.appeared = std::max(a.appeared, b.appeared);
+  larger.total_ratio = std::abs(a.total_db()) > std::abs(b.total_db()) ? a.total_ratio : b.total_ratio;
+  return larger;
+}
 
 PowerChange power_change(const std::vector<double>& power_w, const std::vector<double>& changed_w,
                          const RangeBins& ranges) {

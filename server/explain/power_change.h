@@ -21,6 +21,9 @@ struct PowerChange {
   double total_db() const;
 };
 
+/// The larger of each measure.
+PowerChange larger_of(const PowerChange& a, const PowerChange& b);
+
 /// Compares two planes [n_azimuth][n_range] of the same bins.
 PowerChange power_change(const std::vector<double>& power_w, const std::vector<double>& changed_w,
                          const RangeBins& ranges);

@@ -58,10 +58,11 @@ std::vector<std::string> scene_lines(const Explanation& all) {
              f.height_m, f.radius_factor, f.cell_m, static_cast<unsigned long long>(f.buildings)));
   std::string density = format("%d azimuths an azimuth bin", kComparisonDensity.columns);
   if (kComparisonSource == FrustumKind::polar)
-    density = format("rays of the polar frustum, %d x %d a bin", kComparisonDensity.columns,
+    density = format("rays of the polar frustum, %d x %.0f a bin", kComparisonDensity.columns,
                      kComparisonDensity.rows);
   else if (f.buildings > 0)
-    density += format(" (walls by rays, %d x %d a bin)", kComparisonDensity.columns, kComparisonDensity.rows);
+    density +=
+        format(" (walls by rays, %d x %.0f a bin)", kComparisonDensity.columns, kComparisonDensity.rows);
   lines.push_back(
       format("Measured in %d of %d azimuth bins, even wedges, with %s; shifts at %zu ground points.",
              f.measured_azimuth_bins, s.azimuth_bins, density.c_str(), f.ground_points));
@@ -109,9 +110,12 @@ std::vector<NamedText> noises(const Explanation& all) {
 }
 
 std::vector<std::string> cost_cells(const Costs& c) {
-  return {number(1000 * c.frame_s, 0), c.load_s > 0 ? number(c.load_s, 2) : "-",
-          number(c.build_s, 2),        megabytes(c.grid_bytes),
-          megabytes(c.building_bytes), megabytes(c.tracer_bytes)};
+  return {number(1000 * c.frame_s, 0),
+          c.load_s > 0 ? number(c.load_s, 2) : "-",
+          c.build_s > 0 ? number(c.build_s, 2) : "-",
+          megabytes(c.grid_bytes),
+          megabytes(c.building_bytes),
+          megabytes(c.tracer_bytes)};
 }
 
 Table cost_table(const Explanation& all) {
@@ -140,6 +144,17 @@ std::string times_text(const Explanation& all) {
 /// "earth curvature (flat earth, k = inf)".
 std::string title(const Comparison& c) { return c.name + " (" + c.change + ")"; }
 
+/// What the star in a verdict means; empty when none has one.
+std::string star_text(const Explanation& all) {
+  for (const Comparison& c : all.comparisons) {
+    if (c.verdict == Verdict::needed && c.below_frustum_noise && c.ingredient != Ingredient::speckle)
+      return format(
+          "* In single bins below the sampling noise of this frustum (median %.2f dB): a finer one shows it.",
+          all.frustum_noise.median_db);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string plain_report(const Explanation& all) {
@@ -159,6 +174,7 @@ std::string plain_report(const Explanation& all) {
     if (!c.threshold.empty()) text += wrapped(c.name, c.threshold, kWidth, kLabel);
   text += "\nVERDICT\n\n";
   for (const Comparison& c : all.comparisons) text += wrapped(c.name, c.advice, kWidth, kLabel);
+  if (!star_text(all).empty()) text += wrapped("", star_text(all), kWidth, 2);
   return text;
 }
 
@@ -178,6 +194,7 @@ std::string markdown_report(const Explanation& all) {
   for (const Comparison& c : all.comparisons) item(title(c), c.threshold);
   text += "\n## Verdict\n\n";
   for (const Comparison& c : all.comparisons) item(c.name, c.advice);
+  if (!star_text(all).empty()) text += "\n\\" + star_text(all) + "\n";
   return text;
 }
 

@@ -13,7 +13,11 @@ struct Measure {
 
 void decide(Comparison& c, const Explanation& all) {
   if (!c.reason.empty()) return;
-  const PowerChange& noise = c.ingredient == Ingredient::walls ? all.wall_noise : all.measurement_noise;
+  // Another material changes no ray: nothing of it is noise.
+  const PowerChange none;
+  const PowerChange& noise = c.ingredient == Ingredient::material ? none
+                             : c.ingredient == Ingredient::walls  ? all.wall_noise
+                                                                  : all.measurement_noise;
   const Measure measures[] = {
       {c.power.median_db, kNoticeableMedian_db, noise.median_db},
       {c.power.percentile95_db, kNoticeable95_db, noise.percentile95_db},

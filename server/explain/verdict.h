@@ -12,7 +12,7 @@ constexpr double kNoticeableTotal_db = 0.1;
 constexpr double kNoticeableShift_bins = 0.5;  ///< range bins
 
 /// A change must be this much larger than the measurement's own noise to be told from it.
-constexpr double kAboveNoise = 1.5;
+constexpr double kAboveNoise = 2;
 
 /// Sets verdict and below_frustum_noise from the numbers.
 void decide(Comparison& comparison, const Explanation& all);

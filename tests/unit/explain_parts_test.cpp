@@ -66,7 +66,7 @@ TEST(Verdict, AChangeThatNoiseCouldMakeUpIsSaidToBeBelowIt) {
   c.power.median_db = 0.12;
   decide(c, all);
   EXPECT_EQ(c.verdict, Verdict::beyond_measure);
-  c.power.median_db = 0.2;
+  c.power.median_db = 0.21;
   decide(c, all);
   EXPECT_EQ(c.verdict, Verdict::needed);
   EXPECT_TRUE(c.below_frustum_noise);
