@@ -7,7 +7,8 @@
 // error of O(N^-3/2). Boundaries along the lattice (the polar frustum's rows on level range-bin edges, walls'
 // edges and shadows) take or leave whole rows: O(N^-1). So E falls by 2^3 at least over three doublings.
 // Anything that the source and the truth do not agree on leaves an E that does not fall: a building's wall
-// without its own normal, shadows by a horizon that starts at r_min, a solid angle off by a percent.
+// without its own normal, cells split along the other diagonal (the cells are coarse for that), shadows by a
+// horizon that starts at r_min, a solid angle off by a percent.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -91,7 +92,7 @@ void expect_every_source_converges(World world, Surfaces surfaces) {
 }
 
 TEST(Convergence, OfTerrainAlone) {
-  expect_every_source_converges(test::made_world(7000, 100, test::hills_m), Surfaces::ground);
+  expect_every_source_converges(test::made_world(7000, 350, test::hills_m), Surfaces::ground);
 }
 
 TEST(Convergence, OfBuildingsAlone) {
@@ -101,7 +102,7 @@ TEST(Convergence, OfBuildingsAlone) {
 }
 
 TEST(Convergence, OfTerrainWithBuildings) {
-  World world = test::made_world(7000, 100, test::hills_m);
+  World world = test::made_world(7000, 350, test::hills_m);
   test::add_houses(world, 60, 2100, 62, 0.33);
   expect_every_source_converges(std::move(world), Surfaces::all);
 }

@@ -178,6 +178,40 @@ TEST(ReferenceBuildings, ARoofUnderTheGroundIsNotSeen) {
   EXPECT_NEAR(bins.buildings[0].visible_sr / expected, 1, kAgreement);
 }
 
+TEST(ReferenceBuildings, ACourtyardShowsItsWalls) {
+  // From straight above a square of 100 m with a hole of 60 m: a ring of roof and the hole's four walls, lit
+  // on their inside. A version that forgets holes sees a whole roof and no wall.
+  World world = made_world(3000, 100, [](double, double) { return 0; });
+  OutlineShaper shaper;
+  const ShapedOutline shaped = shaper.shape(Polygon{{rectangle(0, 0, 100, 100), rectangle(0, 0, 60, 60)}});
+  ASSERT_EQ(shaped.parts.size(), 1u);
+  append_prism(world.buildings, shaped.parts[0], footing_of(world.grid, shaped.parts[0]), {20, 1, 1});
+  const ReferenceView view = view_from({0, 220, 0}, 0, 360, 8, 100, 400, 1);
+  const ReferenceBins bins = integrate_all(world, specular(), view, {100, 0.5, 0});
+  const auto seen = [&](const glm::dvec3& origin, const glm::dvec3& a, const glm::dvec3& b) {
+    return over_face(view, origin, a, b).solid_angle_sr;
+  };
+  const double roof =
+      seen({-50, 20, -50}, {100, 0, 0}, {0, 0, 100}) - seen({-30, 20, -30}, {60, 0, 0}, {0, 0, 60});
+  const double wall = seen({-30, 0, -30}, {60, 0, 0}, {0, 20, 0});
+  EXPECT_NEAR(bins.buildings[0].visible_sr / (roof + 4 * wall), 1, kAgreement);
+}
+
+TEST(ReferenceBuildings, ATowerInABlockStandsOutOfItsRoof) {
+  // 60 m high inside a block of 20 m: its upper 40 m and its roof show. Alone it would stand on the ground.
+  World world = made_world(3000, 100, [](double, double) { return 0; });
+  add_prism(world, rectangle(0, 1000, 60, 60), 20);
+  add_prism(world, rectangle(0, 1000, 20, 20), 60);
+  const ReferenceView view = view_from({0, 400, 0}, 0, 20, 8, 500, 2000, 1);
+  const ReferenceBins bins = integrate_all(world, specular(), view, {100, 0.5, 0});
+  const auto wall = [&](double from, double to) {
+    return over_face(view, {-10, from, 990}, {20, 0, 0}, {0, to - from, 0}).solid_angle_sr;
+  };
+  const double roof = over_face(view, {-10, 60, 990}, {20, 0, 0}, {0, 0, 20}).solid_angle_sr;
+  EXPECT_NEAR(bins.buildings[1].visible_sr / (wall(20, 60) + roof), 1, kAgreement);
+  EXPECT_NEAR(bins.buildings[1].unoccluded_sr / (wall(0, 60) + roof), 1, kAgreement);
+}
+
 std::string refusal(const std::function<void()>& call) {
   try {
     call();
