@@ -31,6 +31,9 @@ class SectorScan {
     for (int tj = 0; tj < tiles_.tiles_z(); ++tj)
       for (int ti = 0; ti < tiles_.tiles_x(); ++ti) visit_tile(ti, tj);
     for (const Building& building : world_.buildings.list) visit_building(building);
+    // Roofs alone in the swath, their ground too far or too near: the walls' feet bound them.
+    if (bottom_ > top_ && top_ >= base_)
+      bottom_ = std::clamp(sector_.antenna_m.y - sector_.r_max_m, base_, top_);
     SectorExtent extent;
     extent.any = bottom_ <= top_;
     if (!extent.any) return extent;
@@ -107,6 +110,13 @@ class SectorScan {
     const double ground = std::hypot(x_m - sector_.antenna_m.x, z_m - sector_.antenna_m.z);
     const double up = y_m - sector_.antenna_m.y;
     tangent_ = std::max(tangent_, ground > 0 ? up / ground : up > 0 ? kInfinity : -kInfinity);
+  }
+
+  /// A point of a building in sector and swath.
+  void raise_building(const Building& building, double x_m, double y_m, double z_m) {
+    top_ = std::max(top_, y_m);
+    base_ = std::min(base_, static_cast<double>(building.base_y_m));
+    raise(x_m, y_m, z_m);
   }
 
   void visit_tile(int ti, int tj) {
@@ -196,8 +206,7 @@ class SectorScan {
         all_inside = false;
         continue;
       }
-      top_ = std::max(top_, roof);
-      raise(p.x, roof, p.y);
+      raise_building(building, p.x, roof, p.y);
     }
     // What is smaller than the margin cannot reach into the swath without its corners.
     if (!all_inside && size > margin_m_ / 2) visit_large_building(building, size);
@@ -222,8 +231,7 @@ class SectorScan {
         const glm::dvec2 at = p + step / steps * (q - p);
         const Reach part = reach(at.x, at.y, base, roof);
         if (!part.any) continue;
-        top_ = std::max(top_, part.high_y_m);
-        raise(at.x, part.high_y_m, at.y);
+        raise_building(building, at.x, part.high_y_m, at.y);
       }
     }
     // A roof that fills the sector from edge to edge has no corner or wall in it: ask at the far end.
@@ -235,8 +243,7 @@ class SectorScan {
     footprint_spans(all, building, far.x, far.z, 0, 1, spans);
     const auto holds_far = [](const FootprintSpan& span) { return span.near_m == 0; };
     if (std::none_of(spans.begin(), spans.end(), holds_far)) return;
-    top_ = std::max(top_, roof);
-    raise(far.x, roof, far.z);
+    raise_building(building, far.x, roof, far.z);
   }
 
   const World& world_;
@@ -247,6 +254,7 @@ class SectorScan {
   double cos_half_;
   double bottom_ = kInfinity;
   double top_ = -kInfinity;
+  double base_ = kInfinity;  // of buildings in the swath
   double tangent_ = -kInfinity;
   std::vector<double> heights_;
 };

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "server/radar/frame_plan.h"
+#include "terrain/footprints.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -153,6 +154,26 @@ TEST_F(PlanTest, AFrameFarFromAllGroundIsEmptyAndSaysSo) {
     EXPECT_EQ(frame.stats.coverage(), 0);
     for (std::uint8_t state : frame.bins.state) EXPECT_EQ(state, static_cast<int>(BinState::no_surface));
   }
+}
+
+TEST_F(PlanTest, ARoofWithinReachIsSeenThoughAllGroundIsTooFar) {
+  // A tower of 250 m, 100 m away from an antenna at 300 m that sees 200 m far: the ground is out of reach.
+  World world = load_world(test::synthetic_spec(SyntheticKind::flat, 2000, 50));
+  OutlineShaper shaper;
+  const Polygon outline{{{{-30, 80}, {30, 80}, {30, 120}, {-30, 120}}}};
+  ASSERT_EQ(stand_outline(world, shaper, outline, {250, 1, 7}), 1u);
+  const auto scene = test::make_scene(std::move(world));
+  RadarSettings settings;
+  settings.frustum = FrustumKind::polar;
+  settings.r_min_m = 20;
+  settings.r_max_m = 200;
+  settings.azimuth_bins = settings.range_bins = 32;
+  settings.pixel_columns = settings.pixel_rows = 64;
+  const Pose pose = test::pose_over_origin(scene->world(), 300);
+  const PlanResult planned = plan_frame(scene, test::snapshot(settings), pose);
+  ASSERT_TRUE(planned.plan);
+  EXPECT_TRUE(planned.plan->extent().any);
+  EXPECT_GT(render(scene, test::snapshot(settings), pose, {0, 32}).stats.samples, 100u);
 }
 
 TEST_F(PlanTest, SymmetricSectorWithACornerBehindTheCameraIsRefused) {
