@@ -20,7 +20,7 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 
 /// Where a value lives.
 using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, FrustumKind*,
-                          SpeckleKind*, HeightReference*, SyntheticKind*, ScatteringModel*>;
+                          PlateKind*, SpeckleKind*, HeightReference*, SyntheticKind*, ScatteringModel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

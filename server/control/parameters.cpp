@@ -10,6 +10,7 @@ namespace {
 // The lists follow their enumerations.
 constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
                                    Choice{"polar", "POLAR"}};
+constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
 constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
                                    Choice{"geometric", "GEOMETRIC_SPECKLE"}};
 constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
@@ -166,6 +167,17 @@ const std::array kParameters{
               "frustum",
               kNoModbus,
               [](RadarConfig& c) -> Slot { return &c.settings.frustum; }},
+    Parameter{{"frustum.plates",
+               "",
+               {},
+               kPlateKinds,
+               "Spread a pixel's light over all range bins that it covers, or give it to the bin of its hit, "
+               "as the paper does."},
+              Change::live,
+              kRadar,
+              "plates",
+              kNoModbus,
+              [](RadarConfig& c) -> Slot { return &c.settings.plates; }},
     Parameter{{"frustum.pixel_columns",
                "",
                closed(1, 16384),

@@ -45,6 +45,8 @@ class PerspectiveRays : public RaySource {
  public:
   PerspectiveRays(const FramePlan& plan, AzimuthRange range)
       : plan_(plan), camera_(plan.camera()), swath_(plan) {
+    if (plan.settings().plates == PlateKind::spread)
+      half_pixel_m_ = std::hypot(camera_.pixel_width_m(), camera_.pixel_height_m()) / 2;
     for (int bin = range.first; bin < range.first + range.count; ++bin)
       add_pieces(bin, plan.bins().azimuth_edge_rad(bin), plan.bins().azimuth_edge_rad(bin + 1));
     begin_row();
@@ -134,7 +136,11 @@ class PerspectiveRays : public RaySource {
     const double z = direction0_.z;
     const double length2 = x * x + y * y + z * z;
     const double length = std::sqrt(length2);
-    if (!swath_.reaches(y / length)) return;
+    // A plate that is spread may reach into the swath from half a pixel outside.
+    if (!swath_.reaches(y / length) &&
+        !(half_pixel_m_ > 0 && (swath_.reaches(std::max(-1.0, y / (length + half_pixel_m_))) ||
+                                swath_.reaches(std::max(-1.0, y / std::max(0.0, length - half_pixel_m_))))))
+      return;
     const glm::dvec3 d = plan_.sector().world_from_antenna(x / length, y / length, z / length);
     const auto k = static_cast<std::size_t>(batch.n++);
     batch.dir_x[k] = d.x;
@@ -150,6 +156,7 @@ class PerspectiveRays : public RaySource {
   const FramePlan& plan_;
   const PerspectiveFrustum& camera_;
   SwathTest swath_;
+  double half_pixel_m_ = 0;  // half a pixel's diagonal in the viewing plane; 0 with nearest plates
   std::vector<Piece> pieces_;
   int row_ = 0;
   glm::dvec3 direction0_{0.0};
@@ -207,7 +214,8 @@ class PolarRays : public RaySource {
     const double low = sincos_turns(rows.edge_rad[r] / (2 * kPi)).sin;
     const double high = sincos_turns(rows.edge_rad[r + 1] / (2 * kPi)).sin;
     solid_angle_sr_ = width_rad_ * (high - low);
-    row_reaches_ = swath_.reaches(elevation_.sin);
+    row_reaches_ = swath_.reaches(elevation_.sin) || (plan_.settings().plates == PlateKind::spread &&
+                                                      (swath_.reaches(low) || swath_.reaches(high)));
   }
 
   void emit(RayBatch& batch, const Column& column) {

@@ -9,11 +9,11 @@
 
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile.h"
 #include "server/radar/sample_source.h"
 #include "server/radar/scattering.h"
 #include "server/radar/speckle.h"
 #include "server/radar/wedge_bins.h"
+#include "server/radar/wedge_profile.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -30,88 +30,42 @@ struct FrameTables {
                 plan.bins().range_spacing_m, plan.bins().azimuth_width_rad, plan.settings().speckle_seed) {}
 };
 
-/// The buffers of one thread, reused from wedge to wedge.
-struct Workspace {
-  SampleBatch samples;
-  std::vector<FootprintSpan> spans;
-  ProfileResult profile;
-};
-
-/// What the strands of one azimuth bin found together.
-struct BinProfile {
-  std::vector<std::uint8_t> visible, present;  // [n_range]
-
-  void clear(std::size_t n_range) {
-    visible.assign(n_range, 0);
-    present.assign(n_range, 0);
-  }
-  void add(const ProfileResult& strand) {
-    for (std::size_t r = 0; r < visible.size(); ++r) {
-      visible[r] |= strand.visible[r];
-      present[r] |= strand.present[r];
-    }
-  }
-};
-
-void write_states(const BinProfile& profile, std::uint8_t* state) {
-  for (std::size_t r = 0; r < profile.visible.size(); ++r) {
-    if (state[r] == static_cast<std::uint8_t>(BinState::sampled)) continue;
-    const BinState decided = profile.visible[r]   ? BinState::not_sampled
-                             : profile.present[r] ? BinState::shadow
-                                                  : BinState::no_surface;
-    state[r] = static_cast<std::uint8_t>(decided);
-  }
-}
-
-/// Gives every bin without samples its state, and measures coverage along the bins' centres. Neighbours share
-/// the strand between them; an azimuth bin that needs no states is marched along its centre alone.
-void decide_states(const FramePlan& plan, bool states, Workspace& work, Wedge& wedge) {
-  const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
-  const int strands = profile_strands(plan);
-  BinProfile here, edge;
-  bool edge_known = false;
+/// Gives every bin without samples its state, and measures coverage along the bins' centres. An azimuth bin
+/// that needs no states is marched along its centre alone.
+void decide_states(bool states, WedgeProfile& profile, Wedge& wedge) {
+  const auto n_range = static_cast<std::size_t>(wedge.bins.n_range);
+  const auto undecided = [](std::uint8_t value) {
+    return value != static_cast<std::uint8_t>(BinState::sampled);
+  };
   for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
+    const int azimuth_bin = wedge.bins.first_azimuth + a;
+    const WedgeProfile::Area& area = profile.area(azimuth_bin);
+    wedge.stats.sector_area_m2 += area.sector_m2;
+    wedge.stats.covered_area_m2 += area.covered_m2;
     std::uint8_t* state = wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range;
-    const bool undecided = states && std::any_of(state, state + n_range, [](std::uint8_t value) {
-                             return value != static_cast<std::uint8_t>(BinState::sampled);
-                           });
-    const int first_strand = edge_known ? 1 : 0;
-    if (edge_known) {
-      here = edge;
-    } else {
-      here.clear(n_range);
+    if (!states || std::none_of(state, state + n_range, undecided)) continue;
+    const BinMarks& marks = profile.marks(azimuth_bin);
+    for (std::size_t r = 0; r < n_range; ++r) {
+      if (!undecided(state[r])) continue;
+      const BinState decided = marks.visible[r]   ? BinState::not_sampled
+                               : marks.present[r] ? BinState::shadow
+                                                  : BinState::no_surface;
+      state[r] = static_cast<std::uint8_t>(decided);
     }
-    edge_known = false;
-    for (int strand = first_strand; strand <= strands; ++strand) {
-      const bool centre = 2 * strand == strands;
-      if (!centre && !undecided) continue;
-      march_profile(plan, wedge.bins.first_azimuth + a + static_cast<double>(strand) / strands, work.spans,
-                    work.profile);
-      here.add(work.profile);
-      if (centre) {
-        wedge.stats.sector_area_m2 += work.profile.sector_area_m2;
-        wedge.stats.covered_area_m2 += work.profile.covered_area_m2;
-      }
-      if (strand == strands) {
-        edge.clear(n_range);
-        edge.add(work.profile);
-        edge_known = true;
-      }
-    }
-    if (undecided) write_states(here, state);
   }
 }
 
 Wedge render_wedge(const FramePlan& plan, const FrameTables& tables, int index, AzimuthRange range,
-                   const RenderOptions& options, Workspace& work) {
+                   const RenderOptions& options, SampleBatch& samples) {
   Wedge wedge;
   wedge.index = index;
   wedge.bins = BinBlock(range.first, range.count, plan.bins().n_range);
   WedgeBins bins(plan, tables.scattering, tables.speckle, range, options.surfaces);
-  const auto source = make_sample_source(plan, range, options.tap);
-  while (source->next(work.samples, wedge.stats)) wedge.stats.samples += bins.add(work.samples);
+  WedgeProfile profile(plan, range);
+  const auto source = make_sample_source(plan, range, options.tap, &profile);
+  while (source->next(samples, wedge.stats)) wedge.stats.samples += bins.add(samples);
   bins.write(wedge.bins);
-  decide_states(plan, options.states, work, wedge);
+  decide_states(options.states, profile, wedge);
   return wedge;
 }
 
@@ -138,14 +92,14 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
   std::mutex delivery;
 
   const auto work_until_done = [&] {
-    const auto work = std::make_unique<Workspace>();
+    const auto samples = std::make_unique<SampleBatch>();
     for (int index = next++; index < end; index = next++) {
       if (options.stop.stop_requested() || failed) return;
       try {
         if (options.before_wedge) options.before_wedge(index);
         const int bin = index * kWedgeAzimuthBins;
         const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan.settings().azimuth_bins - bin)};
-        Wedge wedge = render_wedge(plan, tables, index, range, options, *work);
+        Wedge wedge = render_wedge(plan, tables, index, range, options, *samples);
         const std::scoped_lock lock(delivery);
         if (options.on_wedge && !failed) options.on_wedge(std::move(wedge));
       } catch (...) {

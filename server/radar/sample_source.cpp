@@ -4,8 +4,9 @@
 
 namespace obliq {
 
-std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap) {
-  return std::make_unique<RaySamples>(plan, range, tap);
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
+                                                 WedgeProfile* profile) {
+  return std::make_unique<RaySamples>(plan, range, tap, profile);
 }
 
 }  // namespace obliq

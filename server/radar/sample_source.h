@@ -17,8 +17,12 @@ class SampleSource {
   virtual bool next(SampleBatch& samples, FrameStats& stats) = 0;
 };
 
+class WedgeProfile;  // server/radar/wedge_profile.h
+
 /// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks. `tap`
-/// may be null; it and the plan must outlive the source.
-std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap);
+/// may be null. So may `profile`, of the same azimuth bins: whoever needs it too hands it in, so that nothing
+/// is marched twice. All of them must outlive the source.
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
+                                                 WedgeProfile* profile = nullptr);
 
 }  // namespace obliq

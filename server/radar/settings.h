@@ -9,6 +9,9 @@
 namespace obliq {
 
 enum class FrustumKind { symmetric, oblique, polar };
+/// How a hit is given to range bins: spread over all that its pixel covers, or whole to the bin of its own
+/// range, as the paper does it.
+enum class PlateKind { spread, nearest };
 enum class SpeckleKind { ground, geometric };
 enum class HeightReference { datum, ground, ellipsoid };
 
@@ -25,6 +28,7 @@ struct RadarSettings {
   SpeckleKind speckle = SpeckleKind::ground;
   std::int64_t speckle_seed = 1;
   FrustumKind frustum = FrustumKind::oblique;
+  PlateKind plates = PlateKind::spread;
   int pixel_columns = 2048;
   int pixel_rows = 2048;
   int azimuth_bins = 1024;

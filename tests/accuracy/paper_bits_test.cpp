@@ -77,6 +77,7 @@ RadarSettings paper_settings(const Case& k) {
   RadarSettings s;
   s.frustum = k.kind;
   s.speckle = k.speckle;
+  s.plates = PlateKind::nearest;
   s.r_min_m = 2000;
   s.r_max_m = 8000;
   s.pixel_columns = 400;

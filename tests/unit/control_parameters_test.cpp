@@ -30,14 +30,14 @@ bool mentions(const std::vector<FieldError>& errors, std::string_view field) {
 TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
-  auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, columns, rows,
-         azimuth, range] = config.settings;
+  auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
+         rows, azimuth, range] = config.settings;
   auto& [latitude, longitude, height, reference, undulation, bearing, time, id] = config.pose;
-  const std::set<const void*> fields{&frequency,     &sector,  &r_min,    &r_max,     &power,   &gain,
-                                     &normalisation, &speckle, &seed,     &frustum,   &columns, &rows,
-                                     &azimuth,       &range,   &latitude, &longitude, &height,  &reference,
-                                     &undulation,    &bearing, &time,     &id};
-  ASSERT_EQ(fields.size(), 22u);
+  const std::set<const void*> fields{&frequency,     &sector,     &r_min,   &r_max,    &power,     &gain,
+                                     &normalisation, &speckle,    &seed,    &frustum,  &plates,    &columns,
+                                     &rows,          &azimuth,    &range,   &latitude, &longitude, &height,
+                                     &reference,     &undulation, &bearing, &time,     &id};
+  ASSERT_EQ(fields.size(), 23u);
   std::set<const void*> covered;
   for (const Parameter& p : parameters())
     EXPECT_TRUE(covered.insert(address(p.slot(config))).second) << p.key.name;

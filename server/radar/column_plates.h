@@ -1,0 +1,49 @@
+#pragma once
+#include <deque>
+
+#include "server/radar/plate_spreader.h"
+#include "server/radar/sight_walk.h"
+
+namespace obliq {
+
+/// Plates of the polar frustum.
+class ColumnPlates : public PlateSpreader {
+ public:
+  explicit ColumnPlates(const FramePlan& plan);
+  void take(const RayBatch& rays, std::size_t k, const ExactHit* hit, std::vector<Sample>& samples) override;
+  void finish(std::vector<Sample>& samples) override;
+
+ private:
+  struct Pixel {
+    int row = -2;
+    bool hit = false;
+    double solid_angle_sr = 0;
+    ExactHit exact;
+    SightPoint point;
+    Plate plate;
+  };
+  struct Column {
+    bool aimed = false;
+    int azimuth_bin = 0;
+    double sin_bearing = 0;
+    double cos_bearing = 1;
+    std::vector<RoofStretch> roofs;
+    Pixel last;  // the newest row's; it is complete when the next row's has come
+  };
+
+  Column& column(const RayBatch& rays, std::size_t k);
+  void share_out(const PlanePiece& piece, double edge_slope, Plate& below, Plate& above) const;
+  void close_upwards(Column& column, std::vector<Sample>& samples);
+  void close(Column& column, std::vector<Sample>& samples);
+
+  const FramePlan& plan_;
+  int rows_;
+  std::vector<double> edge_slope_;  // [rows + 1], tangents of the rows' edges
+  PlaneSurface surface_;
+  std::deque<Column> columns_;
+  int first_column_ = 0;
+  Pixel next_;  // its buffers go round
+  std::vector<PlanePiece> visible_;
+};
+
+}  // namespace obliq

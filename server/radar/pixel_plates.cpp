@@ -1,0 +1,114 @@
+#include "server/radar/pixel_plates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/radar/wedge_profile.h"
+
+namespace obliq {
+namespace {
+
+/// No plate is walked farther than this many cells from its hit: pixels are a few cells long, and near the
+/// horizon they would reach across the scene.
+constexpr double kReach_cells = 64;
+
+}  // namespace
+
+PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile)
+    : plan_(plan),
+      range_(range),
+      profile_(profile),
+      bins_(static_cast<std::size_t>(range.count)),
+      surface_(plan.scene().world(), plan.sector().antenna_m) {
+  if (plan.camera().kind == FrustumKind::symmetric) {
+    sin_pitch_ = std::sin(plan.camera().pitch_rad);
+    cos_pitch_ = std::cos(plan.camera().pitch_rad);
+  }
+  const Buildings& all = plan.scene().world().buildings;
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  for (int bin = range.first; bin < range.first + range.count; ++bin) {
+    AzimuthBin& here = bins_[static_cast<std::size_t>(bin - range.first)];
+    for (const std::uint32_t b : plan.buildings_in(bin)) {
+      // The farthest corner bounds the outline; the nearest point of an edge may be nearer than its corners.
+      const std::uint32_t ring = all.list[b].first_ring;
+      double nearest = HUGE_VAL;
+      double farthest = 0;
+      double longest_edge = 0;
+      std::uint32_t last = all.ring_start[ring + 1] - 1;
+      for (std::uint32_t k = all.ring_start[ring]; k < all.ring_start[ring + 1]; last = k++) {
+        const glm::dvec2 corner(all.ring_xz_m[k]);
+        const double d = std::hypot(corner.x - antenna.x, corner.y - antenna.z);
+        nearest = std::min(nearest, d);
+        farthest = std::max(farthest, d);
+        const glm::dvec2 before(all.ring_xz_m[last]);
+        longest_edge = std::max(longest_edge, std::hypot(corner.x - before.x, corner.y - before.y));
+      }
+      here.buildings.push_back({std::max(0.0, nearest - longest_edge / 2), farthest, b});
+      here.longest_m = std::max(here.longest_m, farthest - here.buildings.back().near_m);
+    }
+    std::sort(here.buildings.begin(), here.buildings.end(), [](const Standing& p, const Standing& q) {
+      return p.near_m != q.near_m ? p.near_m < q.near_m : p.building < q.building;
+    });
+  }
+}
+
+/// Half of the pixel's extent in slope, up / sqrt(X^2 + ahead^2), in its own vertical plane: the root of the
+/// summed squares of what half a row and half a column change. A square pixel then has the same extent
+/// whichever way it is turned to the plane, the one whose even spread has the pixel's own variance.
+double PixelPlates::half_extent(std::uint32_t pixel) const {
+  const PerspectiveFrustum& camera = plan_.camera();
+  const auto columns = static_cast<std::uint32_t>(camera.columns);
+  const double x = camera.column_x_m(pixel % columns);
+  const double y = camera.row_y_m(pixel / columns);
+  const double up = y * cos_pitch_ - camera.near_m * sin_pitch_;
+  const double ahead = camera.near_m * cos_pitch_ + y * sin_pitch_;
+  const double ground2 = x * x + ahead * ahead;
+  const double ground3 = ground2 * std::sqrt(ground2);
+  const double by_row = (cos_pitch_ * ground2 - up * ahead * sin_pitch_) / ground3 * camera.pixel_height_m();
+  const double by_column = up * x / ground3 * camera.pixel_width_m();
+  return std::sqrt(by_row * by_row + by_column * by_column) / 2;
+}
+
+/// Roofs and walls in the plane between two distances.
+void PixelPlates::find_roofs(const AzimuthBin& bin, double from_m, double to_m, double sin_bearing,
+                             double cos_bearing) {
+  roofs_.clear();
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  auto at = std::lower_bound(bin.buildings.begin(), bin.buildings.end(), from_m - bin.longest_m,
+                             [](const Standing& standing, double d) { return standing.near_m < d; });
+  for (; at != bin.buildings.end() && at->near_m <= to_m; ++at)
+    if (at->far_m >= from_m)
+      add_roof_stretches(plan_.scene().world().buildings, at->building, antenna.x, antenna.z, sin_bearing,
+                         cos_bearing, roofs_);
+  if (!roofs_.empty()) make_disjoint(roofs_);
+}
+
+void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
+                       std::vector<Sample>& samples) {
+  if (!hit) return;
+  const BinGrid& bins = plan_.bins();
+  const double ground = std::sqrt(rays.dir_x[k] * rays.dir_x[k] + rays.dir_z[k] * rays.dir_z[k]);
+  plate_.clear();
+  double sin_bearing = 0;
+  double cos_bearing = 1;
+  if (ground > 0) {
+    sin_bearing = rays.dir_x[k] / ground;
+    cos_bearing = rays.dir_z[k] / ground;
+    const SightPoint point{hit->slant_range_m * ground, hit->slant_range_m * rays.dir_y[k],
+                           rays.dir_y[k] / ground};
+    const double half = half_extent(rays.pixel[k]);
+    const double reach_m = kReach_cells * plan_.scene().world().grid.cell_m;
+    find_roofs(bins_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)], point.d_m - reach_m,
+               point.d_m + reach_m, sin_bearing, cos_bearing);
+    surface_.aim(sin_bearing, cos_bearing, roofs_);
+    visible_.clear();
+    walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);
+    walk_in(surface_, point, point.slope - half, point.d_m - reach_m, visible_);
+    for (const PlanePiece& piece : visible_) plate_.add(bins, piece);
+    plate_.drop_hidden(profile_.marks(rays.azimuth_bin[k]).visible, bins.range_bin(hit->slant_range_m));
+  }
+  emit_plate(plan_, plate_, *hit, rays.solid_angle_sr[k], rays.azimuth_bin[k], sin_bearing, cos_bearing,
+             samples);
+}
+
+}  // namespace obliq

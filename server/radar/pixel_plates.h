@@ -1,0 +1,44 @@
+#pragma once
+#include "server/radar/plate_spreader.h"
+#include "server/radar/sight_walk.h"
+
+namespace obliq {
+
+/// Plates of the symmetric and the oblique frustum. Neighbouring pixels lie in different vertical planes, so
+/// each plate is walked on its own: from its hit outwards and inwards to the pixel's edges, as they lie in
+/// the ray's plane. What stands far in front is not met by so short a walk; no light goes to range bins that
+/// the profiles of the azimuth bin call hidden.
+class PixelPlates : public PlateSpreader {
+ public:
+  PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile);
+  void take(const RayBatch& rays, std::size_t k, const ExactHit* hit, std::vector<Sample>& samples) override;
+  void finish(std::vector<Sample>&) override {}
+
+ private:
+  /// A building as the distances between which a plane of the azimuth bin can meet it.
+  struct Standing {
+    double near_m = 0;
+    double far_m = 0;
+    std::uint32_t building = 0;
+  };
+  struct AzimuthBin {
+    std::vector<Standing> buildings;  // by near_m
+    double longest_m = 0;
+  };
+
+  double half_extent(std::uint32_t pixel) const;
+  void find_roofs(const AzimuthBin& bin, double from_m, double to_m, double sin_bearing, double cos_bearing);
+
+  const FramePlan& plan_;
+  AzimuthRange range_;
+  WedgeProfile& profile_;
+  std::vector<AzimuthBin> bins_;  // [range.count]
+  PlaneSurface surface_;
+  std::vector<RoofStretch> roofs_;
+  std::vector<PlanePiece> visible_;
+  Plate plate_;
+  double sin_pitch_ = 1;
+  double cos_pitch_ = 0;
+};
+
+}  // namespace obliq

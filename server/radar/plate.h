@@ -1,0 +1,64 @@
+#pragma once
+// Gives a pixel's solid angle to the range bins that its visible pieces lie in.
+#include <vector>
+
+#include "server/radar/batches.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/plane_surface.h"
+
+namespace obliq {
+
+/// Samples waiting for room in a batch.
+struct Sample {
+  std::int32_t azimuth_bin = 0;
+  double slant_range_m = 0;
+  double solid_angle_sr = 0;
+  double cos_incidence = 0;
+  double azimuth_offset_rad = 0;
+  double sin_elevation = 0;
+  double x_m = 0;
+  double z_m = 0;
+  std::uint32_t face = kNoFace;
+  std::uint8_t material = 0;
+};
+
+/// The part of a plate in one range bin and on one surface. Sums weighted with the part's share until
+/// Plate::finish.
+struct PlatePart {
+  int range_bin = 0;  ///< -1: nearer than r_min; n_range: beyond r_max
+  std::uint32_t face = kNoFace;
+  std::uint8_t material = 0;
+  double share = 0;  ///< difference of the sines of its elevations
+  double range_m = 0;
+  double cos_incidence = 0;
+  double sin_elevation = 0;
+  double d_m = 0;
+};
+
+/// One pixel's plate while it is put together.
+class Plate {
+ public:
+  void clear() { parts_.clear(); }
+
+  /// Adds a visible piece of the pixel's plane, cut at the edges of the range bins. A piece's range need not
+  /// be monotone: it is cut at the foot of the antenna's perpendicular too.
+  void add(const BinGrid& bins, const PlanePiece& piece);
+
+  /// The parts, their shares scaled to add up to `solid_angle_sr`. Empty when nothing was added.
+  const std::vector<PlatePart>& finish(double solid_angle_sr);
+
+  /// Leaves out parts in range bins that hold no visible surface; visible[n_range].
+  void drop_hidden(const std::vector<std::uint8_t>& visible, int kept_bin);
+
+ private:
+  void add_monotone(const BinGrid& bins, const PlanePiece& piece, double d0, double h0, double d1, double h1);
+  void add_part(int bin, const PlanePiece& piece, double d0, double h0, double d1, double h1, double share);
+
+  std::vector<PlatePart> parts_;
+};
+
+/// Appends the samples of a pixel. A plate without a part is the hit itself, whole.
+void emit_plate(const FramePlan& plan, Plate& plate, const ExactHit& hit, double solid_angle_sr,
+                int azimuth_bin, double sin_bearing, double cos_bearing, std::vector<Sample>& samples);
+
+}  // namespace obliq
