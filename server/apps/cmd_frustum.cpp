@@ -8,6 +8,7 @@
 #include "server/apps/scene_loading.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/step_sizes.h"
+#include "server/radar/sweep_samples.h"
 #include "terrain/constants.h"
 #include "terrain/errors.h"
 
@@ -85,6 +86,16 @@ void print_polar(const FramePlan& plan) {
               rows.edge_rad.back() / kDegree_rad, plan.settings().sector_deg / plan.settings().pixel_columns);
 }
 
+void print_sweep(const FramePlan& plan) {
+  const RadarSettings& s = plan.settings();
+  const int columns = sweep_columns_per_bin(s) * s.azimuth_bins;
+  const double column_rad = s.sector_deg * kDegree_rad / columns;
+  std::printf("sweep, %d vertical planes, %d an azimuth bin, more where buildings are\n", columns,
+              sweep_columns_per_bin(s));
+  std::printf("  exact in range; planes %.4g deg apart: %.4g m at r_min, %.4g m at r_max\n",
+              column_rad / kDegree_rad, column_rad * s.r_min_m, column_rad * s.r_max_m);
+}
+
 void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
   const RadarConfig& radar = choose_radar(config, arguments.radar);
   const auto world = load_world_with_report(config);
@@ -92,12 +103,14 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
       std::make_shared<const Scene>(world, config.materials, config.threads, terminal_progress());
   const Pose pose = place_radar(*world, radar);
   bool first = true;
-  for (const FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar}) {
+  for (const FrustumKind kind :
+       {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
     RadarSettings settings = radar.settings;
     settings.frustum = kind;
     const char* name = kind == FrustumKind::symmetric ? "symmetric"
                        : kind == FrustumKind::oblique ? "oblique"
-                                                      : "polar";
+                       : kind == FrustumKind::polar   ? "polar"
+                                                      : "sweep";
     const PlanResult result =
         plan_frame(scene, std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1}), pose);
     if (!result.plan) {
@@ -114,6 +127,10 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
           "%.1f m\n",
           box.antenna_above_bottom_m, box.height_m, box.g_min_m, box.g_max_m);
       first = false;
+    }
+    if (kind == FrustumKind::sweep) {
+      print_sweep(plan);
+      continue;
     }
     std::printf("%s, %d x %d pixels\n", name, settings.pixel_columns, settings.pixel_rows);
     if (kind == FrustumKind::polar)

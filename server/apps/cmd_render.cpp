@@ -46,6 +46,10 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   Stopwatch watch;
   prepare_output_folder(arguments.out);
   const RadarConfig& radar = choose_radar(config, arguments.radar);
+  if (arguments.samples && radar.settings.frustum == FrustumKind::sweep)
+    throw InputError(
+        "render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
+        "\"symmetric\", \"oblique\" or \"polar\"");
   const int threads = arguments.threads > 0 ? arguments.threads : config.threads;
   const auto world = load_world_with_report(config);
   seconds["load_s"] = watch.lap();

@@ -9,7 +9,7 @@ namespace {
 
 // The lists follow their enumerations.
 constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
-                                   Choice{"polar", "POLAR"}};
+                                   Choice{"polar", "POLAR"}, Choice{"sweep", "SWEEP"}};
 constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
 constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
                                    Choice{"geometric", "GEOMETRIC_SPECKLE"}};
@@ -161,12 +161,17 @@ const std::array kParameters{
               "speckle_seed",
               kNoModbus,
               [](RadarConfig& c) -> Slot { return &c.settings.speckle_seed; }},
-    Parameter{{"frustum.kind", "", {}, kFrustumKinds, "How rays are laid out."},
-              Change::live,
-              kRadar,
-              "frustum",
-              kNoModbus,
-              [](RadarConfig& c) -> Slot { return &c.settings.frustum; }},
+    Parameter{
+        {"frustum.kind",
+         "",
+         {},
+         kFrustumKinds,
+         "How the ground is sampled: rays through pixels of three layouts, or vertical planes without rays."},
+        Change::live,
+        kRadar,
+        "frustum",
+        kNoModbus,
+        [](RadarConfig& c) -> Slot { return &c.settings.frustum; }},
     Parameter{{"frustum.plates",
                "",
                {},
@@ -182,7 +187,8 @@ const std::array kParameters{
                "",
                closed(1, 16384),
                {},
-               "Pixels across the sector; frustum.pixels sets columns and rows alike."},
+               "Pixels across the sector, or planes of the sweep, rounded up to whole ones an azimuth bin; "
+               "frustum.pixels sets columns and rows alike."},
               Change::live,
               kRadar,
               "pixel_columns",
@@ -192,7 +198,7 @@ const std::array kParameters{
                "",
                closed(1, 16384),
                {},
-               "Pixels along range; frustum.pixels = [columns, rows] sets both."},
+               "Pixels along range, none with the sweep; frustum.pixels = [columns, rows] sets both."},
               Change::live,
               kRadar,
               "pixel_rows",

@@ -32,8 +32,10 @@ void place_radars(SceneConfig& config, const std::vector<MissingPosition>& missi
 }
 
 /// How densely a radar samples the ground along range: the finer of its range bins and its pixel rows, both
-/// taken as evenly spread over the swath, as the oblique and polar frusta do at the terrain's top.
+/// taken as evenly spread over the swath, as the oblique and polar frusta do at the terrain's top. The sweep
+/// has no rows; it sees whatever ground there is, and two cells a bin are as fine as rays are by default.
 double sampling_footprint_m(const RadarSettings& s) {
+  if (s.frustum == FrustumKind::sweep) return (s.r_max_m - s.r_min_m) / s.range_bins / 2;
   return (s.r_max_m - s.r_min_m) / std::max(s.range_bins, s.pixel_rows);
 }
 

@@ -39,7 +39,7 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
   }
   if (s.frustum == FrustumKind::symmetric && s.sector_deg >= 180) {
     errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with frustum.kind = \"symmetric\"",
-                      "below 180 deg, or frustum.kind = \"oblique\" or \"polar\""});
+                      "below 180 deg, or frustum.kind = \"oblique\", \"polar\" or \"sweep\""});
   }
 }
 

@@ -17,6 +17,8 @@ const char* kind_name(FrustumKind kind) {
       return "oblique";
     case FrustumKind::polar:
       return "polar";
+    case FrustumKind::sweep:
+      return "sweep";
   }
   return "";
 }

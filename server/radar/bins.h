@@ -40,8 +40,8 @@ void copy_azimuths(const BinBlock& from, BinBlock& to);
 
 /// Counts of one wedge or, added up, of one frame.
 struct FrameStats {
-  std::uint64_t rays = 0;      ///< cast
-  std::uint64_t hits = 0;      ///< on any surface, at any range
+  std::uint64_t rays = 0;      ///< cast; of the sweep, vertical planes marched
+  std::uint64_t hits = 0;      ///< on any surface, at any range; of the sweep, visible pieces in the swath
   std::uint64_t samples = 0;   ///< binned (inside sector and range swath)
   std::uint64_t rejected = 0;  ///< hits on undersides or inner faces: leaks, not binned
   double sector_area_m2 = 0;   ///< ground area of the sector between r_min and r_max

@@ -13,6 +13,8 @@ struct FootprintSpan {
   double near_m;
   double far_m;
   double roof_y_m;
+  std::uint32_t building;
+  std::uint32_t wall;  ///< face crossed at near_m; meaningless when the half-line starts inside
 };
 
 /// World y of the highest roof above a point that lies inside a building's solid; nothing outside.
@@ -20,7 +22,7 @@ std::optional<double> roof_above(const Buildings& buildings, const glm::dvec3& p
 
 /// Appends the stretches of the half-line from (x, z) along (sin, cos) that lie inside a building's
 /// footprint, unsorted, from distance 0 on.
-void footprint_spans(const Buildings& buildings, const Building& building, double x_m, double z_m,
+void footprint_spans(const Buildings& buildings, std::uint32_t building_index, double x_m, double z_m,
                      double sin_bearing, double cos_bearing, std::vector<FootprintSpan>& spans);
 
 }  // namespace obliq

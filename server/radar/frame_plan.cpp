@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/radar/metres_text.h"
+#include "server/radar/silhouettes.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -29,21 +30,22 @@ BinGrid bin_grid(const RadarSettings& settings) {
 /// What the chosen frustum asks of scene and pose, beyond what validate() can know.
 void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
   const RadarSettings& settings = plan.settings();
-  if (settings.frustum == FrustumKind::polar) return;
+  if (settings.frustum == FrustumKind::polar || settings.frustum == FrustumKind::sweep) return;
   const Pose& pose = plan.pose();
   if (std::isnan(pose.ground_y_m) && !plan.extent().any) return;
   const double ground_y_m = std::isnan(pose.ground_y_m) ? plan.extent().bottom_y_m : pose.ground_y_m;
   const double above_ground_m = pose.antenna.m.y - ground_y_m;
   // Equality is legal; the slack covers float32 heights.
   if (settings.r_min_m < above_ground_m - 1e-6 * settings.r_min_m)
-    errors.push_back({"radar.r_min_m", metres_text(settings.r_min_m),
-                      "at least the antenna's height above the ground, " + metres_text(above_ground_m) +
-                          ", with the symmetric and oblique frusta; any with frustum.kind \"polar\""});
+    errors.push_back(
+        {"radar.r_min_m", metres_text(settings.r_min_m),
+         "at least the antenna's height above the ground, " + metres_text(above_ground_m) +
+             ", with the symmetric and oblique frusta; any with frustum.kind \"polar\" or \"sweep\""});
   if (settings.frustum == FrustumKind::oblique && plan.extent().any && plan.box().kappa_m <= 0)
     errors.push_back({"frustum.kind",
                       "\"oblique\" with the antenna " + metres_text(-plan.box().kappa_m) +
                           " below the highest ground or roof in the sector",
-                      "an antenna above it, or frustum.kind \"polar\""});
+                      "an antenna above it, or frustum.kind \"polar\" or \"sweep\""});
 }
 
 }  // namespace
@@ -66,35 +68,8 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, c
 void FramePlan::sort_buildings_by_azimuth() {
   const Buildings& all = scene_->world().buildings;
   for (std::uint32_t b = 0; b < all.list.size(); ++b) {
-    const std::uint32_t ring = all.list[b].first_ring;
-    const std::uint32_t begin = all.ring_start[ring];
-    const std::uint32_t end = all.ring_start[ring + 1];
-    if (begin == end) continue;
-    // Bearings of the outline's corners, unwrapped around its first one; the outline is far smaller than a
-    // half turn unless the antenna stands over it.
-    double nearest = HUGE_VAL;
-    double lowest = 0;
-    double highest = 0;
-    double first = 0;
-    bool around = false;
-    double previous = 0;
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const auto x = static_cast<double>(all.ring_xz_m[k].x);
-      const auto z = static_cast<double>(all.ring_xz_m[k].y);
-      const double right = sector_.right_m(x, z);
-      const double ahead = sector_.ahead_m(x, z);
-      nearest = std::min(nearest, std::hypot(right, ahead));
-      const double bearing = std::atan2(right, ahead);
-      if (k == begin) first = previous = lowest = highest = bearing;
-      const double step = std::remainder(bearing - previous, 2 * kPi);
-      previous += step;
-      lowest = std::min(lowest, previous);
-      highest = std::max(highest, previous);
-    }
-    // The walk back to the first corner closes a full turn when the outline surrounds the antenna.
-    around = std::abs(previous + std::remainder(first - previous, 2 * kPi) - first) > kPi ||
-             highest - lowest > kPi;
-    if (nearest > sector_.r_max_m && !around) continue;
+    const Silhouette seen = silhouette_of(all, sector_, b);
+    if (seen.near_m > sector_.r_max_m) continue;
     // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
     const double last = bins_.n_azimuth - 1;
     const auto add = [&](double from, double to) {
@@ -108,11 +83,7 @@ void FramePlan::sort_buildings_by_azimuth() {
         if (list.empty() || list.back() != b) list.push_back(b);
       }
     };
-    if (around) {
-      add(-kPi, kPi);
-    } else {
-      for (int turn = -1; turn <= 1; ++turn) add(lowest + turn * 2 * kPi, highest + turn * 2 * kPi);
-    }
+    for (int turn = -1; turn <= 1; ++turn) add(seen.from_rad + turn * 2 * kPi, seen.to_rad + turn * 2 * kPi);
   }
 }
 
@@ -145,6 +116,8 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, 
       case FrustumKind::polar:
         plan->polar_ = polar_rows(plan->sector_, plan->extent_, plan->box_, plan->scene_->world().frame,
                                   settings.pixel_rows);
+        break;
+      case FrustumKind::sweep:
         break;
     }
   }

@@ -45,7 +45,7 @@ class FramePlan {
   const SectorExtent& extent() const { return extent_; }
   const SectorBox& box() const { return box_; }
   const BinGrid& bins() const { return bins_; }
-  /// Symmetric and oblique frusta; meaningless for polar.
+  /// Symmetric and oblique frusta; meaningless for polar and the sweep.
   const PerspectiveFrustum& camera() const { return camera_; }
   const PolarRows& polar() const { return polar_; }
   double wavelength_m() const { return wavelength_m_; }

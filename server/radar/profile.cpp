@@ -3,37 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "server/radar/ground_walk.h"
+#include "server/radar/roof_steps.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Footprint stretches as disjoint steps, the highest roof where they overlap; sorted by distance.
-std::vector<FootprintSpan> disjoint(std::vector<FootprintSpan>& spans) {
-  std::vector<FootprintSpan> steps;
-  if (spans.empty()) return steps;
-  std::vector<double> edges;
-  for (const FootprintSpan& span : spans) {
-    edges.push_back(span.near_m);
-    edges.push_back(span.far_m);
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  std::sort(spans.begin(), spans.end(), [](const FootprintSpan& a, const FootprintSpan& b) {
-    return a.near_m != b.near_m ? a.near_m < b.near_m : a.roof_y_m < b.roof_y_m;
-  });
-  std::size_t next = 0;
-  std::vector<FootprintSpan> active;
-  for (std::size_t e = 0; e + 1 < edges.size(); ++e) {
-    while (next < spans.size() && spans[next].near_m <= edges[e]) active.push_back(spans[next++]);
-    std::erase_if(active, [&](const FootprintSpan& span) { return span.far_m <= edges[e]; });
-    double roof = -kInfinity;
-    for (const FootprintSpan& span : active) roof = std::max(roof, span.roof_y_m);
-    if (roof > -kInfinity) steps.push_back({edges[e], edges[e + 1], roof});
-  }
-  return steps;
-}
 
 /// Marks the range bins that a connected stretch of profile covers. Slant range is continuous along it, so
 /// its least and greatest range are enough, and they need one square root each for the whole stretch.
@@ -150,74 +128,29 @@ class Marcher {
   double last_h_m_ = 0;
 };
 
-/// Ground distances at which the half-line is over the grid: [from, to], empty when from >= to.
-struct Clip {
-  double from = 0;
-  double to;
-
-  Clip(const HeightGrid& grid, double x, double z, double sin_b, double cos_b, double reach) : to(reach) {
-    cut(x, sin_b, grid.x0_m, grid.x1_m());
-    cut(z, cos_b, grid.z0_m, grid.z1_m());
-  }
-  void cut(double start, double rate, double low, double high) {
-    if (rate == 0) {
-      if (start < low || start > high) to = -1;
-      return;
-    }
-    const double a = (low - start) / rate;
-    const double b = (high - start) / rate;
-    from = std::max(from, std::min(a, b));
-    to = std::min(to, std::max(a, b));
-  }
-};
-
-/// Feeds the pieces of one grid cell, cut at its diagonal and at footprint edges, to the marcher.
-class CellCutter {
+/// Hands the ground of one plane to the marcher, cut at footprint edges, with roofs on top.
+class Surface {
  public:
-  CellCutter(const HeightGrid& grid, const glm::dvec3& antenna, double sin_b, double cos_b,
-             std::vector<FootprintSpan> steps, Marcher& marcher)
-      : grid_(grid),
-        start_u_((antenna.x - grid.x0_m) / grid.cell_m),
-        start_v_((antenna.z - grid.z0_m) / grid.cell_m),
-        rate_u_(sin_b / grid.cell_m),
-        rate_v_(cos_b / grid.cell_m),
-        steps_(std::move(steps)),
-        marcher_(marcher) {}
+  Surface(std::vector<RoofStep> steps, Marcher& marcher) : steps_(std::move(steps)), marcher_(marcher) {}
 
-  /// Cell (i, j), crossed from d0 to d1. With s, t the position in the cell, the triangles meet at s + t = 1.
-  void cell(int i, int j, double d0, double d1) {
-    const double s = start_u_ - i;
-    const double t = start_v_ - j;
-    const double rate = rate_u_ + rate_v_;
-    const double sum0 = s + t + d0 * rate;
-    const double sum1 = s + t + d1 * rate;
-    if ((sum0 < 1) != (sum1 < 1)) {
-      const double cut = std::clamp((1 - s - t) / rate, d0, d1);
-      triangle(i, j, sum0 > sum1, d0, cut);
-      triangle(i, j, sum0 < sum1, cut, d1);
+  void ground(const GroundPiece& piece) {
+    if (step_ < steps_.size()) {
+      with_roofs(piece.d0_m, piece.d1_m, piece.start_m, piece.rise);
     } else {
-      triangle(i, j, sum0 + sum1 > 2, d0, d1);
+      marcher_.piece(piece.d0_m, piece.start_m + piece.rise * piece.d0_m, piece.d1_m,
+                     piece.start_m + piece.rise * piece.d1_m);
     }
   }
+  void gap(double d0, double d1) {
+    marcher_.gap();
+    gaps_.push_back({d0, d1});
+  }
+  static bool enough() { return false; }
+
+  /// Stretches without known ground.
+  const std::vector<std::pair<double, double>>& gaps() const { return gaps_; }
 
  private:
-  void triangle(int i, int j, bool upper, double d0, double d1) {
-    if (!(d1 > d0)) return;
-    const double y10 = grid_.node_y_m(i + 1, j);
-    const double y01 = grid_.node_y_m(i, j + 1);
-    const int corner = upper ? 1 : 0;
-    const double base = grid_.node_y_m(i + corner, j + corner);
-    const double per_u = upper ? base - y01 : y10 - base;
-    const double per_v = upper ? base - y10 : y01 - base;
-    const double start = base + per_u * (start_u_ - (i + corner)) + per_v * (start_v_ - (j + corner));
-    const double rise = per_u * rate_u_ + per_v * rate_v_;
-    if (step_ < steps_.size()) {
-      with_roofs(d0, d1, start, rise);
-    } else {
-      marcher_.piece(d0, start + rise * d0, d1, start + rise * d1);
-    }
-  }
-
   /// Ground y = start + rise d on [d0, d1], replaced by roofs that stand above it.
   void with_roofs(double d0, double d1, double start, double rise) {
     double d = d0;
@@ -237,12 +170,10 @@ class CellCutter {
     }
   }
 
-  const HeightGrid& grid_;
-  double start_u_, start_v_;  // the antenna, in cells from node (0, 0)
-  double rate_u_, rate_v_;    // cells a metre of ground distance
-  std::vector<FootprintSpan> steps_;
+  std::vector<RoofStep> steps_;
   std::size_t step_ = 0;
   Marcher& marcher_;
+  std::vector<std::pair<double, double>> gaps_;
 };
 
 }  // namespace
@@ -270,7 +201,7 @@ void march_profile(const FramePlan& plan, double position, std::vector<Footprint
   const int azimuth_bin = std::min(static_cast<int>(position), bins.n_azimuth - 1);
   spans.clear();
   for (const std::uint32_t b : plan.buildings_in(azimuth_bin))
-    footprint_spans(world.buildings, world.buildings.list[b], antenna.x, antenna.z, sin_b, cos_b, spans);
+    footprint_spans(world.buildings, b, antenna.x, antenna.z, sin_b, cos_b, spans);
 
   // The sector's ground between r_min and r_max at the median height, for coverage.
   const double clearance = plan.extent().any ? antenna.y - plan.extent().median_height_m -
@@ -284,45 +215,17 @@ void march_profile(const FramePlan& plan, double position, std::vector<Footprint
     return 0.5 * bins.azimuth_width_rad * (b - a) * (b + a);
   };
   result.sector_area_m2 = ring_area(near_m, far_m);
-  double missing_m2 = 0;
 
   Marcher marcher(bins, antenna.y, result);
-  CellCutter cutter(grid, antenna, sin_b, cos_b, disjoint(spans), marcher);
-  const Clip clip(grid, antenna.x, antenna.z, sin_b, cos_b, bins.r_max_m);
-  if (!(clip.from < clip.to)) {
+  GroundWalk walk(grid, antenna, sin_b, cos_b, 0, bins.r_max_m);
+  if (walk.done()) {
     result.covered_area_m2 = 0;
     return;
   }
-  missing_m2 += ring_area(0, clip.from) + ring_area(clip.to, bins.r_max_m);
-
-  // Cell by cell: the next grid line in x or z, whichever is nearer.
-  const auto cell_of = [&](double at, double origin, int n) {
-    return std::clamp(static_cast<int>(std::floor((at - origin) / grid.cell_m)), 0, n - 2);
-  };
-  int i = cell_of(antenna.x + clip.from * sin_b, grid.x0_m, grid.nx);
-  int j = cell_of(antenna.z + clip.from * cos_b, grid.z0_m, grid.nz);
-  const int step_i = sin_b > 0 ? 1 : -1;
-  const int step_j = cos_b > 0 ? 1 : -1;
-  const double per_x = sin_b != 0 ? 1 / sin_b : kInfinity;
-  const double per_z = cos_b != 0 ? 1 / cos_b : kInfinity;
-  double d = clip.from;
-  while (d < clip.to && i >= 0 && j >= 0 && i < grid.nx - 1 && j < grid.nz - 1) {
-    const double to_x = sin_b != 0 ? (grid.node_x_m(step_i > 0 ? i + 1 : i) - antenna.x) * per_x : kInfinity;
-    const double to_z = cos_b != 0 ? (grid.node_z_m(step_j > 0 ? j + 1 : j) - antenna.z) * per_z : kInfinity;
-    const double end = std::max(d, std::min({to_x, to_z, clip.to}));
-    if (grid.cell_known(i, j)) {
-      cutter.cell(i, j, d, end);
-    } else {
-      marcher.gap();
-      missing_m2 += ring_area(d, end);
-    }
-    if (to_x < to_z) {
-      i += step_i;
-    } else {
-      j += step_j;
-    }
-    d = end;
-  }
+  double missing_m2 = ring_area(0, walk.at_m()) + ring_area(walk.end_m(), bins.r_max_m);
+  Surface surface(disjoint_roofs(world.buildings, spans), marcher);
+  walk.advance(walk.end_m(), surface);
+  for (const auto& [d0, d1] : surface.gaps()) missing_m2 += ring_area(d0, d1);
   marcher.gap();
   result.covered_area_m2 = std::max(0.0, result.sector_area_m2 - missing_m2);
 }

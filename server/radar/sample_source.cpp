@@ -1,11 +1,13 @@
 #include "server/radar/sample_source.h"
 
 #include "server/radar/ray_samples.h"
+#include "server/radar/sweep_samples.h"
 
 namespace obliq {
 
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
                                                  WedgeProfile* profile) {
+  if (plan.settings().frustum == FrustumKind::sweep) return std::make_unique<SweepSamples>(plan, range);
   return std::make_unique<RaySamples>(plan, range, tap, profile);
 }
 

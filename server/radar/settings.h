@@ -8,7 +8,7 @@
 
 namespace obliq {
 
-enum class FrustumKind { symmetric, oblique, polar };
+enum class FrustumKind { symmetric, oblique, polar, sweep };
 /// How a hit is given to range bins: spread over all that its pixel covers, or whole to the bin of its own
 /// range, as the paper does it.
 enum class PlateKind { spread, nearest };
@@ -29,8 +29,8 @@ struct RadarSettings {
   std::int64_t speckle_seed = 1;
   FrustumKind frustum = FrustumKind::oblique;
   PlateKind plates = PlateKind::spread;
-  int pixel_columns = 2048;
-  int pixel_rows = 2048;
+  int pixel_columns = 2048;  ///< of the sweep: vertical planes in the sector, at least
+  int pixel_rows = 2048;     ///< the sweep has none
   int azimuth_bins = 1024;
   int range_bins = 1024;
 };

@@ -71,7 +71,8 @@ class SameBits : public testing::Test {
 };
 std::shared_ptr<const Scene> SameBits::scene_;
 
-constexpr FrustumKind kKinds[] = {FrustumKind::polar, FrustumKind::oblique, FrustumKind::symmetric};
+constexpr FrustumKind kKinds[] = {FrustumKind::sweep, FrustumKind::polar, FrustumKind::oblique,
+                                  FrustumKind::symmetric};
 
 TEST_F(SameBits, ComeFromOneTwoAndEightThreadsForEveryFrustumAndSpeckle) {
   for (const FrustumKind kind : kKinds) {
@@ -151,6 +152,11 @@ TEST_F(SameBits, CoverEverySectorAndBinCountThatIsAllowed) {
       const Frame one = frame(s, 1, k.bearing_deg);
       expect_same(one.bins, frame(s, 8, k.bearing_deg).bins, what);
       EXPECT_GT(one.stats.samples, 1000u) << what;
+      std::uint64_t counted = 0;
+      for (const std::uint32_t n : one.bins.count) counted += n;
+      EXPECT_EQ(counted, one.stats.samples) << what;
+      // A sweep has at least one plane a bin, and cuts ground and buildings elsewhere with other bins.
+      if (kind == FrustumKind::sweep) continue;
       // No ray is lost between bins and none is counted twice: with rows and columns fixed, the number of
       // samples does not depend on how many bins the sector is divided into.
       RadarSettings single = s;
@@ -158,9 +164,6 @@ TEST_F(SameBits, CoverEverySectorAndBinCountThatIsAllowed) {
       const Frame undivided = frame(single, 1, k.bearing_deg);
       EXPECT_EQ(one.stats.rays, undivided.stats.rays) << what;
       EXPECT_EQ(one.stats.samples, undivided.stats.samples) << what;
-      std::uint64_t counted = 0;
-      for (const std::uint32_t n : one.bins.count) counted += n;
-      EXPECT_EQ(counted, one.stats.samples) << what;
     }
   }
 }

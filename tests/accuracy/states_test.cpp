@@ -257,7 +257,8 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
   for (const Named& scene : kScenes) {
     const auto built = test::make_scene(scene.world());
     const Pose pose = test::pose_over_origin(built->world(), kAntenna_m);
-    for (const FrustumKind kind : {FrustumKind::polar, FrustumKind::oblique, FrustumKind::symmetric}) {
+    for (const FrustumKind kind :
+         {FrustumKind::polar, FrustumKind::oblique, FrustumKind::symmetric, FrustumKind::sweep}) {
       const auto render_with = [&](int pixels) {
         RadarSettings s = settings(kind, pixels);
         s.sector_deg = 7;  // bins of 0.117 degrees, as 120 degrees in 1024: two strands a bin

@@ -18,6 +18,7 @@ inline constexpr Sampling kSamplings[] = {
     {"symmetric", FrustumKind::symmetric},
     {"oblique", FrustumKind::oblique},
     {"polar", FrustumKind::polar},
+    {"sweep", FrustumKind::sweep},
 };
 
 /// The settings with one way of sampling.

@@ -18,6 +18,7 @@ inline constexpr NamedSource kEverySource[] = {
     {FrustumKind::symmetric, "symmetric"},
     {FrustumKind::oblique, "oblique"},
     {FrustumKind::polar, "polar"},
+    {FrustumKind::sweep, "sweep"},
 };
 
 /// For the names of parameterised tests.

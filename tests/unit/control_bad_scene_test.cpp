@@ -73,7 +73,7 @@ TEST_F(BadSceneFile, WrongTypesAreRefused) {
                                 "[frustum]\npixels = [1, 2, 3]",
                                 "[frustum]\npixels = \"many\"",
                                 "[frustum]\npixels = 2\npixel_rows = 3",
-                                "[frustum]\nkind = \"sweep\"",
+                                "[frustum]\nkind = \"round\"",
                                 "[[terrain]]",
                                 "radar = 5",
                                 "radar = []",
@@ -130,7 +130,7 @@ TEST_F(BadSceneFile, ImpossibleRadarsAreRefused) {
   EXPECT_SAYS(radar("[frustum]\npixels = [2048, 0]"), "frustum.pixel_rows: found 0");
   EXPECT_SAYS(radar("[bins]\nrange = 0"), "integer 1 to 8192");
   const std::string symmetric = radar("[frustum]\nkind = \"symmetric\"\n[radar]\nsector_deg = 180");
-  EXPECT_SAYS(symmetric, "\"oblique\" or \"polar\"");
+  EXPECT_SAYS(symmetric, "\"oblique\", \"polar\" or \"sweep\"");
   EXPECT_SAYS(radar("[antenna]\nheight_reference = \"ellipsoid\""),
               "antenna.geoid_undulation_m: found nothing");
   EXPECT_EQ(radar("[antenna]\nheight_reference = \"ellipsoid\"\ngeoid_undulation_m = 0"), "accepted");

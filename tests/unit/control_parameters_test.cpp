@@ -157,10 +157,12 @@ TEST(Validate, TheSymmetricFrustumNeedsLessThanHalfACircle) {
   const auto errors = validate(s);
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_EQ(errors[0].field, "radar.sector_deg");
-  EXPECT_NE(errors[0].allowed.find("\"oblique\" or \"polar\""), std::string::npos);
-  s.frustum = FrustumKind::polar;
+  EXPECT_NE(errors[0].allowed.find("\"oblique\", \"polar\" or \"sweep\""), std::string::npos);
   s.sector_deg = 360;
-  EXPECT_TRUE(validate(s).empty());
+  for (const FrustumKind kind : {FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
+    s.frustum = kind;
+    EXPECT_TRUE(validate(s).empty());
+  }
 }
 
 TEST(Validate, EverythingWrongIsToldAtOnce) {
@@ -201,7 +203,7 @@ TEST(Validate, AcceptsExactlyWhatIsInsideAllLimits) {
         good = good && !outside;
       }
     }
-    config.settings.frustum = static_cast<FrustumKind>(random() % 3);
+    config.settings.frustum = static_cast<FrustumKind>(random() % 4);
     const RadarSettings& s = config.settings;
     good = good && s.r_max_m - s.r_min_m >= 0.001 * s.range_bins;
     good = good && !(s.frustum == FrustumKind::symmetric && s.sector_deg >= 180);

@@ -77,7 +77,7 @@ TEST(SettingsMessage, UnknownEnumeratorsAreRefusedByName) {
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_EQ(errors[0].field, "frustum.kind");
   EXPECT_EQ(errors[0].found, "42");
-  EXPECT_EQ(errors[0].allowed, "\"symmetric\" | \"oblique\" | \"polar\"");
+  EXPECT_EQ(errors[0].allowed, "\"symmetric\" | \"oblique\" | \"polar\" | \"sweep\"");
   EXPECT_EQ(settings.frustum, FrustumKind::oblique);
 }
 

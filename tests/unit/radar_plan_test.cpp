@@ -148,9 +148,11 @@ TEST_F(PlanTest, AFrameFarFromAllGroundIsEmptyAndSaysSo) {
   place.longitude_deg = -99.5;
   std::vector<FieldError> errors;
   const Pose pose = *place_antenna(scene_->world(), place, errors);
-  for (FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar}) {
+  for (FrustumKind kind :
+       {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
     const Frame frame = render(scene_, test::snapshot(settings(kind)), pose, {0, 32});
     EXPECT_EQ(frame.stats.rays, 0u);
+    EXPECT_EQ(frame.stats.samples, 0u);
     EXPECT_EQ(frame.stats.coverage(), 0);
     for (std::uint8_t state : frame.bins.state) EXPECT_EQ(state, static_cast<int>(BinState::no_surface));
   }

@@ -1,0 +1,75 @@
+#include "server/radar/silhouettes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/vec2.hpp>
+#include <numbers>
+
+#include "server/radar/exact_math.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Taken off the nearest distance, so that rounding never puts a wall in front of it.
+constexpr double kNearSlack_m = 1e-3;
+
+/// Square of the distance from the origin to the segment a-b.
+double distance2(const glm::dvec2& a, const glm::dvec2& b) {
+  const glm::dvec2 ab = b - a;
+  const double length2 = ab.x * ab.x + ab.y * ab.y;
+  const double t = length2 > 0 ? std::clamp(-(a.x * ab.x + a.y * ab.y) / length2, 0.0, 1.0) : 0.0;
+  const glm::dvec2 p = a + t * ab;
+  return p.x * p.x + p.y * p.y;
+}
+
+}  // namespace
+
+Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
+  const std::uint32_t ring = all.list[building].first_ring;
+  const std::uint32_t begin = all.ring_start[ring];
+  const std::uint32_t n = all.ring_start[ring + 1] - begin;
+  Silhouette silhouette;
+  silhouette.building = building;
+  if (n == 0) {
+    silhouette.near_m = HUGE_VAL;
+    return silhouette;
+  }
+  const auto corner = [&](std::uint32_t k) {
+    const double x = static_cast<double>(all.ring_xz_m[begin + k % n].x);
+    const double z = static_cast<double>(all.ring_xz_m[begin + k % n].y);
+    return glm::dvec2(sector.right_m(x, z), sector.ahead_m(x, z));
+  };
+  // The outline runs counter-clockwise: a wall a -> b faces the antenna when the antenna is on its right.
+  const auto faces = [](const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x < 0; };
+  double nearest2 = HUGE_VAL;
+  double bearing = 0;
+  glm::dvec2 last = corner(n - 1);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const glm::dvec2 here = corner(k);
+    const glm::dvec2 next = corner(k + 1);
+    nearest2 = std::min(nearest2, distance2(here, next));
+    const double at = bearing_of(here.x, here.y);
+    bearing = k == 0 ? at : bearing + std::remainder(at - bearing, 2 * kPi);
+    if (k == 0) silhouette.from_rad = silhouette.to_rad = bearing;
+    silhouette.from_rad = std::min(silhouette.from_rad, bearing);
+    silhouette.to_rad = std::max(silhouette.to_rad, bearing);
+    if (faces(last, here) || faces(here, next)) silhouette.corners_rad.push_back(bearing);
+    last = here;
+  }
+  const glm::dvec2 first = corner(0);
+  const double closing = bearing + std::remainder(bearing_of(first.x, first.y) - bearing, 2 * kPi);
+  const bool around =
+      std::abs(closing - bearing_of(first.x, first.y)) > kPi || silhouette.to_rad - silhouette.from_rad > kPi;
+  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kNearSlack_m);
+  if (around) {
+    silhouette.from_rad = -kPi;
+    silhouette.to_rad = kPi;
+    for (double& c : silhouette.corners_rad) c = std::remainder(c, 2 * kPi);
+  }
+  std::sort(silhouette.corners_rad.begin(), silhouette.corners_rad.end());
+  return silhouette;
+}
+
+}  // namespace obliq

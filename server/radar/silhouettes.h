@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/sector.h"
+#include "terrain/buildings.h"
+
+namespace obliq {
+
+/// Bearings under which the antenna sees a building, offsets clockwise from the sector's centre.
+struct Silhouette {
+  std::uint32_t building = 0;
+  double near_m = 0;  ///< nothing of the building is nearer (ground distance)
+  double from_rad = 0;
+  double to_rad = 0;  ///< from_rad < to_rad; may lie beyond half a turn, so that the two never wrap
+  std::vector<double> corners_rad;  ///< between walls of which at least one faces the antenna, rising
+};
+
+/// The building's silhouette around the turn that its first corner is in. A building that surrounds the
+/// antenna or stands under it reaches from -pi to pi with near_m 0.
+Silhouette silhouette_of(const Buildings& buildings, const Sector& sector, std::uint32_t building);
+
+}  // namespace obliq

@@ -1,0 +1,234 @@
+#include "server/radar/sweep_column.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/radar/ground_horizon.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A corner makes a cut when both sides of it keep at least this share of the column or of the building,
+/// whichever is less: a strand sees one wall, and their number stays bounded.
+constexpr std::int64_t kColumnShare = 16;
+constexpr std::int64_t kBuildingShare = 8;
+
+bool overlap(TickRange a, TickRange b) { return a.from < b.to && b.from < a.to; }
+
+}  // namespace
+
+SweepColumn::SweepColumn(const FramePlan& plan, int azimuth_bin, double start_rad, double width_rad)
+    : plan_(plan),
+      azimuth_bin_(azimuth_bin),
+      start_rad_(start_rad),
+      tick_rad_(width_rad / static_cast<double>(kTicks)),
+      base_(plan.scene().world(), plan.sector().antenna_m, world_bearing(start_rad + 0.5 * width_rad), 0,
+            plan.sector().r_max_m, {}, {}) {}
+
+SinCos SweepColumn::world_bearing(double offset_rad) const {
+  const SinCos offset = sincos_turns(offset_rad / (2 * kPi));
+  const glm::dvec3 d = plan_.sector().world_from_antenna(offset.sin, 0, offset.cos);
+  return {d.x, d.z};
+}
+
+PlaneShare SweepColumn::share_of(TickRange ticks, const SweepPlane& plane) const {
+  return {azimuth_bin_, offset_rad(ticks), static_cast<double>(ticks.size()) * tick_rad_, plane.bearing()};
+}
+
+void SweepColumn::start(const std::vector<Silhouette>& silhouettes, PieceSampler& sampler) {
+  find_obstacles(silhouettes);
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) add_obstacle(k, sampler);
+  advance(kInfinity, sampler);
+  for (const Strand& strand : active_) finish(strand, kInfinity);
+  active_.clear();
+  plan_base();
+}
+
+/// The buildings that overlap the column, by distance.
+void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
+  for (const Silhouette& s : silhouettes) {
+    for (int turn = -1; turn <= 1; ++turn) {
+      const auto tick = [&](double bearing_rad) {
+        const double at = (bearing_rad + turn * 2 * kPi - start_rad_) / tick_rad_;
+        return static_cast<std::int64_t>(std::clamp(at, -1.0, static_cast<double>(kTicks) + 1));
+      };
+      Obstacle obstacle;
+      obstacle.building = s.building;
+      obstacle.near_m = s.near_m;
+      obstacle.ticks = {std::max<std::int64_t>(0, tick(s.from_rad)), std::min(kTicks, tick(s.to_rad))};
+      if (!(tick(s.to_rad) >= 0 && obstacle.ticks.from < kTicks)) continue;
+      obstacle.ticks.to = std::max(obstacle.ticks.to, obstacle.ticks.from + 1);
+      const std::int64_t apart =
+          std::max<std::int64_t>(1, std::min(kTicks / kColumnShare, obstacle.ticks.size() / kBuildingShare));
+      obstacle.cuts.push_back(obstacle.ticks.from);
+      for (const double corner : s.corners_rad) {
+        const std::int64_t cut = tick(corner);
+        if (cut - obstacle.cuts.back() >= apart && obstacle.ticks.to - cut >= apart)
+          obstacle.cuts.push_back(cut);
+      }
+      obstacle.cuts.push_back(obstacle.ticks.to);
+      obstacles_.push_back(std::move(obstacle));
+    }
+  }
+  std::sort(obstacles_.begin(), obstacles_.end(), [](const Obstacle& a, const Obstacle& b) {
+    if (a.near_m != b.near_m) return a.near_m < b.near_m;
+    return a.building != b.building ? a.building < b.building : a.ticks.from < b.ticks.from;
+  });
+}
+
+/// A plane at the centre of some bearings that starts at from_m with the exact horizon of all that is nearer
+/// on it: the ground, and the roofs of the first n obstacles.
+SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_obstacles) {
+  ++planes_;
+  const World& world = plan_.scene().world();
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  const SinCos bearing = world_bearing(offset_rad(ticks));
+  PlaneHorizon horizon = ground_horizon(plan_.scene(), antenna, bearing, from_m);
+  const std::int64_t centre = ticks.from + ticks.size() / 2;
+  spans_.clear();
+  for (std::size_t k = 0; k < n_obstacles; ++k) {
+    const Obstacle& o = obstacles_[k];
+    if (centre >= o.ticks.from && centre <= o.ticks.to)
+      footprint_spans(world.buildings, o.building, antenna.x, antenna.z, bearing.sin, bearing.cos, spans_);
+  }
+  for (const FootprintSpan& span : spans_) {
+    if (!(span.near_m < from_m)) continue;
+    const double height = span.roof_y_m - antenna.y;
+    horizon.raise(span.near_m, height, true);
+    horizon.raise(std::min(span.far_m, from_m), height, true);
+  }
+  return SweepPlane(world, antenna, bearing, from_m, plan_.sector().r_max_m, horizon, spans_);
+}
+
+/// Whether an obstacle ahead of a plane stands above its horizon. Leaves the obstacle's footprints in spans_.
+bool SweepColumn::shows(const SweepPlane& plane, std::size_t obstacle) {
+  const World& world = plan_.scene().world();
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  spans_.clear();
+  footprint_spans(world.buildings, obstacles_[obstacle].building, antenna.x, antenna.z, plane.bearing().sin,
+                  plane.bearing().cos, spans_);
+  for (const FootprintSpan& span : spans_) {
+    if (plane.covers(span)) continue;
+    const double height = span.roof_y_m - antenna.y;
+    if (span.near_m <= 0 || !plane.horizon().hides(span.near_m, height) ||
+        !plane.horizon().hides(span.far_m, height))
+      return true;
+  }
+  return false;
+}
+
+/// Gives an obstacle strands where it shows: new ones, or parts of those that are already there.
+void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
+  const Obstacle& o = obstacles_[index];
+  advance(o.near_m, sampler);
+  std::vector<Strand> fresh;
+  const auto consider = [&](TickRange ticks, double from_m) {
+    SweepPlane plane = plane_at(ticks, from_m, index + 1);
+    if (shows(plane, index)) fresh.push_back({ticks, from_m, std::move(plane)});
+  };
+  for (std::size_t c = 0; c + 1 < o.cuts.size(); ++c) {
+    const TickRange part{o.cuts[c], o.cuts[c + 1]};
+    std::int64_t at = part.from;
+    for (Strand& strand : active_) {
+      if (!overlap(strand.ticks, part)) continue;
+      const TickRange both{std::max(strand.ticks.from, part.from), std::min(strand.ticks.to, part.to)};
+      if (at < both.from) consider({at, both.from}, o.near_m);
+      if (both.from == strand.ticks.from && both.to == strand.ticks.to) {
+        if (shows(strand.plane, index)) strand.plane.add(spans_);
+      } else {
+        consider(both, strand.plane.at_m());
+      }
+      at = both.to;
+    }
+    if (at < part.to) consider({at, part.to}, o.near_m);
+  }
+  if (fresh.empty()) return;
+  // What the fresh strands leave of the old ones goes on as strands with planes of their own.
+  std::vector<Strand> kept;
+  for (Strand& strand : active_) {
+    const bool touched = std::any_of(fresh.begin(), fresh.end(),
+                                     [&](const Strand& f) { return overlap(f.ticks, strand.ticks); });
+    if (!touched) {
+      kept.push_back(std::move(strand));
+      continue;
+    }
+    const double here_m = strand.plane.at_m();
+    finish(strand, here_m);
+    std::int64_t at = strand.ticks.from;
+    for (const Strand& f : fresh) {
+      if (!overlap(f.ticks, strand.ticks)) continue;
+      if (at < f.ticks.from) {
+        const TickRange rest{at, f.ticks.from};
+        kept.push_back({rest, here_m, plane_at(rest, here_m, index)});
+      }
+      at = f.ticks.to;
+    }
+    if (at < strand.ticks.to) {
+      const TickRange rest{at, strand.ticks.to};
+      kept.push_back({rest, here_m, plane_at(rest, here_m, index)});
+    }
+  }
+  for (Strand& strand : fresh) kept.push_back(std::move(strand));
+  std::sort(kept.begin(), kept.end(),
+            [](const Strand& a, const Strand& b) { return a.ticks.from < b.ticks.from; });
+  active_ = std::move(kept);
+}
+
+/// Marches every active strand up to the cell that holds a distance; those that come out of the shadow give
+/// their bearings back.
+void SweepColumn::advance(double to_m, PieceSampler& sampler) {
+  struct Sink {
+    PieceSampler& sampler;
+    const SweepPlane& plane;
+    void visible(const VisiblePiece& piece) { sampler.visible(piece); }
+    bool full() const { return plane.out_of_shadow(); }
+  };
+  std::erase_if(active_, [&](Strand& strand) {
+    sampler.set(share_of(strand.ticks, strand.plane));
+    Sink sink{sampler, strand.plane};
+    strand.plane.advance(to_m, sink, GroundWalk::Last::whole);
+    if (!strand.plane.out_of_shadow()) return false;
+    finish(strand, strand.plane.at_m());
+    return true;
+  });
+}
+
+void SweepColumn::finish(const Strand& strand, double at_m) {
+  if (at_m > strand.from_m) records_.push_back({strand.ticks, strand.from_m, at_m});
+}
+
+void SweepColumn::plan_base() {
+  ++planes_;
+  changes_.clear();
+  for (const StrandRecord& strand : records_) {
+    changes_.push_back({strand.from_m, -strand.ticks.size()});
+    if (strand.to_m < kInfinity) changes_.push_back({strand.to_m, strand.ticks.size()});
+  }
+  std::sort(changes_.begin(), changes_.end(), [](const Change& a, const Change& b) {
+    return a.at_m != b.at_m ? a.at_m < b.at_m : a.ticks < b.ticks;
+  });
+}
+
+bool SweepColumn::continue_base(PieceSampler& sampler) {
+  struct Sink {
+    PieceSampler& sampler;
+    void visible(const VisiblePiece& piece) { sampler.visible(piece); }
+    bool full() const { return sampler.full(); }
+  } sink{sampler};
+  sampler.set(share_of({0, kTicks}, base_));
+  while (true) {
+    while (next_change_ < changes_.size() && changes_[next_change_].at_m <= base_.at_m())
+      base_ticks_ += changes_[next_change_++].ticks;
+    if (base_.done()) return false;
+    sampler.set_width(static_cast<double>(base_ticks_) * tick_rad_);
+    base_.advance(next_change_ < changes_.size() ? changes_[next_change_].at_m : kInfinity, sink);
+    if (sampler.full()) return true;
+  }
+}
+
+}  // namespace obliq

@@ -1,0 +1,44 @@
+#include "server/radar/sweep_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/vec2.hpp>
+
+namespace obliq {
+
+void SweepPlane::cut_roofs(double from_m) {
+  std::erase_if(spans_, [&](const FootprintSpan& span) { return span.far_m <= from_m; });
+  steps_ = disjoint_roofs(world_->buildings, spans_);
+  step_ = 0;
+  while (step_ < steps_.size() && steps_[step_].far_m <= from_m) ++step_;
+  entered_ = step_ < steps_.size() && steps_[step_].near_m < from_m;
+}
+
+bool SweepPlane::covers(const FootprintSpan& span) const {
+  return std::any_of(spans_.begin(), spans_.end(), [&](const FootprintSpan& other) {
+    return other.building != span.building && other.roof_y_m >= span.roof_y_m &&
+           other.near_m <= span.near_m && other.far_m >= span.far_m;
+  });
+}
+
+double SweepPlane::wall_distance_m(const RoofStep& step) const {
+  const Buildings& all = world_->buildings;
+  const Building& building = all.list[step.building];
+  std::uint32_t edge = step.wall - building.first_face - 1;
+  std::uint32_t ring = building.first_ring;
+  while (edge >= all.ring_start[ring + 1] - all.ring_start[ring]) {
+    edge -= all.ring_start[ring + 1] - all.ring_start[ring];
+    ++ring;
+  }
+  const std::uint32_t begin = all.ring_start[ring];
+  const std::uint32_t size = all.ring_start[ring + 1] - begin;
+  const glm::dvec2 a(all.ring_xz_m[begin + edge]);
+  const glm::dvec2 b(all.ring_xz_m[begin + (edge + 1) % size]);
+  // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
+  const double dx = b.x - a.x;
+  const double dz = b.y - a.y;
+  const double length = std::sqrt(dx * dx + dz * dz);
+  return length > 0 ? ((antenna_m_.x - a.x) * dz - (antenna_m_.z - a.y) * dx) / length : 0;
+}
+
+}  // namespace obliq
