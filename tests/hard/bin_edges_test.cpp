@@ -254,6 +254,7 @@ TEST(HardBinEdges, ASwathFromTheAntennaOnIsRenderedDescribedAndWritten) {
 TEST(HardBinEdges, EightThousandBinsBothWaysAreWhole) {
   // 1.4 GB of planes. Few pixels: hardly any bin has samples and the profile decides the rest.
   RadarSettings s = test::sampled(settings(), test::kSamplings[2]);
+  s.plates = PlateKind::nearest;
   s.azimuth_bins = s.range_bins = 8192;
   s.pixel_columns = s.pixel_rows = 128;
   ASSERT_TRUE(validate(s).empty());
