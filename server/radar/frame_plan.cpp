@@ -69,7 +69,9 @@ void FramePlan::sort_buildings_by_azimuth() {
   const Buildings& all = scene_->world().buildings;
   for (std::uint32_t b = 0; b < all.list.size(); ++b) {
     const Silhouette seen = silhouette_of(all, sector_, b);
-    if (seen.near_m > sector_.r_max_m) continue;
+    // The sweep divides a bin for a building from up to a cell in front of it: a building just beyond the
+    // swath counts, or nearer bins would depend on where the swath ends.
+    if (seen.near_m > sector_.r_max_m + 2 * scene_->world().grid.cell_m) continue;
     // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
     const double last = bins_.n_azimuth - 1;
     const auto add = [&](double from, double to) {

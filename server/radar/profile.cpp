@@ -181,7 +181,22 @@ class Surface {
 int profile_strands(const FramePlan& plan) {
   const double arc_m = plan.bins().r_max_m * plan.bins().azimuth_width_rad;
   const double pairs = std::ceil(arc_m / plan.scene().world().grid.cell_m / 2);
-  return 2 * static_cast<int>(std::clamp(pairs, 1.0, 4.0));
+  const int strands = 2 * static_cast<int>(std::clamp(pairs, 1.0, 4.0));
+  return strands == 6 && plan.settings().frustum == FrustumKind::sweep ? 8 : strands;
+}
+
+std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands) {
+  if (plan.settings().frustum != FrustumKind::sweep) return 0;
+  // The least of 2, 4 and 8 strands that has this one.
+  int least = strands;
+  while (least > 2 && strand * (least / 2) % strands == 0) least /= 2;
+  if (least == 2) return 0;
+  // Half as many stand a node apart at this range.
+  const BinGrid& bins = plan.bins();
+  const double from_m = least / 2 * plan.scene().world().grid.cell_m / bins.azimuth_width_rad;
+  if (from_m < bins.r_min_m) return 0;
+  const double bin = std::ceil((from_m - bins.r_min_m) / bins.range_spacing_m);
+  return static_cast<std::size_t>(std::min(bin, static_cast<double>(bins.n_range)));
 }
 
 void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,

@@ -23,6 +23,11 @@ struct ProfileResult {
 /// when all of them say so, since a ray may pass on either side of any one of them.
 int profile_strands(const FramePlan& plan);
 
+/// The range bin from which on a strand counts. With the sweep, which promises that a longer range never
+/// changes nearer bins, strands are halved in number where bins are narrower, whatever r_max asks for; 0 with
+/// others.
+std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands);
+
 /// Marches the vertical plane at azimuth position `position` (in bins: azimuth bin a spans [a, a + 1]) from
 /// the nadir through every triangle edge, keeping the highest elevation met so far. `result` is reused
 /// between calls.

@@ -2,10 +2,10 @@
 
 namespace obliq {
 
-void BinMarks::add(const ProfileResult& strand) {
+void BinMarks::add(const ProfileResult& strand, std::size_t first) {
   visible.resize(strand.visible.size());
   present.resize(strand.present.size());
-  for (std::size_t r = 0; r < visible.size(); ++r) {
+  for (std::size_t r = first; r < visible.size(); ++r) {
     visible[r] |= strand.visible[r];
     present[r] |= strand.present[r];
   }
@@ -36,7 +36,7 @@ const BinMarks& WedgeProfile::marks(int azimuth_bin) {
       join(*centres_[index(azimuth_bin)]);
     } else {
       march_profile(plan_, azimuth_bin + static_cast<double>(strand) / strands, spans_, strand_);
-      all.add(strand_);
+      all.add(strand_, first_bin_of_strand(plan_, strand, strands));
     }
   }
   join(edge(azimuth_bin + 1));

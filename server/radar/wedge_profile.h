@@ -13,7 +13,8 @@ struct BinMarks {
   std::vector<std::uint8_t> visible;  ///< 1 where any strand sees surface
   std::vector<std::uint8_t> present;  ///< 1 where any strand has surface, seen or hidden
 
-  void add(const ProfileResult& strand);
+  /// From range bin `first` on.
+  void add(const ProfileResult& strand, std::size_t first = 0);
 };
 
 /// Terrain profiles of a wedge's azimuth bins, marched when first asked for. Neighbours share the strand

@@ -97,6 +97,8 @@ TEST_P(CoherenceOfEverySource, TheSameGroundGivesTheSameSpeckleFromAnyPose) {
   // bins.
   const auto scene = hills();
   RadarSettings s = settings();
+  // One sample a pixel, so that many bins hold one cell.
+  s.plates = PlateKind::nearest;
   s.azimuth_bins = 128;
   s.range_bins = 256;
   s.sector_deg = 55;
