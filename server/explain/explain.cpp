@@ -105,12 +105,12 @@ class Experiment {
   std::vector<double> power(const FramePlan& frame) const {
     return render_sample(frame, wedges_, input_.threads, 1, false).power_w;
   }
-  std::vector<double> power_by(const Stage& stage, FrustumKind source, Density density) const {
+  std::vector<double> power_by(const Stage& stage, SampleKind source, Density density) const {
     return power(*plan(stage, comparison_settings(input_.settings, source, density)));
   }
 
   /// Largest differences from the same scene at other densities.
-  PowerChange noise_of(const Stage& stage, FrustumKind source, const std::vector<double>& power_w) const {
+  PowerChange noise_of(const Stage& stage, SampleKind source, const std::vector<double>& power_w) const {
     PowerChange noise;
     for (const Density& density : kOtherDensities)
       noise = larger_of(noise, power_change(power_w, power_by(stage, source, density), ranges_));
@@ -145,9 +145,8 @@ class Experiment {
     begin("sampling noise");
     result_.measurement_noise = noise_of(stage, kComparisonSource, power_w_);
     if (!stage.world->buildings.list.empty()) {
-      const bool same = kWallSource == kComparisonSource;
-      wall_power_w_ = same ? power_w_ : power_by(stage, kWallSource, kComparisonDensity);
-      result_.wall_noise = same ? result_.measurement_noise : noise_of(stage, kWallSource, wall_power_w_);
+      wall_power_w_ = power_by(stage, kWallSource, kComparisonDensity);
+      result_.wall_noise = noise_of(stage, kWallSource, wall_power_w_);
     }
     RadarSettings own = input_.settings;
     own.range_normalisation = false;

@@ -117,8 +117,9 @@ WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>
   return planes;
 }
 
-RadarSettings comparison_settings(RadarSettings settings, FrustumKind source, Density density) {
-  settings.frustum = source;
+RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Density density) {
+  settings.frustum = source.frustum;
+  settings.plates = source.plates;
   settings.pixel_columns = std::min(kMostColumns, density.columns * settings.azimuth_bins);
   settings.pixel_rows =
       static_cast<int>(std::min(1.0 * kMostRows, std::ceil(density.rows * settings.range_bins)));

@@ -10,10 +10,19 @@
 
 namespace obliq {
 
+/// Where samples come from.
+struct SampleKind {
+  FrustumKind frustum;
+  PlateKind plates;
+  bool operator==(const SampleKind&) const = default;
+};
+
 /// What the comparisons are rendered with, whatever frustum the scene has: the source with the least sampling
-/// noise of its own. Buildings without walls exist as triangles only, so walls are compared by rays.
-constexpr FrustumKind kComparisonSource = FrustumKind::polar;
-constexpr FrustumKind kWallSource = FrustumKind::polar;
+/// noise of its own.
+constexpr SampleKind kComparisonSource{FrustumKind::polar, PlateKind::spread};
+/// Buildings without walls exist as triangles only: sweep and plates know footprints, rays alone see through
+/// them.
+constexpr SampleKind kWallSource{FrustumKind::polar, PlateKind::nearest};
 
 /// How densely a source samples the bins.
 struct Density {
@@ -48,7 +57,7 @@ WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>
 
 /// The scene's settings with another source, of 1 W and 0 dB. No range normalisation, so that bins weigh as
 /// design section 3 has it.
-RadarSettings comparison_settings(RadarSettings settings, FrustumKind source, Density density);
+RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Density density);
 
 RangeBins range_bins_of(const BinGrid& bins);
 

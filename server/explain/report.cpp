@@ -58,13 +58,13 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   lines.push_back(
       format("The antenna is %.0f m above its median ground; k = %.4g; cells of %.4g m; %llu buildings.",
              f.height_m, f.radius_factor, f.cell_m, static_cast<unsigned long long>(f.buildings)));
-  std::string density = format("%d azimuths an azimuth bin", kComparisonDensity.columns);
-  if (kComparisonSource == FrustumKind::polar)
-    density = format("rays of the polar frustum, %d x %.0f a bin", kComparisonDensity.columns,
-                     kComparisonDensity.rows);
-  else if (f.buildings > 0)
-    density +=
-        format(" (walls by rays, %d x %.0f a bin)", kComparisonDensity.columns, kComparisonDensity.rows);
+  std::string density = kComparisonSource.frustum == FrustumKind::polar
+                            ? format("rays of the polar frustum, %d x %.0f a bin", kComparisonDensity.columns,
+                                     kComparisonDensity.rows)
+                            : format("the sweep, %d azimuths an azimuth bin", kComparisonDensity.columns);
+  if (f.buildings > 0)
+    density += format(" (walls with single rays, %d x %.0f a bin)", kComparisonDensity.columns,
+                      kComparisonDensity.rows);
   lines.push_back(
       format("Measured in %d of %d azimuth bins, even wedges, with %s; shifts at %zu ground points.",
              f.measured_azimuth_bins, s.azimuth_bins, density.c_str(), f.ground_points));
@@ -106,7 +106,7 @@ struct NamedText {
 std::vector<NamedText> noises(const Explanation& all) {
   std::vector<NamedText> list{{"sampling noise of this frustum", noise_text(all.frustum_noise)},
                               {"sampling noise of this measurement", noise_text(all.measurement_noise)}};
-  if (kWallSource != kComparisonSource && all.facts.buildings > 0)
+  if (all.facts.buildings > 0)
     list.push_back({"sampling noise where walls are compared", noise_text(all.wall_noise)});
   return list;
 }
