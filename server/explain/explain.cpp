@@ -92,7 +92,8 @@ class Experiment {
     stage.own = plan(stage, input_.settings);
     if (!stage.own->extent().any)
       throw InputError("radar \"" + input_.radar + "\": no known ground in its sector");
-    stage.fine = plan(stage, comparison_settings(input_.settings, kComparisonSource, kComparisonDensity));
+    if (columns_factor_ == 0) columns_factor_ = columns_factor(input_.settings, stage.world->grid.cell_m);
+    stage.fine = plan(stage, comparison(kComparisonSource, kComparisonDensity));
   }
 
   std::shared_ptr<const FramePlan> plan(const Stage& stage, const RadarSettings& settings) const {
@@ -102,11 +103,16 @@ class Experiment {
     return planned.plan;
   }
 
+  RadarSettings comparison(SampleKind source, Density density) const {
+    density.columns *= columns_factor_;
+    return comparison_settings(input_.settings, source, density);
+  }
+
   std::vector<double> power(const FramePlan& frame) const {
     return render_sample(frame, wedges_, input_.threads, 1, false).power_w;
   }
   std::vector<double> power_by(const Stage& stage, SampleKind source, Density density) const {
-    return power(*plan(stage, comparison_settings(input_.settings, source, density)));
+    return power(*plan(stage, comparison(source, density)));
   }
 
   /// Largest differences from the same scene at other densities.
@@ -176,6 +182,7 @@ class Experiment {
     f.threads = threads_of(input_.threads);
     f.measured_azimuth_bins = azimuth_bins_in(wedges_);
     f.ground_points = probes_->size();
+    f.columns = kComparisonDensity.columns * columns_factor_;
   }
 
   static Comparison named(Ingredient ingredient, const std::string& name, const std::string& change) {
@@ -332,6 +339,7 @@ class Experiment {
   std::optional<GroundProbes> probes_;
   std::vector<double> power_w_;       ///< of the scene as it is, by the comparison's source
   std::vector<double> wall_power_w_;  ///< the same by the source for walls
+  int columns_factor_ = 0;            // of the scene as it is
   int steps_ = 0;                     // begun, for the progress
   int all_steps_ = 8;  // loading, scene, noise, speckle, two earths, two cells; then materials and buildings
 };

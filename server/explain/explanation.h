@@ -74,6 +74,7 @@ struct SceneFacts {
   int threads = 0;
   int measured_azimuth_bins = 0;
   std::size_t ground_points = 0;
+  int columns = 0;  ///< of the comparisons, an azimuth bin
 };
 
 struct Explanation {

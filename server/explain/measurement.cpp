@@ -10,6 +10,8 @@
 #include <numeric>
 #include <thread>
 
+#include "terrain/constants.h"
+
 namespace obliq {
 namespace {
 
@@ -77,6 +79,13 @@ double render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedge
 }
 
 }  // namespace
+
+int columns_factor(const RadarSettings& settings, double cell_m) {
+  constexpr double kMostFactor = 8;
+  const double width_m = settings.r_max_m * settings.sector_deg * kDegree_rad / settings.azimuth_bins;
+  const double columns = width_m / (cell_m / 2);
+  return static_cast<int>(std::clamp(std::ceil(columns / kComparisonDensity.columns), 1.0, kMostFactor));
+}
 
 std::vector<AzimuthRange> even_wedges(const RadarSettings& settings) {
   const int all = wedge_count(settings);

@@ -19,20 +19,24 @@ struct SampleKind {
 
 /// What the comparisons are rendered with, whatever frustum the scene has: the source with the least sampling
 /// noise of its own.
-constexpr SampleKind kComparisonSource{FrustumKind::polar, PlateKind::spread};
+constexpr SampleKind kComparisonSource{FrustumKind::sweep, PlateKind::spread};
 /// Buildings without walls exist as triangles only: sweep and plates know footprints, rays alone see through
 /// them.
 constexpr SampleKind kWallSource{FrustumKind::polar, PlateKind::nearest};
 
 /// How densely a source samples the bins.
 struct Density {
-  int columns = 0;  ///< an azimuth bin
+  int columns = 0;  ///< an azimuth bin, or a stretch of it (see columns_factor)
   double rows = 0;  ///< a range bin; the sweep has none
 };
 constexpr Density kComparisonDensity{8, 16};
 /// About as dense: what differs from them is sampling noise. No whole numbers of rows, since a change of the
 /// scene shifts the rows against the range bins too.
 constexpr Density kOtherDensities[] = {{9, 15.43}, {7, 17.21}};
+
+/// Wide azimuth bins take more columns, up to eight times as many: so that they are half a cell apart at
+/// r_max.
+int columns_factor(const RadarSettings& settings, double cell_m);
 
 /// Eight wedges of a frame, 64 azimuth bins, spread evenly over it; all when it has no more.
 std::vector<AzimuthRange> even_wedges(const RadarSettings& settings);

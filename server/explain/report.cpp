@@ -58,13 +58,12 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   lines.push_back(
       format("The antenna is %.0f m above its median ground; k = %.4g; cells of %.4g m; %llu buildings.",
              f.height_m, f.radius_factor, f.cell_m, static_cast<unsigned long long>(f.buildings)));
-  std::string density = kComparisonSource.frustum == FrustumKind::polar
-                            ? format("rays of the polar frustum, %d x %.0f a bin", kComparisonDensity.columns,
-                                     kComparisonDensity.rows)
-                            : format("the sweep, %d azimuths an azimuth bin", kComparisonDensity.columns);
+  std::string density =
+      kComparisonSource.frustum == FrustumKind::sweep
+          ? format("the sweep, %d planes an azimuth bin", f.columns)
+          : format("rays of the polar frustum, %d x %.0f a bin", f.columns, kComparisonDensity.rows);
   if (f.buildings > 0)
-    density += format(" (walls with single rays, %d x %.0f a bin)", kComparisonDensity.columns,
-                      kComparisonDensity.rows);
+    density += format(" (walls with rays, %d x %.0f a bin)", f.columns, kComparisonDensity.rows);
   lines.push_back(
       format("Measured in %d of %d azimuth bins, even wedges, with %s; shifts at %zu ground points.",
              f.measured_azimuth_bins, s.azimuth_bins, density.c_str(), f.ground_points));

@@ -112,7 +112,8 @@ TEST_F(Explain, CurvatureIsNeededOnALongFlatScene) {
 }
 
 TEST_F(Explain, CurvatureMayBeLeftOutOnAShortFlatScene) {
-  const Outcome outcome = explain(flat_scene(kStandardEarth, 1100, 2000, 20));
+  const Outcome outcome =
+      explain(flat_scene(kStandardEarth, 1100, 2000, 20), {"--set", "radar.sector_deg=360.0"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Row row = row_named(rows(), "earth curvature");
   EXPECT_EQ(row.at("verdict"), "may be left out");
@@ -150,7 +151,7 @@ TEST_F(Explain, AFlatSceneIsToldWhatCurvatureWouldAdd) {
 constexpr auto kTown =
     "[terrain]\nsynthetic = \"hills\"\ncell_m = 40.0\nshape = {height_m = 300.0}\n"
     "[[prisms]]\nper_km2 = 60.0\n[materials.terrain]\ngamma_db = -15.0\n"
-    "[antenna]\nheight_m = 1500\n[radar]\nsector_deg = 360\nr_min_m = 2000\nr_max_m = 5000\n"
+    "[antenna]\nheight_m = 1500\n[radar]\nsector_deg = 60\nr_min_m = 2000\nr_max_m = 5000\n"
     "range_normalisation = true\n"
     "[frustum]\nkind = \"oblique\"\npixels = 256\n[bins]\nazimuth = 40\nrange = 64\n";
 
