@@ -155,13 +155,13 @@ TEST_P(SpeckleOfEverySource, CovariesByTheGroundThatBinsShare) {
   s.range_bins = 8;
   s.azimuth_bins = 6;
   s.sector_deg = 6 * 0.54;
-  s.pixel_columns = 60;
-  s.pixel_rows = 80;
+  s.pixel_columns = 42;
+  s.pixel_rows = 56;
   const auto plan = test::plan_or_throw(scene, s, test::pose_over_origin(scene->world(), 1500));
   const std::vector<test::BinShares> shares = test::shares_of_bins(*plan);
   const std::size_t n = shares.size();
 
-  constexpr int kSeeds = 10000;
+  constexpr int kSeeds = 5000;
   std::vector<std::complex<double>> products(n * n);
   std::vector<double> power(n);
   for (int seed = 1; seed <= kSeeds; ++seed) {
