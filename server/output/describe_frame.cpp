@@ -137,6 +137,7 @@ void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::Frame
   summary.set_rays(stats.rays);
   summary.set_hits(stats.hits);
   summary.set_samples(stats.samples);
+  summary.set_repaired(stats.repaired);
   summary.set_rejected(stats.rejected);
   summary.set_coverage(stats.coverage());
   summary.set_buildings_seen(plan.buildings_seen());

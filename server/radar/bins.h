@@ -43,7 +43,8 @@ struct FrameStats {
   std::uint64_t rays = 0;      ///< cast; of the sweep, vertical planes marched
   std::uint64_t hits = 0;      ///< on any surface, at any range; of the sweep, visible pieces in the swath
   std::uint64_t samples = 0;   ///< binned (inside sector and range swath)
-  std::uint64_t rejected = 0;  ///< hits on undersides or inner faces: leaks, not binned
+  std::uint64_t repaired = 0;  ///< rays that leaked through the mesh, answered anew in double; among the hits
+  std::uint64_t rejected = 0;  ///< leaked rays without an answer: not binned
   double sector_area_m2 = 0;   ///< ground area of the sector between r_min and r_max
   double covered_area_m2 = 0;  ///< of that, over known ground
 
@@ -51,6 +52,7 @@ struct FrameStats {
     rays += other.rays;
     hits += other.hits;
     samples += other.samples;
+    repaired += other.repaired;
     rejected += other.rejected;
     sector_area_m2 += other.sector_area_m2;
     covered_area_m2 += other.covered_area_m2;

@@ -5,6 +5,7 @@
 
 #include "server/radar/wedge_profile.h"
 #include "server/scene/embree_tracer.h"
+#include "server/scene/ray_answer.h"
 
 namespace obliq {
 
@@ -43,16 +44,15 @@ bool RaySamples::trace(FrameStats& stats) {
   return true;
 }
 
-/// Re-intersects the rough hit of a ray in double.
+/// What a ray meets first, in double.
 std::optional<ExactHit> RaySamples::exact_hit(std::size_t k, FrameStats& stats) {
-  if (rough_[k].kind == RoughHit::Kind::none) return std::nullopt;
   const Sector& sector = plan_.sector();
   const glm::dvec3 direction(rays_.dir_x[k], rays_.dir_y[k], rays_.dir_z[k]);
-  const auto hit = refine_hit(plan_.scene().world(), sector.antenna_m, direction, rough_[k]);
-  if (!hit) {
-    ++stats.rejected;
-    return std::nullopt;
-  }
+  const RayAnswer answer = answer_ray(plan_.scene(), sector.antenna_m, direction, rough_[k]);
+  stats.repaired += answer.repaired ? 1 : 0;
+  stats.rejected += answer.unanswered ? 1 : 0;
+  const std::optional<ExactHit>& hit = answer.hit;
+  if (!hit) return std::nullopt;
   ++stats.hits;
   if (tap_) {
     const double right = direction.x * sector.cos_bearing - direction.z * sector.sin_bearing;

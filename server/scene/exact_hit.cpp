@@ -92,18 +92,18 @@ std::optional<ExactHit> refine_ground(const World& world, const glm::dvec3& orig
     const bool upper = (u - i) + (v - j) > 1;
     const GroundPlane plane(grid, i, j, upper);
     const double descent = plane.descent(direction);
-    if (!(descent < 0)) break;
+    if (!(descent < 0)) {
+      if (step == 0) return std::nullopt;  // an underside
+      break;
+    }
     if (const auto found = cross_ground_triangle(grid, i, j, upper, origin, direction))
       return ground_hit(world, plane, i, j, origin, direction, *found);
     distance = -plane.height_above(origin) / descent;
     if (!(std::abs(distance - rough_m) < 4 * grid.cell_m)) break;
   }
   // Near a silhouette the steps may wander: walk the neighbourhood of the rough hit instead.
-  const double reach = 2 * grid.cell_m + 1e-4 * rough_m;
-  if (auto hit = walk_ground(world, origin, direction, std::max(0.0, rough_m - reach), rough_m + reach))
-    return hit;
-  // An underside: the ray has leaked through the mesh somewhere before. Answer it by the whole walk.
-  return walk_ground(world, origin, direction, 0, rough_m);
+  const double reach = refinement_reach_m(world, rough_m);
+  return walk_ground(world, origin, direction, std::max(0.0, rough_m - reach), rough_m + reach);
 }
 
 glm::dvec3 vertex(const Buildings& buildings, std::uint32_t index) {
@@ -137,38 +137,32 @@ std::optional<double> cross_building_triangle(const Buildings& buildings, std::u
   return distance;
 }
 
-std::optional<ExactHit> refine_building(const World& world, const glm::dvec3& origin,
-                                        const glm::dvec3& direction, std::uint32_t triangle) {
-  const Buildings& buildings = world.buildings;
-  const std::uint32_t owner = buildings.faces[buildings.triangle_face[triangle]].building;
-  glm::dvec3 outward{0.0};
-  std::optional<double> distance = cross_building_triangle(buildings, triangle, origin, direction, outward);
-  if (!distance) {
-    // The double ray misses the reported triangle or meets its inner side: take the nearest outer face of the
-    // same building, if there is one.
-    const Building& building = buildings.list[owner];
-    double nearest = std::numeric_limits<double>::infinity();
-    glm::dvec3 nearest_outward{0.0};
-    for (std::uint32_t k = building.first_triangle; k < building.first_triangle + building.n_triangles; ++k) {
-      const auto found = cross_building_triangle(buildings, k, origin, direction, outward);
-      if (found && *found < nearest) {
-        nearest = *found;
-        nearest_outward = outward;
-        triangle = k;
-      }
-    }
-    if (!std::isfinite(nearest)) return std::nullopt;
-    distance = nearest;
-    outward = nearest_outward;
-  }
+ExactHit building_hit(const Buildings& buildings, std::uint32_t triangle, const glm::dvec3& origin,
+                      const glm::dvec3& direction, const glm::dvec3& outward, double distance) {
   ExactHit hit;
-  hit.slant_range_m = *distance;
-  hit.position_m = origin + *distance * direction;
+  hit.slant_range_m = distance;
+  hit.position_m = origin + distance * direction;
   hit.normal = outward;
   hit.cos_incidence = std::min(1.0, std::abs(glm::dot(outward, direction)));
   hit.face = buildings.triangle_face[triangle];
-  hit.material = buildings.list[owner].material;
+  hit.material = buildings.list[buildings.faces[hit.face].building].material;
   return hit;
+}
+
+std::optional<ExactHit> refine_building(const World& world, const glm::dvec3& origin,
+                                        const glm::dvec3& direction, const RoughHit& rough) {
+  const Buildings& buildings = world.buildings;
+  glm::dvec3 outward{0.0};
+  if (const auto distance = cross_building_triangle(buildings, rough.triangle, origin, direction, outward))
+    return building_hit(buildings, rough.triangle, origin, direction, outward, *distance);
+  // The double ray misses the reported triangle: it may meet the face beside it. A farther one would mean
+  // that the ray has leaked into the building, and met an inner side.
+  const auto rough_m = static_cast<double>(rough.distance_m);
+  const auto near = cross_building(world, buildings.faces[buildings.triangle_face[rough.triangle]].building,
+                                   origin, direction);
+  if (!near || !(std::abs(near->slant_range_m - rough_m) <= refinement_reach_m(world, rough_m)))
+    return std::nullopt;
+  return near;
 }
 
 }  // namespace
@@ -218,16 +212,53 @@ std::optional<ExactHit> walk_ground(const World& world, const glm::dvec3& origin
   return std::nullopt;
 }
 
-std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
-                                   const glm::dvec3& direction, const RoughHit& rough) {
+std::optional<ExactHit> cross_building(const World& world, std::uint32_t building, const glm::dvec3& origin_m,
+                                       const glm::dvec3& direction) {
+  const Buildings& all = world.buildings;
+  const Building& b = all.list[building];
+  double nearest = std::numeric_limits<double>::infinity();
+  std::uint32_t triangle = 0;
+  glm::dvec3 nearest_outward{0.0};
+  glm::dvec3 outward{0.0};
+  for (std::uint32_t k = b.first_triangle; k < b.first_triangle + b.n_triangles; ++k) {
+    const auto found = cross_building_triangle(all, k, origin_m, direction, outward);
+    if (found && *found < nearest) {
+      nearest = *found;
+      nearest_outward = outward;
+      triangle = k;
+    }
+  }
+  if (!std::isfinite(nearest)) return std::nullopt;
+  return building_hit(all, triangle, origin_m, direction, nearest_outward, nearest);
+}
+
+double refinement_reach_m(const World& world, double rough_m) {
+  return 2 * world.grid.cell_m + 1e-4 * rough_m;
+}
+
+std::optional<ExactHit> refine_near(const World& world, const glm::dvec3& origin_m,
+                                    const glm::dvec3& direction, const RoughHit& rough) {
   switch (rough.kind) {
     case RoughHit::Kind::ground:
       return refine_ground(world, origin_m, direction, static_cast<double>(rough.distance_m));
     case RoughHit::Kind::building:
-      return refine_building(world, origin_m, direction, rough.triangle);
+      return refine_building(world, origin_m, direction, rough);
     case RoughHit::Kind::none:
       break;
   }
+  return std::nullopt;
+}
+
+std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
+                                   const glm::dvec3& direction, const RoughHit& rough) {
+  if (auto hit = refine_near(world, origin_m, direction, rough)) return hit;
+  const auto rough_m = static_cast<double>(rough.distance_m);
+  if (rough.kind == RoughHit::Kind::ground)
+    return walk_ground(world, origin_m, direction, 0, rough_m + refinement_reach_m(world, rough_m));
+  if (rough.kind == RoughHit::Kind::building)
+    return cross_building(world,
+                          world.buildings.faces[world.buildings.triangle_face[rough.triangle]].building,
+                          origin_m, direction);
   return std::nullopt;
 }
 

@@ -23,7 +23,20 @@ struct ExactHit {
 };
 
 /// Re-intersects a rough hit. origin and unit direction as the double ray; nothing when the rough hit is a
-/// leak: an underside, an inner face, or no triangle near it that the double ray meets.
+/// leak: an underside, an inner face, or no triangle near it that the double ray meets. ray_answer.h then
+/// knows what to do.
+std::optional<ExactHit> refine_near(const World& world, const glm::dvec3& origin_m,
+                                    const glm::dvec3& direction, const RoughHit& rough);
+
+/// How far along the ray a refined hit may lie from the rough one.
+double refinement_reach_m(const World& world, double rough_m);
+
+/// The nearest outer face of a building that the ray meets.
+std::optional<ExactHit> cross_building(const World& world, std::uint32_t building, const glm::dvec3& origin_m,
+                                       const glm::dvec3& direction);
+
+/// refine_near, and where that has no answer the first ground up to the rough hit, or the same building's
+/// nearest face: for callers that have a world and no scene.
 std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
                                    const glm::dvec3& direction, const RoughHit& rough);
 

@@ -10,7 +10,10 @@ namespace obliq {
 
 Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads,
              const Progress& progress, TracerIsa isa)
-    : world_(std::move(world)), materials_(std::move(materials)), tiles_(world_->grid) {
+    : world_(std::move(world)),
+      materials_(std::move(materials)),
+      tiles_(world_->grid),
+      building_index_(*world_) {
   std::size_t highest = 0;
   for (std::uint8_t id : world_->surface_material) highest = std::max<std::size_t>(highest, id);
   for (const Building& building : world_->buildings.list)

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/scene/building_index.h"
 #include "server/scene/materials.h"
 #include "server/scene/tile_bounds.h"
 #include "server/scene/tracer_isa.h"
@@ -37,12 +38,14 @@ class Scene {
   const std::vector<Material>& materials() const { return materials_; }
   const EmbreeTracer& tracer() const { return *tracer_; }
   const TileBounds& tiles() const { return tiles_; }
+  const BuildingIndex& building_index() const { return building_index_; }
   const SceneStats& stats() const { return stats_; }
 
  private:
   std::shared_ptr<const World> world_;
   std::vector<Material> materials_;
   TileBounds tiles_;
+  BuildingIndex building_index_;
   std::unique_ptr<EmbreeTracer> tracer_;
   SceneStats stats_;
 };

@@ -6,7 +6,9 @@
 namespace obliq {
 
 TileBounds::TileBounds(const HeightGrid& grid)
-    : tiles_x_((grid.nx - 2) / kCells + 1), tiles_z_((grid.nz - 2) / kCells + 1) {
+    : lowest_m_(std::numeric_limits<double>::infinity()),
+      tiles_x_((grid.nx - 2) / kCells + 1),
+      tiles_z_((grid.nz - 2) / kCells + 1) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   tiles_.reserve(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_z_));
   for (int tj = 0; tj < tiles_z_; ++tj) {
@@ -22,6 +24,7 @@ TileBounds::TileBounds(const HeightGrid& grid)
           if (y > tile.highest_m) tile.highest_m = y;
         }
       }
+      lowest_m_ = std::min(lowest_m_, static_cast<double>(tile.lowest_m));
       tiles_.push_back(tile);
     }
   }

@@ -24,8 +24,11 @@ class TileBounds {
     return tiles_[static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) +
                   static_cast<std::size_t>(ti)];
   }
+  /// Over all tiles; +infinity without known ground.
+  double lowest_m() const { return lowest_m_; }
 
  private:
+  double lowest_m_;
   int tiles_x_;
   int tiles_z_;
   std::vector<Tile> tiles_;

@@ -28,6 +28,7 @@ void expect_same(const FrameStats& a, const FrameStats& b, const std::string& wh
   EXPECT_EQ(a.hits, b.hits) << what;
   EXPECT_EQ(a.samples, b.samples) << what;
   EXPECT_EQ(a.rejected, b.rejected) << what;
+  EXPECT_EQ(a.repaired, b.repaired) << what;
   EXPECT_EQ(std::memcmp(&a.covered_area_m2, &b.covered_area_m2, sizeof a.covered_area_m2), 0) << what;
 }
 
