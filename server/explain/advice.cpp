@@ -179,10 +179,9 @@ std::string saving(const Comparison& c, const Explanation& all) {
 /// "95 % of bins within 1.1 dB, 5.7 % of them off by more than 1 dB, total +0.02 dB, ground within 5.80 m".
 std::string change_text(const Comparison& c) {
   const PowerChange& p = c.power;
-  const double total_db = std::abs(p.total_db()) < 0.005 ? 0 : p.total_db();  // no "-0.00"
   std::string text =
       format("95 %% of bins within %.2g dB, %.2g %% of them off by more than 1 dB, total %+.2f dB",
-             p.percentile95_db, 100 * p.over_1_db, total_db);
+             std::max(0.01, p.percentile95_db), 100 * p.over_1_db, without_sign_of_zero(p.total_db(), 0.01));
   if (c.shift) text += format(", ground within %.2f m of slant range", c.shift->slant_m);
   return text;
 }

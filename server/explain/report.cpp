@@ -38,7 +38,7 @@ const char* verdict_word(const Comparison& c) {
 }
 
 std::string number(double value, int digits) {
-  if (std::abs(value) < 0.5 * std::pow(10.0, -digits)) value = 0;  // no "-0.00"
+  value = without_sign_of_zero(value, std::pow(10.0, -digits));
   return std::isfinite(value) ? format("%.*f", digits, value) : value > 0 ? "inf" : value < 0 ? "-inf" : "-";
 }
 
@@ -95,7 +95,8 @@ std::string noise_text(const PowerChange& p) {
   return format(
       "median %.2f dB, 95 %% of bins within %.2f dB, %.1f %% of them off by more than 1 dB; %.1f %% of lit "
       "bins without a sample; total %+.3f dB",
-      p.median_db, p.percentile95_db, 100 * p.over_1_db, 100 * p.vanished, p.total_db());
+      p.median_db, p.percentile95_db, 100 * p.over_1_db, 100 * p.vanished,
+      without_sign_of_zero(p.total_db(), 0.001));
 }
 
 struct NamedText {

@@ -14,6 +14,11 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
+/// A number that rounds to zero is zero: no "-0.00".
+inline double without_sign_of_zero(double value, double step) {
+  return value < step / 2 && value > -step / 2 ? 0 : value;
+}
+
 /// Cells of text. The first two columns are words, the rest numbers.
 struct Table {
   std::vector<std::vector<std::string>> head;  ///< one or more lines above the rule

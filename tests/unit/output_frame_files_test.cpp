@@ -117,6 +117,10 @@ TEST_F(FrameFilesTest, FrameJsonNamesEveryParameterAndTheBinEdges) {
   EXPECT_EQ(json["summary"]["rays"], frame_.stats.rays);
   EXPECT_EQ(json["summary"]["coverage"], 1.0);
   EXPECT_EQ(json["frame"]["phase_sign"], -1);
+  const SourceError& error = scene_->world().report.source_error;
+  EXPECT_GT(error.posts, 0u);
+  EXPECT_EQ(json["frame"]["source_error"]["posts"], error.posts);
+  EXPECT_EQ(json["frame"]["source_error"]["p95_m"], error.p95_m);
   EXPECT_NEAR(json["frame"]["wavelength_m"], 299792458.0 / 10e9, 1e-15);
 }
 
