@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace obliq {
 
@@ -36,6 +37,72 @@ void PieceSampler::put(const Waiting& sample) {
 
 void PieceSampler::visible(const VisiblePiece& piece) {
   if (!(share_.width_rad > 0)) return;
+  if (piece.wall) {
+    aslant(piece);
+  } else {
+    straight(piece);
+  }
+}
+
+void PieceSampler::aslant(const VisiblePiece& wall) {
+  // The wall is the line n.p = -distance from the antenna: at a bearing off the plane's by `off` it stands at
+  // 1 / d = -n.direction / distance. That is a cosine of the bearing, as good as straight across a strand.
+  const PlaneShare whole = share_;
+  const auto direction = [&](double off_rad) {
+    const SinCos turn = sincos_turns(off_rad / (2 * std::numbers::pi));
+    return SinCos{whole.bearing.sin * turn.cos + whole.bearing.cos * turn.sin,
+                  whole.bearing.cos * turn.cos - whole.bearing.sin * turn.sin};
+  };
+  const auto over_d = [&](const SinCos& to) {
+    return -(wall.normal_x * to.sin + wall.normal_z * to.cos) / wall.plane_distance_m;
+  };
+  const double over_left = over_d(direction(-whole.width_rad / 2));
+  const double over_right = over_d(direction(whole.width_rad / 2));
+  // Seen nearly edge-on, the wall ends before the strand does.
+  if (!(over_left > 0 && over_right > 0)) return straight(wall);
+  // On the wall a range-bin edge is a curve across the strand. Between where it enters at the foot and where
+  // it leaves at the top (or the other way round) it is as good as straight, and the plane in the middle of
+  // that stretch divides it as a whole.
+  const double near_d = 1 / std::max(over_left, over_right);
+  const double far_d = 1 / std::min(over_left, over_right);
+  const double low2 = std::min(wall.t0 * wall.t0, wall.t1 * wall.t1);
+  const double high2 = std::max(wall.t0 * wall.t0, wall.t1 * wall.t1);
+  const double nearest = std::sqrt(near_d * near_d + (wall.t0 < 0 && wall.t1 > 0 ? 0 : low2));
+  const double farthest = std::sqrt(far_d * far_d + high2);
+  if (farthest < bins_.r_min_m || nearest >= bins_.r_max_m) return;
+  const int first = nearest < bins_.r_min_m ? 0 : bins_.range_bin(nearest) + 1;
+  const int last = farthest >= bins_.r_max_m ? bins_.n_range : bins_.range_bin(farthest);
+  if (first > last || last - first > kMostDivisions || over_left == over_right) return straight(wall);
+  cuts_.clear();
+  for (int edge_index = first; edge_index <= last; ++edge_index) {
+    const double edge = bins_.r_min_m + edge_index * bins_.range_spacing_m;
+    for (const double h : {wall.t0, wall.t1}) {
+      const double d2 = edge * edge - h * h;
+      if (!(d2 > 0)) continue;
+      const double at = (1 / std::sqrt(d2) - over_left) / (over_right - over_left);
+      if (at > 0 && at < 1) cuts_.push_back(at);
+    }
+  }
+  cuts_.push_back(1);
+  std::sort(cuts_.begin(), cuts_.end());
+  double from = 0;
+  for (const double to : cuts_) {
+    if (!(to > from)) continue;
+    const double off = ((from + to) / 2 - 0.5) * whole.width_rad;
+    share_.bearing = direction(off);
+    share_.azimuth_offset_rad = whole.azimuth_offset_rad + off;
+    share_.width_rad = (to - from) * whole.width_rad;
+    VisiblePiece part = wall;
+    part.d_m = 1 / over_d(share_.bearing);
+    // What hides the foot of the wall stands in front of it, so its shadow moves with it.
+    part.t0 = std::min(wall.t0 * part.d_m / wall.d_m, part.t1);
+    straight(part);
+    from = to;
+  }
+  share_ = whole;
+}
+
+void PieceSampler::straight(const VisiblePiece& piece) {
   const At from = at(piece, piece.t0);
   const At to = at(piece, piece.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.

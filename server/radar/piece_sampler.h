@@ -34,6 +34,8 @@ class PieceSampler {
 
   /// Cuts the piece at the edges of the range bins, by solving |A + t D| = edge, and where its direction from
   /// the antenna has turned by more than kTurn_rad.
+  /// A wall that stands aslant runs through range across the plane's width: it is divided where it passes
+  /// from one range bin to the next.
   void visible(const VisiblePiece& piece);
 
   /// Incidence and range are taken as constant over at most this angle. A lobe of rms slope s is then off by
@@ -43,6 +45,7 @@ class PieceSampler {
 
  private:
   static constexpr int kSpare = 32;
+  static constexpr int kMostDivisions = 64;  // range bins that a wall aslant is divided among
 
   struct Waiting {
     std::int32_t azimuth_bin;
@@ -61,6 +64,8 @@ class PieceSampler {
     const double h = piece.height_m(t);
     return {t, std::sqrt(d * d + h * h)};
   }
+  void straight(const VisiblePiece& piece);
+  void aslant(const VisiblePiece& piece);
   /// Range rises or falls all the way.
   void cut_at_bins(const VisiblePiece& piece, At from, At to);
   /// In one range bin.
@@ -72,6 +77,7 @@ class PieceSampler {
   PlaneShare share_;
   SampleBatch* batch_ = nullptr;
   std::vector<Waiting> waiting_;
+  std::vector<double> cuts_;
   std::uint64_t samples_ = 0;
 };
 

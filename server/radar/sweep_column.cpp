@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A corner makes a cut when both sides of it keep at least this share of the column or of the building,
 /// whichever is less: a strand sees one wall, and their number stays bounded.
 constexpr std::int64_t kColumnShare = 16;
-constexpr std::int64_t kBuildingShare = 8;
+constexpr std::int64_t kBuildingShare = 64;
 
 bool overlap(TickRange a, TickRange b) { return a.from < b.to && b.from < a.to; }
 

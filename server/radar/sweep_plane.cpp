@@ -21,7 +21,7 @@ bool SweepPlane::covers(const FootprintSpan& span) const {
   });
 }
 
-double SweepPlane::wall_distance_m(const RoofStep& step) const {
+SweepPlane::WallPlane SweepPlane::wall_plane(const RoofStep& step) const {
   const Buildings& all = world_->buildings;
   const Building& building = all.list[step.building];
   std::uint32_t edge = step.wall - building.first_face - 1;
@@ -38,7 +38,8 @@ double SweepPlane::wall_distance_m(const RoofStep& step) const {
   const double dx = b.x - a.x;
   const double dz = b.y - a.y;
   const double length = std::sqrt(dx * dx + dz * dz);
-  return length > 0 ? ((antenna_m_.x - a.x) * dz - (antenna_m_.z - a.y) * dx) / length : 0;
+  if (!(length > 0)) return {0, 0, 0};
+  return {((antenna_m_.x - a.x) * dz - (antenna_m_.z - a.y) * dx) / length, dz / length, -dx / length};
 }
 
 }  // namespace obliq

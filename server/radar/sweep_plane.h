@@ -43,6 +43,9 @@ struct VisiblePiece {
   bool upper;  ///< ground only, as in GroundPiece
   int i;       ///< ground cell
   int j;
+  bool wall;
+  double normal_x;  ///< of a wall: unit, outwards
+  double normal_z;
 
   double ground_range_m(double t) const { return d_m + t * rate_d; }
   double height_m(double t) const { return h_m + t * rate_h; }
@@ -141,7 +144,7 @@ class SweepPlane {
       const double steepness = std::sqrt(1 + slope_x * slope_x + slope_z * slope_z);
       sink.visible(VisiblePiece{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
                                 world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
-                                ground.j});
+                                ground.j, false, 0, 0});
     });
   }
 
@@ -154,10 +157,11 @@ class SweepPlane {
     const double base = step.base_y_m - antenna_m_.y;
     if (!(d > 0) || horizon_.hides(d, top)) return;
     const double low = horizon_.d_m > 0 ? std::max(base, horizon_.h_m / horizon_.d_m * d) : base;
-    const double distance = wall_distance_m(step);
-    if (low < top && distance > 0)
-      sink.visible(VisiblePiece{d, 0, 0, 1, low, top, distance, step.wall,
-                                world_->buildings.list[step.building].material, false, 0, 0});
+    const WallPlane wall = wall_plane(step);
+    if (low < top && wall.distance_m > 0)
+      sink.visible(VisiblePiece{d, 0, 0, 1, low, top, wall.distance_m, step.wall,
+                                world_->buildings.list[step.building].material, false, 0, 0, true,
+                                wall.normal_x, wall.normal_z});
     horizon_.raise(d, top, true);
   }
 
@@ -167,7 +171,7 @@ class SweepPlane {
     see(d0, d1, start, 0, true, [&](double from, double to) {
       const Building& building = world_->buildings.list[step.building];
       sink.visible(VisiblePiece{0, start, 1, 0, from, to, -start, building.first_face, building.material,
-                                false, 0, 0});
+                                false, 0, 0, false, 0, 0});
     });
   }
 
@@ -214,8 +218,13 @@ class SweepPlane {
 
   /// Keeps the footprints that end beyond from_m.
   void cut_roofs(double from_m);
-  /// Of the antenna from the plane of the wall that a step begins with; negative behind it.
-  double wall_distance_m(const RoofStep& step) const;
+  struct WallPlane {
+    double distance_m;  // of the antenna; negative behind it
+    double normal_x;    // unit, outwards
+    double normal_z;
+  };
+  /// Of the wall that a step begins with.
+  WallPlane wall_plane(const RoofStep& step) const;
 
   const World* world_;
   glm::dvec3 antenna_m_;
