@@ -94,8 +94,14 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
     share_.width_rad = (to - from) * whole.width_rad;
     VisiblePiece part = wall;
     part.d_m = 1 / over_d(share_.bearing);
-    // What hides the foot of the wall stands in front of it, so its shadow moves with it.
-    part.t0 = std::min(wall.t0 * part.d_m / wall.d_m, part.t1);
+    // The foot follows the ground; where something in front hides it, that one's shadow.
+    part.t0 = wall.t0 * part.d_m / wall.d_m;
+    if (wall.foot_seen) {
+      const double ground_y_m = grid_.height_at_m(antenna_m_.x + part.d_m * share_.bearing.sin,
+                                                  antenna_m_.z + part.d_m * share_.bearing.cos);
+      if (!std::isnan(ground_y_m)) part.t0 = ground_y_m - antenna_m_.y;
+    }
+    part.t0 = std::min(part.t0, part.t1);
     straight(part);
     from = to;
   }

@@ -20,7 +20,8 @@ struct PlaneShare {
 /// Appends samples to a batch; those that do not fit wait for the next one.
 class PieceSampler {
  public:
-  explicit PieceSampler(const FramePlan& plan) : bins_(plan.bins()), antenna_m_(plan.sector().antenna_m) {}
+  explicit PieceSampler(const FramePlan& plan)
+      : bins_(plan.bins()), grid_(plan.scene().world().grid), antenna_m_(plan.sector().antenna_m) {}
 
   /// Samples go here from now on, those that were left over first.
   void begin(SampleBatch& batch);
@@ -73,6 +74,7 @@ class PieceSampler {
   void put(const Waiting& sample);
 
   const BinGrid& bins_;
+  const HeightGrid& grid_;
   glm::dvec3 antenna_m_;
   PlaneShare share_;
   SampleBatch* batch_ = nullptr;

@@ -46,6 +46,7 @@ struct VisiblePiece {
   bool wall;
   double normal_x;  ///< of a wall: unit, outwards
   double normal_z;
+  bool foot_seen;  ///< of a wall: it begins at the ground, not where something in front ends
 
   double ground_range_m(double t) const { return d_m + t * rate_d; }
   double height_m(double t) const { return h_m + t * rate_h; }
@@ -96,6 +97,8 @@ class SweepPlane {
   }
 
  private:
+  static constexpr double kTouching_m = 1e-6;  // rounding of a distance, and more
+
   template <class Sink>
   struct Visit {
     SweepPlane& plane;
@@ -144,7 +147,7 @@ class SweepPlane {
       const double steepness = std::sqrt(1 + slope_x * slope_x + slope_z * slope_z);
       sink.visible(VisiblePiece{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
                                 world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
-                                ground.j, false, 0, 0});
+                                ground.j, false, 0, 0, false});
     });
   }
 
@@ -161,7 +164,7 @@ class SweepPlane {
     if (low < top && wall.distance_m > 0)
       sink.visible(VisiblePiece{d, 0, 0, 1, low, top, wall.distance_m, step.wall,
                                 world_->buildings.list[step.building].material, false, 0, 0, true,
-                                wall.normal_x, wall.normal_z});
+                                wall.normal_x, wall.normal_z, horizon_.d_m > d - kTouching_m});
     horizon_.raise(d, top, true);
   }
 
@@ -171,7 +174,7 @@ class SweepPlane {
     see(d0, d1, start, 0, true, [&](double from, double to) {
       const Building& building = world_->buildings.list[step.building];
       sink.visible(VisiblePiece{0, start, 1, 0, from, to, -start, building.first_face, building.material,
-                                false, 0, 0, false, 0, 0});
+                                false, 0, 0, false, 0, 0, false});
     });
   }
 
