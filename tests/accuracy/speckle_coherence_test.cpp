@@ -179,7 +179,7 @@ TEST_P(CoherenceOfEverySource, APointScatterersPhaseFollowsGeometryWhenTheAntenn
     s.sector_deg = 40;
     s.r_min_m = 3700;
     s.r_max_m = 13700;
-    s.pixel_columns = s.pixel_rows = 800;
+    s.pixel_columns = s.pixel_rows = 500;
     const glm::dvec3 at(3.25, 900.5, -7.75);
     const Look before(scene, s, pose_at(scene->world(), at, 0.02));
     for (const glm::dvec3& move : {glm::dvec3(0, 0, 0.01), glm::dvec3(0.01, 0, 0), glm::dvec3(0, 0.01, 0),
@@ -204,7 +204,7 @@ TEST_P(CoherenceOfEverySource, AnEighthOfAWavelengthAlongTheLineOfSightTurnsAPoi
   s.sector_deg = 40;
   s.r_min_m = 3700;
   s.r_max_m = 13700;
-  s.pixel_columns = s.pixel_rows = 800;
+  s.pixel_columns = s.pixel_rows = 500;
   const double lambda_m = 299792458.0 / 10e9;
   const glm::dvec3 at(3.25, 900.5, -7.75);
   const Look before(scene, s, pose_at(scene->world(), at, 0.02));

@@ -28,7 +28,7 @@ using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 constexpr double kFrequency_ghz = 10;
 constexpr double kWavelength_m = 299792458.0 / (kFrequency_ghz * 1e9);
-constexpr int kSeeds = 4000;
+constexpr int kSeeds = 2000;
 
 /// Coherence of 8 cells of 1 m in a row.
 double dirichlet8(double q_per_m) {
@@ -126,7 +126,7 @@ class DecorrelationOfEverySource : public testing::TestWithParam<test::NamedSour
   }
 };
 
-constexpr double kParts[] = {0, 0.3, 0.6, 1.0, 1.43, 2.0};  ///< of the change to the first zero
+constexpr double kParts[] = {0.3, 0.6, 1.0, 1.43};  ///< of the change to the first zero
 
 TEST_P(DecorrelationOfEverySource, AroundTheBinFollowsTheDirichletKernel) {
   const double middle_m = 8186;
