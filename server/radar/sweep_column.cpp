@@ -102,7 +102,8 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
     horizon.raise(span.near_m, height, true);
     horizon.raise(std::min(span.far_m, from_m), height, true);
   }
-  return SweepPlane(world, antenna, bearing, from_m, plan_.sector().r_max_m, horizon, spans_);
+  // An aslant wall that this plane meets beyond the swath may reach into it elsewhere in the strand.
+  return SweepPlane(world, antenna, bearing, from_m, 2 * plan_.sector().r_max_m, horizon, spans_);
 }
 
 /// Whether an obstacle ahead of a plane stands above its horizon. Leaves the obstacle's footprints in spans_.
