@@ -54,6 +54,8 @@ class GroundWalk {
 
   /// Where the walk stands: the first distance that no visit has had.
   double at_m() const { return d_; }
+  /// Walks at least through cells that begin at last_start_m.
+  void reach(double last_start_m) { last_start_m_ = std::max(last_start_m_, last_start_m); }
   /// Where the plane leaves the grid, or to_m.
   double end_m() const { return end_m_; }
   bool done() const { return !(d_ < end_m_ && d_ <= last_start_m_ && on_grid(i_, j_)); }

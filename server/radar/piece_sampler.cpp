@@ -54,12 +54,12 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
                   whole.bearing.cos * turn.cos - whole.bearing.sin * turn.sin};
   };
   const auto over_d = [&](const SinCos& to) {
-    return -(wall.normal_x * to.sin + wall.normal_z * to.cos) / wall.plane_distance_m;
+    // A strand may reach a little beyond the wall's ends.
+    return std::clamp(-(wall.normal_x * to.sin + wall.normal_z * to.cos) / wall.plane_distance_m,
+                      1 / wall.farthest_m, 1 / wall.nearest_m);
   };
   const double over_left = over_d(direction(-whole.width_rad / 2));
   const double over_right = over_d(direction(whole.width_rad / 2));
-  // Seen nearly edge-on, the wall ends before the strand does.
-  if (!(over_left > 0 && over_right > 0)) return straight(wall);
   // On the wall a range-bin edge is a curve across the strand. Between where it enters at the foot and where
   // it leaves at the top (or the other way round) it is as good as straight, and the plane in the middle of
   // that stretch divides it as a whole.
@@ -70,17 +70,22 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
   const double nearest = std::sqrt(near_d * near_d + (wall.t0 < 0 && wall.t1 > 0 ? 0 : low2));
   const double farthest = std::sqrt(far_d * far_d + high2);
   if (farthest < bins_.r_min_m || nearest >= bins_.r_max_m) return;
-  const int first = nearest < bins_.r_min_m ? 0 : bins_.range_bin(nearest) + 1;
-  const int last = farthest >= bins_.r_max_m ? bins_.n_range : bins_.range_bin(farthest);
-  if (first > last || last - first > kMostDivisions || over_left == over_right) return straight(wall);
+  if (over_left == over_right) return straight(wall);
+  // Edges beyond the swath count as well: what is nearer must not depend on where the swath ends.
+  const double first = std::max(0.0, std::ceil((nearest - bins_.r_min_m) / bins_.range_spacing_m));
+  const double last = std::floor((farthest - bins_.r_min_m) / bins_.range_spacing_m);
   cuts_.clear();
-  for (int edge_index = first; edge_index <= last; ++edge_index) {
-    const double edge = bins_.r_min_m + edge_index * bins_.range_spacing_m;
-    for (const double h : {wall.t0, wall.t1}) {
-      const double d2 = edge * edge - h * h;
-      if (!(d2 > 0)) continue;
-      const double at = (1 / std::sqrt(d2) - over_left) / (over_right - over_left);
-      if (at > 0 && at < 1) cuts_.push_back(at);
+  if (last - first > kMostEdges) {
+    for (int part = 1; part < kMostEdges; ++part) cuts_.push_back(static_cast<double>(part) / kMostEdges);
+  } else {
+    for (double edge_index = first; edge_index <= last; ++edge_index) {
+      const double edge = bins_.r_min_m + edge_index * bins_.range_spacing_m;
+      for (const double h : {wall.t0, wall.t1}) {
+        const double d2 = edge * edge - h * h;
+        if (!(d2 > 0)) continue;
+        const double at = (1 / std::sqrt(d2) - over_left) / (over_right - over_left);
+        if (at > 0 && at < 1) cuts_.push_back(at);
+      }
     }
   }
   cuts_.push_back(1);
@@ -94,9 +99,10 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
     share_.width_rad = (to - from) * whole.width_rad;
     VisiblePiece part = wall;
     part.d_m = 1 / over_d(share_.bearing);
-    // The foot follows the ground; where something in front hides it, that one's shadow.
-    part.t0 = wall.t0 * part.d_m / wall.d_m;
-    if (wall.foot_seen) {
+    // The foot follows the roof or the ground that it stands on; where something in front hides it, that
+    // one's shadow.
+    if (wall.foot == VisiblePiece::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
+    if (wall.foot == VisiblePiece::Foot::ground) {
       const double ground_y_m = grid_.height_at_m(antenna_m_.x + part.d_m * share_.bearing.sin,
                                                   antenna_m_.z + part.d_m * share_.bearing.cos);
       if (!std::isnan(ground_y_m)) part.t0 = ground_y_m - antenna_m_.y;

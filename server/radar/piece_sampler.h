@@ -46,7 +46,7 @@ class PieceSampler {
 
  private:
   static constexpr int kSpare = 32;
-  static constexpr int kMostDivisions = 64;  // range bins that a wall aslant is divided among
+  static constexpr int kMostEdges = 64;  // that an aslant wall is divided at; more are left to even parts
 
   struct Waiting {
     std::int32_t azimuth_bin;

@@ -128,9 +128,9 @@ void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
   const Obstacle& o = obstacles_[index];
   advance(o.near_m, sampler);
   std::vector<Strand> fresh;
-  const auto consider = [&](TickRange ticks, double from_m) {
-    SweepPlane plane = plane_at(ticks, from_m, index + 1);
-    if (shows(plane, index)) fresh.push_back({ticks, from_m, std::move(plane)});
+  const auto consider = [&](TickRange ticks) {
+    SweepPlane plane = plane_at(ticks, o.near_m, index + 1);
+    if (shows(plane, index)) fresh.push_back({ticks, o.near_m, std::move(plane)});
   };
   for (std::size_t c = 0; c + 1 < o.cuts.size(); ++c) {
     const TickRange part{o.cuts[c], o.cuts[c + 1]};
@@ -138,15 +138,15 @@ void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
     for (Strand& strand : active_) {
       if (!overlap(strand.ticks, part)) continue;
       const TickRange both{std::max(strand.ticks.from, part.from), std::min(strand.ticks.to, part.to)};
-      if (at < both.from) consider({at, both.from}, o.near_m);
+      if (at < both.from) consider({at, both.from});
       if (both.from == strand.ticks.from && both.to == strand.ticks.to) {
         if (shows(strand.plane, index)) strand.plane.add(spans_);
       } else {
-        consider(both, strand.plane.at_m());
+        consider(both);
       }
       at = both.to;
     }
-    if (at < part.to) consider({at, part.to}, o.near_m);
+    if (at < part.to) consider({at, part.to});
   }
   if (fresh.empty()) return;
   // What the fresh strands leave of the old ones goes on as strands with planes of their own.
@@ -158,20 +158,20 @@ void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
       kept.push_back(std::move(strand));
       continue;
     }
-    const double here_m = strand.plane.at_m();
-    finish(strand, here_m);
+    march(strand, o.near_m, GroundWalk::Last::cut, sampler);
+    finish(strand, o.near_m);
     std::int64_t at = strand.ticks.from;
     for (const Strand& f : fresh) {
       if (!overlap(f.ticks, strand.ticks)) continue;
       if (at < f.ticks.from) {
         const TickRange rest{at, f.ticks.from};
-        kept.push_back({rest, here_m, plane_at(rest, here_m, index)});
+        kept.push_back({rest, o.near_m, plane_at(rest, o.near_m, index)});
       }
       at = f.ticks.to;
     }
     if (at < strand.ticks.to) {
       const TickRange rest{at, strand.ticks.to};
-      kept.push_back({rest, here_m, plane_at(rest, here_m, index)});
+      kept.push_back({rest, o.near_m, plane_at(rest, o.near_m, index)});
     }
   }
   for (Strand& strand : fresh) kept.push_back(std::move(strand));
@@ -183,20 +183,23 @@ void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
 /// Marches every active strand up to the cell that holds a distance; those that come out of the shadow give
 /// their bearings back.
 void SweepColumn::advance(double to_m, PieceSampler& sampler) {
+  std::erase_if(active_, [&](Strand& strand) {
+    march(strand, to_m, GroundWalk::Last::whole, sampler);
+    if (!strand.plane.out_of_shadow()) return false;
+    finish(strand, strand.plane.at_m());
+    return true;
+  });
+}
+
+void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler) {
   struct Sink {
     PieceSampler& sampler;
     const SweepPlane& plane;
     void visible(const VisiblePiece& piece) { sampler.visible(piece); }
     bool full() const { return plane.out_of_shadow(); }
-  };
-  std::erase_if(active_, [&](Strand& strand) {
-    sampler.set(share_of(strand.ticks, strand.plane));
-    Sink sink{sampler, strand.plane};
-    strand.plane.advance(to_m, sink, GroundWalk::Last::whole);
-    if (!strand.plane.out_of_shadow()) return false;
-    finish(strand, strand.plane.at_m());
-    return true;
-  });
+  } sink{sampler, strand.plane};
+  sampler.set(share_of(strand.ticks, strand.plane));
+  strand.plane.advance(to_m, sink, last);
 }
 
 void SweepColumn::finish(const Strand& strand, double at_m) {

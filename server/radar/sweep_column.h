@@ -66,6 +66,7 @@ class SweepColumn {
   void find_obstacles(const std::vector<Silhouette>& silhouettes);
   void add_obstacle(std::size_t index, PieceSampler& sampler);
   void advance(double to_m, PieceSampler& sampler);
+  void march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler);
   SweepPlane plane_at(TickRange ticks, double from_m, std::size_t n_obstacles);
   bool shows(const SweepPlane& plane, std::size_t obstacle);
   void finish(const Strand& strand, double at_m);

@@ -8,6 +8,7 @@ namespace obliq {
 
 void SweepPlane::cut_roofs(double from_m) {
   std::erase_if(spans_, [&](const FootprintSpan& span) { return span.far_m <= from_m; });
+  for (const FootprintSpan& span : spans_) walk_.reach(span.far_m);
   steps_ = disjoint_roofs(world_->buildings, spans_);
   step_ = 0;
   while (step_ < steps_.size() && steps_[step_].far_m <= from_m) ++step_;
@@ -17,7 +18,7 @@ void SweepPlane::cut_roofs(double from_m) {
 bool SweepPlane::covers(const FootprintSpan& span) const {
   return std::any_of(spans_.begin(), spans_.end(), [&](const FootprintSpan& other) {
     return other.building != span.building && other.roof_y_m >= span.roof_y_m &&
-           other.near_m <= span.near_m && other.far_m >= span.far_m;
+           other.near_m <= span.near_m + kTouching_m && other.far_m >= span.far_m - kTouching_m;
   });
 }
 
@@ -32,14 +33,21 @@ SweepPlane::WallPlane SweepPlane::wall_plane(const RoofStep& step) const {
   }
   const std::uint32_t begin = all.ring_start[ring];
   const std::uint32_t size = all.ring_start[ring + 1] - begin;
-  const glm::dvec2 a(all.ring_xz_m[begin + edge]);
-  const glm::dvec2 b(all.ring_xz_m[begin + (edge + 1) % size]);
+  const glm::dvec2 antenna(antenna_m_.x, antenna_m_.z);
+  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[begin + edge]) - antenna;
+  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[begin + (edge + 1) % size]) - antenna;
+  const glm::dvec2 along = b - a;
+  const double length2 = along.x * along.x + along.y * along.y;
+  if (!(length2 > 0)) return {0, 0, 0, 0, 0};
+  const double length = std::sqrt(length2);
   // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
-  const double dx = b.x - a.x;
-  const double dz = b.y - a.y;
-  const double length = std::sqrt(dx * dx + dz * dz);
-  if (!(length > 0)) return {0, 0, 0};
-  return {((antenna_m_.x - a.x) * dz - (antenna_m_.z - a.y) * dx) / length, dz / length, -dx / length};
+  const double distance = (a.y * along.x - a.x * along.y) / length;
+  const double to_a = std::sqrt(a.x * a.x + a.y * a.y);
+  const double to_b = std::sqrt(b.x * b.x + b.y * b.y);
+  const double foot = -(a.x * along.x + a.y * along.y);
+  return {distance, along.y / length, -along.x / length,
+          std::min({foot > 0 && foot < length2 ? std::abs(distance) : to_a, to_a, to_b}),
+          std::max(to_a, to_b)};
 }
 
 }  // namespace obliq

@@ -31,6 +31,9 @@ struct PlaneHorizon {
 /// A straight piece of the surface's cut through a vertical plane: (d, h) = (d_m, h_m) + t (rate_d, rate_h),
 /// h above the antenna, t from t0 (lower elevation) to t1 (higher).
 struct VisiblePiece {
+  /// Where a wall begins: where something in front ends, or at the ground or the roof that it stands on.
+  enum class Foot : std::uint8_t { hidden, ground, roof };
+
   double d_m;
   double h_m;
   double rate_d;
@@ -46,7 +49,9 @@ struct VisiblePiece {
   bool wall;
   double normal_x;  ///< of a wall: unit, outwards
   double normal_z;
-  bool foot_seen;  ///< of a wall: it begins at the ground, not where something in front ends
+  double nearest_m;  ///< of a wall: ground distances of its nearest and its farthest point
+  double farthest_m;
+  Foot foot;
 
   double ground_range_m(double t) const { return d_m + t * rate_d; }
   double height_m(double t) const { return h_m + t * rate_h; }
@@ -59,7 +64,8 @@ class SweepPlane {
  public:
   /// bearing: sin and cos of the world angle. Starts at from_m, where `horizon` stands for all that is
   /// nearer; `spans` are the footprints that the plane crosses (those that end before from_m are ignored).
-  /// Cells are marched whole, none that begins beyond reach_m.
+  /// Cells are marched whole, none that begins beyond reach_m and all footprints: a wall that begins in the
+  /// swath may stand beyond it in this plane.
   SweepPlane(const World& world, const glm::dvec3& antenna_m, SinCos bearing, double from_m, double reach_m,
              const PlaneHorizon& horizon, std::vector<FootprintSpan> spans)
       : world_(&world),
@@ -147,7 +153,7 @@ class SweepPlane {
       const double steepness = std::sqrt(1 + slope_x * slope_x + slope_z * slope_z);
       sink.visible(VisiblePiece{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
                                 world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
-                                ground.j, false, 0, 0, false});
+                                ground.j, false, 0, 0, 0, 0, VisiblePiece::Foot::hidden});
     });
   }
 
@@ -160,11 +166,14 @@ class SweepPlane {
     const double base = step.base_y_m - antenna_m_.y;
     if (!(d > 0) || horizon_.hides(d, top)) return;
     const double low = horizon_.d_m > 0 ? std::max(base, horizon_.h_m / horizon_.d_m * d) : base;
+    const auto foot = !(horizon_.d_m > d - kTouching_m) ? VisiblePiece::Foot::hidden
+                      : horizon_.building               ? VisiblePiece::Foot::roof
+                                                        : VisiblePiece::Foot::ground;
     const WallPlane wall = wall_plane(step);
     if (low < top && wall.distance_m > 0)
       sink.visible(VisiblePiece{d, 0, 0, 1, low, top, wall.distance_m, step.wall,
                                 world_->buildings.list[step.building].material, false, 0, 0, true,
-                                wall.normal_x, wall.normal_z, horizon_.d_m > d - kTouching_m});
+                                wall.normal_x, wall.normal_z, wall.nearest_m, wall.farthest_m, foot});
     horizon_.raise(d, top, true);
   }
 
@@ -174,7 +183,7 @@ class SweepPlane {
     see(d0, d1, start, 0, true, [&](double from, double to) {
       const Building& building = world_->buildings.list[step.building];
       sink.visible(VisiblePiece{0, start, 1, 0, from, to, -start, building.first_face, building.material,
-                                false, 0, 0, false, 0, 0, false});
+                                false, 0, 0, false, 0, 0, 0, 0, VisiblePiece::Foot::hidden});
     });
   }
 
@@ -225,6 +234,8 @@ class SweepPlane {
     double distance_m;  // of the antenna; negative behind it
     double normal_x;    // unit, outwards
     double normal_z;
+    double nearest_m;  // ground distances of its nearest and its farthest point
+    double farthest_m;
   };
   /// Of the wall that a step begins with.
   WallPlane wall_plane(const RoofStep& step) const;
