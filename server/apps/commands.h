@@ -10,6 +10,7 @@ class App;
 namespace obliq {
 
 void add_render(CLI::App& app);      ///< one frame to files
+void add_frontier(CLI::App& app);    ///< time and error of every sampling
 void add_frustum(CLI::App& app);     ///< camera values and step sizes
 void add_explain(CLI::App& app);     ///< what each ingredient changes and costs
 void add_mesh(CLI::App& app);        ///< the traced triangles

@@ -48,6 +48,8 @@ Progress terminal_progress() {
   };
 }
 
+void say_on_terminal(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
+
 std::vector<std::string> world_report_lines(const World& world) {
   const HeightGrid& grid = world.grid;
   const LoadReport& report = world.report;
@@ -81,7 +83,7 @@ std::vector<std::string> world_report_lines(const World& world) {
 }
 
 void print_world_report(const World& world) {
-  for (const std::string& line : world_report_lines(world)) std::fprintf(stderr, "%s\n", line.c_str());
+  for (const std::string& line : world_report_lines(world)) say_on_terminal(line);
 }
 
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {

@@ -21,6 +21,9 @@ Pose place_radar(const World& world, const RadarConfig& radar);
 /// A progress line on stderr when it is a terminal; silent otherwise.
 Progress terminal_progress();
 
+/// One line on stderr.
+void say_on_terminal(const std::string& line);
+
 /// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.
 std::vector<std::string> world_report_lines(const World& world);
 

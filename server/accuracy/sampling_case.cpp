@@ -1,0 +1,114 @@
+#include "server/accuracy/sampling_case.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace obliq {
+namespace {
+
+constexpr int kPaperPixels = 2048;
+constexpr int kMostPixels = 16384;  // of frustum.pixel_columns and pixel_rows
+
+constexpr std::array kPlates{PlateKind::nearest, PlateKind::spread};
+
+class CaseList {
+ public:
+  explicit CaseList(double cell_m) : cell_m_(cell_m) {}
+
+  void add(FrustumKind kind, PlateKind plates, double columns, double rows) {
+    SamplingCase c{kind, plates, static_cast<int>(std::lround(columns)), static_cast<int>(std::lround(rows)),
+                   cell_m_};
+    const bool sweep = kind == FrustumKind::sweep;
+    if (c.columns < 1 || c.columns > kMostPixels || c.rows < (sweep ? 0 : 1) || c.rows > kMostPixels) return;
+    if (std::ranges::find(cases_, c) == cases_.end()) cases_.push_back(c);
+  }
+  std::vector<SamplingCase> take() { return std::move(cases_); }
+
+ private:
+  double cell_m_;
+  std::vector<SamplingCase> cases_;
+};
+
+std::vector<SamplingCase> all_samplings(const RadarSettings& settings, const FrontierRange& range,
+                                        double cell_m) {
+  CaseList list(cell_m);
+  std::vector<int> pixels = range.pixels;
+  std::ranges::sort(pixels);
+  for (const PlateKind plates : kPlates)
+    for (const int n : pixels) list.add(FrustumKind::symmetric, plates, n, n);
+  if (std::ranges::find(pixels, kPaperPixels) == pixels.end()) {
+    pixels.push_back(kPaperPixels);
+    std::ranges::sort(pixels);
+  }
+  for (const PlateKind plates : kPlates)
+    for (const int n : pixels) list.add(FrustumKind::oblique, plates, n, n);
+  for (const PlateKind plates : kPlates)
+    for (const double columns : range.per_azimuth)
+      for (const double rows : range.per_range)
+        list.add(FrustumKind::polar, plates, columns * settings.azimuth_bins, rows * settings.range_bins);
+  for (const double planes : range.sweeps)
+    list.add(FrustumKind::sweep, PlateKind::spread, planes * settings.azimuth_bins, 0);
+  return list.take();
+}
+
+/// What tells how much a coarser grid saves and costs.
+std::vector<SamplingCase> few_samplings(const RadarSettings& settings, const FrontierRange& range,
+                                        double cell_m) {
+  CaseList list(cell_m);
+  list.add(FrustumKind::oblique, PlateKind::spread, kPaperPixels, kPaperPixels);
+  if (!range.per_azimuth.empty() && !range.per_range.empty())
+    list.add(FrustumKind::polar, PlateKind::spread,
+             range.per_azimuth[range.per_azimuth.size() / 2] * settings.azimuth_bins,
+             range.per_range.front() * settings.range_bins);
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, range.sweeps.size()); ++k)
+    list.add(FrustumKind::sweep, PlateKind::spread, range.sweeps[k] * settings.azimuth_bins, 0);
+  return list.take();
+}
+
+}  // namespace
+
+SamplingCase paper_sampling(double cell_m) {
+  return {FrustumKind::oblique, PlateKind::nearest, kPaperPixels, kPaperPixels, cell_m};
+}
+
+RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling) {
+  settings.frustum = sampling.kind;
+  settings.plates = sampling.plates;
+  settings.pixel_columns = sampling.columns;
+  if (sampling.kind != FrustumKind::sweep) settings.pixel_rows = sampling.rows;
+  return settings;
+}
+
+std::string frustum_name(FrustumKind kind) {
+  switch (kind) {
+    case FrustumKind::symmetric:
+      return "symmetric";
+    case FrustumKind::oblique:
+      return "oblique";
+    case FrustumKind::polar:
+      return "polar";
+    default:
+      return "sweep";
+  }
+}
+
+std::string plates_name(PlateKind plates) { return plates == PlateKind::nearest ? "nearest" : "spread"; }
+
+std::string sampling_text(const SamplingCase& c) {
+  if (c.kind == FrustumKind::sweep) return "sweep " + std::to_string(c.columns);
+  return frustum_name(c.kind) + " " + std::to_string(c.columns) + " x " + std::to_string(c.rows) + " " +
+         plates_name(c.plates);
+}
+
+std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const FrontierRange& range) {
+  std::vector<SamplingCase> cases;
+  for (std::size_t k = 0; k < range.cells_m.size(); ++k) {
+    const auto more = k == 0 ? all_samplings(settings, range, range.cells_m[k])
+                             : few_samplings(settings, range, range.cells_m[k]);
+    cases.insert(cases.end(), more.begin(), more.end());
+  }
+  return cases;
+}
+
+}  // namespace obliq

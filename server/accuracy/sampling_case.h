@@ -1,0 +1,47 @@
+#pragma once
+// The samplings that a frontier compares.
+#include <string>
+#include <vector>
+
+#include "server/radar/settings.h"
+
+namespace obliq {
+
+/// One way to sample a frame, over ground of one cell size.
+struct SamplingCase {
+  FrustumKind kind = FrustumKind::oblique;
+  PlateKind plates = PlateKind::spread;  ///< means nothing to the sweep
+  int columns = 2048;                    ///< of pixels; the sweep's azimuths in the sector
+  int rows = 2048;                       ///< 0 for the sweep
+  double cell_m = 0;
+
+  bool operator==(const SamplingCase&) const = default;
+};
+
+/// The paper's setting: oblique, 2048 x 2048 pixels, each return in the bin of its centre.
+SamplingCase paper_sampling(double cell_m);
+inline bool is_paper_sampling(const SamplingCase& c) { return c == paper_sampling(c.cell_m); }
+
+RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling);
+
+/// As in a scene file: "symmetric", "oblique", "polar", "sweep"; "nearest", "spread".
+std::string frustum_name(FrustumKind kind);
+std::string plates_name(PlateKind plates);
+
+/// "oblique 2048 x 2048 nearest", "sweep 2048".
+std::string sampling_text(const SamplingCase& sampling);
+
+/// What a frontier goes over.
+struct FrontierRange {
+  std::vector<int> pixels{1024, 2048, 4096};   ///< on each side of the symmetric and the oblique frustum
+  std::vector<double> per_azimuth{1, 2, 4};    ///< polar columns per azimuth bin
+  std::vector<double> per_range{1, 2};         ///< polar rows per range bin
+  std::vector<double> sweeps{1, 2, 4, 8, 16};  ///< the sweep's azimuths per azimuth bin
+  std::vector<double> cells_m;                 ///< the first is the scene's: all samplings; others: a few
+};
+
+/// Every case once, grouped by cell in the order of cells_m, cheap ones first within a kind. The paper's
+/// setting over the scene's cell is always among them.
+std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const FrontierRange& range);
+
+}  // namespace obliq

@@ -1,0 +1,62 @@
+#pragma once
+// frontier.csv: one line for each sampling and part of the returns. Everything that is drawn or summed up is
+// read back from here, so that an interrupted run and a whole one give the same pictures.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "server/accuracy/measure_frame.h"
+#include "server/accuracy/sampling_case.h"
+
+namespace obliq {
+
+/// One line. Numbers are doubles throughout: the largest count, of rays, is far below 2^53.
+struct FrontierRow {
+  SamplingCase sampling;
+  Returns returns = Returns::all;
+  double frame_ms = 0;         ///< least of the repeats, all planes
+  double frame_median_ms = 0;  ///< median of the same
+  double bare_ms = 0;          ///< least, without the state plane
+  double bare_median_ms = 0;
+  double rays = 0;
+  double samples = 0;
+  double power_error = 0;  ///< E; this and the following as in BinErrors
+  double median_db = 0;
+  double percentile95_db = 0;
+  double mean_relative = 0;
+  double energy_error = 0;
+  double bins = 0;
+  double lit = 0;
+  double dark = 0;
+  double dont_care = 0;
+  double gaps = 0;
+  double gap_fraction = 0;
+  double false_light = 0;
+  double false_light_fraction = 0;  ///< of the dark bins
+  double false_light_energy = 0;    ///< of the truth's energy
+  double buildings_visible = 0;
+  double buildings_missed = 0;
+  double load = 0;           ///< the machine's, one minute, before the frames were timed
+  std::string not_possible;  ///< why this sampling cannot see the scene; the numbers are then 0
+
+  bool possible() const { return not_possible.empty(); }
+};
+
+/// "all", "terrain", "buildings".
+std::string returns_name(Returns returns);
+
+/// The lines of one sampling: one, or three where there are buildings.
+std::vector<FrontierRow> rows_of(const SamplingCase& sampling, const FrameMeasurement& measured, double load);
+FrontierRow impossible_row(const SamplingCase& sampling, const std::string& reason);
+
+std::string csv_header();
+std::string csv_line(const FrontierRow& row);
+
+/// Reads a table. A last line that was cut off is left out. Throws InputError that names file and line.
+std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path);
+
+/// The row of a sampling and part of the returns, or null.
+const FrontierRow* find_row(const std::vector<FrontierRow>& rows, const SamplingCase& sampling,
+                            Returns returns);
+
+}  // namespace obliq

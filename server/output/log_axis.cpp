@@ -1,0 +1,42 @@
+#include "server/output/log_axis.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/output/frontier_markdown.h"
+
+namespace obliq {
+namespace {
+constexpr double kAir = 1.18;  // factor between the outermost values and the axis' ends
+}
+
+LogAxis::LogAxis(const std::vector<double>& values, double least_decades) : low_(1), high_(1) {
+  if (!values.empty()) {
+    low_ = *std::ranges::min_element(values);
+    high_ = *std::ranges::max_element(values);
+  }
+  low_ /= kAir;
+  high_ *= kAir;
+  const double missing = least_decades - std::log10(high_ / low_);
+  if (missing > 0) {
+    low_ *= std::pow(10, -missing / 2);
+    high_ *= std::pow(10, missing / 2);
+  }
+}
+
+double LogAxis::place(double value) const { return std::log(value / low_) / std::log(high_ / low_); }
+
+std::vector<LogAxis::Tick> LogAxis::ticks(double factor, const char* unit) const {
+  const bool few = std::log10(high_ / low_) < 2;
+  std::vector<Tick> ticks;
+  for (int decade = static_cast<int>(std::floor(std::log10(low_))); std::pow(10, decade) <= high_; ++decade)
+    for (int k = 1; k <= 9; ++k) {
+      const double value = k * std::pow(10, decade);
+      if (value < low_ || value > high_) continue;
+      const bool labelled = k == 1 || (few && (k == 2 || k == 5));
+      ticks.push_back({value, labelled ? short_number(value * factor) + unit : ""});
+    }
+  return ticks;
+}
+
+}  // namespace obliq

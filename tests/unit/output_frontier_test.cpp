@@ -1,0 +1,172 @@
+// frontier.csv, its header, the comparison with the paper's setting, the pictures.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "server/output/frontier_comparison.h"
+#include "server/output/frontier_header.h"
+#include "server/output/frontier_markdown.h"
+#include "server/output/frontier_plot.h"
+#include "server/output/frontier_table.h"
+#include "server/output/log_axis.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+class Frontier : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("obliq_frontier_" + std::to_string(getpid()) + "_" +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+FrontierRow row(FrustumKind kind, int columns, double frame_ms, double error, double gaps,
+                PlateKind plates = PlateKind::spread) {
+  FrontierRow r;
+  r.sampling = {kind, plates, columns, kind == FrustumKind::sweep ? 0 : columns, 30};
+  r.frame_ms = frame_ms;
+  r.power_error = error;
+  r.median_db = error;
+  r.gap_fraction = gaps;
+  return r;
+}
+
+std::vector<FrontierRow> some_rows() {
+  return {row(FrustumKind::symmetric, 2048, 500, 1.2, 0.3, PlateKind::nearest),
+          row(FrustumKind::oblique, 2048, 400, 1.5, 0.4, PlateKind::nearest),
+          row(FrustumKind::polar, 1024, 150, 0.3, 0.2),
+          row(FrustumKind::polar, 2048, 390, 0.1, 0.05),
+          row(FrustumKind::polar, 4096, 1500, 0.01, 0.01),
+          row(FrustumKind::sweep, 1024, 30, 0.03, 0),
+          impossible_row({FrustumKind::oblique, PlateKind::spread, 4096, 4096, 30},
+                         "found \"this\", and that; allowed: other")};
+}
+
+TEST_F(Frontier, RowsComeBackFromTheTableToTheSameBits) {
+  FrontierRow r = row(FrustumKind::polar, 1024, 0.1 + 0.2, 1.0 / 3, 1e-17);
+  r.returns = Returns::buildings;
+  r.energy_error = -0.25;
+  r.rays = 4194304;
+  const auto path = folder_ / "frontier.csv";
+  const std::vector<FrontierRow> all = some_rows();
+  std::ofstream(path) << csv_header() << csv_line(r) << csv_line(all.back());
+  const auto back = read_frontier_csv(path);
+  ASSERT_EQ(back.size(), 2u);
+  EXPECT_EQ(back[0].sampling, r.sampling);
+  EXPECT_EQ(back[0].returns, Returns::buildings);
+  EXPECT_EQ(back[0].frame_ms, 0.1 + 0.2);
+  EXPECT_EQ(back[0].power_error, 1.0 / 3);
+  EXPECT_EQ(back[0].gap_fraction, 1e-17);
+  EXPECT_EQ(back[0].energy_error, -0.25);
+  EXPECT_EQ(back[0].rays, 4194304);
+  EXPECT_TRUE(back[0].possible());
+  EXPECT_EQ(back[1].not_possible, all.back().not_possible);  // with its quotes and its comma
+}
+
+TEST_F(Frontier, ALineThatWasCutOffIsLeftOutAndADamagedOneIsNamed) {
+  const auto path = folder_ / "frontier.csv";
+  const std::string line = csv_line(some_rows()[0]);
+  std::ofstream(path) << csv_header() << line << line.substr(0, line.size() / 2);
+  EXPECT_EQ(read_frontier_csv(path).size(), 1u);
+  std::ofstream(path) << csv_header() << "sweep,many,0\n" << line;
+  try {
+    read_frontier_csv(path);
+    FAIL() << "a damaged line was read";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("frontier.csv:2: "), std::string::npos) << e.what();
+  }
+  std::ofstream(path) << "something,else\n";
+  EXPECT_THROW(read_frontier_csv(path), InputError);
+}
+
+TEST_F(Frontier, TheComparisonTakesTheBestOfEachKindThatIsNoSlowerThanThePaper) {
+  const auto table = compare_with_paper(some_rows(), 30);
+  // The paper's own; symmetric, which has nothing as quick; polar: 4096 is better but slower than the
+  // paper's; the sweep.
+  ASSERT_EQ(table.size(), 4u);
+  EXPECT_TRUE(is_paper_sampling(table[0].row.sampling));
+  EXPECT_EQ(table[1].row.sampling.kind, FrustumKind::symmetric);
+  EXPECT_EQ(table[2].row.sampling.columns, 2048);
+  EXPECT_DOUBLE_EQ(table[2].time_ratio, 400.0 / 390);
+  EXPECT_DOUBLE_EQ(table[2].error_ratio, 15);
+  EXPECT_DOUBLE_EQ(table[2].gap_ratio, 8);
+  EXPECT_DOUBLE_EQ(table[3].error_ratio, 50);
+  EXPECT_EQ(table[3].gap_ratio, 0);  // none left
+  EXPECT_TRUE(compare_with_paper(some_rows(), 60).empty());
+}
+
+TEST_F(Frontier, TheHeaderComesBack) {
+  FrontierHeader h;
+  h.key = "00ff";
+  h.scene = "a \"scene\"";
+  h.truth = {64, 0.5, 0};
+  h.truth_checks = {{"E, all", 0.01, 0.2}};
+  write_frontier_header(folder_ / "frontier.json", h);
+  const auto back = read_frontier_header(folder_ / "frontier.json");
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->key, h.key);
+  EXPECT_EQ(back->scene, h.scene);
+  EXPECT_EQ(back->truth.planes_per_bin, 64);
+  EXPECT_EQ(back->truth.step_m, 0.5);
+  ASSERT_EQ(back->truth_checks.size(), 1u);
+  EXPECT_EQ(back->truth_checks[0].own, 0.01);
+  EXPECT_FALSE(read_frontier_header(folder_ / "none.json"));
+  std::ofstream(folder_ / "bad.json") << "{\"key\": 3}";
+  EXPECT_THROW(read_frontier_header(folder_ / "bad.json"), InputError);
+}
+
+TEST_F(Frontier, TheReportNamesWhatWasNotPossibleAndWhatWasNotHeld) {
+  FrontierHeader h;
+  h.scene_cell_m = 30;
+  h.truth_checks = {{"E, all", 0.1, 0.2}};
+  const std::string text = frontier_markdown(h, some_rows());
+  EXPECT_NE(text.find("oblique 4096 x 4096 spread, cell 30 m: found \"this\""), std::string::npos) << text;
+  EXPECT_NE(text.find("| E, all | 0.1 | 0.2 | NOT held |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| 15 x |"), std::string::npos) << text;
+}
+
+TEST_F(Frontier, PicturesAreWrittenEvenOfNothing) {
+  FrontierHeader h;
+  h.scene_cell_m = 30;
+  for (const auto& rows : {some_rows(), std::vector<FrontierRow>{}}) {
+    draw_frontier(folder_, h, rows);
+    std::stringstream svg;
+    svg << std::ifstream(folder_ / "frontier.svg").rdbuf();
+    EXPECT_NE(svg.str().find("</svg>"), std::string::npos);
+    EXPECT_EQ(svg.str().find("nan"), std::string::npos);
+    EXPECT_GT(std::filesystem::file_size(folder_ / "frontier.png"), 10000u);
+  }
+  EXPECT_THROW(draw_frontier(folder_ / "missing", h, {}), InputError);
+}
+
+TEST(ShortNumbers, HaveThreeDigits) {
+  EXPECT_EQ(short_number(0), "0");
+  EXPECT_EQ(short_number(1234.5), "1234");
+  EXPECT_EQ(short_number(0.012345), "0.0123");
+  EXPECT_EQ(short_number(-2.5), "-2.5");
+  EXPECT_EQ(percent_text(0.446), "44.6 %");
+}
+
+TEST(LogAxes, SpanTheirValuesAndLabelDecades) {
+  const LogAxis axis({0.01, 10}, 1);
+  EXPECT_GT(axis.place(0.01), 0);
+  EXPECT_LT(axis.place(10), 1);
+  EXPECT_NEAR(axis.place(std::sqrt(0.1)), 0.5, 1e-12);
+  std::string labels;
+  for (const auto& tick : axis.ticks(100, " %")) labels += tick.label.empty() ? "" : tick.label + ";";
+  EXPECT_EQ(labels, "1 %;10 %;100 %;1000 %;");
+  const LogAxis flat({5}, 2);
+  EXPECT_NEAR(flat.high() / flat.low(), 100, 1e-9);
+}
+
+}  // namespace
+}  // namespace obliq
