@@ -35,6 +35,21 @@ LonLat dem_centre(const TerrainSpec& terrain) {
   return DemMosaic(terrain).centre();
 }
 
+SourcePosting source_posting(const WorldSpec& spec) {
+  const GdalMessages quiet;
+  const WorldFrame frame = frame_of(spec);
+  Rect rect = wanted_area(spec, frame).rect;
+  SourcePosting source;
+  if (spec.terrain.synthetic == SyntheticKind::none) {
+    const DemMosaic mosaic(spec.terrain);
+    const Rect covered = mosaic.extent(frame);
+    rect = rect.empty() ? covered : rect.intersection(covered);
+    if (!rect.empty()) source.posting_m = mosaic.finest_posting_m(frame, rect);
+  }
+  if (!rect.empty()) source.area_m2 = (rect.x1_m - rect.x0_m) * (rect.z1_m - rect.z0_m);
+  return source;
+}
+
 World load_world(const WorldSpec& spec, const Progress& progress) {
   const GdalMessages quiet;  // what GDAL has to say is in our errors, or is about tags that we do not use
   World world;

@@ -48,6 +48,15 @@ struct World {
   }
 };
 
+/// How fine the ground of a scene can be.
+struct SourcePosting {
+  double posting_m = 0;  ///< between posts of the finest elevation model; 0: made-up ground, which has none
+  double area_m2 = 0;    ///< of the rectangle that would be loaded
+};
+
+/// Opens the elevation models without reading heights. Throws InputError.
+SourcePosting source_posting(const WorldSpec& spec);
+
 /// Longitude and latitude of the centre of the DEMs' union. Throws InputError that names the file.
 LonLat dem_centre(const TerrainSpec& terrain);
 

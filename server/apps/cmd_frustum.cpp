@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "server/apps/commands.h"
+#include "server/apps/meet_accuracy.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/radar/frame_plan.h"
@@ -145,7 +146,10 @@ void run(const FrustumArguments& arguments) {
   if (arguments.flat_check) return print_flat_check();
   if (arguments.scene.file.empty())
     throw InputError("frustum: found no scene file; allowed: SCENE, --flat-check or --figure6");
-  if (const auto config = open_scene(arguments.scene)) print_scene(*config, arguments);
+  if (auto config = open_scene(arguments.scene)) {
+    meet_accuracy(*config, say_on_terminal, terminal_progress());
+    print_scene(*config, arguments);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "server/apps/commands.h"
+#include "server/apps/meet_accuracy.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "terrain/errors.h"
@@ -97,9 +98,10 @@ void add_mesh(CLI::App& app) {
   add_scene_arguments(*command, "SCENE", *scene);
   command->add_option("--out", *out, "File to write")->type_name("FILE.ply");
   command->callback([scene, out] {
-    const auto config = open_scene(*scene);
+    auto config = open_scene(*scene);
     if (!config) return;
     if (out->empty()) throw InputError("mesh: --out: found nothing; allowed: a file to write");
+    meet_accuracy(*config, say_on_terminal, terminal_progress());
     write_ply(*load_world_with_report(*config), *out);
   });
 }

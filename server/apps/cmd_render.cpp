@@ -7,6 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/frame_report.h"
+#include "server/apps/meet_accuracy.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/output/describe_frame.h"
@@ -115,10 +116,11 @@ void add_render(CLI::App& app) {
   command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
       ->check(CLI::Range(0, 1024));
   command->callback([arguments] {
-    const auto config = open_scene(arguments->scene);
+    auto config = open_scene(arguments->scene);
     if (!config) return;
     if (arguments->out.empty())
       throw InputError("render: --out: found nothing; allowed: a folder for the files");
+    meet_accuracy(*config, say_on_terminal, terminal_progress());
     run(*config, *arguments);
   });
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/meet_accuracy.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/net/reserved_port.h"
@@ -104,9 +105,11 @@ void heed_signals_while_loading() {
   }
 }
 
-void serve(const SceneConfig& config) {
+void serve(SceneConfig config) {
   const net::ServerOptions options = options_of(config);
   net::ReservedPort port(options.address, options.port);
+  meet_accuracy(
+      config, [](const std::string& line) { spdlog::info("{}", line); }, log_progress());
   const net::SceneRenderer renderer(load_scene(config), config.name);
   for (const RadarConfig& radar : config.radars) check_radar(renderer, radar);
   net::Server server(renderer, config.radars, options, std::move(port));
@@ -141,8 +144,8 @@ int main(int argc, char** argv) {
   heed_signals_while_loading();
   try {
     app.parse(argc, argv);
-    const auto config = open_scene(arguments);
-    if (config) serve(*config);
+    auto config = open_scene(arguments);
+    if (config) serve(std::move(*config));
     std::cout.flush();
     return std::cout ? 0 : 1;
   } catch (const CLI::ParseError& e) {

@@ -1,6 +1,7 @@
 #include "server/apps/server_arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -9,6 +10,7 @@
 #include "server/control/complaints.h"
 #include "server/control/config_tree.h"
 #include "server/control/parameters.h"
+#include "server/control/quality_presets.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -100,7 +102,12 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
 
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar) {
   Complaints complaints;
-  for (const std::string& flag : flags) {
+  std::vector<std::string> ordered = flags;
+  std::ranges::stable_partition(ordered, [](const std::string& flag) {
+    return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
+  });
+  std::vector<ConfigNode> per_bin;  // pixels that wait for the bins
+  for (const std::string& flag : ordered) {
     const std::size_t equals = flag.find('=');
     if (equals == std::string::npos || equals == 0) {
       complaints.add("--set: found \"" + flag + "\"; allowed: KEY=VALUE, such as radar.r_max_m=37000");
@@ -108,14 +115,36 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
     }
     const std::string name = flag.substr(0, equals);
     const ConfigNode node = parse_config_value(std::string_view(flag).substr(equals + 1), "--set " + name);
-    // As in a scene file, frustum.pixels is one number or [columns, rows].
+    const auto set = [&](const std::string& key, const ConfigNode& value) {
+      std::erase_if(per_bin, [&](const ConfigNode& waiting) { return "frustum." + waiting.key == key; });
+      set_parameter(key, value, radar, complaints);
+    };
+    // The short forms, as in a scene file.
     if (name == "frustum.pixels") {
       const bool pair = node.kind == ConfigNode::Kind::array && node.items.size() == 2;
-      set_parameter("frustum.pixel_columns", pair ? node.items[0] : node, radar, complaints);
-      set_parameter("frustum.pixel_rows", pair ? node.items[1] : node, radar, complaints);
+      set("frustum.pixel_columns", pair ? node.items[0] : node);
+      set("frustum.pixel_rows", pair ? node.items[1] : node);
+    } else if (name == "frustum.quality") {
+      const auto* text = std::get_if<std::string>(&node.value);
+      const QualityPreset* preset = text != nullptr ? find_quality(*text) : nullptr;
+      if (preset == nullptr) {
+        complaints.add("--set", {name, node.found_text(), quality_names()});
+        continue;
+      }
+      for (const ConfigNode& expanded : quality_nodes(*preset, node)) {
+        if (expanded.per_bin > 0)
+          per_bin.push_back(expanded);
+        else
+          set("frustum." + expanded.key, expanded);
+      }
     } else {
-      set_parameter(name, node, radar, complaints);
+      set(name, node);
     }
+  }
+  for (const ConfigNode& waiting : per_bin) {
+    const bool columns = waiting.key == "pixel_columns";
+    (columns ? radar.settings.pixel_columns : radar.settings.pixel_rows) =
+        pixels_for_bins(waiting.per_bin, columns ? radar.settings.azimuth_bins : radar.settings.range_bins);
   }
   complaints.throw_if_any();
 }

@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "server/control/parameters.h"
+#include "server/control/quality_presets.h"
 #include "server/control/scene_keys.h"
 
 namespace obliq {
@@ -16,6 +17,7 @@ namespace {
 using Kind = ConfigNode::Kind;
 
 constexpr std::array<std::string_view, 3> kRadarSections{"antenna", "frustum", "bins"};
+constexpr std::string_view kQualityKey = "frustum.quality";
 
 /// frustum.pixels = 512 or [512, 256] becomes pixel_columns and pixel_rows. What is neither stays, and the
 /// reader refuses it.
@@ -36,6 +38,27 @@ void split_pixels(ConfigNode& holder) {
   sides[1].key = "pixel_rows";
   std::erase_if(frustum->items, [](const ConfigNode& n) { return n.key == "pixels"; });
   for (ConfigNode& side : sides) frustum->items.push_back(std::move(side));
+}
+
+/// frustum.quality = "draft" becomes the keys that it stands for, where the same table does not name them
+/// itself. What is no preset stays, and the reader refuses it.
+void expand_quality(ConfigNode& holder) {
+  ConfigNode* frustum = holder.find("frustum");
+  if (frustum == nullptr || frustum->kind != Kind::table) return;
+  const ConfigNode* found = frustum->find("quality");
+  const auto* name = found != nullptr ? std::get_if<std::string>(&found->value) : nullptr;
+  const QualityPreset* preset = name != nullptr && found->kind == Kind::value ? find_quality(*name) : nullptr;
+  if (preset == nullptr) return;
+  const ConfigNode quality = *found;
+  std::erase_if(frustum->items, [](const ConfigNode& n) { return n.key == "quality"; });
+  for (ConfigNode& node : quality_nodes(*preset, quality))
+    if (frustum->find(node.key) == nullptr) frustum->items.push_back(std::move(node));
+}
+
+/// The short forms of one layer, written out.
+void expand_frustum(ConfigNode& holder) {
+  split_pixels(holder);
+  expand_quality(holder);
 }
 
 /// The tables of the radars: [radar], or each [[radar]]. One is made where there is none.
@@ -100,12 +123,68 @@ std::vector<std::string> keys_for_environment() {
   return keys;
 }
 
+/// A flag's key without the radar's name.
+std::string key_of_flag(const std::string& flag) {
+  const std::string key = flag.substr(0, flag.find('='));
+  const std::size_t colon = key.rfind(':');
+  return colon == std::string::npos ? key : key.substr(colon + 1);
+}
+
+/// The variables of this process, that of the quality first: a key of its own beats it.
+std::vector<std::string> environment() {
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) variables.emplace_back(*variable);
+  const std::string quality = variable_name(kQualityKey) + "=";
+  std::ranges::stable_partition(variables,
+                                [&](const std::string& text) { return text.starts_with(quality); });
+  return variables;
+}
+
+/// Gives every number of pixels that depends on the bins its value, in each radar's own table.
+void settle_pixels(ConfigNode& root) {
+  struct Side {
+    std::string_view pixels;
+    std::string_view bins;
+    int default_bins;
+  };
+  const RadarSettings defaults;
+  for (const Side& side : {Side{"pixel_columns", "azimuth", defaults.azimuth_bins},
+                           Side{"pixel_rows", "range", defaults.range_bins}}) {
+    for (ConfigNode* radar : radar_tables(root)) {
+      const auto effective = [&](std::string_view section, std::string_view key) -> const ConfigNode* {
+        for (const ConfigNode* holder :
+             {const_cast<const ConfigNode*>(radar), const_cast<const ConfigNode*>(&root)}) {
+          const ConfigNode* table = holder->find(section);
+          const ConfigNode* node =
+              table != nullptr && table->kind == Kind::table ? table->find(key) : nullptr;
+          if (node != nullptr) return node;
+        }
+        return nullptr;
+      };
+      const ConfigNode* pixels = effective("frustum", side.pixels);
+      if (pixels == nullptr || !(pixels->per_bin > 0)) continue;
+      const ConfigNode* bins = effective("bins", side.bins);
+      const auto* given = bins != nullptr ? std::get_if<std::int64_t>(&bins->value) : nullptr;
+      const int n = given != nullptr ? static_cast<int>(std::clamp<std::int64_t>(*given, 1, 1 << 14))
+                                     : side.default_bins;
+      ConfigNode settled = *pixels;
+      settled.per_bin = 0;
+      settled.value = std::int64_t{pixels_for_bins(pixels->per_bin, n)};
+      merge(*radar, nest("frustum." + std::string(side.pixels), std::move(settled)));
+    }
+    // What all radars shared, each has now.
+    if (ConfigNode* frustum = root.find("frustum"))
+      std::erase_if(frustum->items,
+                    [&](const ConfigNode& n) { return n.key == side.pixels && n.per_bin > 0; });
+  }
+}
+
 void apply_environment(ConfigNode& root, Complaints& complaints) {
   const std::vector<std::string> keys = keys_for_environment();
   std::vector<std::string> names;
   for (const std::string& key : keys) names.push_back(variable_name(key));
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    const std::string_view text(*variable);
+  for (const std::string& variable : environment()) {
+    const std::string_view text(variable);
     const std::size_t equals = text.find('=');
     const std::string name(text.substr(0, equals));
     // OBLIQ_ alone is not ours to claim: only names that begin like one of our sections.
@@ -122,7 +201,7 @@ void apply_environment(ConfigNode& root, Complaints& complaints) {
     }
     const std::string& key = keys[static_cast<std::size_t>(known - names.begin())];
     ConfigNode patch = nest(key, parse_config_value(text.substr(equals + 1), "environment " + name));
-    split_pixels(patch);
+    expand_frustum(patch);
     lay_over(root, patch, "");
   }
 }
@@ -141,7 +220,7 @@ void apply_flag(ConfigNode& root, const std::string& flag, Complaints& complaint
     return;
   }
   ConfigNode patch = nest(key, parse_config_value(std::string_view(flag).substr(equals + 1), "--set " + key));
-  split_pixels(patch);
+  expand_frustum(patch);
   if (!lay_over(root, patch, only_radar))
     complaints.add("--set", {key, "a radar named " + toml_string(only_radar),
                              "a radar of the scene file and a radar parameter"});
@@ -150,10 +229,15 @@ void apply_flag(ConfigNode& root, const std::string& flag, Complaints& complaint
 }  // namespace
 
 void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Complaints& complaints) {
-  split_pixels(root);
-  for (ConfigNode* table : radar_tables(root)) split_pixels(*table);
+  expand_frustum(root);
+  for (ConfigNode* table : radar_tables(root)) expand_frustum(*table);
   apply_environment(root, complaints);
-  for (const std::string& flag : flags) apply_flag(root, flag, complaints);
+  std::vector<std::string> ordered = flags;
+  std::ranges::stable_partition(ordered, [](const std::string& flag) {
+    return key_of_flag(flag) == kQualityKey;  // first, so that a key of its own wins wherever it stands
+  });
+  for (const std::string& flag : ordered) apply_flag(root, flag, complaints);
+  settle_pixels(root);
 }
 
 }  // namespace obliq

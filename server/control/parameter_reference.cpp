@@ -2,6 +2,7 @@
 
 #include "server/control/material_library.h"
 #include "server/control/parameters.h"
+#include "server/control/quality_presets.h"
 #include "server/control/scene_keys.h"
 
 namespace obliq {
@@ -56,6 +57,29 @@ std::string material_rows() {
             cell(toml_number(to_db(m.gamma))) + "\n";
   }
   return text;
+}
+
+std::string pixels_cell(int fixed, double per_bin, const char* bins) {
+  return fixed > 0 ? std::to_string(fixed) : toml_number(per_bin) + " x " + bins;
+}
+
+std::string quality_page() {
+  std::string page =
+      "\n## Quality\n\n"
+      "`frustum.quality` sets several keys at once, in a file, a variable or a flag; keys that the same file "
+      "or "
+      "the same\ncommand line names itself win. Pixels that go with the bins end at 16384. A scene that "
+      "names "
+      "nothing of this keeps\nthe oblique frustum with 2048 x 2048 pixels, spread over the bins that they "
+      "cover."
+      "\n\n| quality | kind | plates | pixel_columns | pixel_rows | for | measured "
+      "|\n|---|---|---|---|---|---|---|\n";
+  for (const QualityPreset& p : quality_presets())
+    page += "|" + cell(code(p.name)) + cell(std::string(p.kind)) + cell(std::string(p.plates)) +
+            cell(pixels_cell(p.columns, p.columns_per_bin, "azimuth bins")) +
+            cell(pixels_cell(p.rows, p.rows_per_bin, "range bins")) + cell(std::string(p.meaning)) +
+            cell(std::string(p.measured)) + "\n";
+  return page;
 }
 
 std::string scene_pages() {
@@ -122,7 +146,7 @@ std::string parameters_markdown() {
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";
-  return page + scene_pages();
+  return page + quality_page() + scene_pages();
 }
 
 }  // namespace obliq

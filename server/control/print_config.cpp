@@ -140,7 +140,8 @@ std::string print_config(const SceneConfig& config) {
   return "# Scene " + toml_string(config.name) +
          ", complete. Live: changes with the next frame. Restart: read once, at start.\n" + terrain(config) +
          header("earth") + section("earth.", config) + sources(config) + radars(config) + materials(config) +
-         header("run") + section("run.", config) + header("server") + section("server.", config);
+         header("accuracy") + section("accuracy.", config) + header("run") + section("run.", config) +
+         header("server") + section("server.", config);
 }
 
 }  // namespace obliq

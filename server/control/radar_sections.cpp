@@ -4,6 +4,7 @@
 #include <map>
 
 #include "server/control/parameters.h"
+#include "server/control/quality_presets.h"
 #include "server/control/scene_sections.h"
 
 namespace obliq {
@@ -34,6 +35,8 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
     if (const ConfigNode* pixels = reader.take("pixels"))
       reader.complain(*pixels, "pixels",
                       "integer 1 to 16384, or [columns, rows]; not beside pixel_columns and pixel_rows");
+    if (const ConfigNode* quality = reader.take("quality"))
+      reader.complain(*quality, "quality", quality_names());
   }
 }
 

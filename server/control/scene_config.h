@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "server/control/accuracy_wish.h"
 #include "server/control/radar_config.h"
 #include "server/control/server_config.h"
 #include "server/scene/materials.h"
@@ -19,6 +20,8 @@ struct SceneConfig {
   std::vector<RadarConfig> radars;  ///< at least one; valid; names differ
   int threads = 0;                  ///< 0: all cores
   ServerConfig server;
+  AccuracyWish
+      accuracy;  ///< what the pixels and the cell size are to be chosen by (server/apps/meet_accuracy.h)
 };
 
 }  // namespace obliq

@@ -1,4 +1,4 @@
-// [terrain], [earth], [run], [server], [materials.*], [[buildings]], [[prisms]], [[surfaces]].
+// [terrain], [earth], [accuracy], [run], [server], [materials.*], [[buildings]], [[prisms]], [[surfaces]].
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -193,7 +193,7 @@ void read_scene_entries(SceneReading& reading) {
   no_terrain.where = reading.config.path.string();
   // radius_factor stays NaN when nobody sets it; its default depends on the terrain.
   reading.config.world.radius_factor = std::numeric_limits<double>::quiet_NaN();
-  for (const std::string section : {"earth", "run", "server"}) {
+  for (const std::string section : {"earth", "accuracy", "run", "server"}) {
     reading.top.one_table(section, [&](const ConfigNode& table) {
       SectionReader reader(table, section, reading.complaints);
       read_entries(reader, section + ".", reading.config);

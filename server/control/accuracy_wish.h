@@ -1,0 +1,16 @@
+#pragma once
+#include <cmath>
+#include <limits>
+
+namespace obliq {
+
+/// [accuracy] of a scene file: how wrong the user's frames may be. Cell size and pixels then follow from it.
+struct AccuracyWish {
+  double max_power_error_db =
+      std::numeric_limits<double>::infinity();  ///< median |10 log10 P/T|; infinity: any
+  double max_gap_fraction = 1;                  ///< of the lit bins, 0..1; 1: any
+
+  bool asks() const { return std::isfinite(max_power_error_db) || max_gap_fraction < 1; }
+};
+
+}  // namespace obliq

@@ -1,0 +1,62 @@
+#include "server/control/quality_presets.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace obliq {
+namespace {
+
+constexpr double kMostPixels = 16384;  // the limit of frustum.pixel_columns and pixel_rows
+
+constexpr std::array kPresets{
+    QualityPreset{"paper", "oblique", "nearest", 2048, 2048, 0, 0,
+                  "The paper's own sampling, bit for bit: to compare with it.", ""},
+    QualityPreset{"draft", "sweep", "spread", 0, 0, 1, 1, "Quickest: for a picture that follows the hand.",
+                  ""},
+    QualityPreset{"standard", "sweep", "spread", 0, 0, 2, 1, "For everyday use.", ""},
+    QualityPreset{"reference", "sweep", "spread", 0, 0, 8, 2, "To judge the others by.", ""},
+};
+
+ConfigNode text_node(std::string_view key, std::string_view text, const ConfigNode& quality) {
+  ConfigNode node = quality;
+  node.key = key;
+  node.value = std::string(text);
+  node.raw.clear();
+  return node;
+}
+
+ConfigNode pixel_node(std::string_view key, int pixels, double per_bin, const ConfigNode& quality) {
+  ConfigNode node = text_node(key, "", quality);
+  node.value = std::int64_t{pixels};
+  node.per_bin = pixels > 0 ? 0 : per_bin;
+  return node;
+}
+
+}  // namespace
+
+std::span<const QualityPreset> quality_presets() { return kPresets; }
+
+const QualityPreset* find_quality(std::string_view name) {
+  const auto found = std::ranges::find(kPresets, name, &QualityPreset::name);
+  return found != kPresets.end() ? &*found : nullptr;
+}
+
+std::string quality_names() {
+  std::string names;
+  for (const QualityPreset& preset : kPresets)
+    names += (names.empty() ? "\"" : " | \"") + std::string(preset.name) + "\"";
+  return names;
+}
+
+std::vector<ConfigNode> quality_nodes(const QualityPreset& preset, const ConfigNode& quality) {
+  return {text_node("kind", preset.kind, quality), text_node("plates", preset.plates, quality),
+          pixel_node("pixel_columns", preset.columns, preset.columns_per_bin, quality),
+          pixel_node("pixel_rows", preset.rows, preset.rows_per_bin, quality)};
+}
+
+int pixels_for_bins(double per_bin, int bins) {
+  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, kMostPixels)));
+}
+
+}  // namespace obliq

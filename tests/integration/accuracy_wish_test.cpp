@@ -1,0 +1,103 @@
+// [accuracy]: pixels and cell size that follow from the error a user allows.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+
+#include "tests/integration/daemon.h"
+
+namespace obliq {
+namespace {
+
+using test::TestFolder;
+using test::text_of;
+
+constexpr const char* kScene =
+    "[terrain]\nsynthetic = \"hills\"\n[terrain.shape]\nheight_m = 300.0\n[antenna]\nheight_m = 900.0\n"
+    "[radar]\nsector_deg = 40.0\nr_min_m = 1500.0\nr_max_m = 4000.0\n[bins]\nazimuth = 16\nrange = 32\n";
+
+class AccuracyWish : public testing::Test {
+ protected:
+  test::Outcome render(std::vector<std::string> set) const {
+    std::vector<std::string> arguments{"render", folder_.write("scene.toml", kScene), "--out",
+                                       (folder_ / "files").string()};
+    for (std::string& flag : set) {
+      arguments.emplace_back("--set");
+      arguments.push_back(std::move(flag));
+    }
+    return test::run_program(OBLIQ_PROGRAM, arguments, folder_.path());
+  }
+
+  /// The number behind some words of a text; -1 when they are not there.
+  static double number_after(const std::string& text, const std::string& words) {
+    std::smatch found;
+    return std::regex_search(text, found, std::regex(words + "([0-9.]+)")) ? std::stod(found[1]) : -1;
+  }
+
+  TestFolder folder_;
+};
+
+TEST_F(AccuracyWish, WhatIsAskedIsMetForEveryKindAndToldWithItsMeasure) {
+  for (const std::string kind : {"oblique", "polar", "sweep"}) {
+    const auto run =
+        render({"frustum.kind=" + kind, "accuracy.max_power_error_db=0.3", "accuracy.max_gap_fraction=0.02"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const double median_db = number_after(run.err, "median error ");
+    EXPECT_GT(median_db, 0) << run.err;
+    EXPECT_LE(median_db, 0.3) << run.err;
+    EXPECT_LE(number_after(run.err, " dB, gaps "), 2) << run.err;  // percent
+    EXPECT_NE(run.err.find("accuracy: radar \"main\": " + kind + " "), std::string::npos) << run.err;
+    // What was chosen is what was rendered.
+    const double columns = number_after(run.err, "accuracy: radar \"main\": " + kind + " ");
+    const std::string json = text_of(folder_ / "files" / "frame.json");
+    EXPECT_EQ(number_after(json, "\"pixel_columns\": "), columns) << json;
+    EXPECT_NE(
+        run.err.find("posts of " + std::to_string(static_cast<int>(number_after(run.err, "over cells of ")))),
+        std::string::npos)
+        << run.err;
+  }
+}
+
+TEST_F(AccuracyWish, AskingForMoreTakesMore) {
+  const auto columns = [&](const std::string& limit_db) {
+    const auto run = render({"frustum.kind=oblique", "bins.azimuth=128", "bins.range=128",
+                             "accuracy.max_power_error_db=" + limit_db});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return number_after(run.err, "oblique ");
+  };
+  EXPECT_LT(columns("1.5"), columns("0.1"));
+}
+
+TEST_F(AccuracyWish, ACellSizeOfTheUsersOwnStays) {
+  const auto run = render({"frustum.kind=sweep", "terrain.cell_m=48", "accuracy.max_power_error_db=3"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(number_after(run.err, "over cells of "), 48) << run.err;
+}
+
+TEST_F(AccuracyWish, WhatCannotBeMetIsRefusedWithTheBestThatWasReached) {
+  // A grid of 400 m cells is metres off the hills whatever the sampling.
+  const auto run = render({"frustum.kind=sweep", "terrain.cell_m=400", "accuracy.max_power_error_db=0.0001"});
+  EXPECT_NE(run.code, 0);
+  EXPECT_NE(run.err.find("max_power_error_db = 0.0001; allowed: at best a median error of "),
+            std::string::npos)
+      << run.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "files" / "bins.npy"));
+}
+
+TEST_F(AccuracyWish, NothingAskedMeasuresNothing) {
+  const auto run = render({"frustum.pixels=64"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.err.find("accuracy"), std::string::npos) << run.err;
+}
+
+TEST_F(AccuracyWish, TheDaemonSaysWhatItChose) {
+  const std::string scene = folder_.write("scene.toml", kScene);
+  const test::Daemon daemon({"--config", scene, "--port", "0", "--set", "frustum.quality=draft", "--set",
+                             "accuracy.max_power_error_db=1"},
+                            folder_.path());
+  ASSERT_FALSE(daemon.address().empty()) << daemon.log();
+  EXPECT_NE(daemon.log().find("accuracy: radar \"main\": sweep "), std::string::npos) << daemon.log();
+}
+
+}  // namespace
+}  // namespace obliq
