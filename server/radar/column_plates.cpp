@@ -52,6 +52,8 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
       add_roof_stretches(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z,
                          found.roofs);
     make_disjoint(found.roofs);
+    found.buildings = ColumnBuildings(plan_, found.azimuth_bin, ahead.x, ahead.z,
+                                      plan_.sector().width_rad / plan_.settings().pixel_columns);
   }
   return found;
 }
@@ -76,10 +78,7 @@ void ColumnPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit
   Pixel& last = here.last;
   const bool neighbours = last.row == next.row - 1;
   if (neighbours && last.hit && next.hit) {
-    visible_.clear();
-    const double answered = walk_out(surface_, last.point, next.point.slope, next.point.d_m, visible_);
-    if (answered < next.point.slope) walk_in(surface_, next.point, answered, last.point.d_m, visible_);
-    for (const PlanePiece& piece : visible_) share_out(piece, edge, last.plate, next.plate);
+    fill_between(here, last, next, edge);
     close(here, samples);
   } else {
     close_upwards(here, samples);
@@ -92,17 +91,55 @@ void ColumnPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit
   std::swap(last, next);
 }
 
+/// What is visible between two neighbouring rays: in the column's own plane, or, where buildings stand, in a
+/// plane for each stretch of the column between their corners.
+void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope) {
+  column.buildings.strands_between(below.point.slope, above.point.slope, plan_.bins().range_spacing_m,
+                                   strands_);
+  if (strands_.empty()) {
+    walk_between(below.point, above.point, above.point.d_m, 1, edge_slope, below.plate, above.plate);
+    return;
+  }
+  const Buildings& all = plan_.scene().world().buildings;
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  for (const BuildingStrand& strand : strands_) {
+    strand_roofs_.clear();
+    for (const std::uint32_t b : column.buildings.between())
+      add_roof_stretches(all, b, antenna.x, antenna.z, strand.sin_bearing, strand.cos_bearing, strand_roofs_);
+    make_disjoint(strand_roofs_);
+    surface_.aim(strand.sin_bearing, strand.cos_bearing, strand_roofs_);
+    // The building may stand nearer than what the lower ray met beside it.
+    SightPoint from = below.point;
+    if (column.buildings.nearest_between_m() < from.d_m) {
+      from.d_m = column.buildings.nearest_between_m();
+      from.h_m = from.slope * from.d_m;
+    }
+    // What the upper ray met need not be there, so the walk may have to go beyond it.
+    walk_between(from, above.point, kInfinity, strand.weight, edge_slope, below.plate, above.plate);
+  }
+  surface_.aim(column.sin_bearing, column.cos_bearing, column.roofs);
+}
+
+void ColumnPlates::walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,
+                                double edge_slope, Plate& below, Plate& above) {
+  visible_.clear();
+  const double answered = walk_out(surface_, from, to.slope, to_d_m, visible_);
+  if (answered < to.slope) walk_in(surface_, to, answered, from.d_m, visible_);
+  for (const PlanePiece& piece : visible_) share_out(piece, weight, edge_slope, below, above);
+}
+
 /// Splits a piece at the elevation between two pixels.
-void ColumnPlates::share_out(const PlanePiece& piece, double edge_slope, Plate& below, Plate& above) const {
-  const double low = piece.near_slope();
-  const double high = piece.far_slope();
+void ColumnPlates::share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below,
+                             Plate& above) const {
+  const double low = piece.near_slope;
+  const double high = piece.far_slope;
   if (high <= edge_slope) {
-    below.add(plan_.bins(), piece);
+    below.add(plan_.bins(), piece, weight);
   } else if (low >= edge_slope) {
-    above.add(plan_.bins(), piece);
+    above.add(plan_.bins(), piece, weight);
   } else {
-    below.add(plan_.bins(), piece.between_slopes(low, edge_slope));
-    above.add(plan_.bins(), piece.between_slopes(edge_slope, high));
+    below.add(plan_.bins(), piece.between_slopes(low, edge_slope), weight);
+    above.add(plan_.bins(), piece.between_slopes(edge_slope, high), weight);
   }
 }
 

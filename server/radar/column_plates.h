@@ -1,6 +1,7 @@
 #pragma once
 #include <deque>
 
+#include "server/radar/column_buildings.h"
 #include "server/radar/plate_spreader.h"
 #include "server/radar/sight_walk.h"
 
@@ -27,12 +28,16 @@ class ColumnPlates : public PlateSpreader {
     int azimuth_bin = 0;
     double sin_bearing = 0;
     double cos_bearing = 1;
-    std::vector<RoofStretch> roofs;
+    std::vector<RoofStretch> roofs;  // in the column's own plane
+    ColumnBuildings buildings;
     Pixel last;  // the newest row's; it is complete when the next row's has come
   };
 
   Column& column(const RayBatch& rays, std::size_t k);
-  void share_out(const PlanePiece& piece, double edge_slope, Plate& below, Plate& above) const;
+  void fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope);
+  void walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,
+                    double edge_slope, Plate& below, Plate& above);
+  void share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below, Plate& above) const;
   void close_upwards(Column& column, std::vector<Sample>& samples);
   void close(Column& column, std::vector<Sample>& samples);
 
@@ -44,6 +49,8 @@ class ColumnPlates : public PlateSpreader {
   int first_column_ = 0;
   Pixel next_;  // its buffers go round
   std::vector<PlanePiece> visible_;
+  std::vector<BuildingStrand> strands_;
+  std::vector<RoofStretch> strand_roofs_;
 };
 
 }  // namespace obliq

@@ -15,15 +15,17 @@ PlanePiece PlanePiece::between_slopes(double low, double high) const {
   const double dd = far_d_m - near_d_m;
   const double dh = far_h_m - near_h_m;
   // On the piece, h - slope d = 0 at t = (slope d0 - h0) / (dh - slope dd).
-  if (low > near_slope()) {
+  if (low > near_slope) {
     const double t = std::clamp((low * near_d_m - near_h_m) / (dh - low * dd), 0.0, 1.0);
     part.near_d_m = near_d_m + t * dd;
     part.near_h_m = near_h_m + t * dh;
+    part.near_slope = low;
   }
-  if (high < far_slope()) {
+  if (high < far_slope) {
     const double t = std::clamp((high * near_d_m - near_h_m) / (dh - high * dd), 0.0, 1.0);
     part.far_d_m = near_d_m + t * dd;
     part.far_h_m = near_h_m + t * dh;
+    part.far_slope = high;
   }
   return part;
 }
@@ -34,6 +36,7 @@ PlanePiece PlanePiece::nearer_than(double d_m) const {
     const double t = std::clamp((d_m - near_d_m) / (far_d_m - near_d_m), 0.0, 1.0);
     part.far_d_m = near_d_m + t * (far_d_m - near_d_m);
     part.far_h_m = near_h_m + t * (far_h_m - near_h_m);
+    part.far_slope = part.far_h_m / part.far_d_m;
   }
   return part;
 }
@@ -41,6 +44,7 @@ PlanePiece PlanePiece::nearer_than(double d_m) const {
 PlaneSurface::PlaneSurface(const World& world, const glm::dvec3& antenna_m)
     : world_(world),
       antenna_m_(antenna_m),
+      over_cell_m_(1 / world.grid.cell_m),
       start_u_((antenna_m.x - world.grid.x0_m) / world.grid.cell_m),
       start_v_((antenna_m.z - world.grid.z0_m) / world.grid.cell_m) {}
 
@@ -50,8 +54,8 @@ void PlaneSurface::aim(double sin_bearing, double cos_bearing, const std::vector
   cos_bearing_ = cos_bearing;
   per_x_ = sin_bearing != 0 ? 1 / sin_bearing : kInfinity;
   per_z_ = cos_bearing != 0 ? 1 / cos_bearing : kInfinity;
-  rate_u_ = sin_bearing / world_.grid.cell_m;
-  rate_v_ = cos_bearing / world_.grid.cell_m;
+  rate_u_ = sin_bearing * over_cell_m_;
+  rate_v_ = cos_bearing * over_cell_m_;
 }
 
 PlaneSurface::Cell PlaneSurface::cell_at(double d_m) const {
@@ -121,9 +125,9 @@ void PlaneSurface::add_triangle(const Cell& cell, bool upper, double d0, double 
       base + per_u * (start_u_ - (cell.i + corner)) + per_v * (start_v_ - (cell.j + corner)) - antenna_m_.y;
   ground_rise_ = per_u * rate_u_ + per_v * rate_v_;
   PlanePiece ground;
-  const double over_cell2 = 1 / (grid.cell_m * grid.cell_m);
-  ground.normal_up = 1 / std::sqrt(1 + (per_u * per_u + per_v * per_v) * over_cell2);
-  ground.normal_along = -ground_rise_ * ground.normal_up;
+  const double over_cell2 = over_cell_m_ * over_cell_m_;
+  ground.normal_along = -ground_rise_;
+  ground.normal_length2 = 1 + (per_u * per_u + per_v * per_v) * over_cell2;
   ground.material = world_.material_of_cell(cell.i, cell.j);
   if (stretches_->empty()) {
     add_ground(ground, d0, d1);
@@ -134,10 +138,7 @@ void PlaneSurface::add_triangle(const Cell& cell, bool upper, double d0, double 
 
 void PlaneSurface::add_ground(const PlanePiece& ground, double d0, double d1) {
   PlanePiece& piece = pieces_.emplace_back(ground);
-  piece.near_d_m = d0;
-  piece.near_h_m = ground_start_m_ + ground_rise_ * d0;
-  piece.far_d_m = d1;
-  piece.far_h_m = ground_start_m_ + ground_rise_ * d1;
+  piece.set_ends(d0, ground_start_m_ + ground_rise_ * d0, d1, ground_start_m_ + ground_rise_ * d1);
 }
 
 /// Ground from d0 to d1, replaced by roofs that stand above it.
@@ -157,9 +158,7 @@ void PlaneSurface::add_with_roofs(const PlanePiece& ground, double d0, double d1
       const double high = roof->roof_y_m - antenna_m_.y;
       if (high > low) {
         PlanePiece& wall = pieces_.emplace_back();
-        wall.near_d_m = wall.far_d_m = begin;
-        wall.near_h_m = low;
-        wall.far_h_m = high;
+        wall.set_ends(begin, low, begin, high);
         wall.normal_along = roof->wall_normal_along;
         wall.normal_up = 0;
         wall.face = roof->near_wall;
@@ -196,9 +195,7 @@ void PlaneSurface::add_flat_roof(const RoofStretch& roof, double d0, double d1) 
   if (!(d1 > d0)) return;
   const double h = roof.roof_y_m - antenna_m_.y;
   PlanePiece& piece = pieces_.emplace_back();
-  piece.near_d_m = d0;
-  piece.far_d_m = d1;
-  piece.near_h_m = piece.far_h_m = h;
+  piece.set_ends(d0, h, d1, h);
   piece.face = world_.buildings.list[roof.building].first_face;
   piece.material = world_.buildings.list[roof.building].material;
 }

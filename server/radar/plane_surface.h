@@ -15,13 +15,22 @@ namespace obliq {
 struct PlanePiece {
   double near_d_m = 0, near_h_m = 0;
   double far_d_m = 0, far_h_m = 0;
-  double normal_along = 0;  ///< components of the surface's unit normal: outwards in the plane,
+  double near_slope = 0;  ///< tangents of the ends' elevations; -inf at the nadir
+  double far_slope = 0;
+  double normal_along = 0;  ///< components of the surface's normal: outwards in the plane,
   double normal_up = 1;     ///< and up; the third one is never needed, directions lie in the plane
+  double normal_length2 = 1;
   std::uint32_t face = kNoFace;
   std::uint8_t material = 0;
 
-  double near_slope() const { return near_h_m / near_d_m; }  ///< tangent of the elevation; -inf at the nadir
-  double far_slope() const { return far_h_m / far_d_m; }
+  void set_ends(double near_d, double near_h, double far_d, double far_h) {
+    near_d_m = near_d;
+    near_h_m = near_h;
+    far_d_m = far_d;
+    far_h_m = far_h;
+    near_slope = near_h / near_d;
+    far_slope = far_h / far_d;
+  }
   /// The part between two slopes, near_slope <= low <= high <= far_slope.
   PlanePiece between_slopes(double low, double high) const;
   /// The part that is nearer than a distance between its ends.
@@ -83,6 +92,7 @@ class PlaneSurface {
   const World& world_;
   const std::vector<RoofStretch>* stretches_ = nullptr;
   glm::dvec3 antenna_m_;
+  double over_cell_m_;
   double start_u_, start_v_;  // the antenna, in cells from node (0, 0)
   double sin_bearing_ = 0, cos_bearing_ = 1;
   double per_x_ = 0, per_z_ = 1;    // ground distance a metre of x or z; infinite along the other axis

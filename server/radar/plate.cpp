@@ -15,65 +15,71 @@ int bin_or_outside(const BinGrid& bins, double r_m) {
 
 }  // namespace
 
-void Plate::add(const BinGrid& bins, const PlanePiece& piece) {
+Plate::End Plate::end_at(const BinGrid& bins, double d_m, double h_m) const {
+  if (d_m == end_.d_m && h_m == end_.h_m) return end_;
+  const double r = std::sqrt(d_m * d_m + h_m * h_m);
+  return {d_m, h_m, r, h_m / r, bin_or_outside(bins, r)};
+}
+
+void Plate::add(const BinGrid& bins, const PlanePiece& piece, double weight) {
+  weight_ = weight;
   const double dd = piece.far_d_m - piece.near_d_m;
   const double dh = piece.far_h_m - piece.near_h_m;
   const double along = -(piece.near_d_m * dd + piece.near_h_m * dh);
   const double length2 = dd * dd + dh * dh;
+  const End from = end_at(bins, piece.near_d_m, piece.near_h_m);
+  const End to = end_at(bins, piece.far_d_m, piece.far_h_m);
+  if (!(from.range_m > 0 && to.range_m > 0)) return;
   if (along > 0 && along < length2) {
-    const double d = piece.near_d_m + along / length2 * dd;
-    const double h = piece.near_h_m + along / length2 * dh;
-    add_monotone(bins, piece, piece.near_d_m, piece.near_h_m, d, h);
-    add_monotone(bins, piece, d, h, piece.far_d_m, piece.far_h_m);
+    const double t = along / length2;
+    const End foot = end_at(bins, piece.near_d_m + t * dd, piece.near_h_m + t * dh);
+    if (!(foot.range_m > 0)) return;
+    add_monotone(bins, piece, from, foot);
+    add_monotone(bins, piece, foot, to);
   } else {
-    add_monotone(bins, piece, piece.near_d_m, piece.near_h_m, piece.far_d_m, piece.far_h_m);
+    add_monotone(bins, piece, from, to);
   }
+  end_ = to;
 }
 
-void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, double d0, double h0, double d1,
-                         double h1) {
-  const double r0 = std::sqrt(d0 * d0 + h0 * h0);
-  const double r1 = std::sqrt(d1 * d1 + h1 * h1);
-  if (!(r0 > 0 && r1 > 0)) return;
-  int bin = bin_or_outside(bins, r0);
-  const int last = bin_or_outside(bins, r1);
-  double sin0 = h0 / r0;
-  const double sin_end = h1 / r1;
-  if (bin != last) {
+void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to) {
+  double d = from.d_m;
+  double h = from.h_m;
+  double sine = from.sine;
+  if (from.bin != to.bin) {
     // Where |A + t D| = R: t = foot +- sqrt(R^2 - |A|^2 + foot^2 |D|^2) / |D|.
-    const double dd = d1 - d0;
-    const double dh = h1 - h0;
-    const double length2 = dd * dd + dh * dh;
-    const double foot = -(d0 * dd + h0 * dh) / length2;
-    const double nearest2 = d0 * d0 + h0 * h0 - foot * foot * length2;
-    const int step = last > bin ? 1 : -1;
-    double d = d0;
-    double h = h0;
-    for (; bin != last; bin += step) {
+    const double dd = to.d_m - d;
+    const double dh = to.h_m - h;
+    const double over_length2 = 1 / (dd * dd + dh * dh);
+    const double foot = -(d * dd + h * dh) * over_length2;
+    const double nearest2 = from.range_m * from.range_m * over_length2 - foot * foot;
+    const int step = to.bin > from.bin ? 1 : -1;
+    for (int bin = from.bin; bin != to.bin; bin += step) {
       const double edge_m = bins.r_min_m + (step > 0 ? bin + 1 : bin) * bins.range_spacing_m;
-      const double root = std::sqrt(std::max(0.0, (edge_m * edge_m - nearest2) / length2));
+      const double root = std::sqrt(std::max(0.0, edge_m * edge_m * over_length2 - nearest2));
       const double t = std::clamp(foot + step * root, 0.0, 1.0);
-      const double d_cut = d0 + t * dd;
-      const double h_cut = h0 + t * dh;
-      const double sin_cut = h_cut / edge_m;
-      add_part(bin, piece, d, h, d_cut, h_cut, sin_cut - sin0);
+      const double d_cut = from.d_m + t * dd;
+      const double h_cut = from.h_m + t * dh;
+      const double sine_cut = h_cut / edge_m;
+      add_part(bin, piece, d, h, d_cut, h_cut, sine_cut - sine);
       d = d_cut;
       h = h_cut;
-      sin0 = sin_cut;
+      sine = sine_cut;
     }
-    add_part(bin, piece, d, h, d1, h1, sin_end - sin0);
-  } else {
-    add_part(bin, piece, d0, h0, d1, h1, sin_end - sin0);
   }
+  add_part(to.bin, piece, d, h, to.d_m, to.h_m, to.sine - sine);
 }
 
 void Plate::add_part(int bin, const PlanePiece& piece, double d0, double h0, double d1, double h1,
                      double share) {
+  share *= weight_;
   if (!(share > 0)) return;
   const double d = (d0 + d1) / 2;
   const double h = (h0 + h1) / 2;
-  const double r = std::sqrt(d * d + h * h);
-  const double cos_incidence = std::min(1.0, std::abs(piece.normal_along * d + piece.normal_up * h) / r);
+  const double r2 = d * d + h * h;
+  const double r = std::sqrt(r2);
+  const double cos_incidence = std::min(
+      1.0, std::abs(piece.normal_along * d + piece.normal_up * h) / std::sqrt(r2 * piece.normal_length2));
   if (parts_.empty() || parts_.back().range_bin != bin || parts_.back().face != piece.face ||
       parts_.back().material != piece.material) {
     PlatePart& part = parts_.emplace_back();

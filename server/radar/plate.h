@@ -38,11 +38,15 @@ struct PlatePart {
 /// One pixel's plate while it is put together.
 class Plate {
  public:
-  void clear() { parts_.clear(); }
+  void clear() {
+    parts_.clear();
+    end_ = {};
+  }
 
   /// Adds a visible piece of the pixel's plane, cut at the edges of the range bins. A piece's range need not
-  /// be monotone: it is cut at the foot of the antenna's perpendicular too.
-  void add(const BinGrid& bins, const PlanePiece& piece);
+  /// be monotone: it is cut at the foot of the antenna's perpendicular too. `weight`: of the piece's plane
+  /// among those of the pixel.
+  void add(const BinGrid& bins, const PlanePiece& piece, double weight = 1);
 
   /// The parts, their shares scaled to add up to `solid_angle_sr`. Empty when nothing was added.
   const std::vector<PlatePart>& finish(double solid_angle_sr);
@@ -51,9 +55,21 @@ class Plate {
   void drop_hidden(const std::vector<std::uint8_t>& visible, int kept_bin);
 
  private:
-  void add_monotone(const BinGrid& bins, const PlanePiece& piece, double d0, double h0, double d1, double h1);
+  /// A point of the plane as its slant range, its elevation and its range bin.
+  struct End {
+    double d_m = -1;
+    double h_m = 0;
+    double range_m = 0;
+    double sine = 0;
+    int bin = 0;
+  };
+
+  End end_at(const BinGrid& bins, double d_m, double h_m) const;
+  void add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to);
   void add_part(int bin, const PlanePiece& piece, double d0, double h0, double d1, double h1, double share);
 
+  double weight_ = 1;
+  End end_;  // where the last piece ended: mostly the next one begins there
   std::vector<PlatePart> parts_;
 };
 

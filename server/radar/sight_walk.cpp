@@ -21,9 +21,9 @@ double walk_out(PlaneSurface& surface, const SightPoint& from, double to_slope, 
     if (cell.from_m > to_d_m + kBorder_m) return to_slope;
     ++unseen;
     for (const PlanePiece& piece : surface.pieces(cell)) {
-      const double top = piece.far_slope();
+      const double top = piece.far_slope;
       if (!(top > horizon)) continue;
-      const double low = std::max(piece.near_slope(), horizon);
+      const double low = std::max(piece.near_slope, horizon);
       const double high = std::min(top, to_slope);
       if (high > low) visible.push_back(piece.between_slopes(low, high));
       horizon = std::max(horizon, high);
@@ -45,14 +45,14 @@ void walk_in(PlaneSurface& surface, const SightPoint& from, double to_slope, dou
     for (auto at = pieces.rbegin(); at != pieces.rend(); ++at) {
       if (at->near_d_m > from.d_m + kBorder_m) continue;
       const PlanePiece piece = at->far_d_m > from.d_m + kBorder_m ? at->nearer_than(from.d_m) : *at;
-      const double near = piece.near_slope();
-      const double far = piece.far_slope();
+      const double near = piece.near_slope;
+      const double far = piece.far_slope;
       // Hide what lies behind; the hit itself is visible, its ray says so.
       const double top = std::min(std::max(near, far), from.slope);
-      while (visible.size() > first && visible.back().near_slope() < top) {
+      while (visible.size() > first && visible.back().near_slope < top) {
         PlanePiece& behind = visible.back();
-        if (behind.far_slope() > top) {
-          behind = behind.between_slopes(top, behind.far_slope());
+        if (behind.far_slope > top) {
+          behind = behind.between_slopes(top, behind.far_slope);
           break;
         }
         visible.pop_back();
