@@ -16,6 +16,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/profile.h"
 #include "server/radar/ray_source.h"
+#include "server/radar/sample_source.h"
 #include "server/radar/scattering.h"
 #include "server/radar/speckle.h"
 #include "server/radar/wedge_bins.h"
@@ -58,10 +59,12 @@ const Setting& setting() {
   return value;
 }
 
-std::shared_ptr<const FramePlan> plan_of(FrustumKind kind, SpeckleKind speckle = SpeckleKind::ground) {
+std::shared_ptr<const FramePlan> plan_of(FrustumKind kind, SpeckleKind speckle = SpeckleKind::ground,
+                                         PlateKind plates = PlateKind::nearest) {
   RadarSettings settings = setting().settings;
   settings.frustum = kind;
   settings.speckle = speckle;
+  settings.plates = plates;
   return plan_frame(setting().scene, test::snapshot(settings), setting().pose).plan;
 }
 
@@ -115,8 +118,8 @@ void BareTrace(benchmark::State& state) {
 }
 
 void WholeFrame(benchmark::State& state) {
-  const auto plan =
-      plan_of(static_cast<FrustumKind>(state.range(0)), static_cast<SpeckleKind>(state.range(1)));
+  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)),
+                            static_cast<SpeckleKind>(state.range(1)), static_cast<PlateKind>(state.range(2)));
   double rays = 0;
   for (auto _ : state) {
     RenderOptions options;
@@ -142,6 +145,26 @@ void RayGeneration(benchmark::State& state) {
   }
   state.counters["Mray/s"] =
       benchmark::Counter(static_cast<double>(rays.load()) / 1e6, benchmark::Counter::kIsRate);
+}
+
+/// From rays to samples: generation, trace, refinement and, with spread plates, their walks. With the states
+/// asked for, the profiles that perspective plates use cost a frame nothing more.
+void Samples(benchmark::State& state) {
+  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)), SpeckleKind::ground,
+                            static_cast<PlateKind>(state.range(1)));
+  std::atomic<std::uint64_t> found{0};
+  for (auto _ : state) {
+    over_wedges(*plan, threads(), [&](AzimuthRange range) {
+      const auto batch = std::make_unique<SampleBatch>();
+      FrameStats stats;
+      std::uint64_t n = 0;
+      for (const auto source = make_sample_source(*plan, range, nullptr); source->next(*batch, stats);)
+        n += static_cast<std::uint64_t>(batch->n);
+      found += n;
+    });
+  }
+  state.counters["Msample/s"] =
+      benchmark::Counter(static_cast<double>(found.load()) / 1e6, benchmark::Counter::kIsRate);
 }
 
 /// Scattering and binning of made-up samples spread over one wedge.
@@ -203,6 +226,8 @@ constexpr auto kSymmetric = static_cast<std::int64_t>(FrustumKind::symmetric);
 constexpr auto kPolar = static_cast<std::int64_t>(FrustumKind::polar);
 constexpr auto kGround = static_cast<std::int64_t>(SpeckleKind::ground);
 constexpr auto kGeometric = static_cast<std::int64_t>(SpeckleKind::geometric);
+constexpr auto kSpread = static_cast<std::int64_t>(PlateKind::spread);
+constexpr auto kNearest = static_cast<std::int64_t>(PlateKind::nearest);
 
 BENCHMARK(PlanFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(RayGeneration)
@@ -221,13 +246,16 @@ BENCHMARK(BareTrace)
     ->UseRealTime();
 BENCHMARK(Binning)->ArgName("speckle")->Arg(kGround)->Arg(kGeometric)->Unit(benchmark::kMillisecond);
 BENCHMARK(Profiles)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(Samples)
+    ->ArgNames({"frustum", "plates"})
+    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kSpread, kNearest}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(WholeFrame)
-    ->ArgNames({"frustum", "speckle"})
-    ->Args({kSymmetric, kGround})
-    ->Args({kOblique, kGround})
-    ->Args({kPolar, kGround})
-    ->Args({kOblique, kGeometric})
-    ->Args({kPolar, kGeometric})
+    ->ArgNames({"frustum", "speckle", "plates"})
+    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kGround}, {kSpread, kNearest}})
+    ->Args({kOblique, kGeometric, kNearest})
+    ->Args({kPolar, kGeometric, kNearest})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
@@ -239,6 +267,7 @@ int main(int argc, char** argv) {
   benchmark::AddCustomContext("threads", std::to_string(obliq::threads()));
   benchmark::AddCustomContext("frustum", "0 symmetric, 1 oblique, 2 polar");
   benchmark::AddCustomContext("speckle", "0 ground, 1 geometric");
+  benchmark::AddCustomContext("plates", "0 spread, 1 nearest");
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();
