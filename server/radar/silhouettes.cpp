@@ -66,7 +66,10 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
   if (around) {
     silhouette.from_rad = -kPi;
     silhouette.to_rad = kPi;
-    for (double& c : silhouette.corners_rad) c = std::remainder(c, 2 * kPi);
+    // Its roof may begin and end under any of its corners.
+    silhouette.corners_rad.clear();
+    for (std::uint32_t k = 0; k < n; ++k)
+      silhouette.corners_rad.push_back(bearing_of(corner(k).x, corner(k).y));
   }
   std::sort(silhouette.corners_rad.begin(), silhouette.corners_rad.end());
   return silhouette;

@@ -13,7 +13,8 @@ struct Silhouette {
   double near_m = 0;  ///< nothing of the building is nearer (ground distance)
   double from_rad = 0;
   double to_rad = 0;  ///< from_rad < to_rad; may lie beyond half a turn, so that the two never wrap
-  std::vector<double> corners_rad;  ///< between walls of which at least one faces the antenna, rising
+  std::vector<double> corners_rad;  ///< between walls of which at least one faces the antenna, rising;
+                                    ///< all of a building around the antenna
 };
 
 /// The building's silhouette around the turn that its first corner is in. A building that surrounds the

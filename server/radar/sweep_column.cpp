@@ -18,6 +18,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kColumnShare = 16;
 constexpr std::int64_t kBuildingShare = 64;
 
+/// How often bearings in whose middle a building is only just hidden are halved to look for it.
+constexpr int kHalvings = 4;
+
 bool overlap(TickRange a, TickRange b) { return a.from < b.to && b.from < a.to; }
 
 }  // namespace
@@ -102,25 +105,44 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
     horizon.raise(span.near_m, height, true);
     horizon.raise(std::min(span.far_m, from_m), height, true);
   }
-  // An aslant wall that this plane meets beyond the swath may reach into it elsewhere in the strand.
-  return SweepPlane(world, antenna, bearing, from_m, 2 * plan_.sector().r_max_m, horizon, spans_);
+  return SweepPlane(world, antenna, bearing, from_m, plan_.sector().r_max_m, horizon, spans_);
 }
 
-/// Whether an obstacle ahead of a plane stands above its horizon. Leaves the obstacle's footprints in spans_.
-bool SweepColumn::shows(const SweepPlane& plane, std::size_t obstacle) {
+/// Whether an obstacle ahead of a plane stands above its horizon, or would if the horizon were lower by no
+/// more than twice the width that the plane stands for: a ridge falls by that much within it where it is as
+/// steep as ridges get. Leaves the obstacle's footprints in spans_.
+SweepColumn::Look SweepColumn::look(const SweepPlane& plane, std::size_t obstacle, double width_rad) {
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   spans_.clear();
   footprint_spans(world.buildings, obstacles_[obstacle].building, antenna.x, antenna.z, plane.bearing().sin,
                   plane.bearing().cos, spans_);
+  Look result = Look::hidden;
   for (const FootprintSpan& span : spans_) {
     if (plane.covers(span)) continue;
+    PlaneHorizon horizon = plane.horizon();
+    plane.raise_by_roofs(horizon, span);
     const double height = span.roof_y_m - antenna.y;
-    if (span.near_m <= 0 || !plane.horizon().hides(span.near_m, height) ||
-        !plane.horizon().hides(span.far_m, height))
-      return true;
+    if (span.near_m <= 0 || !horizon.hides(span.near_m, height) || !horizon.hides(span.far_m, height))
+      return Look::shows;
+    const double lower = height + 2 * width_rad * span.far_m;
+    if (!horizon.hides(span.near_m, lower) || !horizon.hides(span.far_m, lower)) result = Look::nearly;
   }
-  return false;
+  return result;
+}
+
+/// A fresh strand over some bearings of an obstacle if it shows in their middle, or over parts of them.
+void SweepColumn::consider(TickRange ticks, std::size_t obstacle, int halvings, std::vector<Strand>& fresh) {
+  const double near_m = obstacles_[obstacle].near_m;
+  SweepPlane plane = plane_at(ticks, near_m, obstacle + 1);
+  const Look seen = look(plane, obstacle, static_cast<double>(ticks.size()) * tick_rad_);
+  if (seen == Look::shows) {
+    fresh.push_back({ticks, near_m, std::move(plane)});
+  } else if (seen == Look::nearly && halvings > 0 && ticks.size() > 1) {
+    const std::int64_t middle = ticks.from + ticks.size() / 2;
+    consider({ticks.from, middle}, obstacle, halvings - 1, fresh);
+    consider({middle, ticks.to}, obstacle, halvings - 1, fresh);
+  }
 }
 
 /// Gives an obstacle strands where it shows: new ones, or parts of those that are already there.
@@ -128,25 +150,24 @@ void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
   const Obstacle& o = obstacles_[index];
   advance(o.near_m, sampler);
   std::vector<Strand> fresh;
-  const auto consider = [&](TickRange ticks) {
-    SweepPlane plane = plane_at(ticks, o.near_m, index + 1);
-    if (shows(plane, index)) fresh.push_back({ticks, o.near_m, std::move(plane)});
-  };
   for (std::size_t c = 0; c + 1 < o.cuts.size(); ++c) {
     const TickRange part{o.cuts[c], o.cuts[c + 1]};
     std::int64_t at = part.from;
     for (Strand& strand : active_) {
       if (!overlap(strand.ticks, part)) continue;
       const TickRange both{std::max(strand.ticks.from, part.from), std::min(strand.ticks.to, part.to)};
-      if (at < both.from) consider({at, both.from});
+      if (at < both.from) consider({at, both.from}, index, kHalvings, fresh);
       if (both.from == strand.ticks.from && both.to == strand.ticks.to) {
-        if (shows(strand.plane, index)) strand.plane.add(spans_);
+        const double width_rad = static_cast<double>(both.size()) * tick_rad_;
+        const Look seen = look(strand.plane, index, width_rad);
+        if (seen == Look::shows) strand.plane.add(spans_);
+        if (seen == Look::nearly) consider(both, index, kHalvings, fresh);
       } else {
-        consider(both);
+        consider(both, index, kHalvings, fresh);
       }
       at = both.to;
     }
-    if (at < part.to) consider({at, part.to});
+    if (at < part.to) consider({at, part.to}, index, kHalvings, fresh);
   }
   if (fresh.empty()) return;
   // What the fresh strands leave of the old ones goes on as strands with planes of their own.

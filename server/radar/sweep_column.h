@@ -68,7 +68,9 @@ class SweepColumn {
   void advance(double to_m, PieceSampler& sampler);
   void march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler);
   SweepPlane plane_at(TickRange ticks, double from_m, std::size_t n_obstacles);
-  bool shows(const SweepPlane& plane, std::size_t obstacle);
+  enum class Look { shows, nearly, hidden };
+  Look look(const SweepPlane& plane, std::size_t obstacle, double width_rad);
+  void consider(TickRange ticks, std::size_t obstacle, int halvings, std::vector<Strand>& fresh);
   void finish(const Strand& strand, double at_m);
   void plan_base();
 

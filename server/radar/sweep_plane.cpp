@@ -22,6 +22,15 @@ bool SweepPlane::covers(const FootprintSpan& span) const {
   });
 }
 
+void SweepPlane::raise_by_roofs(PlaneHorizon& horizon, const FootprintSpan& before) const {
+  for (const FootprintSpan& other : spans_) {
+    if (other.building == before.building || !(other.near_m < before.near_m)) continue;
+    const double height = other.roof_y_m - antenna_m_.y;
+    horizon.raise(other.near_m, height, true);
+    horizon.raise(std::min(other.far_m, before.near_m), height, true);
+  }
+}
+
 SweepPlane::WallPlane SweepPlane::wall_plane(const RoofStep& step) const {
   const Buildings& all = world_->buildings;
   const Building& building = all.list[step.building];

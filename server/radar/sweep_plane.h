@@ -93,6 +93,8 @@ class SweepPlane {
 
   /// Whether another building's roof covers all of a footprint's stretch.
   bool covers(const FootprintSpan& span) const;
+  /// Raises a horizon by the other buildings' roofs up to where a stretch begins.
+  void raise_by_roofs(PlaneHorizon& horizon, const FootprintSpan& before) const;
 
   /// Marches to `to_m` (see GroundWalk::Last) or until sink.full() after a cell. Calls
   /// sink.visible(const VisiblePiece&).
