@@ -167,6 +167,46 @@ void Samples(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(found.load()) / 1e6, benchmark::Counter::kIsRate);
 }
 
+std::shared_ptr<const FramePlan> sweep_plan(std::int64_t planes_per_bin) {
+  RadarSettings settings = setting().settings;
+  settings.frustum = FrustumKind::sweep;
+  settings.pixel_columns = static_cast<int>(planes_per_bin) * settings.azimuth_bins;
+  return plan_frame(setting().scene, test::snapshot(settings), setting().pose).plan;
+}
+
+/// The sweep alone: planes marched, samples neither scattered nor binned.
+void Sweep(benchmark::State& state) {
+  const auto plan = sweep_plan(state.range(0));
+  std::atomic<std::uint64_t> found{0};
+  std::atomic<std::uint64_t> planes{0};
+  for (auto _ : state) {
+    over_wedges(*plan, threads(), [&](AzimuthRange range) {
+      const auto batch = std::make_unique<SampleBatch>();
+      FrameStats stats;
+      std::uint64_t n = 0;
+      for (const auto source = make_sample_source(*plan, range, nullptr); source->next(*batch, stats);)
+        n += static_cast<std::uint64_t>(batch->n);
+      found += n;
+      planes += stats.rays;
+    });
+  }
+  state.counters["Msample/s"] =
+      benchmark::Counter(static_cast<double>(found.load()) / 1e6, benchmark::Counter::kIsRate);
+  state.counters["planes"] =
+      benchmark::Counter(static_cast<double>(planes.load()), benchmark::Counter::kAvgIterations);
+}
+
+void WholeSweepFrame(benchmark::State& state) {
+  const auto plan = sweep_plan(state.range(0));
+  for (auto _ : state) {
+    RenderOptions options;
+    options.on_wedge = [](Wedge&&) {};
+    render_wedges(*plan, {0, plan->settings().azimuth_bins}, options);
+  }
+  state.counters["frames/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
 /// Scattering and binning of made-up samples spread over one wedge.
 void Binning(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::polar, static_cast<SpeckleKind>(state.range(0)));
@@ -249,6 +289,20 @@ BENCHMARK(Profiles)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(Samples)
     ->ArgNames({"frustum", "plates"})
     ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kSpread, kNearest}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(Sweep)
+    ->ArgName("planes_per_bin")
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(WholeSweepFrame)
+    ->ArgName("planes_per_bin")
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(WholeFrame)

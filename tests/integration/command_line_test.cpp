@@ -139,6 +139,17 @@ TEST_F(CommandLine, FlagsAndVariablesReachTheScene) {
                  "environment OBLIQ_BINS_RANGE: bins.range: found zero");
 }
 
+TEST_F(CommandLine, TheSweepHasNoPixelsToWriteSamplesOf) {
+  const Outcome outcome =
+      obliq({"render", scene(kFlat), "--out", folder_ / "frame", "--samples", "--set", "frustum.kind=sweep"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(
+      outcome.err.find("render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
+                       "\"symmetric\", \"oblique\" or \"polar\""),
+      std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(CommandLine, FilesThatAreNoSceneAreRefused) {
   expect_refused(check(folder_ / "missing.toml"), "missing.toml: cannot be read: No such file or directory");
   expect_refused(check(folder_), "found a folder");
