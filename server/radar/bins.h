@@ -22,8 +22,10 @@ struct BinBlock {
   int n_range = 0;
   std::vector<std::complex<float>> iq;  ///< sqrt(W), phase -4 pi r / lambda
   std::vector<double> power_w;          ///< sum of sample powers
-  std::vector<std::uint32_t> count;     ///< samples in the bin
-  std::vector<std::uint8_t> state;      ///< BinState
+  /// Samples in the bin. With nearest plates one a hit; a spread plate has one in every bin and on every
+  /// surface that it covers, so that the frame's samples outnumber its hits.
+  std::vector<std::uint32_t> count;
+  std::vector<std::uint8_t> state;  ///< BinState
 
   BinBlock() = default;
   BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {

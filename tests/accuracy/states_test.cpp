@@ -249,7 +249,9 @@ TEST(BinStates, WithSamplesAreThoseOfTheBruteForceProfile) {
     const Tally tally = compare(test::make_scene(scene.world()), settings(FrustumKind::polar, 960));
     EXPECT_EQ(tally.wrong, 0) << scene.name;
     EXPECT_GE(tally.of_state[1], 1000) << scene.name;
-    EXPECT_LE(tally.between, 1e-3 * tally.of_state[1]) << scene.name;
+    // Columns are cut at the corners of buildings and see slits that evenly spaced profiles pass by. That
+    // there is no light where the truth, cut there too, has none is for plates_test.
+    EXPECT_LE(tally.between, 4e-3 * tally.of_state[1]) << scene.name;
   }
 }
 
