@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 
 #include "terrain/errors.h"
 
@@ -13,6 +14,7 @@ struct RenderedFrame {
   BinBlock bins;
   FrameStats stats;
   double time_s = 0;
+  double processor_s = 0;
 };
 
 std::shared_ptr<const FramePlan> plan_or_throw(const View& view) {
@@ -26,6 +28,7 @@ RenderedFrame timed_frame(const View& view, bool states, int threads) {
   const RadarSettings& settings = view.settings->settings;
   RenderedFrame frame;
   frame.bins = BinBlock(0, settings.azimuth_bins, settings.range_bins);
+  const std::clock_t processor_start = std::clock();
   const auto start = std::chrono::steady_clock::now();
   frame.plan = plan_or_throw(view);
   FrameSum sum(settings);
@@ -39,14 +42,28 @@ RenderedFrame timed_frame(const View& view, bool states, int threads) {
   render_wedges(*frame.plan, {0, settings.azimuth_bins}, options);
   frame.stats = sum.total();
   frame.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  frame.processor_s = static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
   return frame;
 }
 
-FrameTime summary_of(std::vector<double> times_s) {
-  std::ranges::sort(times_s);
-  const std::size_t n = times_s.size();
-  return {times_s.front(), (times_s[(n - 1) / 2] + times_s[n / 2]) / 2};
-}
+/// Collects the times of frames of one kind.
+class Timer {
+ public:
+  void add(const RenderedFrame& frame) {
+    times_s_.push_back(frame.time_s);
+    processor_s_.push_back(frame.processor_s);
+  }
+  FrameTime summary() {
+    std::ranges::sort(times_s_);
+    const std::size_t n = times_s_.size();
+    return {times_s_.front(), (times_s_[(n - 1) / 2] + times_s_[n / 2]) / 2,
+            *std::ranges::min_element(processor_s_)};
+  }
+
+ private:
+  std::vector<double> times_s_;
+  std::vector<double> processor_s_;
+};
 
 /// The power of some azimuths and kinds of surface: [azimuth_count(runs)][n_range].
 std::vector<double> render_runs(const FramePlan& plan, const AzimuthRuns& runs, Surfaces surfaces,
@@ -94,17 +111,16 @@ FrameMeasurement measure_frame(const View& view, const TruthBins& truth,
                                const std::vector<std::uint32_t>& match, const MeasureOptions& options) {
   FrameMeasurement measured;
   (void)timed_frame(view, true, options.threads);  // caches, page tables, clock frequency
-  std::vector<double> times_s;
-  for (int k = 0; k < options.repeats; ++k)
-    times_s.push_back(timed_frame(view, false, options.threads).time_s);
-  measured.no_states = summary_of(times_s);
-  times_s.clear();
+  Timer no_states;
+  for (int k = 0; k < options.repeats; ++k) no_states.add(timed_frame(view, false, options.threads));
+  measured.no_states = no_states.summary();
+  Timer all_planes;
   RenderedFrame frame;
   for (int k = 0; k < options.repeats; ++k) {
     frame = timed_frame(view, true, options.threads);
-    times_s.push_back(frame.time_s);
+    all_planes.add(frame);
   }
-  measured.all_planes = summary_of(times_s);
+  measured.all_planes = all_planes.summary();
   measured.stats = frame.stats;
   fill_errors(view, truth, match, *frame.plan, power_of_runs(frame.bins, truth.runs), options.threads,
               measured);

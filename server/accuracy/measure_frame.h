@@ -12,6 +12,8 @@ namespace obliq {
 struct FrameTime {
   double least_s = 0;
   double median_s = 0;
+  double processor_s =
+      0;  ///< least, of all threads together: hardly grows when the machine is busy otherwise
 };
 
 struct ReturnErrors {

@@ -41,6 +41,7 @@ class AccuracySearch {
     load_finest();
     for (RadarConfig& radar : config_.radars) probe(radar);
     double cell_m = ground_->world().grid.cell_m;
+    source_error_ = ground_->world().report.source_error;
     if (!config_.world.terrain.cell_m) cell_m = coarsest_good_cell_m();
     config_.world.terrain.cell_m = cell_m;
     for (const ProbedRadar& p : radars_) {
@@ -165,9 +166,11 @@ class AccuracySearch {
     double good_m = ground_->world().grid.cell_m;
     for (int k = 0; k < kMostCoarser; ++k) {
       std::vector<BinErrors> errors;
+      SourceError source_error;
       const double cell_m = 2 * good_m;
       try {
         const auto scene = load(cell_m);
+        source_error = scene->world().report.source_error;
         for (const ProbedRadar& p : radars_) {
           errors.push_back(measure(p, p.chosen, scene));
           if (!limit_.met_by(errors.back())) return good_m;
@@ -177,6 +180,7 @@ class AccuracySearch {
       }
       for (std::size_t r = 0; r < radars_.size(); ++r) radars_[r].errors = errors[r];
       good_m = cell_m;
+      source_error_ = source_error;
     }
     return good_m;
   }
@@ -187,7 +191,11 @@ class AccuracySearch {
          percent_text(p.errors.gap_fraction()) + " of the lit bins (asked: " + asked_text() +
          "), measured on " + std::to_string(azimuth_count(p.truth.runs)) + " of " +
          std::to_string(p.radar->settings.azimuth_bins) + " azimuth bins against the truth of " +
-         short_number(truth_cell_m_) + " m cells");
+         short_number(truth_cell_m_) + " m cells" +
+         (source_error_.posts > 0
+              ? "; the ground grid lies a median of " + short_number(source_error_.median_m) +
+                    " m from its source, 95 % within " + short_number(source_error_.p95_m) + " m"
+              : ""));
   }
 
   SceneConfig& config_;
@@ -197,6 +205,7 @@ class AccuracySearch {
   std::shared_ptr<const Scene> finest_;  ///< the truth's
   std::shared_ptr<const Scene> ground_;  ///< of the samplings that are tried
   double truth_cell_m_ = 0;
+  SourceError source_error_;  ///< of the ground that was chosen
   std::vector<ProbedRadar> radars_;
 };
 

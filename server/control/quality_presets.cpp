@@ -12,9 +12,9 @@ constexpr double kMostPixels = 16384;  // the limit of frustum.pixel_columns and
 constexpr std::array kPresets{
     QualityPreset{"paper", "oblique", "nearest", 2048, 2048, 0, 0,
                   "The paper's own sampling, bit for bit: to compare with it.", ""},
-    QualityPreset{"draft", "sweep", "spread", 0, 0, 1, 1, "Quickest: for a picture that follows the hand.",
+    QualityPreset{"draft", "sweep", "spread", 0, 0, 1, 2, "Quickest: for a picture that follows the hand.",
                   ""},
-    QualityPreset{"standard", "sweep", "spread", 0, 0, 2, 1, "For everyday use.", ""},
+    QualityPreset{"standard", "sweep", "spread", 0, 0, 2, 2, "For everyday use.", ""},
     QualityPreset{"reference", "sweep", "spread", 0, 0, 8, 2, "To judge the others by.", ""},
 };
 

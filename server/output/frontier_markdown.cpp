@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "server/output/frontier_comparison.h"
 
@@ -52,18 +53,20 @@ std::string comparison_table(const std::vector<FrontierRow>& rows, double scene_
 
 std::string error_table(const std::vector<FrontierRow>& rows, Returns returns) {
   std::string text =
-      "| sampling | cell, m | frame, ms | without states, ms | E | median dB | 95 % dB | mean error | energy "
+      "| sampling | cell, m | frame, ms | without states, ms | processor, ms | E | median dB | 95 % dB | "
+      "mean error | energy "
       "| gaps "
       "| false light, bins | energy | missed buildings |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const FrontierRow& row : rows) {
     if (row.returns != returns || !row.possible()) continue;
     text += "| " + sampling_cell(row) + " | " + short_number(row.sampling.cell_m) + " | " +
             formatted("%.1f", row.frame_ms) + " | " + formatted("%.1f", row.bare_ms) + " | " +
-            short_number(row.power_error) + " | " + short_number(row.median_db) + " | " +
-            short_number(row.percentile95_db) + " | " + percent_text(row.mean_relative) + " | " +
-            formatted("%+.2f %%", 100 * row.energy_error) + " | " + percent_text(row.gap_fraction) + " | " +
-            percent_text(row.false_light_fraction) + " | " + percent_text(row.false_light_energy) + " | " +
+            whole(row.processor_ms) + " | " + short_number(row.power_error) + " | " +
+            short_number(row.median_db) + " | " + short_number(row.percentile95_db) + " | " +
+            percent_text(row.mean_relative) + " | " + formatted("%+.2f %%", 100 * row.energy_error) + " | " +
+            percent_text(row.gap_fraction) + " | " + percent_text(row.false_light_fraction) + " | " +
+            percent_text(row.false_light_energy) + " | " +
             (returns == Returns::terrain ? "" : missed_text(row)) + " |\n";
   }
   return text;
@@ -89,6 +92,20 @@ std::string truth_text(const FrontierHeader& h) {
     text += "| " + check.measure + " | " + short_number(check.own) + " | " + short_number(check.smallest) +
             " | " + (check.holds() ? "held" : "NOT held") + " |\n";
   return text;
+}
+
+/// Times mean little on a busy machine, and the reader is to know.
+std::string load_text(const std::vector<FrontierRow>& rows, int threads) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (const FrontierRow& row : rows) {
+    if (!row.possible()) continue;
+    least = std::min(least, row.load);
+    most = std::max(most, row.load);
+  }
+  if (!(least <= most)) return "";
+  return " The machine's load before the frames was " + short_number(least) + " to " + short_number(most) +
+         "; this run alone makes up to " + std::to_string(threads) + ".";
 }
 
 std::string impossible_list(const std::vector<FrontierRow>& rows) {
@@ -124,8 +141,9 @@ std::string machine_text(const FrontierHeader& h) {
 
 std::string frontier_markdown(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
   std::string text = "# Speed against error: " + h.scene + "\n\n" + h.view + "; " +
-                     std::to_string(h.buildings) + " buildings.\n" + machine_text(h) +
-                     ".\n\n![Frame time against error](frontier.svg)\n\n## Against the paper's setting\n\n" +
+                     std::to_string(h.buildings) + " buildings.\n" + machine_text(h) + "." +
+                     load_text(rows, h.threads) +
+                     "\n\n![Frame time against error](frontier.svg)\n\n## Against the paper's setting\n\n" +
                      comparison_table(rows, h.scene_cell_m) + "\n## All returns\n\n" +
                      bin_counts(rows, Returns::all) + error_table(rows, Returns::all);
   if (h.buildings > 0) {
@@ -139,7 +157,8 @@ std::string frontier_markdown(const FrontierHeader& h, const std::vector<Frontie
          "\n## How it was measured\n\n"
          "Frame: plan, render and every plane of the whole sector, as a client gets it. Without states: the "
          "same "
-         "without the\n`state` plane. T is the truth's power of a bin, P the frame's, q = r^3 T, M the "
+         "without the\n`state` plane. Processor: time of all threads together. T is the truth's power of a "
+         "bin, P the frame's, q = r^3 T, M the "
          "median of q "
          "over T > 0. Lit: q >= 1e-3 M.\nDark: T = 0. E = sqrt(sum q^2 (P/T - 1)^2 / sum q^2) over lit bins; "
          "dB: "

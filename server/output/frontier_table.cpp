@@ -21,6 +21,7 @@ constexpr std::array kColumns{
     Column{"frame_median_ms", &FrontierRow::frame_median_ms},
     Column{"bare_ms", &FrontierRow::bare_ms},
     Column{"bare_median_ms", &FrontierRow::bare_median_ms},
+    Column{"processor_ms", &FrontierRow::processor_ms},
     Column{"rays", &FrontierRow::rays},
     Column{"samples", &FrontierRow::samples},
     Column{"power_error", &FrontierRow::power_error},
@@ -146,6 +147,7 @@ std::vector<FrontierRow> rows_of(const SamplingCase& sampling, const FrameMeasur
     row.frame_median_ms = measured.all_planes.median_s * 1000;
     row.bare_ms = measured.no_states.least_s * 1000;
     row.bare_median_ms = measured.no_states.median_s * 1000;
+    row.processor_ms = measured.all_planes.processor_s * 1000;
     row.rays = count(measured.stats.rays);
     row.samples = count(measured.stats.samples);
     row.power_error = e.power_error;

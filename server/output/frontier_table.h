@@ -18,6 +18,7 @@ struct FrontierRow {
   double frame_median_ms = 0;  ///< median of the same
   double bare_ms = 0;          ///< least, without the state plane
   double bare_median_ms = 0;
+  double processor_ms = 0;  ///< least, all planes, all threads together
   double rays = 0;
   double samples = 0;
   double power_error = 0;  ///< E; this and the following as in BinErrors

@@ -72,6 +72,7 @@ TEST_F(FrontierCommand, GoesOnWhereItStoppedAndItsTableAddsUp) {
     EXPECT_EQ(row.at("not_possible"), "") << name(row);
     EXPECT_GT(number(row, "frame_ms"), 0);
     EXPECT_GE(number(row, "frame_median_ms"), number(row, "frame_ms"));
+    EXPECT_GT(number(row, "processor_ms"), 0);
     // Every bin is lit, dark or neither; fractions are the counts' ratios.
     EXPECT_EQ(number(row, "bins"), 16 * 32);
     EXPECT_EQ(number(row, "lit") + number(row, "dark") + number(row, "dont_care"), number(row, "bins"));
