@@ -21,7 +21,7 @@ struct FrontierArguments {
 void make_quick(const CLI::App& command, FrontierOptions& options) {
   if (command.count("--pixels") == 0) options.range.pixels = {1024, 2048};
   options.range.per_azimuth = {1, 2};
-  options.range.per_range = {1};
+  options.range.per_range = {0.5};
   options.range.sweeps = {1, 2, 4};
   options.scene_cell_only = true;
   if (command.count("--azimuths") == 0) options.azimuths = 64;

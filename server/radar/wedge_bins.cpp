@@ -27,7 +27,8 @@ WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, c
   if (plan.settings().speckle == SpeckleKind::geometric) {
     voltage_.resize(n);
   } else {
-    table_.assign(std::size_t{1} << 13, 0);
+    tables_.resize(static_cast<std::size_t>(range.count));
+    for (Table& table : tables_) table.slots.assign(std::size_t{1} << 11, 0);
   }
 }
 
@@ -72,29 +73,31 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
 }
 
 void WedgeBins::add_to_group(const Scatterer& scatterer, std::uint32_t bin, double power_w) {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = static_cast<std::size_t>(speckle_.hash(scatterer) + bin * 0x9e3779b97f4a7c15ull) & mask;
-  for (; table_[slot] != 0; slot = (slot + 1) & mask) {
-    Group& group = groups_[table_[slot] - 1];
+  Table& table = tables_[bin / static_cast<std::uint32_t>(plan_.bins().n_range)];
+  const std::size_t mask = table.slots.size() - 1;
+  std::size_t slot = static_cast<std::size_t>(hash(scatterer, bin)) & mask;
+  for (; table.slots[slot] != 0; slot = (slot + 1) & mask) {
+    Group& group = groups_[table.slots[slot] - 1];
     if (group.bin == bin && group.scatterer == scatterer) {
       group.power_w += power_w;
       return;
     }
   }
   groups_.push_back({scatterer, bin, power_w});
-  table_[slot] = static_cast<std::uint32_t>(groups_.size());
-  if (2 * groups_.size() > table_.size()) grow_table();
+  table.slots[slot] = static_cast<std::uint32_t>(groups_.size());
+  if (2 * ++table.used > table.slots.size()) grow(table);
 }
 
-void WedgeBins::grow_table() {
-  table_.assign(2 * table_.size(), 0);
-  const std::size_t mask = table_.size() - 1;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    std::size_t slot = static_cast<std::size_t>(speckle_.hash(groups_[g].scatterer) +
-                                                groups_[g].bin * 0x9e3779b97f4a7c15ull) &
-                       mask;
-    while (table_[slot] != 0) slot = (slot + 1) & mask;
-    table_[slot] = static_cast<std::uint32_t>(g + 1);
+void WedgeBins::grow(Table& table) {
+  std::vector<std::uint32_t> old(2 * table.slots.size(), 0);
+  old.swap(table.slots);
+  const std::size_t mask = table.slots.size() - 1;
+  for (const std::uint32_t number : old) {
+    if (number == 0) continue;
+    const Group& group = groups_[number - 1];
+    std::size_t slot = static_cast<std::size_t>(hash(group.scatterer, group.bin)) & mask;
+    while (table.slots[slot] != 0) slot = (slot + 1) & mask;
+    table.slots[slot] = number;
   }
 }
 

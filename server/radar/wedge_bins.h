@@ -32,8 +32,18 @@ class WedgeBins {
     double power_w;
   };
 
+  /// Group numbers + 1 by open addressing, 0 empty. One for each azimuth bin: a plane of the sweep stays
+  /// within one, which fits the cache.
+  struct Table {
+    std::vector<std::uint32_t> slots;
+    std::size_t used = 0;
+  };
+
   void add_to_group(const Scatterer& scatterer, std::uint32_t bin, double power_w);
-  void grow_table();
+  void grow(Table& table);
+  std::uint64_t hash(const Scatterer& scatterer, std::uint32_t bin) const {
+    return speckle_.hash(scatterer) + bin * 0x9e3779b97f4a7c15ull;
+  }
 
   const FramePlan& plan_;
   const ScatteringTable& scattering_;
@@ -45,7 +55,7 @@ class WedgeBins {
   std::vector<std::uint32_t> count_;
   std::vector<std::complex<double>> voltage_;  // geometric speckle only
   std::vector<Group> groups_;                  // ground speckle only, in order of first appearance
-  std::vector<std::uint32_t> table_;           // open addressing: group number + 1, 0 empty
+  std::vector<Table> tables_;                  // ground speckle only, [azimuth bins]
 };
 
 }  // namespace obliq
