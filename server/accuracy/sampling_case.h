@@ -35,7 +35,7 @@ std::string sampling_text(const SamplingCase& sampling);
 struct FrontierRange {
   std::vector<int> pixels{1024, 2048, 4096};  ///< on each side of the symmetric and the oblique frustum
   std::vector<double> per_azimuth{1, 2, 4};   ///< polar columns per azimuth bin
-  std::vector<double> per_range{1, 2};        ///< polar rows per range bin
+  std::vector<double> per_range{0.5, 1, 2};   ///< polar rows per range bin
   std::vector<double> sweeps{1, 2, 4, 8};     ///< the sweep's azimuths per azimuth bin
   std::vector<double> cells_m;                ///< the first is the scene's: all samplings; others: a few
 };
