@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/mean_range.h"
+
 namespace obliq {
 
 void PieceSampler::begin(SampleBatch& batch) {
@@ -183,14 +185,9 @@ void PieceSampler::part(const VisiblePiece& piece, At from, At to, int depth) {
     }
   }
   // sin e1 - sin e0 = sin(e1 - e0) (cos e0 + cos e1) / (1 + cos(e1 - e0)).
-  const double r00 = from.r_m * from.r_m;
   const double r01 = from.r_m * to.r_m;
-  const double r11 = to.r_m * to.r_m;
   const double rise = cross * (d0 * to.r_m + d1 * from.r_m) / (r01 * (r01 + dot));
-  // The range whose 1 / r^2 is the mean over the piece. Over level ground 1 / r is linear in sin e, and the
-  // mean of its square is exactly this.
-  const double r = std::clamp(r01 * std::sqrt(3 / (r00 + r01 + r11)), std::min(from.r_m, to.r_m),
-                              std::max(from.r_m, to.r_m));
+  const double r = mean_power_range_m(from.r_m, to.r_m);
   const double d = (d0 + d1) / 2;
   ++samples_;
   put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, piece.plane_distance_m / r),

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/radar/mean_range.h"
+
 namespace obliq {
 namespace {
 
@@ -43,39 +45,33 @@ void Plate::add(const BinGrid& bins, const PlanePiece& piece, double weight) {
 }
 
 void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to) {
-  double d = from.d_m;
-  double h = from.h_m;
-  double sine = from.sine;
+  End last = from;
   if (from.bin != to.bin) {
     // Where |A + t D| = R: t = foot +- sqrt(R^2 - |A|^2 + foot^2 |D|^2) / |D|.
-    const double dd = to.d_m - d;
-    const double dh = to.h_m - h;
+    const double dd = to.d_m - from.d_m;
+    const double dh = to.h_m - from.h_m;
     const double over_length2 = 1 / (dd * dd + dh * dh);
-    const double foot = -(d * dd + h * dh) * over_length2;
+    const double foot = -(from.d_m * dd + from.h_m * dh) * over_length2;
     const double nearest2 = from.range_m * from.range_m * over_length2 - foot * foot;
     const int step = to.bin > from.bin ? 1 : -1;
     for (int bin = from.bin; bin != to.bin; bin += step) {
       const double edge_m = bins.r_min_m + (step > 0 ? bin + 1 : bin) * bins.range_spacing_m;
       const double root = std::sqrt(std::max(0.0, edge_m * edge_m * over_length2 - nearest2));
       const double t = std::clamp(foot + step * root, 0.0, 1.0);
-      const double d_cut = from.d_m + t * dd;
       const double h_cut = from.h_m + t * dh;
-      const double sine_cut = h_cut / edge_m;
-      add_part(bin, piece, d, h, d_cut, h_cut, sine_cut - sine);
-      d = d_cut;
-      h = h_cut;
-      sine = sine_cut;
+      const End cut{from.d_m + t * dd, h_cut, edge_m, h_cut / edge_m, bin};
+      add_part(bin, piece, last, cut);
+      last = cut;
     }
   }
-  add_part(to.bin, piece, d, h, to.d_m, to.h_m, to.sine - sine);
+  add_part(to.bin, piece, last, to);
 }
 
-void Plate::add_part(int bin, const PlanePiece& piece, double d0, double h0, double d1, double h1,
-                     double share) {
-  share *= weight_;
+void Plate::add_part(int bin, const PlanePiece& piece, const End& from, const End& to) {
+  const double share = weight_ * (to.sine - from.sine);
   if (!(share > 0)) return;
-  const double d = (d0 + d1) / 2;
-  const double h = (h0 + h1) / 2;
+  const double d = (from.d_m + to.d_m) / 2;
+  const double h = (from.h_m + to.h_m) / 2;
   const double r2 = d * d + h * h;
   const double r = std::sqrt(r2);
   const double cos_incidence = std::min(
@@ -89,7 +85,10 @@ void Plate::add_part(int bin, const PlanePiece& piece, double d0, double h0, dou
   }
   PlatePart& part = parts_.back();
   part.share += share;
-  part.range_m += share * r;
+  const double mean_m = mean_power_range_m(from.range_m, to.range_m);
+  part.over_range2 += share / (mean_m * mean_m);
+  part.least_range_m = std::min({part.least_range_m, from.range_m, to.range_m});
+  part.most_range_m = std::max({part.most_range_m, from.range_m, to.range_m});
   part.cos_incidence += share * cos_incidence;
   part.sin_elevation += share * h / r;
   part.d_m += share * d;
@@ -112,7 +111,7 @@ const std::vector<PlatePart>& Plate::finish(double solid_angle_sr) {
   for (const PlatePart& part : parts_) sum += part.share;
   for (PlatePart& part : parts_) {
     const double over_share = 1 / part.share;
-    part.range_m *= over_share;
+    part.over_range2 *= over_share;
     part.cos_incidence *= over_share;
     part.sin_elevation *= over_share;
     part.d_m *= over_share;
@@ -129,7 +128,7 @@ void emit_plate(const FramePlan& plan, Plate& plate, const ExactHit& hit, double
   const glm::dvec3& antenna = plan.sector().antenna_m;
   const std::vector<PlatePart>& parts = plate.finish(solid_angle_sr);
   for (const PlatePart& part : parts) {
-    sample.slant_range_m = part.range_m;
+    sample.slant_range_m = part.range_m();
     sample.solid_angle_sr = part.share;
     sample.cos_incidence = part.cos_incidence;
     sample.sin_elevation = part.sin_elevation;

@@ -1,5 +1,7 @@
 #pragma once
 // Gives a pixel's solid angle to the range bins that its visible pieces lie in.
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "server/radar/batches.h"
@@ -28,11 +30,16 @@ struct PlatePart {
   int range_bin = 0;  ///< -1: nearer than r_min; n_range: beyond r_max
   std::uint32_t face = kNoFace;
   std::uint8_t material = 0;
-  double share = 0;  ///< difference of the sines of its elevations
-  double range_m = 0;
+  double share = 0;        ///< difference of the sines of its elevations
+  double over_range2 = 0;  ///< 1 / r^2, in 1 / m^2
   double cos_incidence = 0;
   double sin_elevation = 0;
   double d_m = 0;
+  double least_range_m = HUGE_VAL;
+  double most_range_m = 0;
+
+  /// The range at which the whole part has the power that its surface of constant gamma has.
+  double range_m() const { return std::clamp(1 / std::sqrt(over_range2), least_range_m, most_range_m); }
 };
 
 /// One pixel's plate while it is put together.
@@ -66,7 +73,7 @@ class Plate {
 
   End end_at(const BinGrid& bins, double d_m, double h_m) const;
   void add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to);
-  void add_part(int bin, const PlanePiece& piece, double d0, double h0, double d1, double h1, double share);
+  void add_part(int bin, const PlanePiece& piece, const End& from, const End& to);
 
   double weight_ = 1;
   End end_;  // where the last piece ended: mostly the next one begins there

@@ -79,5 +79,48 @@ TEST(FlatPlane, SymmetricTotalMatchesTheClosedForm) {
   EXPECT_LT(std::abs(errors_over_flat_ground(FrustumKind::symmetric).total), 5e-3);
 }
 
+TEST(FlatPlane, PolarBinsMatchTheClosedFormAroundTheNadir) {
+  // An antenna 50 m up, ranges of 0 to 12 km all around; the first bin with ground ends nearly twice as far
+  // as it begins. The range of the mean 1 / r^2 is exact over level ground, and rays and shares are good to
+  // 1e-11 here. With a part's mean range in its place (the named wrong version) the total is 8.6 % low and
+  // the first bin 8.8 %.
+  RadarSettings settings;
+  settings.frustum = FrustumKind::polar;
+  settings.sector_deg = 360;
+  settings.r_min_m = 0;
+  settings.r_max_m = 12000;
+  settings.azimuth_bins = 256;
+  settings.range_bins = 256;
+  settings.pixel_columns = 256;
+  settings.pixel_rows = 256;
+  const double height_m = 50;
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 13000, 100)));
+  const Frame frame = render(scene, test::snapshot(settings),
+                             test::pose_over_origin(scene->world(), height_m), {0, settings.azimuth_bins});
+  const double lambda = 299792458.0 / 10e9;
+  const double k = lambda * lambda / std::pow(4 * std::numbers::pi, 3);
+  const double spacing = settings.r_max_m / settings.range_bins;
+  double total = 0, expected_total = 0, first = 0, expected_first = 0;
+  for (int r = 0; r < settings.range_bins; ++r) {
+    const double r1 = std::max(height_m, r * spacing);
+    const double r2 = std::max(height_m, (r + 1) * spacing);
+    const double expected =
+        k * 2 * std::numbers::pi * height_m * (1 / (r1 * r1 * r1) - 1 / (r2 * r2 * r2)) / 3;
+    double power = 0;
+    for (int a = 0; a < settings.azimuth_bins; ++a)
+      power += frame.bins.power_w[static_cast<std::size_t>(a * settings.range_bins + r)];
+    total += power;
+    expected_total += expected;
+    if (expected > 0 && expected_first == 0) {
+      first = power;
+      expected_first = expected;
+    }
+  }
+  std::printf("    total %.5g W, %+.2e; first bin %+.2e\n", total, total / expected_total - 1,
+              first / expected_first - 1);
+  EXPECT_NEAR(total / expected_total, 1, 1e-9);
+  EXPECT_NEAR(first / expected_first, 1, 1e-9);
+}
+
 }  // namespace
 }  // namespace obliq
