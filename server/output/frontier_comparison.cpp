@@ -4,8 +4,9 @@
 
 namespace obliq {
 
-std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m) {
-  const FrontierRow* paper = find_row(rows, paper_sampling(scene_cell_m), Returns::all);
+std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
+                                                Returns returns) {
+  const FrontierRow* paper = find_row(rows, paper_sampling(scene_cell_m), returns);
   if (paper == nullptr || !paper->possible()) return {};
   const auto compared = [&](const FrontierRow& row) {
     const auto ratio = [](double theirs, double ours) { return ours > 0 ? theirs / ours : 0; };
@@ -19,7 +20,7 @@ std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& 
     const FrontierRow* best = nullptr;
     const auto late = [&](const FrontierRow& row) { return row.frame_ms > paper->frame_ms; };
     for (const FrontierRow& row : rows) {
-      if (!row.possible() || row.returns != Returns::all || row.sampling.kind != kind ||
+      if (!row.possible() || row.returns != returns || row.sampling.kind != kind ||
           row.sampling.cell_m != scene_cell_m)
         continue;
       const bool better = best == nullptr            ? true

@@ -5,7 +5,8 @@
 
 namespace obliq {
 
-/// A sampling against the paper's setting, over the same ground, in the same run, all returns together.
+/// A sampling against the paper's setting, over the same ground, in the same run, for one part of the
+/// returns.
 struct PaperComparison {
   FrontierRow row;
   double time_ratio = 0;   ///< the paper's frame time over this one's: above 1 is quicker
@@ -15,6 +16,7 @@ struct PaperComparison {
 
 /// First the paper's setting itself, then for each kind the row of least E that takes no more time (the
 /// quickest one where all take more). Empty when the paper's setting cannot see the scene.
-std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m);
+std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
+                                                Returns returns = Returns::all);
 
 }  // namespace obliq

@@ -29,25 +29,33 @@ std::string sampling_cell(const FrontierRow& row) {
 
 std::string ratio_text(double ratio) { return ratio > 0 ? short_number(ratio) + " x" : "none left"; }
 
-std::string comparison_table(const std::vector<FrontierRow>& rows, double scene_cell_m) {
-  const std::vector<PaperComparison> table = compare_with_paper(rows, scene_cell_m);
-  if (table.empty())
+std::string comparison_rows(const std::vector<FrontierRow>& rows, double scene_cell_m, Returns returns) {
+  std::string text =
+      "| sampling | frame, ms | quicker | E | E lower | gaps | gaps lower | false light | missed buildings "
+      "|\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
+  for (const PaperComparison& c : compare_with_paper(rows, scene_cell_m, returns))
+    text += "| " + sampling_cell(c.row) + " | " + formatted("%.1f", c.row.frame_ms) + " | " +
+            ratio_text(c.time_ratio) + " | " + short_number(c.row.power_error) + " | " +
+            ratio_text(c.error_ratio) + " | " + percent_text(c.row.gap_fraction) + " | " +
+            ratio_text(c.gap_ratio) + " | " + percent_text(c.row.false_light_fraction) + " | " +
+            missed_text(c.row) + " |\n";
+  return text;
+}
+
+std::string comparison_tables(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
+  if (compare_with_paper(rows, h.scene_cell_m).empty())
     return "The paper's setting (oblique 2048 x 2048, nearest bin) cannot see this scene, so there is "
            "nothing to "
            "compare with.\n";
   std::string text =
       "For each kind the sampling of least E that takes no more time than the paper's setting (the quickest "
       "one "
-      "where all\ntake more). Ratios: the paper's figure over this one's.\n\n"
-      "| sampling | frame, ms | quicker | E | E lower | gaps | gaps lower | false light | missed buildings "
-      "|\n"
-      "|---|---|---|---|---|---|---|---|---|\n";
-  for (const PaperComparison& c : table)
-    text += "| " + sampling_cell(c.row) + " | " + formatted("%.1f", c.row.frame_ms) + " | " +
-            ratio_text(c.time_ratio) + " | " + short_number(c.row.power_error) + " | " +
-            ratio_text(c.error_ratio) + " | " + percent_text(c.row.gap_fraction) + " | " +
-            ratio_text(c.gap_ratio) + " | " + percent_text(c.row.false_light_fraction) + " | " +
-            missed_text(c.row) + " |\n";
+      "where all\ntake more). Ratios: the paper's figure over this one's.\n\n" +
+      comparison_rows(rows, h.scene_cell_m, Returns::all);
+  if (h.buildings > 0)
+    text += "\nThe terrain's returns alone:\n\n" + comparison_rows(rows, h.scene_cell_m, Returns::terrain) +
+            "\nThe buildings' returns alone:\n\n" + comparison_rows(rows, h.scene_cell_m, Returns::buildings);
   return text;
 }
 
@@ -144,8 +152,8 @@ std::string frontier_markdown(const FrontierHeader& h, const std::vector<Frontie
                      std::to_string(h.buildings) + " buildings.\n" + machine_text(h) + "." +
                      load_text(rows, h.threads) +
                      "\n\n![Frame time against error](frontier.svg)\n\n## Against the paper's setting\n\n" +
-                     comparison_table(rows, h.scene_cell_m) + "\n## All returns\n\n" +
-                     bin_counts(rows, Returns::all) + error_table(rows, Returns::all);
+                     comparison_tables(h, rows) + "\n## All returns\n\n" + bin_counts(rows, Returns::all) +
+                     error_table(rows, Returns::all);
   if (h.buildings > 0) {
     text += "\n## Returns of the terrain alone\n\n" + bin_counts(rows, Returns::terrain) +
             error_table(rows, Returns::terrain);
