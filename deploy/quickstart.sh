@@ -108,7 +108,7 @@ Done in $SECONDS s. The radar ground map:
 Try next:
   # a daemon of your own, and a client that looks elsewhere
   $programs/obliqd --config $scene &
-  $programs/obliq get --wait 60 --set antenna.bearing_deg=20 --set frustum.kind=polar --out out/mine
+  $programs/obliq get --wait 60 --set antenna.bearing_deg=20 --set frustum.quality=standard --out out/mine
   # the same without a daemon; every parameter; the range steps of the frusta
   $programs/obliq render $scene --out out/render
   $programs/obliq parameters
