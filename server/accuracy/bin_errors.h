@@ -23,8 +23,8 @@ struct RangeBins {
 };
 
 /// P is the frame's power of a bin, T the truth's. Bins with T > 0 have M, the median of their q; lit: q >=
-/// 1e-3 M; dark: T = 0; the rest nobody cares for. Measures over lit bins are 0 when there is none: look at
-/// `lit`.
+/// 1e-3 M; dark: T = 0; the rest nobody cares for. Measures over lit bins are 0 when there is none, and the
+/// decibels when none has P > 0: nothing was compared then, which is not the same as no error.
 struct BinErrors {
   std::uint64_t bins = 0;
   std::uint64_t lit = 0;
@@ -44,6 +44,8 @@ struct BinErrors {
 
   /// Total energy against the truth's, -1 when all is missing; 0 when the truth has none.
   double energy_error() const { return truth_energy_w > 0 ? energy_w / truth_energy_w - 1 : 0; }
+  /// Lit bins with P > 0: those that the decibels are of.
+  std::uint64_t compared() const { return lit - gaps; }
   /// Of the lit bins, 0..1.
   double gap_fraction() const { return share(gaps, lit); }
   /// Of the dark bins, 0..1.

@@ -14,8 +14,9 @@ struct AccuracyLimit {
   double median_db = 0;
   double gap_fraction = 0;
 
+  /// Never where nothing was compared.
   bool met_by(const BinErrors& e) const {
-    return e.median_db <= median_db && e.gap_fraction() <= gap_fraction;
+    return e.compared() > 0 && e.median_db <= median_db && e.gap_fraction() <= gap_fraction;
   }
 };
 

@@ -33,6 +33,11 @@ std::vector<double> TruthBins::power_w(Returns returns) const {
   return sum;
 }
 
+bool TruthBins::lit() const {
+  const auto has_power = [](double w) { return w > 0; };
+  return std::ranges::any_of(ground_w, has_power) || std::ranges::any_of(building_w, has_power);
+}
+
 void TruthBins::append(const ReferenceBins& bins) {
   runs.push_back({bins.first_azimuth, bins.n_azimuth});
   n_range = bins.n_range;

@@ -29,6 +29,8 @@ struct TruthBins {
   std::vector<BuildingTruth> buildings;
 
   std::vector<double> power_w(Returns returns) const;
+  /// Whether any bin has power at all.
+  bool lit() const;
   /// Lays the truth of one run behind what is there; runs come in order.
   void append(const ReferenceBins& bins);
 };

@@ -24,6 +24,7 @@ struct ExplainArguments {
 void run(const SceneConfig& config, const ExplainArguments& arguments) {
   if (!arguments.out.empty()) prepare_output_folder(arguments.out);
   const RadarConfig& radar = choose_radar(config, arguments.radar);
+  say_accuracy_is_ignored(config, "explain");
   const Progress progress = terminal_progress();
   const auto print_loaded = [&](const World& world) {
     if (progress) progress("loaded", 1);  // ends the line that it would write into

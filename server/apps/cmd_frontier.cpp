@@ -5,6 +5,7 @@
 #include "server/apps/commands.h"
 #include "server/apps/frontier_run.h"
 #include "server/apps/scene_arguments.h"
+#include "server/apps/scene_loading.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -79,6 +80,7 @@ void add_frontier(CLI::App& app) {
       throw InputError("frontier: --out: found nothing; allowed: a folder for the table and the pictures");
     arguments->options.out = arguments->out;
     if (arguments->quick) make_quick(*command, arguments->options);
+    say_accuracy_is_ignored(*config, "frontier");
     run_frontier(*config, arguments->options);
   });
 }

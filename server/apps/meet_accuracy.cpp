@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "server/accuracy/sampling_ladder.h"
 #include "server/accuracy/truth_search.h"
@@ -45,6 +46,7 @@ class AccuracySearch {
     if (!config_.world.terrain.cell_m) cell_m = coarsest_good_cell_m();
     config_.world.terrain.cell_m = cell_m;
     for (const ProbedRadar& p : radars_) {
+      say_what_changes(p.radar->settings, p.chosen);
       p.radar->settings = with_sampling(p.radar->settings, p.chosen);
       report(p, cell_m);
     }
@@ -123,6 +125,8 @@ class AccuracySearch {
     first.threads = config_.threads;
     const TruthQuality quality = search_truth(*planned.plan, runs, first, kMostTruthPlanes, asked, progress_);
     p.truth = integrate_truth(*planned.plan, runs, quality.sampling, progress_);
+    if (!p.truth.lit())
+      throw InputError("accuracy: radar \"" + radar.name + "\": nothing is lit here: nothing to compare");
 
     const std::vector<SamplingCase> ladder = sampling_ladder(radar.settings, ground_->world().grid.cell_m);
     int tried_so_far = 0;
@@ -143,14 +147,17 @@ class AccuracySearch {
     std::string best = "no sampling within 16384 pixels";
     if (!tried.empty()) {
       const auto& b = *std::ranges::min_element(tried, {}, [](const TriedSampling& t) {
-        return std::pair(t.errors.median_db, t.errors.gap_fraction());
+        return std::tuple(t.errors.compared() == 0, t.errors.median_db, t.errors.gap_fraction());
       });
-      best = "at best a median error of " + short_number(b.errors.median_db) + " dB and gaps of " +
-             short_number(b.errors.gap_fraction()) + ", by " + sampling_text(b.sampling) + " over cells of " +
+      const std::string error = b.errors.compared() == 0
+                                    ? "not one lit bin with a return"
+                                    : "a median error of " + short_number(b.errors.median_db) +
+                                          " dB and gaps of " + short_number(b.errors.gap_fraction());
+      best = "at best " + error + ", by " + sampling_text(b.sampling) + " over cells of " +
              short_number(b.sampling.cell_m) + " m";
     }
     throw InputError("accuracy: radar \"" + radar.name + "\": found " + asked_text() + "; allowed: " + best +
-                     ", so ask for less or take another frustum.kind");
+                     ", so ask for a larger error or take another frustum.kind");
   }
 
   std::string asked_text() const {
@@ -183,6 +190,18 @@ class AccuracySearch {
       source_error_ = source_error;
     }
     return good_m;
+  }
+
+  /// Pixels that the scene names, or its quality, do not win over [accuracy]; nobody is to be surprised.
+  void say_what_changes(const RadarSettings& named, const SamplingCase& chosen) const {
+    const bool sweep = chosen.kind == FrustumKind::sweep;
+    if (named.pixel_columns == chosen.columns && (sweep || named.pixel_rows == chosen.rows)) return;
+    const auto sides = [&](int columns, int rows) {
+      return std::to_string(columns) + (sweep ? "" : " x " + std::to_string(rows));
+    };
+    say_((sweep ? "frustum.pixel_columns " : "frustum.pixels ") +
+         sides(named.pixel_columns, named.pixel_rows) + " -> " + sides(chosen.columns, chosen.rows) +
+         " (chosen by [accuracy])");
   }
 
   void report(const ProbedRadar& p, double cell_m) const {

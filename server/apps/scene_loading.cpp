@@ -50,6 +50,11 @@ Progress terminal_progress() {
 
 void say_on_terminal(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
+void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program) {
+  if (config.accuracy.asks())
+    say_on_terminal(program + ": [accuracy] is left out here; pixels and cells are those of the scene file");
+}
+
 std::vector<std::string> world_report_lines(const World& world) {
   const HeightGrid& grid = world.grid;
   const LoadReport& report = world.report;

@@ -24,6 +24,9 @@ Progress terminal_progress();
 /// One line on stderr.
 void say_on_terminal(const std::string& line);
 
+/// One line on stderr where the scene has an [accuracy], for a program that has no use for it.
+void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program);
+
 /// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.
 std::vector<std::string> world_report_lines(const World& world);
 

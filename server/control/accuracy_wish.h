@@ -7,8 +7,10 @@ namespace obliq {
 /// [accuracy] of a scene file: how wrong the user's frames may be. Cell size and pixels then follow from it.
 struct AccuracyWish {
   double max_power_error_db =
-      std::numeric_limits<double>::infinity();  ///< median |10 log10 P/T|; infinity: any
-  double max_gap_fraction = 1;                  ///< of the lit bins, 0..1; 1: any
+      std::numeric_limits<double>::infinity();       ///< median |10 log10 P/T|; infinity: any
+  double max_gap_fraction = 1;                       ///< of the lit bins, 0..1; 1: any
+  static constexpr double kUsualGapFraction = 0.05;  ///< where only an error is given: an error on the bins
+                                                     ///< that happen to be filled says little
 
   bool asks() const { return std::isfinite(max_power_error_db) || max_gap_fraction < 1; }
 };

@@ -221,6 +221,13 @@ void apply_flag(ConfigNode& root, const std::string& flag, Complaints& complaint
   }
   ConfigNode patch = nest(key, parse_config_value(std::string_view(flag).substr(equals + 1), "--set " + key));
   expand_frustum(patch);
+  const std::string_view section = std::string_view(key).substr(0, key.find('.'));
+  if (!only_radar.empty() && section != "radar" &&
+      std::ranges::find(kRadarSections, section) == kRadarSections.end()) {
+    complaints.add("--set", {key, "a key that is no radar parameter behind " + toml_string(only_radar + ":"),
+                             "the key alone, since it is the whole scene's"});
+    return;
+  }
   if (!lay_over(root, patch, only_radar))
     complaints.add("--set", {key, "a radar named " + toml_string(only_radar),
                              "a radar of the scene file and a radar parameter"});

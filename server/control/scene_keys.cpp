@@ -57,18 +57,20 @@ const std::array kScene{
          {},
          "Effective earth: 4/3 standard refraction (a rule for antennas up to 3 km), 1 vacuum, inf flat."},
         [](Scene& c) -> Slot { return &c.world.radius_factor; }},
-    Entry<Scene>{
-        {"accuracy.max_power_error_db",
-         "dB",
-         {0.0001, kInfinity, false, false},
-         {},
-         "Median error of a bin's power that the user allows; pixels and \"auto\" cells are chosen by it."},
-        [](Scene& c) -> Slot { return &c.accuracy.max_power_error_db; }},
+    Entry<Scene>{{"accuracy.max_power_error_db",
+                  "dB",
+                  {0.0001, kInfinity, false, false},
+                  {},
+                  "Median error of a bin's power that the user allows. [accuracy] chooses the frustum's "
+                  "pixels, whatever "
+                  "the scene names, and \"auto\" cells; kind and plates stay."},
+                 [](Scene& c) -> Slot { return &c.accuracy.max_power_error_db; }},
     Entry<Scene>{{"accuracy.max_gap_fraction",
                   "",
                   closed(0, 1),
                   {},
-                  "Fraction of the lit bins that may be left without a return; 1: any."},
+                  "Fraction of the lit bins that may be left without a return; 1: any. 0.05 where only "
+                  "max_power_error_db is given."},
                  [](Scene& c) -> Slot { return &c.accuracy.max_gap_fraction; }},
     Entry<Scene>{{"run.threads", "", closed(0, 1024), {}, "Threads that render; 0: all cores."},
                  [](Scene& c) -> Slot { return &c.threads; }},

@@ -193,6 +193,8 @@ void read_scene_entries(SceneReading& reading) {
   no_terrain.where = reading.config.path.string();
   // radius_factor stays NaN when nobody sets it; its default depends on the terrain.
   reading.config.world.radius_factor = std::numeric_limits<double>::quiet_NaN();
+  // So does the gaps' limit, which depends on the error's.
+  reading.config.accuracy.max_gap_fraction = std::numeric_limits<double>::quiet_NaN();
   for (const std::string section : {"earth", "accuracy", "run", "server"}) {
     reading.top.one_table(section, [&](const ConfigNode& table) {
       SectionReader reader(table, section, reading.complaints);
@@ -200,6 +202,9 @@ void read_scene_entries(SceneReading& reading) {
       reader.finish();
     });
   }
+  AccuracyWish& wish = reading.config.accuracy;
+  if (std::isnan(wish.max_gap_fraction))
+    wish.max_gap_fraction = std::isfinite(wish.max_power_error_db) ? AccuracyWish::kUsualGapFraction : 1;
   const ConfigNode* terrain = reading.top.take("terrain");
   if (terrain != nullptr && terrain->kind != Kind::table) {
     reading.top.complain(*terrain, "terrain", "a table");

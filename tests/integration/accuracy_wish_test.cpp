@@ -78,10 +78,27 @@ TEST_F(AccuracyWish, WhatCannotBeMetIsRefusedWithTheBestThatWasReached) {
   // A grid of 400 m cells is metres off the hills whatever the sampling.
   const auto run = render({"frustum.kind=sweep", "terrain.cell_m=400", "accuracy.max_power_error_db=0.0001"});
   EXPECT_NE(run.code, 0);
-  EXPECT_NE(run.err.find("max_power_error_db = 0.0001; allowed: at best a median error of "),
+  EXPECT_NE(run.err.find("max_power_error_db = 0.0001 and max_gap_fraction = 0.05; allowed: at best a median "
+                         "error of "),
             std::string::npos)
       << run.err;
+  EXPECT_NE(run.err.find("ask for a larger error"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "files" / "bins.npy"));
+}
+
+// No light, no error: an empty frame must not pass for a perfect one.
+TEST_F(AccuracyWish, WhereNothingIsLitNothingIsPromised) {
+  const auto run = render({"radar.power_w=0", "accuracy.max_power_error_db=0.5"});
+  EXPECT_NE(run.code, 0);
+  EXPECT_NE(run.err.find("nothing is lit here: nothing to compare"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("median error"), std::string::npos) << run.err;
+}
+
+TEST_F(AccuracyWish, PixelsThatTheSceneNamedAndThatAreNotTakenAreTold) {
+  const auto run = render({"frustum.kind=oblique", "frustum.pixels=300", "accuracy.max_power_error_db=3"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.err.find("frustum.pixels 300 x 300 -> "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("(chosen by [accuracy])"), std::string::npos) << run.err;
 }
 
 TEST_F(AccuracyWish, NothingAskedMeasuresNothing) {

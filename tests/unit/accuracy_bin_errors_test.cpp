@@ -108,6 +108,7 @@ TEST(BinErrors, AFrameWithoutLightAndATruthWithoutLightAreNumbers) {
   const std::vector<double> some(4, 1.0);
   const BinErrors dark = bin_errors(some, none, metre_bins(4));
   EXPECT_EQ(dark.lit, 0u);
+  EXPECT_EQ(dark.compared(), 0u);
   EXPECT_EQ(dark.false_light, 4u);
   EXPECT_EQ(dark.power_error, 0);
   EXPECT_EQ(dark.energy_error(), 0);
@@ -116,6 +117,7 @@ TEST(BinErrors, AFrameWithoutLightAndATruthWithoutLightAreNumbers) {
   EXPECT_DOUBLE_EQ(empty.power_error, 1);
   EXPECT_DOUBLE_EQ(empty.gap_fraction(), 1);
   EXPECT_EQ(empty.median_db, 0);
+  EXPECT_EQ(empty.compared(), 0u);
   EXPECT_DOUBLE_EQ(empty.energy_error(), -1);
 }
 

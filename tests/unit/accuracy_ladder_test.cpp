@@ -61,5 +61,13 @@ TEST(SamplingLadder, EndsWithoutOneThatIsGoodEnough) {
                InputError);
 }
 
+// An empty frame has no decibels, and 0 of them would be within any limit.
+TEST(SamplingLadder, NothingComparedMeetsNoLimit) {
+  const AccuracyLimit any{100, 1};
+  EXPECT_FALSE(any.met_by(errors(0, 100)));
+  EXPECT_TRUE(any.met_by(errors(0, 99)));
+  EXPECT_FALSE(any.met_by(BinErrors{}));
+}
+
 }  // namespace
 }  // namespace obliq

@@ -109,6 +109,13 @@ TEST_F(Quality, AccuracyIsAnyUnlessAsked) {
   EXPECT_TRUE(config.accuracy.asks());
   EXPECT_EQ(config.accuracy.max_power_error_db, 0.2);
   EXPECT_EQ(config.accuracy.max_gap_fraction, 0.01);
+  // An error alone is meant for nearly all bins; 1 asks for no limit, in so many words.
+  EXPECT_EQ(read(kFlat).accuracy.max_gap_fraction, 1);
+  EXPECT_EQ(read(kFlat, {"accuracy.max_power_error_db=0.5"}).accuracy.max_gap_fraction, 0.05);
+  EXPECT_EQ(read(kFlat, {"accuracy.max_power_error_db=0.5", "accuracy.max_gap_fraction=1"})
+                .accuracy.max_gap_fraction,
+            1);
+  EXPECT_SAYS(complaint(kFlat, {"main:accuracy.max_gap_fraction=0.1"}), "no radar parameter");
   EXPECT_SAYS(complaint(std::string(kFlat) + "[accuracy]\nmax_gap_fraction = 2\n"),
               "accuracy.max_gap_fraction");
   EXPECT_SAYS(complaint(std::string(kFlat) + "[accuracy]\nmax_power_error_db = -1\n"),
