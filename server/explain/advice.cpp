@@ -13,9 +13,10 @@ namespace obliq {
 namespace {
 
 constexpr double kTenth_db = 0.1;
+constexpr double kFurthestCell_m = 1e5;
 constexpr double kFullContrast = 0.98;  ///< as near to 1 as a measured frame can tell
 
-std::string k_text(double curvature) { return curvature == 0 ? "inf" : format("%.4g", 1 / curvature); }
+std::string k_text(double curvature) { return plain_number(1 / curvature, 4); }
 
 std::string within_swath(double range_m, double horizon, const SceneFacts& f) {
   if (range_m >= horizon) return format("anywhere this side of the horizon (%.1f km)", horizon / 1000);
@@ -32,23 +33,23 @@ std::string earth_threshold(const Comparison& c, const SceneFacts& f) {
   std::string text;
   if (c.ingredient == Ingredient::curvature) {
     text = format(
-        "drop r^2/(2kR), R = 6371 km: %.1f m at %.4g km with k = %.4g, %.1f m with k = 1 (parabola through "
+        "drop r^2/(2kR), R = 6371 km: %.1f m at %s km with k = %s, %.1f m with k = 1 (parabola through "
         "the "
         "sphere). ",
-        earth_drop_m(r, with), r / 1000, f.earth_factor, earth_drop_m(r, 1));
+        earth_drop_m(r, with), plain_number(r / 1000, 4).c_str(), k_text(with).c_str(), earth_drop_m(r, 1));
   } else {
-    text = format("drop r^2/(2kR) differs by %.1f m at %.4g km between k = %s and k = %s. ",
-                  std::abs(earth_drop_m(r, with) - earth_drop_m(r, without)), r / 1000, k_text(with).c_str(),
-                  k_text(without).c_str());
+    text = format("drop r^2/(2kR) differs by %.1f m at %s km between k = %s and k = %s. ",
+                  std::abs(earth_drop_m(r, with) - earth_drop_m(r, without)),
+                  plain_number(r / 1000, 4).c_str(), k_text(with).c_str(), k_text(without).c_str());
   }
   if (!(h > 0)) return text + "The antenna is not above its median ground: no level-ground threshold.";
   const double horizon = horizon_m(h, std::max(with, without));
   text += format(
       "Over level ground %.0f m below, a bin's power goes with 1 - r^2/(2kRh) (law of cosines; 0 at the "
       "horizon): "
-      "below 0.1 dB %s; half a range bin (%.3g m) of slant range ",
+      "below 0.1 dB %s; half a range bin (%s m) of slant range ",
       h, within_swath(range_of_power_change_m(h, with, without, kTenth_db), horizon, f).c_str(),
-      f.range_spacing_m / 2);
+      plain_number(f.range_spacing_m / 2, 3).c_str());
   const double moved = range_of_slant_shift_m(h, with, without, f.range_spacing_m / 2);
   return text + (moved >= horizon || moved > r ? "is never reached in this swath."
                                                : format("is reached at %.1f km.", moved / 1000));
@@ -61,25 +62,31 @@ double depression_rad(double height_m, double slant_m) {
 std::string cell_threshold(const Comparison& c, const SceneFacts& f) {
   std::string text;
   if (f.source_error.posts > 0) {
-    text = format("cells of %.4g m lie %.3g m (95 %%) off their source", f.cell_m, f.source_error.p95_m);
+    text = format("cells of %s m lie %s m (95 %%) off their source", plain_number(f.cell_m, 4).c_str(),
+                  plain_number(f.source_error.p95_m, 3).c_str());
     if (c.source_error && c.source_error->posts > 0)
-      text += format(", cells of %.4g m %.3g m", c.value, c.source_error->p95_m);
+      text += format(", cells of %s m %s m", plain_number(c.value, 4).c_str(),
+                     plain_number(c.source_error->p95_m, 3).c_str());
     text += ". ";
   }
   if (!(f.height_m > 0) || c.value < f.cell_m) return text;
   const double steepest = depression_rad(f.height_m, f.settings.r_min_m);
   const double allowed = vertical_tolerance_m(f.range_spacing_m / 2, steepest);
-  text += format(
-      "An error of %.3g m moves ground at r_min by half a range bin (bin/2 / sin depression, %.1f deg)",
-      allowed, steepest / kDegree_rad);
+  text +=
+      format("An error of %s m moves ground at r_min by half a range bin (bin/2 / sin depression, %.1f deg)",
+             plain_number(allowed, 3).c_str(), steepest / kDegree_rad);
   if (f.source_error.p95_m > 0 && c.source_error && c.source_error->p95_m > 0 && c.value > f.cell_m &&
       c.source_error->p95_m > f.source_error.p95_m) {
     const double order =
         std::log(c.source_error->p95_m / f.source_error.p95_m) / std::log(c.value / f.cell_m);
-    text += format(
-        "; the error grows as cell^%.2g here: reached by cells of %.0f m. Slopes, and so single bins, "
-        "suffer sooner: see the dB",
-        order, cell_of_error_m(f.cell_m, f.source_error.p95_m, order, allowed));
+    const double reached_m = cell_of_error_m(f.cell_m, f.source_error.p95_m, order, allowed);
+    // An error that hardly grows reaches it nowhere on this earth.
+    if (reached_m < kFurthestCell_m)
+      text += format("; the error grows as cell^%.1f here: reached by cells of %s m. ", order,
+                     plain_number(reached_m, 2).c_str());
+    else
+      text += "; larger cells do not reach it. ";
+    return text + (c.power_counts ? "Slopes, and so single bins, suffer sooner: see the dB." : "");
   }
   return text + ".";
 }
@@ -97,14 +104,15 @@ std::string wall_threshold(const SceneFacts& f) {
     return 10 * std::log10(wall / roof);
   };
   std::string text = format(
-      "a building of median size (%.3g m high, %.3g m wide) shows H cos e / (H cos e + W sin e) of itself as "
+      "a building of median size (%s m high, %s m wide) shows H cos e / (H cos e + W sin e) of itself as "
       "wall: "
       "%.0f %% at "
       "r_min (e = %.1f deg), %.0f %% at r_max (%.1f deg). Walls give less than 0.1 dB only above e = %.1f "
       "deg%s. ",
-      f.sizes.height_m, f.sizes.side_m, 100 * wall_share(f.sizes.height_m, f.sizes.side_m, near),
-      near / kDegree_rad, 100 * wall_share(f.sizes.height_m, f.sizes.side_m, far), far / kDegree_rad,
-      steep / kDegree_rad, steep > near ? ", steeper than this swath" : "");
+      plain_number(f.sizes.height_m, 3).c_str(), plain_number(f.sizes.side_m, 3).c_str(),
+      100 * wall_share(f.sizes.height_m, f.sizes.side_m, near), near / kDegree_rad,
+      100 * wall_share(f.sizes.height_m, f.sizes.side_m, far), far / kDegree_rad, steep / kDegree_rad,
+      steep > near ? ", steeper than this swath" : "");
   const double at_near = facing_db(near), at_far = facing_db(far);
   if (std::isfinite(at_near) && std::isfinite(at_far))
     text += format(
@@ -118,24 +126,43 @@ std::string material_threshold(const Comparison& c, const SceneFacts& f) {
   const ScatteringTable table(f.materials, 299792458.0 / (f.settings.frequency_ghz * 1e9));
   const double near = depression_rad(std::max(0.0, f.height_m), f.settings.r_min_m);
   const double far = depression_rad(std::max(0.0, f.height_m), f.settings.r_max_m);
-  const auto against_db = [&](double e) {
-    return 10 * std::log10(table.cross_section_m2(c.material, 1, std::sin(e)) /
-                           table.cross_section_m2(0, 1, std::sin(e)));
+  for (const std::uint8_t id : {c.material, std::uint8_t{0}})
+    if (f.materials[id].model == ScatteringModel::flat_plate)
+      return "none: the power of a flat plate (" + f.materials[id].name +
+             ") goes with the square of the area of each piece that it is cut into.";
+  const auto against_db = [&](double cos_incidence) {
+    return 10 * std::log10(table.cross_section_m2(c.material, 1, cos_incidence) /
+                           table.cross_section_m2(0, 1, cos_incidence));
   };
-  const double at_near = against_db(near), at_far = against_db(far);
-  if (!std::isfinite(at_near) || !std::isfinite(at_far)) return {};
-  return format(
-      "level pieces of it return %+.1f dB at r_min and %+.1f dB at r_max against the terrain's material "
-      "(sigma per projected area); not needed where both are below 0.1 dB.",
-      at_near, at_far);
+  // Level pieces are hit at 90 degrees less the depression, walls that face the radar at the depression.
+  const double level_near = against_db(std::sin(near)), level_far = against_db(std::sin(far));
+  const double wall_near = against_db(std::cos(near)), wall_far = against_db(std::cos(far));
+  for (const double value : {level_near, level_far, wall_near, wall_far})
+    if (!std::isfinite(value)) return {};
+  const auto pair = [](double at_near, double at_far) {
+    return format("%+.1f dB at r_min and %+.1f dB at r_max", without_sign_of_zero(at_near, kTenth_db),
+                  without_sign_of_zero(at_far, kTenth_db));
+  };
+  std::string text = "level pieces of it return " + pair(level_near, level_far);
+  if (c.on_buildings) text += ", facing walls " + pair(wall_near, wall_far) + ",";
+  text += " against the terrain's material (sigma per projected area)";
+  double greatest_db = std::max(std::abs(level_near), std::abs(level_far));
+  if (c.on_buildings) greatest_db = std::max({greatest_db, std::abs(wall_near), std::abs(wall_far)});
+  const std::string which = c.on_buildings ? "all four" : "both";
+  if (greatest_db >= kTenth_db) return text + "; not needed where " + which + " are below 0.1 dB.";
+  text += "; " + which + " are below 0.1 dB";
+  return text + (c.verdict == Verdict::needed
+                     ? ", so what was measured comes from tilted pieces, which this leaves out."
+                     : ": not needed on level ground.");
 }
 
 std::string speckle_threshold(const Explanation& all) {
   const SpeckleMeasure& geometric = all.geometric_speckle;
+  if (geometric.median_samples == 0) return "nothing sampled by this frustum: no contrast to measure.";
   return format(
       "contrast |v|^2/P: ground %.2f, geometric %.2f (fully developed: 1). Geometric speckle of n like "
       "samples "
-      "has sqrt(1 - 1/n) (Goodman 2007, 3.2): %.2g from %.0f samples a bin on; here the median bin has %.0f.",
+      "has sqrt(1 - 1/n) (Goodman 2007, 3.2): %.2f from %.0f samples a bin on; here the median bin has %.0f.",
       all.ground_speckle.contrast, geometric.contrast, kFullContrast, 1 / (1 - kFullContrast * kFullContrast),
       geometric.median_samples);
 }
@@ -159,15 +186,13 @@ std::string threshold(const Comparison& c, const Explanation& all) {
   return {};
 }
 
-/// What the change saves: "saves 12 ms a frame, 40 MB", "costs ...", "saves nothing". Frame times differ when
-/// they do so by more than a twentieth and by more than the repetitions of one of them.
+/// What the change saves: "saves 12 ms a frame, 40 MB", "costs ...", "saves nothing".
 std::string saving(const Comparison& c, const Explanation& all) {
   const double saved_s = all.costs.frame_s - c.costs.frame_s;
   const double mb = (static_cast<double>(all.costs.bytes()) - static_cast<double>(c.costs.bytes())) / 1e6;
-  const double noise_s = std::max({all.costs.frame_s / 20, all.costs.spread_s, c.costs.spread_s});
   std::string saves, costs;
   const auto add = [](std::string& to, const std::string& what) { to += (to.empty() ? "" : ", ") + what; };
-  if (std::abs(saved_s) > noise_s)
+  if (std::abs(saved_s) > frame_repeats_within_s(all))
     add(saved_s > 0 ? saves : costs, format("%.0f ms a frame", 1000 * std::abs(saved_s)));
   if (std::abs(mb) >= std::max(0.5, 1e-8 * static_cast<double>(all.costs.bytes())))
     add(mb > 0 ? saves : costs, format("%.0f MB", std::abs(mb)));
@@ -179,9 +204,15 @@ std::string saving(const Comparison& c, const Explanation& all) {
 /// "95 % of bins within 1.1 dB, 5.7 % of them off by more than 1 dB, total +0.02 dB, ground within 5.80 m".
 std::string change_text(const Comparison& c) {
   const PowerChange& p = c.power;
-  std::string text =
-      format("95 %% of bins within %.2g dB, %.2g %% of them off by more than 1 dB, total %+.2f dB",
-             std::max(0.01, p.percentile95_db), 100 * p.over_1_db, without_sign_of_zero(p.total_db(), 0.01));
+  std::string text;
+  if (!c.power_counts)
+    text = "no verdict in power, see the flat plates above";
+  else if (p.nothing_left())
+    text = "no power is left";
+  else
+    text = format("95 %% of bins within %s dB, %s %% of them off by more than 1 dB, total %+.2f dB",
+                  plain_number(std::max(0.01, p.percentile95_db), 2).c_str(),
+                  plain_number(100 * p.over_1_db, 2).c_str(), without_sign_of_zero(p.total_db(), 0.01));
   if (c.shift) text += format(", ground within %.2f m of slant range", c.shift->slant_m);
   return text;
 }
@@ -207,6 +238,8 @@ std::string words(const Comparison& c, const Explanation& all) {
       if (c.adds) return "needed" + mark + ", but this scene leaves it out" + change + ".";
       return "needed" + mark + change + (cell ? "; doubling the cells " : "; leaving it out ") + price;
     case Verdict::not_needed:
+      if (!c.power_counts)
+        return "ground moves by less than half a range bin" + change + "; the change " + price;
       if (finer) return "finer cells are not needed" + change + "; halving them " + price;
       if (c.adds) return "may stay left out" + change + ".";
       return (cell ? "cells may be doubled" : "may be left out") + change + "; that " + price;
@@ -220,6 +253,12 @@ std::string words(const Comparison& c, const Explanation& all) {
 }
 
 }  // namespace
+
+double frame_repeats_within_s(const Explanation& all) {
+  double spread_s = std::max(all.costs.frame_s / 20, all.costs.spread_s);
+  for (const Comparison& c : all.comparisons) spread_s = std::max(spread_s, c.costs.spread_s);
+  return std::ceil(1000 * spread_s) / 1000;
+}
 
 void judge(Comparison& c, const Explanation& all) {
   decide(c, all);

@@ -21,7 +21,7 @@ struct Costs {
   double load_s = 0;    ///< terrain and buildings; 0: not loaded again
   double build_s = 0;   ///< the ray-tracing structure
   double frame_s = 0;   ///< a frame with the scene's own frustum, scaled up from the wedges
-  double spread_s = 0;  ///< how much its repetitions differed
+  double spread_s = 0;  ///< how much its repetitions differed; of the scene: from first to last in the run
   std::uint64_t grid_bytes = 0;
   std::uint64_t building_bytes = 0;
   std::uint64_t tracer_bytes = 0;
@@ -40,10 +40,12 @@ enum class Verdict {
 struct Comparison {
   Ingredient ingredient = Ingredient::curvature;
   std::string name;    ///< "earth curvature"
-  std::string change;  ///< "flat earth, k = inf"
+  std::string change;  ///< "flat earth"
   std::string reason;  ///< why it was not measured; empty: it was
   double value = 0;    ///< the changed number: k, or the cell in metres
   std::uint8_t material = 0;
+  bool on_buildings = false;  ///< a material that buildings have
+  bool power_counts = true;   ///< false: the change in power says more about the cutting than about the scene
   PowerChange power;
   std::optional<GroundShift> shift;  ///< where the ground moves
   Costs costs;
@@ -71,6 +73,7 @@ struct SceneFacts {
   std::uint64_t buildings = 0;
   BuildingSizes sizes;
   std::uint8_t building_material = 1;
+  std::vector<std::string> flat_plates;  ///< names of the materials in use that are flat plates
   int threads = 0;
   int measured_azimuth_bins = 0;
   std::size_t ground_points = 0;

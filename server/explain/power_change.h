@@ -17,6 +17,8 @@ struct PowerChange {
   double appeared = 0;   ///< dark bins that become lit ones, as a share of the lit ones
   double total_ratio = 1;  ///< total P' over total P
 
+  /// Of all power nothing is left, and no decibels say so.
+  bool nothing_left() const { return !(total_ratio > 0); }
   /// 10 log10 of the total's ratio; -infinity when nothing is left.
   double total_db() const;
 };

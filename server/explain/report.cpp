@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/explain/advice.h"
 #include "server/explain/table.h"
 
 namespace obliq {
@@ -39,7 +40,7 @@ const char* verdict_word(const Comparison& c) {
 
 std::string number(double value, int digits) {
   value = without_sign_of_zero(value, std::pow(10.0, -digits));
-  return std::isfinite(value) ? format("%.*f", digits, value) : value > 0 ? "inf" : value < 0 ? "-inf" : "-";
+  return std::isfinite(value) ? format("%.*f", digits, value) : "-";
 }
 
 std::string percent(double share) { return number(100 * share, 2); }
@@ -51,13 +52,16 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   const RadarSettings& s = f.settings;
   std::vector<std::string> lines;
   lines.push_back(
-      format("%s, radar %s: %s frustum of %d x %d pixels, sector of %.4g degrees, %.4g to %.4g km, "
+      format("%s, radar %s: %s frustum of %d x %d pixels, sector of %s degrees, %s to %s km, "
              "%d x %d bins.",
              f.scene.c_str(), f.radar.c_str(), kind_name(s.frustum), s.pixel_columns, s.pixel_rows,
-             s.sector_deg, s.r_min_m / 1000, s.r_max_m / 1000, s.azimuth_bins, s.range_bins));
-  lines.push_back(
-      format("The antenna is %.0f m above its median ground; k = %.4g; cells of %.4g m; %llu buildings.",
-             f.height_m, f.radius_factor, f.cell_m, static_cast<unsigned long long>(f.buildings)));
+             plain_number(s.sector_deg, 4).c_str(), plain_number(s.r_min_m / 1000, 4).c_str(),
+             plain_number(s.r_max_m / 1000, 4).c_str(), s.azimuth_bins, s.range_bins));
+  const std::string earth =
+      std::isfinite(f.radius_factor) ? "k = " + plain_number(f.radius_factor, 4) : "flat earth";
+  lines.push_back(format("The antenna is %.0f m above its median ground; %s; cells of %s m; %llu buildings.",
+                         f.height_m, earth.c_str(), plain_number(f.cell_m, 4).c_str(),
+                         static_cast<unsigned long long>(f.buildings)));
   std::string density =
       kComparisonSource.frustum == FrustumKind::sweep
           ? format("the sweep, %d planes an azimuth bin", f.columns)
@@ -67,10 +71,20 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   lines.push_back(
       format("Measured in %d of %d azimuth bins, even wedges, with %s; shifts at %zu ground points.",
              f.measured_azimuth_bins, s.azimuth_bins, density.c_str(), f.ground_points));
+  if (!f.flat_plates.empty()) {
+    std::string names;
+    for (const std::string& name : f.flat_plates) names += (names.empty() ? "" : ", ") + name;
+    lines.push_back(
+        "Flat plates (" + names +
+        "): their power depends on how finely the surface is cut, so the cell size has no verdict "
+        "in power, and the other changes in power hold for this cutting only.");
+  }
   return lines;
 }
 
 std::vector<std::string> change_cells(const PowerChange& p) {
+  if (p.nothing_left())
+    return {"-", "-", percent(p.over_1_db), percent(p.vanished), percent(p.appeared), "none"};
   return {number(p.median_db, 2), number(p.percentile95_db, 2), percent(p.over_1_db),
           percent(p.vanished),    percent(p.appeared),          number(p.total_db(), 2)};
 }
@@ -82,7 +96,8 @@ Table change_table(const Explanation& all) {
   for (const Comparison& c : all.comparisons) {
     if (c.ingredient == Ingredient::speckle) continue;  // powers stay
     std::vector<std::string> row{c.name, c.change};
-    const auto cells = c.reason.empty() ? change_cells(c.power) : std::vector<std::string>(6, "-");
+    const auto cells =
+        c.reason.empty() && c.power_counts ? change_cells(c.power) : std::vector<std::string>(6, "-");
     row.insert(row.end(), cells.begin(), cells.end());
     row.push_back(c.shift ? number(c.shift->slant_m, 1) : "-");
     row.push_back(c.shift ? number(c.shift->vertical_m, 1) : "-");
@@ -92,6 +107,7 @@ Table change_table(const Explanation& all) {
 }
 
 std::string noise_text(const PowerChange& p) {
+  if (p.nothing_left()) return "nothing sampled, every lit bin is without a sample";
   return format(
       "median %.2f dB, 95 %% of bins within %.2f dB, %.1f %% of them off by more than 1 dB; %.1f %% of lit "
       "bins without a sample; total %+.3f dB",
@@ -139,20 +155,24 @@ Table cost_table(const Explanation& all) {
 std::string times_text(const Explanation& all) {
   return format(
       "Frame: the scene's own frustum on these wedges, processor time scaled to all azimuth bins and %d "
-      "threads; it repeats within %.0f ms. Load and build as the clock saw them.",
-      all.facts.threads, std::ceil(1000 * all.costs.spread_s));
+      "threads. Differences within %.0f ms are not told from repetitions. Load and build as the clock saw "
+      "them.",
+      all.facts.threads, 1000 * frame_repeats_within_s(all));
 }
 
-/// "earth curvature (flat earth, k = inf)".
+/// "earth curvature (flat earth)".
 std::string title(const Comparison& c) { return c.name + " (" + c.change + ")"; }
 
 /// What the star in a verdict means; empty when none has one.
 std::string star_text(const Explanation& all) {
   for (const Comparison& c : all.comparisons) {
     if (c.verdict == Verdict::needed && c.below_frustum_noise && c.ingredient != Ingredient::speckle)
-      return format(
-          "* In single bins below the sampling noise of this frustum (median %.2f dB): a finer one shows it.",
-          all.frustum_noise.median_db);
+      return all.frustum_noise.nothing_left()
+                 ? "* Not in this frustum, which samples nothing: a finer one shows it."
+                 : format(
+                       "* In single bins below the sampling noise of this frustum (median %.2f dB): a finer "
+                       "one shows it.",
+                       all.frustum_noise.median_db);
   }
   return {};
 }
@@ -241,7 +261,8 @@ std::string csv_report(const Explanation& all) {
   for (const Comparison& c : all.comparisons) {
     std::vector<std::string> fields{c.name, c.change, verdict_word(c)};
     if (c.reason.empty()) {
-      power_fields(fields, c.power);
+      if (c.power_counts) power_fields(fields, c.power);
+      fields.resize(9);
       fields.push_back(c.shift ? exact(c.shift->slant_m) : "");
       fields.push_back(c.shift ? exact(c.shift->vertical_m) : "");
       cost_fields(fields, c.costs);

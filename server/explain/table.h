@@ -19,6 +19,10 @@ inline double without_sign_of_zero(double value, double step) {
   return value < step / 2 && value > -step / 2 ? 0 : value;
 }
 
+/// A number as one reads it, with about so many digits that count and never an exponent: "3000", "4.52",
+/// "0.149"; "-" for none.
+std::string plain_number(double value, int digits);
+
 /// Cells of text. The first two columns are words, the rest numbers.
 struct Table {
   std::vector<std::vector<std::string>> head;  ///< one or more lines above the rule

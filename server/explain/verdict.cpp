@@ -1,6 +1,7 @@
 #include "server/explain/verdict.h"
 
 #include <cmath>
+#include <iterator>
 
 namespace obliq {
 namespace {
@@ -28,6 +29,8 @@ void decide(Comparison& c, const Explanation& all) {
   };
   c.verdict = Verdict::not_needed;
   for (const Measure& m : measures) {
+    const bool of_power = &m != std::end(measures) - 1;
+    if (of_power && !c.power_counts) continue;
     if (!(m.value >= m.noticeable)) continue;
     if (m.value > kAboveNoise * m.noise) {
       c.verdict = Verdict::needed;
@@ -36,9 +39,9 @@ void decide(Comparison& c, const Explanation& all) {
     c.verdict = Verdict::beyond_measure;
   }
   const PowerChange& frustum = all.frustum_noise;
-  c.below_frustum_noise = c.power.median_db < frustum.median_db &&
-                          c.power.percentile95_db < frustum.percentile95_db &&
-                          c.power.over_1_db < frustum.over_1_db;
+  c.below_frustum_noise = frustum.nothing_left() || (c.power.median_db < frustum.median_db &&
+                                                     c.power.percentile95_db < frustum.percentile95_db &&
+                                                     c.power.over_1_db < frustum.over_1_db);
 }
 
 }  // namespace obliq

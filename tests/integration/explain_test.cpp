@@ -206,6 +206,48 @@ TEST_F(Explain, TheSameSceneGivesTheSamePowersOnAnyNumberOfThreads) {
   }
 }
 
+TEST_F(Explain, AFrustumThatSamplesNothingIsSaidInWords) {
+  // One pixel in one of 512 azimuth bins, the middle one: of the 64 wedges the measured ones are 4, 12,
+  // ..., 60.
+  const Outcome outcome =
+      explain(flat_scene("", 1100, 2000, 20),
+              {"--set", "bins.azimuth=512", "--set", "frustum.plates=nearest", "--set", "frustum.pixels=1"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("sampling noise of this frustum: nothing sampled"), std::string::npos)
+      << outcome.out;
+  EXPECT_NE(outcome.out.find("nothing sampled by this frustum: no contrast"), std::string::npos);
+  for (const char* word : {"inf", "nan", "e+0"})
+    EXPECT_EQ(outcome.out.find(word), std::string::npos) << word << "\n" << outcome.out;
+}
+
+TEST_F(Explain, AFlatPlateIsNamedAndTheCellSizeHasNoVerdictInPower) {
+  const Outcome outcome = explain(kTown, {"--set", "materials.building.model=\"flat_plate\""});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("Flat plates (building)"), std::string::npos) << outcome.out;
+  const std::vector<Row> all = rows();
+  for (const char* name : {"cell size x 2", "cell size x 1/2"}) {
+    const Row row = row_named(all, name);
+    EXPECT_EQ(row.at("median_db"), "") << name;
+    EXPECT_NE(row.at("advice").find("no verdict in power"), std::string::npos) << row.at("advice");
+    EXPECT_GT(number(row, "slant_shift_m"), 0) << name;
+  }
+  EXPECT_NE(row_named(all, "material building").at("threshold").find("flat plate"), std::string::npos);
+  EXPECT_NE(row_named(all, "buildings").at("median_db"), "");
+}
+
+TEST_F(Explain, TheThresholdOfABuildingsMaterialCountsItsWalls) {
+  // Roofs return what the ground does, walls the lobe of a mirror as well: R / (2 s^2) sec^5 exp(-tan^2 /
+  // 2s^2) at r_max, where sin e = h / r_max: +9 dB. Level pieces alone said "not needed" against the verdict.
+  const Outcome outcome = explain(kTown, {"--set", "materials.building.model=\"geometric_optics\"", "--set",
+                                          "materials.building.gamma_db=-15.0"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Row row = row_named(rows(), "material building");
+  EXPECT_TRUE(row.at("verdict").starts_with("needed")) << row.at("verdict");
+  EXPECT_NE(row.at("threshold").find("facing walls +"), std::string::npos) << row.at("threshold");
+  EXPECT_NE(row.at("threshold").find("where all four are below 0.1 dB"), std::string::npos)
+      << row.at("threshold");
+}
+
 TEST_F(Explain, MistakesAreRefusedAsByRender) {
   EXPECT_EQ(explain("[terrain]\n").code, 1);
   const std::string two =
@@ -223,6 +265,9 @@ TEST_F(Explain, MistakesAreRefusedAsByRender) {
       {"--set", "materials.terrain.model=\"flat_plate\"", "--set", "materials.terrain.plate_tau=0.0"});
   EXPECT_EQ(dark.code, 1);
   EXPECT_NE(dark.err.find("found no power in the bins"), std::string::npos) << dark.err;
+  const Outcome silent = explain(flat_scene("", 1100, 2000, 20), {"--set", "radar.power_w=0"});
+  EXPECT_EQ(silent.code, 1);
+  EXPECT_NE(silent.err.find("radar.power_w = 0, which lights no bin"), std::string::npos) << silent.err;
   const Outcome nadir = explain(flat_scene("", 900, 2000, 20), {"--set", "frustum.kind=oblique"});
   EXPECT_EQ(nadir.code, 1);
   EXPECT_NE(nadir.err.find("radar.r_min_m"), std::string::npos) << nadir.err;

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "server/explain/advice.h"
 #include "server/explain/power_change.h"
+#include "server/explain/report.h"
 #include "server/explain/table.h"
 #include "server/explain/variants.h"
 #include "server/explain/verdict.h"
@@ -83,6 +85,67 @@ TEST(Verdict, NothingIsDecidedWithoutAMeasurement) {
   EXPECT_EQ(c.verdict, Verdict::not_measured);
 }
 
+TEST(Verdict, APowerThatTheCuttingMakesDecidesNothing) {
+  Comparison c;
+  c.ingredient = Ingredient::cell_size;
+  c.power_counts = false;
+  c.power.median_db = 9;
+  c.shift = GroundShift{14, 100};
+  decide(c, quiet());
+  EXPECT_EQ(c.verdict, Verdict::not_needed);
+  c.shift->slant_m = 15;
+  decide(c, quiet());
+  EXPECT_EQ(c.verdict, Verdict::needed);
+}
+
+TEST(Advice, ASavingWithinWhatTheSceneItselfDriftedByIsNotPrinted) {
+  Explanation all = quiet();
+  all.costs.frame_s = 0.100;
+  all.costs.spread_s = 0.0146;  // from the first to the last measurement of the run: 15 ms
+  Comparison c;
+  c.ingredient = Ingredient::buildings;
+  c.costs.frame_s = 0.114;
+  judge(c, all);
+  EXPECT_EQ(c.advice.find("ms a frame"), std::string::npos) << c.advice;
+  c.costs.frame_s = 0.116;
+  judge(c, all);
+  EXPECT_NE(c.advice.find("costs 16 ms a frame"), std::string::npos) << c.advice;
+  Comparison restless;  // one change whose own repetitions differed by more
+  restless.costs.spread_s = 0.020;
+  all.comparisons.push_back(restless);
+  EXPECT_DOUBLE_EQ(frame_repeats_within_s(all), 0.020);
+  judge(c, all);
+  EXPECT_EQ(c.advice.find("ms a frame"), std::string::npos) << c.advice;
+}
+
+TEST(Advice, NothingLeftAndAllChangedAreWordsAndPlainNumbers) {
+  Explanation all = quiet();
+  Comparison c;
+  c.ingredient = Ingredient::buildings;
+  c.power.over_1_db = 1;
+  judge(c, all);
+  EXPECT_NE(c.advice.find(" 100 % of them"), std::string::npos) << c.advice;
+  c.power.total_ratio = 0;
+  judge(c, all);
+  EXPECT_NE(c.advice.find("no power is left"), std::string::npos) << c.advice;
+  EXPECT_EQ(c.advice.find("inf"), std::string::npos) << c.advice;
+}
+
+TEST(Report, AFrustumWithoutASampleHasNoDecibels) {
+  Explanation all = quiet();
+  all.facts.radius_factor = INFINITY;
+  all.frustum_noise.vanished = all.frustum_noise.over_1_db = 1;
+  all.frustum_noise.total_ratio = 0;
+  Comparison c;
+  c.name = "buildings";
+  c.power.median_db = 1;
+  judge(c, all);
+  all.comparisons.push_back(c);
+  for (const std::string& text : {plain_report(all), markdown_report(all), csv_report(all)})
+    EXPECT_EQ(text.find("inf"), std::string::npos) << text;
+  EXPECT_NE(plain_report(all).find("sampling noise of this frustum: nothing sampled"), std::string::npos);
+}
+
 TEST(Variants, RoofsStayWhenWallsGo) {
   WorldSpec spec = test::synthetic_spec(SyntheticKind::flat, 1000, 50);
   spec.prisms.push_back({});
@@ -117,6 +180,18 @@ TEST(Table, AlignsWordsLeftAndNumbersRight) {
   EXPECT_EQ(
       markdown_table(table),
       "| name | to | dB |\n|---|---|---:|\n| a long long long long name | b | 1.5 |\n| c |  | 10.25 |\n");
+}
+
+TEST(Table, NumbersAreWrittenWithoutExponents) {
+  EXPECT_EQ(plain_number(3000, 1), "3000");
+  EXPECT_EQ(plain_number(4521.3, 3), "4521");
+  EXPECT_EQ(plain_number(100, 2), "100");
+  EXPECT_EQ(plain_number(4.0 / 3, 4), "1.333");
+  EXPECT_EQ(plain_number(0.1494, 3), "0.149");
+  EXPECT_EQ(plain_number(0.00004, 2), "0.00004");
+  EXPECT_EQ(plain_number(-40, 4), "-40");
+  EXPECT_EQ(plain_number(0, 4), "0");
+  EXPECT_EQ(plain_number(INFINITY, 4), "-");
 }
 
 TEST(Table, ParagraphsBreakAtSpacesBesideTheirLabel) {
