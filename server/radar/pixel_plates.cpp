@@ -1,6 +1,5 @@
 #include "server/radar/pixel_plates.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "server/radar/wedge_profile.h"
@@ -15,41 +14,12 @@ constexpr double kReach_cells = 64;
 }  // namespace
 
 PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile)
-    : plan_(plan),
-      range_(range),
-      profile_(profile),
-      bins_(static_cast<std::size_t>(range.count)),
-      surface_(plan.scene().world(), plan.sector().antenna_m) {
+    : plan_(plan), range_(range), profile_(profile), surface_(plan.scene().world(), plan.sector().antenna_m) {
   if (plan.camera().kind == FrustumKind::symmetric) {
     sin_pitch_ = std::sin(plan.camera().pitch_rad);
     cos_pitch_ = std::cos(plan.camera().pitch_rad);
   }
-  const Buildings& all = plan.scene().world().buildings;
-  const glm::dvec3& antenna = plan.sector().antenna_m;
-  for (int bin = range.first; bin < range.first + range.count; ++bin) {
-    AzimuthBin& here = bins_[static_cast<std::size_t>(bin - range.first)];
-    for (const std::uint32_t b : plan.buildings_in(bin)) {
-      // The farthest corner bounds the outline; the nearest point of an edge may be nearer than its corners.
-      const std::uint32_t ring = all.list[b].first_ring;
-      double nearest = HUGE_VAL;
-      double farthest = 0;
-      double longest_edge = 0;
-      std::uint32_t last = all.ring_start[ring + 1] - 1;
-      for (std::uint32_t k = all.ring_start[ring]; k < all.ring_start[ring + 1]; last = k++) {
-        const glm::dvec2 corner(all.ring_xz_m[k]);
-        const double d = std::hypot(corner.x - antenna.x, corner.y - antenna.z);
-        nearest = std::min(nearest, d);
-        farthest = std::max(farthest, d);
-        const glm::dvec2 before(all.ring_xz_m[last]);
-        longest_edge = std::max(longest_edge, std::hypot(corner.x - before.x, corner.y - before.y));
-      }
-      here.buildings.push_back({std::max(0.0, nearest - longest_edge / 2), farthest, b});
-      here.longest_m = std::max(here.longest_m, farthest - here.buildings.back().near_m);
-    }
-    std::sort(here.buildings.begin(), here.buildings.end(), [](const Standing& p, const Standing& q) {
-      return p.near_m != q.near_m ? p.near_m < q.near_m : p.building < q.building;
-    });
-  }
+  for (int bin = range.first; bin < range.first + range.count; ++bin) fans_.emplace_back(plan, bin);
 }
 
 /// Half of the pixel's extent in slope, up / sqrt(X^2 + ahead^2), in its own vertical plane: the root of the
@@ -69,20 +39,6 @@ double PixelPlates::half_extent(std::uint32_t pixel) const {
   return std::sqrt(by_row * by_row + by_column * by_column) / 2;
 }
 
-/// Roofs and walls in the plane between two distances.
-void PixelPlates::find_roofs(const AzimuthBin& bin, double from_m, double to_m, double sin_bearing,
-                             double cos_bearing) {
-  roofs_.clear();
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
-  auto at = std::lower_bound(bin.buildings.begin(), bin.buildings.end(), from_m - bin.longest_m,
-                             [](const Standing& standing, double d) { return standing.near_m < d; });
-  for (; at != bin.buildings.end() && at->near_m <= to_m; ++at)
-    if (at->far_m >= from_m)
-      add_roof_stretches(plan_.scene().world().buildings, at->building, antenna.x, antenna.z, sin_bearing,
-                         cos_bearing, roofs_);
-  if (!roofs_.empty()) make_disjoint(roofs_);
-}
-
 void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
                        std::vector<Sample>& samples) {
   if (!hit) return;
@@ -98,8 +54,10 @@ void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
                            rays.dir_y[k] / ground};
     const double half = half_extent(rays.pixel[k]);
     const double reach_m = kReach_cells * plan_.scene().world().grid.cell_m;
-    find_roofs(bins_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)], point.d_m - reach_m,
-               point.d_m + reach_m, sin_bearing, cos_bearing);
+    roofs_.clear();
+    fans_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)].add_stretches(
+        point.d_m - reach_m, point.d_m + reach_m, sin_bearing, cos_bearing, roofs_);
+    if (!roofs_.empty()) make_disjoint(roofs_);
     surface_.aim(sin_bearing, cos_bearing, roofs_);
     visible_.clear();
     walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);

@@ -1,4 +1,5 @@
 #pragma once
+#include "server/radar/building_fan.h"
 #include "server/radar/plate_spreader.h"
 #include "server/radar/sight_walk.h"
 
@@ -15,24 +16,12 @@ class PixelPlates : public PlateSpreader {
   void finish(std::vector<Sample>&) override {}
 
  private:
-  /// A building as the distances between which a plane of the azimuth bin can meet it.
-  struct Standing {
-    double near_m = 0;
-    double far_m = 0;
-    std::uint32_t building = 0;
-  };
-  struct AzimuthBin {
-    std::vector<Standing> buildings;  // by near_m
-    double longest_m = 0;
-  };
-
   double half_extent(std::uint32_t pixel) const;
-  void find_roofs(const AzimuthBin& bin, double from_m, double to_m, double sin_bearing, double cos_bearing);
 
   const FramePlan& plan_;
   AzimuthRange range_;
   WedgeProfile& profile_;
-  std::vector<AzimuthBin> bins_;  // [range.count]
+  std::vector<BuildingFan> fans_;  // [range.count]
   PlaneSurface surface_;
   std::vector<RoofStretch> roofs_;
   std::vector<PlanePiece> visible_;
