@@ -211,13 +211,19 @@ class FrontierRun {
     print_truth();
     truth_ = integrate_truth_in_file(file("truth.bin"), key_, *planned.plan, runs_, header_.truth,
                                      terminal_progress());
+    if (!truth_.lit()) say_on_terminal("nothing is lit here: nothing to compare");
   }
 
   /// The errors that the finest samplings will show.
   SmallestErrors pilot(const TruthBins& truth) const {
     SmallestErrors smallest;
+    const Progress progress = terminal_progress();
+    say_on_terminal("rendering the finest samplings once, for the errors that the truth is held to");
+    std::size_t looked_at = 0;
     const auto match = match_buildings(finest_.world().buildings, finest_.world().buildings);
     for (const SamplingCase& c : cases_) {
+      if (progress)
+        progress("first frames", static_cast<double>(looked_at++) / static_cast<double>(cases_.size()));
       if (c.cell_m != finest_.cell_m()) continue;
       const bool outdone = std::ranges::any_of(cases_, [&](const SamplingCase& other) {
         return other.kind == c.kind && other.plates == c.plates && other.cell_m == c.cell_m &&
@@ -231,6 +237,7 @@ class FrontierRun {
         // Cannot see this scene: the table will say so.
       }
     }
+    if (progress) progress("first frames", 1);
     return smallest;
   }
 

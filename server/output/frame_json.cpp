@@ -82,8 +82,8 @@ Json edges(double start, double width, int bins) {
 std::string enum_word(std::string text) {
   for (char& c : text)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const std::string suffix = "_speckle";
-  if (text.ends_with(suffix)) text.resize(text.size() - suffix.size());
+  for (const std::string_view suffix : {"_speckle", "_plates"})
+    if (text.ends_with(suffix)) text.resize(text.size() - suffix.size());
   return text;
 }
 

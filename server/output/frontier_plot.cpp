@@ -56,6 +56,12 @@ constexpr Measure kMeasures[4] = {
     {"False light: dark bins with one", &FrontierRow::false_light_fraction, 100, " %"},
 };
 
+/// Whether a row has that measure at all: none where nothing is lit, no decibels where no lit bin is filled.
+bool has(const FrontierRow& row, const Measure& measure) {
+  if (measure.value == &FrontierRow::false_light_fraction) return true;
+  return measure.value == &FrontierRow::median_db ? row.has_decibels() : row.lit > 0;
+}
+
 struct Box {
   double x, y, width, height;
 };
@@ -217,11 +223,14 @@ class Plot {
   void panel(const Box& box, const Measure& measure) {
     std::vector<double> times;
     std::vector<double> values;
+    std::size_t shown = 0;
     for (const FrontierRow& row : rows_) {
       times.push_back(row.frame_ms);
+      if (!has(row, measure)) continue;
+      ++shown;
       if (row.*measure.value > 0) values.push_back(row.*measure.value);
     }
-    const Axes axes{box, LogAxis(times, 1), LogAxis(values, 1), values.size() < rows_.size(), values.empty()};
+    const Axes axes{box, LogAxis(times, 1), LogAxis(values, 1), values.size() < shown, values.empty()};
     grid(axes, measure);
     face(true);
     ink(kInk);
@@ -231,7 +240,8 @@ class Plot {
     lines(axes, measure);
     for (const bool paper : {false, true})  // the star on top
       for (const FrontierRow& row : rows_)
-        if (paper == is_scene_paper(row)) mark(row, axes.x(row.frame_ms), axes.y(row.*measure.value));
+        if (paper == is_scene_paper(row) && has(row, measure))
+          mark(row, axes.x(row.frame_ms), axes.y(row.*measure.value));
   }
 
   bool is_scene_paper(const FrontierRow& row) const {
@@ -282,7 +292,7 @@ class Plot {
       for (const PlateKind plates : {PlateKind::nearest, PlateKind::spread}) {
         std::vector<const FrontierRow*> series;
         for (const FrontierRow& row : rows_)
-          if (row.sampling.kind == kind && row.sampling.plates == plates &&
+          if (has(row, measure) && row.sampling.kind == kind && row.sampling.plates == plates &&
               row.sampling.cell_m == header_.scene_cell_m)
             series.push_back(&row);
         std::ranges::sort(series, {}, [](const FrontierRow* row) { return row->frame_ms; });

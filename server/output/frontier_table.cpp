@@ -199,14 +199,17 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
   std::string line;
   if (!file || !std::getline(file, line) || line + "\n" != csv_header())
     throw InputError(path.string() +
-                     ": found no table of this version; allowed: one that `obliq frontier` wrote");
+                     ": found no table of this version; allowed: one that `obliq frontier` wrote, or "
+                     "--restart to begin anew");
   std::vector<FrontierRow> rows;
   for (int number = 2; std::getline(file, line); ++number) {
     if (file.eof()) break;  // no newline behind it: it was cut off
     const auto row = row_of(line);
     if (!row)
-      throw InputError(path.string() + ":" + std::to_string(number) +
-                       ": found a line that is none of this table's; allowed: what `obliq frontier` wrote");
+      throw InputError(
+          path.string() + ":" + std::to_string(number) +
+          ": found a line that is none of this table's; allowed: what `obliq frontier` wrote, or "
+          "--restart to begin anew");
     rows.push_back(*row);
   }
   return rows;

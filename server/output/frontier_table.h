@@ -41,6 +41,8 @@ struct FrontierRow {
   std::string not_possible;  ///< why this sampling cannot see the scene; the numbers are then 0
 
   bool possible() const { return not_possible.empty(); }
+  /// Whether the decibels are of any bin; else they are 0 and mean nothing.
+  bool has_decibels() const { return lit > gaps; }
 };
 
 /// "all", "terrain", "buildings".

@@ -2,13 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "server/output/frontier_markdown.h"
 
 namespace obliq {
 namespace {
 constexpr double kAir = 1.18;  // factor between the outermost values and the axis' ends
+
+/// "0.01", "2e-5": an axis has room for few signs.
+std::string label_of(double value) {
+  if (value > 9.5e-4) return short_number(value);
+  char text[32];
+  const int exponent = static_cast<int>(std::floor(std::log10(value) + 1e-9));
+  std::snprintf(text, sizeof text, "%.0fe%d", value / std::pow(10, exponent), exponent);
+  return text;
 }
+
+}  // namespace
 
 LogAxis::LogAxis(const std::vector<double>& values, double least_decades) : low_(1), high_(1) {
   if (!values.empty()) {
@@ -34,7 +45,7 @@ std::vector<LogAxis::Tick> LogAxis::ticks(double factor, const char* unit) const
       const double value = k * std::pow(10, decade);
       if (value < low_ || value > high_) continue;
       const bool labelled = k == 1 || (few && (k == 2 || k == 5));
-      ticks.push_back({value, labelled ? short_number(value * factor) + unit : ""});
+      ticks.push_back({value, labelled ? label_of(value * factor) + unit : ""});
     }
   return ticks;
 }

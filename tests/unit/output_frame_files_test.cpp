@@ -108,6 +108,7 @@ TEST_F(FrameFilesTest, NumpyReadsTheArraysWithTheirShapesAndTypes) {
 TEST_F(FrameFilesTest, FrameJsonNamesEveryParameterAndTheBinEdges) {
   render_to(folder_);
   const auto json = nlohmann::json::parse(slurp(folder_ / "frame.json"));
+  EXPECT_EQ(json["frame"]["settings"]["plates"], "spread");  // the scene file's word
   EXPECT_EQ(json["azimuth_edges_deg"].size(), 46u);
   EXPECT_EQ(json["range_edges_m"].size(), 34u);
   EXPECT_DOUBLE_EQ(json["range_edges_m"][33], 9000);

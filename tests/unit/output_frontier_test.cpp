@@ -37,6 +37,8 @@ FrontierRow row(FrustumKind kind, int columns, double frame_ms, double error, do
   r.power_error = error;
   r.median_db = error;
   r.gap_fraction = gaps;
+  r.lit = 1000;
+  r.gaps = 1000 * gaps;
   return r;
 }
 
@@ -83,6 +85,7 @@ TEST_F(Frontier, ALineThatWasCutOffIsLeftOutAndADamagedOneIsNamed) {
     FAIL() << "a damaged line was read";
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("frontier.csv:2: "), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("--restart"), std::string::npos) << e.what();
   }
   std::ofstream(path) << "something,else\n";
   EXPECT_THROW(read_frontier_csv(path), InputError);
@@ -130,8 +133,31 @@ TEST_F(Frontier, TheReportNamesWhatWasNotPossibleAndWhatWasNotHeld) {
   h.truth_checks = {{"E, all", 0.1, 0.2}};
   const std::string text = frontier_markdown(h, some_rows());
   EXPECT_NE(text.find("oblique 4096 x 4096 spread, cell 30 m: found \"this\""), std::string::npos) << text;
-  EXPECT_NE(text.find("| E, all | 0.1 | 0.2 | NOT held |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| E, all | 0.1 | 0.01 | NOT held |"), std::string::npos) << text;
   EXPECT_NE(text.find("| 15 x |"), std::string::npos) << text;
+}
+
+// The header's figure is from before: what the table shows counts.
+TEST_F(Frontier, TheTruthIsHeldToTheSmallestErrorOfTheTable) {
+  FrontierHeader h;
+  h.scene_cell_m = 30;
+  h.truth_checks = {{"E, all", 0.002, 0.2}};
+  EXPECT_NE(frontier_markdown(h, some_rows()).find("| E, all | 0.002 | 0.01 | NOT held |"),
+            std::string::npos);
+}
+
+TEST_F(Frontier, WhatIsNotThereHasNoRatioAndNoDecibels) {
+  FrontierHeader h;
+  h.scene_cell_m = 30;
+  std::vector<FrontierRow> rows = some_rows();
+  for (FrontierRow& r : rows) r.gap_fraction = r.gaps = 0;  // of the paper's setting as well
+  EXPECT_EQ(frontier_markdown(h, rows).find("none left"), std::string::npos);
+  rows[5].gaps = rows[5].lit;  // the sweep's frame is empty
+  EXPECT_NE(frontier_markdown(h, rows).find(" | 0.03 | - | - | "), std::string::npos)
+      << frontier_markdown(h, rows);
+  for (FrontierRow& r : rows) r.lit = r.gaps = 0;
+  EXPECT_NE(frontier_markdown(h, rows).find("Nothing is lit here: nothing to compare."), std::string::npos);
+  draw_frontier(folder_, h, rows);
 }
 
 TEST_F(Frontier, PicturesAreWrittenEvenOfNothing) {
@@ -164,6 +190,10 @@ TEST(LogAxes, SpanTheirValuesAndLabelDecades) {
   std::string labels;
   for (const auto& tick : axis.ticks(100, " %")) labels += tick.label.empty() ? "" : tick.label + ";";
   EXPECT_EQ(labels, "1 %;10 %;100 %;1000 %;");
+  labels.clear();
+  for (const auto& tick : LogAxis({1e-6, 0.01}, 1).ticks(1, ""))
+    labels += tick.label.empty() ? "" : tick.label + ";";
+  EXPECT_EQ(labels, "1e-6;1e-5;1e-4;0.001;0.01;");
   const LogAxis flat({5}, 2);
   EXPECT_NEAR(flat.high() / flat.low(), 100, 1e-9);
 }
