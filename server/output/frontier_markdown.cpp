@@ -105,8 +105,10 @@ TruthCheck against_rows(TruthCheck check, const std::vector<FrontierRow>& rows) 
   for (const Named& m :
        {Named{"E", &FrontierRow::power_error}, Named{"median dB", &FrontierRow::median_db},
         Named{"gaps", &FrontierRow::gap_fraction}, Named{"false light", &FrontierRow::false_light_fraction}})
-    for (const FrontierRow& row : rows) {
+    for (bool first = true; const FrontierRow& row : rows) {
       if (!row.possible() || check.measure != m.name + (", " + returns_name(row.returns))) continue;
+      if (first) check.smallest = 0;
+      first = false;
       const double value = row.*m.value;
       if (value > 0 && (check.smallest <= 0 || value < check.smallest)) check.smallest = value;
     }

@@ -144,6 +144,8 @@ TEST_F(Frontier, TheTruthIsHeldToTheSmallestErrorOfTheTable) {
   h.truth_checks = {{"E, all", 0.002, 0.2}};
   EXPECT_NE(frontier_markdown(h, some_rows()).find("| E, all | 0.002 | 0.01 | NOT held |"),
             std::string::npos);
+  h.truth_checks = {{"E, all", 0.0005, 0.001}};
+  EXPECT_NE(frontier_markdown(h, some_rows()).find("| E, all | 0.0005 | 0.01 | held |"), std::string::npos);
 }
 
 TEST_F(Frontier, WhatIsNotThereHasNoRatioAndNoDecibels) {
