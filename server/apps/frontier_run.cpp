@@ -68,6 +68,14 @@ std::uint64_t world_hash(const World& world, std::uint64_t hash) {
   return hash_list(hash, world.buildings.vertices_m);
 }
 
+/// The scene without what changes no line of the table: the cases set pixels, kind and plates themselves.
+SceneConfig what_counts(SceneConfig config) {
+  config.server = {};
+  config.accuracy = {};
+  for (RadarConfig& radar : config.radars) radar.settings = with_sampling(radar.settings, paper_sampling(0));
+  return config;
+}
+
 class FrontierRun {
  public:
   FrontierRun(const SceneConfig& config, const FrontierOptions& options)
@@ -145,7 +153,7 @@ class FrontierRun {
     header_.scene_cell_m = scene_cell_m_;
     header_.truth_cell_m = finest_.cell_m();
 
-    std::string text = print_config(config_) + header_.version + header_.cpu + header_.tracer;
+    std::string text = print_config(what_counts(config_)) + header_.version + header_.cpu + header_.tracer;
     for (const SamplingCase& c : cases_) text += sampling_text(c) + " " + std::to_string(c.cell_m) + "\n";
     for (const double number :
          {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,

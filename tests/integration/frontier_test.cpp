@@ -121,6 +121,11 @@ TEST_F(FrontierCommand, AnotherRunsTableIsRefusedUnlessThrownAway) {
   EXPECT_NE(other.code, 0);
   EXPECT_NE(other.err.find("found the table of another run"), std::string::npos) << other.err;
   EXPECT_EQ(table().size(), 3u);
+  // What the samplings set themselves, and the server's, makes no other table.
+  const auto same =
+      frontier(scene, {"--stop-after", "1", "--set", "frustum.pixels=300", "--set", "server.port=7000"});
+  EXPECT_EQ(same.code, 0) << same.err;
+  EXPECT_EQ(table().size(), 6u);
   const auto again = frontier(scene, {"--stop-after", "1", "--set", "radar.r_max_m=3900", "--restart"});
   EXPECT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(table().size(), 3u);
