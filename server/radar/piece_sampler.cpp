@@ -121,11 +121,12 @@ void PieceSampler::straight(const VisiblePiece& piece) {
   const At to = at(piece, piece.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.
   if (from.r_m < bins_.r_min_m && to.r_m < bins_.r_min_m) return;
-  // The foot of the perpendicular from the antenna, where range turns.
+  // Between t0 and t1 lies the foot of the perpendicular from the antenna, where range turns, when range
+  // falls at t0 and rises at t1.
   const double rate2 = piece.rate_d * piece.rate_d + piece.rate_h * piece.rate_h;
-  const double foot = -(piece.d_m * piece.rate_d + piece.h_m * piece.rate_h) / rate2;
-  if (foot > piece.t0 && foot < piece.t1) {
-    const At turn = at(piece, foot);
+  const double along = piece.d_m * piece.rate_d + piece.h_m * piece.rate_h;
+  if (along + rate2 * piece.t0 < 0 && along + rate2 * piece.t1 > 0) {
+    const At turn = at(piece, std::clamp(-along / rate2, piece.t0, piece.t1));
     cut_at_bins(piece, from, turn);
     cut_at_bins(piece, turn, to);
   } else {
@@ -137,8 +138,10 @@ void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   const double least = std::min(from.r_m, to.r_m);
   const double most = std::max(from.r_m, to.r_m);
   if (most < bins_.r_min_m || least >= bins_.r_max_m) return;
-  const int first = least < bins_.r_min_m ? -1 : bins_.range_bin(least);
-  const int last = most >= bins_.r_max_m ? bins_.n_range : bins_.range_bin(most);
+  // Rounding may take a range within 1e-16 of an edge for one beyond it: a part without extent.
+  const auto bin_of = [&](double r) { return static_cast<int>((r - bins_.r_min_m) * bins_per_m_); };
+  const int first = least < bins_.r_min_m ? -1 : bin_of(least);
+  const int last = most >= bins_.r_max_m ? bins_.n_range : bin_of(most);
   if (first == last) {
     part(piece, from, to, 0);
     return;
@@ -188,10 +191,11 @@ void PieceSampler::part(const VisiblePiece& piece, At from, At to, int depth) {
   const double r01 = from.r_m * to.r_m;
   const double rise = cross * (d0 * to.r_m + d1 * from.r_m) / (r01 * (r01 + dot));
   const double r = mean_power_range_m(from.r_m, to.r_m);
+  const double over_r = 1 / r;
   const double d = (d0 + d1) / 2;
   ++samples_;
-  put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, piece.plane_distance_m / r),
-       share_.azimuth_offset_rad, (h0 + h1) / 2 / r, antenna_m_.x + d * share_.bearing.sin,
+  put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, piece.plane_distance_m * over_r),
+       share_.azimuth_offset_rad, (h0 + h1) / 2 * over_r, antenna_m_.x + d * share_.bearing.sin,
        antenna_m_.z + d * share_.bearing.cos, piece.face, piece.material});
 }
 

@@ -21,7 +21,10 @@ struct PlaneShare {
 class PieceSampler {
  public:
   explicit PieceSampler(const FramePlan& plan)
-      : bins_(plan.bins()), grid_(plan.scene().world().grid), antenna_m_(plan.sector().antenna_m) {}
+      : bins_(plan.bins()),
+        bins_per_m_(1 / plan.bins().range_spacing_m),
+        grid_(plan.scene().world().grid),
+        antenna_m_(plan.sector().antenna_m) {}
 
   /// Samples go here from now on, those that were left over first.
   void begin(SampleBatch& batch);
@@ -74,6 +77,7 @@ class PieceSampler {
   void put(const Waiting& sample);
 
   const BinGrid& bins_;
+  double bins_per_m_;
   const HeightGrid& grid_;
   glm::dvec3 antenna_m_;
   PlaneShare share_;

@@ -7,6 +7,7 @@
 
 #include "server/radar/ground_walk.h"
 #include "server/radar/roof_steps.h"
+#include "server/radar/sweep_samples.h"
 
 namespace obliq {
 namespace {
@@ -187,6 +188,10 @@ int profile_strands(const FramePlan& plan) {
 
 std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands) {
   if (plan.settings().frustum != FrustumKind::sweep) return 0;
+  // The centre of a column, (k + 1/2) / columns of the bin, is a plane of the sweep itself.
+  const int halves = 2 * sweep_columns_per_bin(plan.settings()) * strand;
+  if (halves % strands == 0 && halves / strands % 2 == 1)
+    return static_cast<std::size_t>(plan.bins().n_range);
   // The least of 2, 4 and 8 strands that has this one.
   int least = strands;
   while (least > 2 && strand * (least / 2) % strands == 0) least /= 2;

@@ -24,8 +24,8 @@ struct ProfileResult {
 int profile_strands(const FramePlan& plan);
 
 /// The range bin from which on a strand counts. With the sweep, which promises that a longer range never
-/// changes nearer bins, strands are halved in number where bins are narrower, whatever r_max asks for; 0 with
-/// others.
+/// changes nearer bins, strands are halved in number where bins are narrower, whatever r_max asks for, and a
+/// strand that is a plane of the sweep counts nowhere: what can be seen of it is sampled. 0 with others.
 std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands);
 
 /// Marches the vertical plane at azimuth position `position` (in bins: azimuth bin a spans [a, a + 1]) from

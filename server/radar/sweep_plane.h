@@ -71,6 +71,7 @@ class SweepPlane {
       : world_(&world),
         antenna_m_(antenna_m),
         bearing_(bearing),
+        cells_per_m_(1 / world.grid.cell_m),
         walk_(world.grid, antenna_m, bearing.sin, bearing.cos, from_m, GroundWalk::kInfinity, reach_m),
         horizon_(horizon),
         spans_(std::move(spans)) {
@@ -149,9 +150,8 @@ class SweepPlane {
   void see_ground(const GroundPiece& ground, double d0, double d1, Sink& sink) {
     const double start = ground.start_m - antenna_m_.y;
     see(d0, d1, start, ground.rise, false, [&](double from, double to) {
-      const double cell = world_->grid.cell_m;
-      const double slope_x = ground.per_cell_x_m / cell;
-      const double slope_z = ground.per_cell_z_m / cell;
+      const double slope_x = ground.per_cell_x_m * cells_per_m_;
+      const double slope_z = ground.per_cell_z_m * cells_per_m_;
       const double steepness = std::sqrt(1 + slope_x * slope_x + slope_z * slope_z);
       sink.visible(VisiblePiece{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
                                 world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
@@ -245,6 +245,7 @@ class SweepPlane {
   const World* world_;
   glm::dvec3 antenna_m_;
   SinCos bearing_;
+  double cells_per_m_;
   GroundWalk walk_;
   PlaneHorizon horizon_;
   std::vector<FootprintSpan> spans_;

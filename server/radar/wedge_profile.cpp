@@ -34,9 +34,10 @@ const BinMarks& WedgeProfile::marks(int azimuth_bin) {
     if (2 * strand == strands) {
       march_centre(azimuth_bin);
       join(*centres_[index(azimuth_bin)]);
-    } else {
+    } else if (const std::size_t first = first_bin_of_strand(plan_, strand, strands);
+               first < all.visible.size()) {
       march_profile(plan_, azimuth_bin + static_cast<double>(strand) / strands, spans_, strand_);
-      all.add(strand_, first_bin_of_strand(plan_, strand, strands));
+      all.add(strand_, first);
     }
   }
   join(edge(azimuth_bin + 1));
