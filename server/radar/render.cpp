@@ -55,16 +55,25 @@ void decide_states(bool states, WedgeProfile& profile, Wedge& wedge) {
   }
 }
 
-Wedge render_wedge(const FramePlan& plan, const FrameTables& tables, int index, AzimuthRange range,
-                   const RenderOptions& options, SampleBatch& samples) {
+/// The buffers of one thread, reused from wedge to wedge.
+struct Workspace {
+  SampleBatch samples;
+  WedgeBins bins;
+
+  Workspace(const FramePlan& plan, const FrameTables& tables, Surfaces surfaces)
+      : bins(plan, tables.scattering, tables.speckle, {}, surfaces) {}
+};
+
+Wedge render_wedge(const FramePlan& plan, int index, AzimuthRange range, const RenderOptions& options,
+                   Workspace& work) {
   Wedge wedge;
   wedge.index = index;
   wedge.bins = BinBlock(range.first, range.count, plan.bins().n_range);
-  WedgeBins bins(plan, tables.scattering, tables.speckle, range, options.surfaces);
+  work.bins.restart(range);
   WedgeProfile profile(plan, range);
   const auto source = make_sample_source(plan, range, options.tap, &profile);
-  while (source->next(samples, wedge.stats)) wedge.stats.samples += bins.add(samples);
-  bins.write(wedge.bins);
+  while (source->next(work.samples, wedge.stats)) wedge.stats.samples += work.bins.add(work.samples);
+  work.bins.write(wedge.bins);
   decide_states(options.states, profile, wedge);
   return wedge;
 }
@@ -92,14 +101,14 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
   std::mutex delivery;
 
   const auto work_until_done = [&] {
-    const auto samples = std::make_unique<SampleBatch>();
+    const auto work = std::make_unique<Workspace>(plan, tables, options.surfaces);
     for (int index = next++; index < end; index = next++) {
       if (options.stop.stop_requested() || failed) return;
       try {
         if (options.before_wedge) options.before_wedge(index);
         const int bin = index * kWedgeAzimuthBins;
         const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan.settings().azimuth_bins - bin)};
-        Wedge wedge = render_wedge(plan, tables, index, range, options, *samples);
+        Wedge wedge = render_wedge(plan, index, range, options, *work);
         const std::scoped_lock lock(delivery);
         if (options.on_wedge && !failed) options.on_wedge(std::move(wedge));
       } catch (...) {

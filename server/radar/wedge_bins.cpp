@@ -1,5 +1,6 @@
 #include "server/radar/wedge_bins.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,22 +22,28 @@ WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, c
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
   range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
-  const std::size_t n = static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan.bins().n_range);
-  power_w_.resize(n);
-  count_.resize(n);
-  if (plan.settings().speckle == SpeckleKind::geometric) {
-    voltage_.resize(n);
-  } else {
-    tables_.resize(static_cast<std::size_t>(range.count));
-    for (Table& table : tables_) table.slots.assign(std::size_t{1} << 11, 0);
-  }
+  restart(range);
+}
+
+void WedgeBins::restart(AzimuthRange range) {
+  range_ = range;
+  const std::size_t n =
+      static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan_.bins().n_range);
+  power_w_.assign(n, 0);
+  count_.assign(n, 0);
+  voltage_.assign(n, 0);
+  groups_.clear();
+  if (plan_.settings().speckle == SpeckleKind::geometric) return;
+  chains_.assign(n, {});
+  entered_ = 0;
+  table_.assign(std::max(table_.size(), std::size_t{1} << 13), 0);
 }
 
 std::uint64_t WedgeBins::add(const SampleBatch& samples) {
   const BinGrid& bins = plan_.bins();
   const AntennaPattern pattern(plan_.settings().gain_db);
   const bool normalise = plan_.settings().range_normalisation;
-  const bool geometric = !voltage_.empty();
+  const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
@@ -73,43 +80,61 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
 }
 
 void WedgeBins::add_to_group(const Scatterer& scatterer, std::uint32_t bin, double power_w) {
-  Table& table = tables_[bin / static_cast<std::uint32_t>(plan_.bins().n_range)];
-  const std::size_t mask = table.slots.size() - 1;
-  std::size_t slot = static_cast<std::size_t>(hash(scatterer, bin)) & mask;
-  for (; table.slots[slot] != 0; slot = (slot + 1) & mask) {
-    Group& group = groups_[table.slots[slot] - 1];
-    if (group.bin == bin && group.scatterer == scatterer) {
+  // Most bins have a handful of scatterers: their list is searched, the latest first. Only the groups of bins
+  // with many are in the table as well.
+  Chain& chain = chains_[bin];
+  if (chain.length < kLongChain) {
+    for (std::uint32_t at = chain.last; at != 0; at = groups_[at - 1].previous) {
+      if (groups_[at - 1].scatterer != scatterer) continue;
+      groups_[at - 1].power_w += power_w;
+      return;
+    }
+  } else {
+    const std::size_t mask = table_.size() - 1;
+    for (std::size_t slot = slot_of(scatterer, bin); table_[slot] != 0; slot = (slot + 1) & mask) {
+      Group& group = groups_[table_[slot] - 1];
+      if (group.bin != bin || group.scatterer != scatterer) continue;
       group.power_w += power_w;
       return;
     }
   }
-  groups_.push_back({scatterer, bin, power_w});
-  table.slots[slot] = static_cast<std::uint32_t>(groups_.size());
-  if (2 * ++table.used > table.slots.size()) grow(table);
+  groups_.push_back({scatterer, bin, chain.last, power_w});
+  chain.last = static_cast<std::uint32_t>(groups_.size());
+  ++chain.length;
+  if (chain.length > kLongChain) enter(chain.last);
+  if (chain.length != kLongChain) return;
+  for (std::uint32_t at = chain.last; at != 0; at = groups_[at - 1].previous) enter(at);
 }
 
-void WedgeBins::grow(Table& table) {
-  std::vector<std::uint32_t> old(2 * table.slots.size(), 0);
-  old.swap(table.slots);
-  const std::size_t mask = table.slots.size() - 1;
-  for (const std::uint32_t number : old) {
-    if (number == 0) continue;
-    const Group& group = groups_[number - 1];
-    std::size_t slot = static_cast<std::size_t>(hash(group.scatterer, group.bin)) & mask;
-    while (table.slots[slot] != 0) slot = (slot + 1) & mask;
-    table.slots[slot] = number;
-  }
+std::size_t WedgeBins::slot_of(const Scatterer& scatterer, std::uint32_t bin) const {
+  return static_cast<std::size_t>(speckle_.hash(scatterer) + bin * 0x9e3779b97f4a7c15ull) &
+         (table_.size() - 1);
 }
 
-void WedgeBins::write(BinBlock& block) const {
-  std::vector<std::complex<double>> voltage = voltage_;
-  if (voltage.empty()) {
-    voltage.resize(power_w_.size());
-    for (const Group& group : groups_)
-      voltage[group.bin] += std::sqrt(group.power_w) * speckle_.response(group.scatterer);
-  }
+/// Enters a group, by its number + 1, into the table.
+void WedgeBins::enter(std::uint32_t group) {
+  if (2 * (entered_ + 1) > table_.size()) grow_table();
+  ++entered_;
+  const std::size_t mask = table_.size() - 1;
+  std::size_t slot = slot_of(groups_[group - 1].scatterer, groups_[group - 1].bin);
+  while (table_[slot] != 0) slot = (slot + 1) & mask;
+  table_[slot] = group;
+}
+
+void WedgeBins::grow_table() {
+  const std::vector<std::uint32_t> entries = std::move(table_);
+  table_.assign(2 * entries.size(), 0);
+  entered_ = 0;
+  for (const std::uint32_t group : entries)
+    if (group != 0) enter(group);
+}
+
+void WedgeBins::write(BinBlock& block) {
+  for (const Group& group : groups_)
+    voltage_[group.bin] += std::sqrt(group.power_w) * speckle_.response(group.scatterer);
+  groups_.clear();
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
-    block.iq[bin] = std::complex<float>(voltage[bin]);
+    block.iq[bin] = std::complex<float>(voltage_[bin]);
     block.power_w[bin] = power_w_[bin];
     block.count[bin] = count_[bin];
     if (count_[bin] > 0) block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);

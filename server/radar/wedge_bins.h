@@ -18,32 +18,36 @@ class WedgeBins {
   WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
             AzimuthRange range, Surfaces surfaces = Surfaces::all);
 
+  /// Empties the bins for another wedge and keeps their memory.
+  void restart(AzimuthRange range);
+
   /// Scatters and bins samples; returns how many fell into the range swath.
   std::uint64_t add(const SampleBatch& samples);
 
-  /// Writes I&Q, power and count of all bins and the state of the sampled ones.
-  void write(BinBlock& block) const;
+  /// Writes I&Q, power and count of all bins and the state of the sampled ones. Nothing is added after it,
+  /// but for a restart.
+  void write(BinBlock& block);
 
  private:
   /// Power that one scatterer gave to one bin: P_bc.
   struct Group {
     Scatterer scatterer;
     std::uint32_t bin;
+    std::uint32_t previous;  // number + 1 of the bin's group before this one, 0 none
     double power_w;
   };
 
-  /// Group numbers + 1 by open addressing, 0 empty. One for each azimuth bin: a plane of the sweep stays
-  /// within one, which fits the cache.
-  struct Table {
-    std::vector<std::uint32_t> slots;
-    std::size_t used = 0;
-  };
-
   void add_to_group(const Scatterer& scatterer, std::uint32_t bin, double power_w);
-  void grow(Table& table);
-  std::uint64_t hash(const Scatterer& scatterer, std::uint32_t bin) const {
-    return speckle_.hash(scatterer) + bin * 0x9e3779b97f4a7c15ull;
-  }
+  std::size_t slot_of(const Scatterer& scatterer, std::uint32_t bin) const;
+  void enter(std::uint32_t group);
+  void grow_table();
+
+  /// The groups of a bin, linked from the last one back.
+  struct Chain {
+    std::uint32_t last = 0;  // number + 1, 0 none
+    std::uint32_t length = 0;
+  };
+  static constexpr std::uint32_t kLongChain = 16;
 
   const FramePlan& plan_;
   const ScatteringTable& scattering_;
@@ -53,9 +57,11 @@ class WedgeBins {
   double range_constant_;  // K = P_t G^2 lambda^2 / (4 pi)^3 without the gain
   std::vector<double> power_w_;
   std::vector<std::uint32_t> count_;
-  std::vector<std::complex<double>> voltage_;  // geometric speckle only
-  std::vector<Group> groups_;                  // ground speckle only, in order of first appearance
-  std::vector<Table> tables_;                  // ground speckle only, [azimuth bins]
+  std::vector<std::complex<double>> voltage_;
+  std::vector<Group> groups_;         // ground speckle only, in order of first appearance
+  std::vector<Chain> chains_;         // per bin
+  std::vector<std::uint32_t> table_;  // open addressing, bins with long chains: group number + 1, 0 empty
+  std::size_t entered_ = 0;           // groups in the table
 };
 
 }  // namespace obliq
