@@ -15,8 +15,12 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
     std::fprintf(stderr, "warning: %.2g %% of the sector has no known ground\n",
                  100 * (1 - summary.coverage()));
   }
-  std::printf("%s: %.2f M rays, %.2f M samples %s", out.c_str(), static_cast<double>(summary.rays()) / 1e6,
-              static_cast<double>(summary.samples()) / 1e6, times.c_str());
+  if (descriptor.settings().frustum() == wire::SWEEP) {
+    std::printf("%s: %llu planes", out.c_str(), static_cast<unsigned long long>(summary.rays()));
+  } else {
+    std::printf("%s: %.2f M rays", out.c_str(), static_cast<double>(summary.rays()) / 1e6);
+  }
+  std::printf(", %.2f M samples %s", static_cast<double>(summary.samples()) / 1e6, times.c_str());
   if (descriptor.buildings_in_scene() > 0) {
     std::printf(", %u of %u buildings seen", summary.buildings_seen(), descriptor.buildings_in_scene());
   }

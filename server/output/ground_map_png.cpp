@@ -251,20 +251,29 @@ class Picture {
     const std::string kind = enum_word(wire::FrustumKind_Name(d_.settings().frustum()));
     const std::string reference = enum_word(wire::HeightReference_Name(d_.pose().height_reference()));
     ink(kInk, 1);
-    std::snprintf(line, sizeof line, "%s · radar %s · %s frustum %d x %d px · %d x %d bins · %.4g GHz",
-                  d_.scene_name().c_str(), d_.radar().c_str(), kind.c_str(), d_.settings().pixel_columns(),
-                  d_.settings().pixel_rows(), d_.settings().azimuth_bins(), d_.settings().range_bins(),
-                  d_.settings().frequency_ghz());
+    const bool sweep = d_.settings().frustum() == wire::SWEEP;
+    const std::string columns = std::to_string(d_.settings().pixel_columns());
+    const std::string sampling =
+        sweep ? "sweep, " + columns + " azimuths"
+              : kind + " frustum " + columns + " x " + std::to_string(d_.settings().pixel_rows()) + " px";
+    char looks[48];
+    if (sweep) {
+      std::snprintf(looks, sizeof looks, "%.0f planes", static_cast<double>(s_.rays()));
+    } else {
+      std::snprintf(looks, sizeof looks, "%.1f M rays", static_cast<double>(s_.rays()) / 1e6);
+    }
+    std::snprintf(line, sizeof line, "%s · radar %s · %s · %d x %d bins · %.4g GHz", d_.scene_name().c_str(),
+                  d_.radar().c_str(), sampling.c_str(), d_.settings().azimuth_bins(),
+                  d_.settings().range_bins(), d_.settings().frequency_ghz());
     text(kMargin, y + 16, 14, line, 0);
     std::snprintf(line, sizeof line,
                   "antenna %.5f, %.5f at %.0f m above the %s · bearing %.1f° · %s up · %.1f–%.1f km slant · "
-                  "%.1f M rays · "
-                  "coverage %.1f %%",
+                  "%s · coverage %.1f %%",
                   d_.pose().latitude_deg(), d_.pose().longitude_deg(), d_.pose().height_m(),
                   reference.c_str(), d_.pose().bearing_deg(), map_.up_rad == 0 ? "north" : "bearing",
                   d_.range_start_m() / 1000,
-                  (d_.range_start_m() + d_.range_spacing_m() * d_.settings().range_bins()) / 1000,
-                  static_cast<double>(s_.rays()) / 1e6, 100 * s_.coverage());
+                  (d_.range_start_m() + d_.range_spacing_m() * d_.settings().range_bins()) / 1000, looks,
+                  100 * s_.coverage());
     ink(kInk, 0.85);
     text(kMargin, y + 38, 12, line, 0);
     const double bar_y = y + 56;
