@@ -11,6 +11,8 @@ build_packages=(
   libgdal-dev libgeos-dev libgeographiclib-dev gdal-bin        # terrain and buildings
   libglm-dev libopenexr-dev libcairo2-dev fonts-dejavu-core    # matrices and pictures
   libboost-dev libprotobuf-dev protobuf-compiler libisal-dev   # the wire
+  libssl-dev libzstd-dev libmodbus-dev                         # TLS, compression, the operator's console
+  prometheus-cpp-dev libsystemd-dev                            # metrics, readiness
   libtomlplusplus-dev libcli11-dev libspdlog-dev nlohmann-json3-dev
 )
 test_packages=(
@@ -18,6 +20,7 @@ test_packages=(
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format ccache
   python3 python3-numpy python3-matplotlib python3-pip
+  mbpoll openssl curl socat                                    # clients that nobody here wrote
 )
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)
 

@@ -80,21 +80,6 @@ RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling
   return settings;
 }
 
-std::string frustum_name(FrustumKind kind) {
-  switch (kind) {
-    case FrustumKind::symmetric:
-      return "symmetric";
-    case FrustumKind::oblique:
-      return "oblique";
-    case FrustumKind::polar:
-      return "polar";
-    default:
-      return "sweep";
-  }
-}
-
-std::string plates_name(PlateKind plates) { return plates == PlateKind::nearest ? "nearest" : "spread"; }
-
 std::string sampling_text(const SamplingCase& c) {
   if (c.kind == FrustumKind::sweep) return "sweep " + std::to_string(c.columns);
   return frustum_name(c.kind) + " " + std::to_string(c.columns) + " x " + std::to_string(c.rows) + " " +

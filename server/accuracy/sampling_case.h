@@ -24,10 +24,6 @@ inline bool is_paper_sampling(const SamplingCase& c) { return c == paper_samplin
 
 RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling);
 
-/// As in a scene file: "symmetric", "oblique", "polar", "sweep"; "nearest", "spread".
-std::string frustum_name(FrustumKind kind);
-std::string plates_name(PlateKind plates);
-
 /// "oblique 2048 x 2048 nearest", "sweep 2048".
 std::string sampling_text(const SamplingCase& sampling);
 

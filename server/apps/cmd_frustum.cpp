@@ -108,14 +108,11 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
        {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
     RadarSettings settings = radar.settings;
     settings.frustum = kind;
-    const char* name = kind == FrustumKind::symmetric ? "symmetric"
-                       : kind == FrustumKind::oblique ? "oblique"
-                       : kind == FrustumKind::polar   ? "polar"
-                                                      : "sweep";
+    const std::string name = frustum_name(kind);
     const PlanResult result =
         plan_frame(scene, std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1}), pose);
     if (!result.plan) {
-      std::printf("%s: not possible here\n", name);
+      std::printf("%s: not possible here\n", name.c_str());
       for (const FieldError& error : result.errors) std::printf("  %s\n", error.text().c_str());
       continue;
     }
@@ -133,7 +130,7 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
       print_sweep(plan);
       continue;
     }
-    std::printf("%s, %d x %d pixels\n", name, settings.pixel_columns, settings.pixel_rows);
+    std::printf("%s, %d x %d pixels\n", name.c_str(), settings.pixel_columns, settings.pixel_rows);
     if (kind == FrustumKind::polar)
       print_polar(plan);
     else

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string_view>
@@ -25,15 +24,6 @@ namespace {
 
 using namespace obliq;
 
-/// Megabytes of memory that the process has in use, or 0 where /proc does not say.
-double resident_mb() {
-  std::ifstream file("/proc/self/statm");
-  double size_pages = 0;
-  double resident_pages = 0;
-  file >> size_pages >> resident_pages;
-  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6 : 0;
-}
-
 /// A log line per stage and quarter.
 Progress log_progress() {
   struct Last {
@@ -46,19 +36,6 @@ Progress log_progress() {
     *last = {std::string(stage), quarter};
     spdlog::info("{}: {} %", stage, 25 * quarter);
   };
-}
-
-std::shared_ptr<const Scene> load_scene(const SceneConfig& config) {
-  spdlog::info("scene {}: loading terrain", config.name);
-  auto world = std::make_shared<const World>(load_world(config.world, log_progress()));
-  for (const std::string& line : world_report_lines(*world)) spdlog::info("{}", line);
-  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, log_progress());
-  const SceneStats& stats = scene->stats();
-  spdlog::info(
-      "ray-tracing scene: {:.1f} M triangles, {:.0f} MB, built in {:.2f} s ({}); {:.0f} MB in use in all",
-      static_cast<double>(stats.ground_triangles + stats.building_triangles) / 1e6,
-      static_cast<double>(stats.bytes) / 1e6, stats.build_s, stats.tracer, resident_mb());
-  return scene;
 }
 
 /// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
@@ -108,9 +85,9 @@ void heed_signals_while_loading() {
 void serve(SceneConfig config) {
   const net::ServerOptions options = options_of(config);
   net::ReservedPort port(options.address, options.port);
-  meet_accuracy(
-      config, [](const std::string& line) { spdlog::info("{}", line); }, log_progress());
-  const net::SceneRenderer renderer(load_scene(config), config.name);
+  const auto say = [](const std::string& line) { spdlog::info("{}", line); };
+  meet_accuracy(config, say, log_progress());
+  const net::SceneRenderer renderer(build_scene(config, say, log_progress()), config.name);
   for (const RadarConfig& radar : config.radars) check_radar(renderer, radar);
   net::Server server(renderer, config.radars, options, std::move(port));
   std::string names;

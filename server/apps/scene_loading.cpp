@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <fstream>
 
 #include "terrain/errors.h"
 
@@ -18,6 +19,15 @@ std::string source_error_line(const SourceError& error) {
                 static_cast<unsigned long long>(error.posts), error.median_m, error.p95_m, error.rms_m,
                 error.greatest_m);
   return text;
+}
+
+/// Megabytes of memory that the process has in use, or 0 where /proc does not say.
+double resident_mb() {
+  std::ifstream file("/proc/self/statm");
+  double size_pages = 0;
+  double resident_pages = 0;
+  file >> size_pages >> resident_pages;
+  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6 : 0;
 }
 
 }  // namespace
@@ -89,6 +99,23 @@ std::vector<std::string> world_report_lines(const World& world) {
 
 void print_world_report(const World& world) {
   for (const std::string& line : world_report_lines(world)) say_on_terminal(line);
+}
+
+std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
+                                         const std::function<void(const std::string&)>& say,
+                                         const Progress& progress) {
+  say("scene " + config.name + ": loading terrain");
+  auto world = std::make_shared<const World>(load_world(config.world, progress));
+  for (const std::string& line : world_report_lines(*world)) say(line);
+  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, progress);
+  const SceneStats& stats = scene->stats();
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "ray-tracing scene: %.1f M triangles, %.0f MB, built in %.2f s (%s); %.0f MB in use in all",
+                static_cast<double>(stats.ground_triangles + stats.building_triangles) / 1e6,
+                static_cast<double>(stats.bytes) / 1e6, stats.build_s, stats.tracer.c_str(), resident_mb());
+  say(text);
+  return scene;
 }
 
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {

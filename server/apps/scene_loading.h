@@ -1,6 +1,7 @@
 #pragma once
 // What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
 // terminal. The daemon logs the same report.
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,11 @@ std::vector<std::string> world_report_lines(const World& world);
 
 /// Prints those lines on stderr.
 void print_world_report(const World& world);
+
+/// Loads terrain and buildings and builds the ray-tracing scene; `say` gets what was found, a sentence each.
+std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
+                                         const std::function<void(const std::string&)>& say,
+                                         const Progress& progress);
 
 /// Loads terrain and buildings and prints what was found, one line per note, on stderr.
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <limits>
+#include <vector>
+
+#include "server/control/server_keys.h"
 
 namespace obliq {
 
@@ -74,26 +77,6 @@ const std::array kScene{
                  [](Scene& c) -> Slot { return &c.accuracy.max_gap_fraction; }},
     Entry<Scene>{{"run.threads", "", closed(0, 1024), {}, "Threads that render; 0: all cores."},
                  [](Scene& c) -> Slot { return &c.threads; }},
-    Entry<Scene>{{"server.address", "", {}, {}, "Address that the daemon binds to."},
-                 [](Scene& c) -> Slot { return &c.server.address; }},
-    Entry<Scene>{{"server.port", "", closed(0, 65535), {}, "TCP port; 0: any free one."},
-                 [](Scene& c) -> Slot { return &c.server.port; }},
-    Entry<Scene>{{"server.max_clients", "", closed(1, 10000), {}, "Clients served at a time."},
-                 [](Scene& c) -> Slot { return &c.server.max_clients; }},
-    Entry<Scene>{
-        {"server.max_request_bytes", "", closed(1024, 64 << 20), {}, "Longest message a client may send."},
-        [](Scene& c) -> Slot { return &c.server.max_request_bytes; }},
-    Entry<Scene>{{"server.handshake_timeout_s",
-                  "s",
-                  closed(0.01, 3600),
-                  {},
-                  "A connection that has not said hello by then is closed."},
-                 [](Scene& c) -> Slot { return &c.server.handshake_timeout_s; }},
-    Entry<Scene>{
-        {"server.max_bins", "", closed(1, 8192.0 * 8192.0), {}, "Most bins a client may ask for in a frame."},
-        [](Scene& c) -> Slot { return &c.server.max_bins; }},
-    Entry<Scene>{{"server.queue_frames", "", closed(1, 1000), {}, "Frames that wait for a slow client."},
-                 [](Scene& c) -> Slot { return &c.server.queue_frames; }},
 };
 
 using Houses = BuildingSourceSpec;
@@ -178,7 +161,14 @@ constexpr std::array kSpecial{
 
 }  // namespace
 
-std::span<const Entry<SceneConfig>> scene_entries() { return kScene; }
+std::span<const Entry<SceneConfig>> scene_entries() {
+  static const auto all = [] {
+    std::vector<Entry<SceneConfig>> entries(kScene.begin(), kScene.end());
+    entries.insert(entries.end(), server_entries().begin(), server_entries().end());
+    return entries;
+  }();
+  return all;
+}
 std::span<const Entry<BuildingSourceSpec>> building_entries() { return kBuildings; }
 std::span<const Entry<PrismSpec>> prism_entries() { return kPrisms; }
 std::span<const Entry<SurfaceSpec>> surface_entries() { return kSurfaces; }

@@ -10,20 +10,6 @@ namespace {
 
 constexpr std::size_t kWidth = 100;
 
-const char* kind_name(FrustumKind kind) {
-  switch (kind) {
-    case FrustumKind::symmetric:
-      return "symmetric";
-    case FrustumKind::oblique:
-      return "oblique";
-    case FrustumKind::polar:
-      return "polar";
-    case FrustumKind::sweep:
-      return "sweep";
-  }
-  return "";
-}
-
 const char* verdict_word(const Comparison& c) {
   switch (c.verdict) {
     case Verdict::needed:
@@ -54,7 +40,7 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   lines.push_back(
       format("%s, radar %s: %s frustum of %d x %d pixels, sector of %s degrees, %s to %s km, "
              "%d x %d bins.",
-             f.scene.c_str(), f.radar.c_str(), kind_name(s.frustum), s.pixel_columns, s.pixel_rows,
+             f.scene.c_str(), f.radar.c_str(), frustum_name(s.frustum).c_str(), s.pixel_columns, s.pixel_rows,
              plain_number(s.sector_deg, 4).c_str(), plain_number(s.r_min_m / 1000, 4).c_str(),
              plain_number(s.r_max_m / 1000, 4).c_str(), s.azimuth_bins, s.range_bins));
   const std::string earth =

@@ -33,17 +33,28 @@ class PlannedSceneFrame : public PlannedFrame {
 SceneRenderer::SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name)
     : scene_(std::move(scene)), scene_name_(std::move(scene_name)) {}
 
+std::shared_ptr<const Scene> SceneRenderer::scene() const {
+  const std::lock_guard lock(mutex_);
+  return scene_;
+}
+
+void SceneRenderer::replace(std::shared_ptr<const Scene> scene) {
+  const std::lock_guard lock(mutex_);
+  scene_.swap(scene);  // the old one goes after the lock has
+}
+
 std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
   std::vector<FieldError> errors;
-  (void)place_antenna(scene_->world(), pose, errors);
+  (void)place_antenna(scene()->world(), pose, errors);
   return errors;
 }
 
 FrameRenderer::Plan SceneRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
   Plan result;
-  const auto placed = place_antenna(scene_->world(), pose, result.errors);
+  const auto current = scene();
+  const auto placed = place_antenna(current->world(), pose, result.errors);
   if (!placed) return result;
-  PlanResult planned = plan_frame(scene_, settings, *placed);
+  PlanResult planned = plan_frame(current, settings, *placed);
   result.errors = std::move(planned.errors);
   if (planned.plan) {
     result.frame = std::make_unique<PlannedSceneFrame>(std::move(planned.plan), scene_name_);

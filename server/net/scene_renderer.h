@@ -1,19 +1,26 @@
 #pragma once
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "server/net/frame_renderer.h"
 
 namespace obliq::net {
 
-/// Renders frames of a loaded scene.
+/// Renders frames of a loaded scene, which may be exchanged for another between frames: a planned frame keeps
+/// the scene that it was planned in.
 class SceneRenderer : public FrameRenderer {
  public:
   SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);
   std::vector<FieldError> place(const PoseSettings& pose) const override;
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
 
+  // From any thread:
+  std::shared_ptr<const Scene> scene() const;
+  void replace(std::shared_ptr<const Scene> scene);
+
  private:
+  mutable std::mutex mutex_;  ///< guards scene_
   std::shared_ptr<const Scene> scene_;
   std::string scene_name_;
 };

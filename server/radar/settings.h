@@ -15,6 +15,10 @@ enum class PlateKind { spread, nearest };
 enum class SpeckleKind { ground, geometric };
 enum class HeightReference { datum, ground, ellipsoid };
 
+/// As in a scene file: "symmetric", "oblique", "polar", "sweep"; "nearest", "spread".
+std::string frustum_name(FrustumKind kind);
+std::string plates_name(PlateKind plates);
+
 /// Everything a client may choose about a radar, in the operator's units (server/control/parameters.h has
 /// the table of names, defaults and limits). Ranges are slant ranges.
 struct RadarSettings {

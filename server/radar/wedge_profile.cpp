@@ -2,15 +2,6 @@
 
 namespace obliq {
 
-void BinMarks::add(const ProfileResult& strand, std::size_t first) {
-  visible.resize(strand.visible.size());
-  present.resize(strand.present.size());
-  for (std::size_t r = first; r < visible.size(); ++r) {
-    visible[r] |= strand.visible[r];
-    present[r] |= strand.present[r];
-  }
-}
-
 WedgeProfile::WedgeProfile(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
       range_(range),
@@ -24,23 +15,17 @@ const BinMarks& WedgeProfile::marks(int azimuth_bin) {
   if (slot) return *slot;
   const int strands = profile_strands(plan_);
   BinMarks all = edge(azimuth_bin);
-  const auto join = [&](const BinMarks& other) {
-    for (std::size_t r = 0; r < all.visible.size(); ++r) {
-      all.visible[r] |= other.visible[r];
-      all.present[r] |= other.present[r];
-    }
-  };
   for (int strand = 1; strand < strands; ++strand) {
     if (2 * strand == strands) {
       march_centre(azimuth_bin);
-      join(*centres_[index(azimuth_bin)]);
+      all.add(*centres_[index(azimuth_bin)]);
     } else if (const std::size_t first = first_bin_of_strand(plan_, strand, strands);
                first < all.visible.size()) {
       march_profile(plan_, azimuth_bin + static_cast<double>(strand) / strands, spans_, strand_);
       all.add(strand_, first);
     }
   }
-  join(edge(azimuth_bin + 1));
+  all.add(edge(azimuth_bin + 1));
   slot = std::move(all);
   return *slot;
 }

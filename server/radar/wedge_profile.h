@@ -13,8 +13,16 @@ struct BinMarks {
   std::vector<std::uint8_t> visible;  ///< 1 where any strand sees surface
   std::vector<std::uint8_t> present;  ///< 1 where any strand has surface, seen or hidden
 
-  /// From range bin `first` on.
-  void add(const ProfileResult& strand, std::size_t first = 0);
+  /// Joins another strand's marks, or several strands', from range bin `first` on.
+  template <class Marks>
+  void add(const Marks& other, std::size_t first = 0) {
+    visible.resize(other.visible.size());
+    present.resize(other.present.size());
+    for (std::size_t r = first; r < visible.size(); ++r) {
+      visible[r] |= other.visible[r];
+      present[r] |= other.present[r];
+    }
+  }
 };
 
 /// Terrain profiles of a wedge's azimuth bins, marched when first asked for. Neighbours share the strand

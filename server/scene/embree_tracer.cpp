@@ -1,6 +1,10 @@
 #include "server/scene/embree_tracer.h"
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <immintrin.h>
 
 #include <algorithm>
@@ -31,6 +35,30 @@ class FlushDenormals {
 
  private:
   unsigned saved_;
+};
+
+/// Tells Embree that a packet's rays go the same way; versions 3 and 4 hear it differently.
+class CoherentRays {
+ public:
+#if RTC_VERSION_MAJOR >= 4
+  CoherentRays() {
+    rtcInitIntersectArguments(&arguments_);
+    arguments_.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  }
+  RTCIntersectArguments* get() { return &arguments_; }
+
+ private:
+  RTCIntersectArguments arguments_;
+#else
+  CoherentRays() {
+    rtcInitIntersectContext(&context_);
+    context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  }
+  RTCIntersectContext* get() { return &context_; }
+
+ private:
+  RTCIntersectContext context_;
+#endif
 };
 
 /// A direction's component as Embree gets it. Embree 3.13 divides by +1e-18 instead of anything smaller,
@@ -207,9 +235,7 @@ EmbreeTracer::~EmbreeTracer() = default;
 void EmbreeTracer::trace(const glm::dvec3& origin_m, const double* dir_x, const double* dir_y,
                          const double* dir_z, int n, RoughHit* hits) const {
   const FlushDenormals flush;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  CoherentRays coherent;
   RTCRayHit16 packet;
   alignas(64) int valid[kPacket];
   for (int first = 0; first < n; first += kPacket) {
@@ -232,7 +258,7 @@ void EmbreeTracer::trace(const glm::dvec3& origin_m, const double* dir_x, const 
       packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
       packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(valid, impl_->scene, &context, &packet);
+    rtcIntersect16(valid, impl_->scene, coherent.get(), &packet);
     for (int lane = 0; lane < used; ++lane) {
       RoughHit& hit = hits[first + lane];
       const unsigned geometry = packet.hit.geomID[lane];

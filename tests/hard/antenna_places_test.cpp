@@ -7,13 +7,20 @@
 
 #include "server/radar/frame_plan.h"
 #include "tests/support/made_worlds.h"
-#include "tests/support/samplings.h"
+#include "tests/support/rendered.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 #include "tests/support/surface_check.h"
 
 namespace obliq {
 namespace {
+
+using test::Rendered;
+using test::rendered;
+
+// A ray that starts within rounding of the ground may go unanswered; none may be answered wrongly.
+constexpr test::RenderChecks kOnSurface{.none_rejected = false};
+constexpr test::RenderChecks kSane{.on_surface = false, .none_rejected = false};
 
 RadarSettings settings(double r_min_m, double r_max_m) {
   RadarSettings s;
@@ -29,31 +36,6 @@ RadarSettings settings(double r_min_m, double r_max_m) {
 
 std::vector<Material> one_material() { return {test::two_materials()[0], test::two_materials()[0]}; }
 
-struct Rendered {
-  Frame frame;
-  test::Totals totals;
-  bool refused = false;
-};
-
-Rendered rendered(const std::shared_ptr<const Scene>& scene, const RadarSettings& s, const Pose& pose,
-                  const test::Sampling& sampling, bool on_surface = true) {
-  Rendered result;
-  const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
-  if (!planned.plan) {
-    EXPECT_TRUE(sampling.perspective()) << planned.errors.front().text();
-    EXPECT_FALSE(planned.errors.front().allowed.empty());
-    result.refused = true;
-    return result;
-  }
-  test::HitsOnSurface tap(scene->world(), pose.antenna.m);
-  RenderOptions options;
-  if (on_surface) options.tap = &tap;
-  result.frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
-  result.totals = test::expect_sane(result.frame, s, scene->materials());
-  EXPECT_EQ(tap.wrong, 0);
-  return result;
-}
-
 TEST(HardAntenna, AtOneMetreAHundredMetresAndTwentyKilometresKeepsTheClosedFormsPower) {
   struct Case {
     double height_m, r_min_m, r_max_m;
@@ -64,7 +46,7 @@ TEST(HardAntenna, AtOneMetreAHundredMetresAndTwentyKilometresKeepsTheClosedForms
       SCOPED_TRACE(std::string(sampling.name) + " at " + std::to_string(c.height_m));
       const RadarSettings s = test::sampled(settings(c.r_min_m, c.r_max_m), sampling);
       const Rendered r =
-          rendered(scene, s, test::pose_at(scene->world(), {17.3, c.height_m, -41.2}, 25), sampling, false);
+          rendered(scene, s, test::pose_at(scene->world(), {17.3, c.height_m, -41.2}, 25), sampling, kSane);
       ASSERT_FALSE(r.refused);
       std::printf("    %s at %.0f m: %+.4f\n", sampling.name, c.height_m,
                   r.totals.power_w / test::flat_ground_power_w(s, 1, c.height_m) - 1);
@@ -91,8 +73,10 @@ TEST(HardAntenna, BelowSeaLevelNothingChangesButTheDatum) {
   for (const test::Sampling& sampling : test::kSamplings) {
     SCOPED_TRACE(sampling.name);
     const RadarSettings s = test::sampled(settings(800, 4500), sampling);
-    const Rendered a = rendered(high, s, test::pose_at(high->world(), {17.25, 700, -41.5}, 25), sampling);
-    const Rendered b = rendered(low, s, test::pose_at(low->world(), {17.25, 270, -41.5}, 25), sampling);
+    const Rendered a =
+        rendered(high, s, test::pose_at(high->world(), {17.25, 700, -41.5}, 25), sampling, kOnSurface);
+    const Rendered b =
+        rendered(low, s, test::pose_at(low->world(), {17.25, 270, -41.5}, 25), sampling, kOnSurface);
     EXPECT_FALSE(a.refused || b.refused);
     EXPECT_EQ(a.frame.bins.state, b.frame.bins.state);
     // Rays whose float32 origin and direction meet an edge may find its other side: 1 in 10,000 moves by no
@@ -117,7 +101,7 @@ TEST(HardAntenna, OverNoKnownGroundSeesTheCoastAhead) {
       SCOPED_TRACE(std::string(sampling.name) + " at " + std::to_string(height_m));
       const RadarSettings s = test::sampled(settings(500, 8000), sampling);
       const Rendered r =
-          rendered(scene, s, test::pose_at(scene->world(), {3.25, height_m, -41.5}, 0), sampling);
+          rendered(scene, s, test::pose_at(scene->world(), {3.25, height_m, -41.5}, 0), sampling, kOnSurface);
       if (r.refused) continue;
       EXPECT_GT(r.totals.power_w, 0);
       EXPECT_GE(r.totals.nearest_m, 2041 - 7500.0 / 40);
@@ -142,7 +126,7 @@ TEST(HardAntenna, BelowSurroundingPeaksSeesThemAllAroundAndNothingBehind) {
     RadarSettings s = test::sampled(settings(sampling.perspective() ? 100 : 10, 5500), sampling);
     if (sampling.frustum != FrustumKind::symmetric) s.sector_deg = 360;
     const Rendered r =
-        rendered(scene, s, test::pose_at(scene->world(), {3.25, height_m, -41.5}, 77), sampling);
+        rendered(scene, s, test::pose_at(scene->world(), {3.25, height_m, -41.5}, 77), sampling, kOnSurface);
     EXPECT_TRUE(!r.refused || sampling.perspective());
     if (r.refused) continue;
     // The crest is sqrt(3000^2 + 740^2) = 3,090 m away, +- 42 m of the antenna's offset and 25 m of the mesh.
@@ -169,8 +153,8 @@ TEST(HardAntenna, InACanyonSeesItsWallsAndItsFloor) {
     SCOPED_TRACE(sampling.name);
     for (const double bearing_deg : {0.0, 45.0, 90.0, 180.0}) {
       const RadarSettings s = test::sampled(settings(150, 5500), sampling);
-      const Rendered r =
-          rendered(scene, s, test::pose_at(scene->world(), {12.5, 100, -41.5}, bearing_deg), sampling);
+      const Rendered r = rendered(scene, s, test::pose_at(scene->world(), {12.5, 100, -41.5}, bearing_deg),
+                                  sampling, kOnSurface);
       EXPECT_TRUE(!r.refused || sampling.perspective());
       if (r.refused) continue;
       if (sampling.frustum == FrustumKind::symmetric) continue;
@@ -196,7 +180,7 @@ TEST(HardAntenna, ExactlyOverTheMeshsOwnLinesLosesNoRay) {
         s.pixel_columns = 3;
         s.azimuth_bins = 3;
         const Rendered r =
-            rendered(scene, s, test::pose_at(scene->world(), {x, 512, z}, bearing_deg), sampling, false);
+            rendered(scene, s, test::pose_at(scene->world(), {x, 512, z}, bearing_deg), sampling, kSane);
         if (sampling.rays()) {
           EXPECT_EQ(r.frame.stats.hits, r.frame.stats.rays);
         }
@@ -223,7 +207,8 @@ TEST(HardAntenna, OnTheGridsBorderAndOutsideItSeesWhatThereIs) {
         SCOPED_TRACE(std::string(sampling.name) + " at " + std::to_string(antenna.x) + ", " +
                      std::to_string(antenna.z) + " looking " + std::to_string(bearing_deg));
         const RadarSettings s = test::sampled(settings(800, 3500), sampling);
-        const Rendered r = rendered(scene, s, test::pose_at(scene->world(), antenna, bearing_deg), sampling);
+        const Rendered r =
+            rendered(scene, s, test::pose_at(scene->world(), antenna, bearing_deg), sampling, kOnSurface);
         if (r.refused) continue;
         if (bearing_deg == 0) {
           EXPECT_GT(r.totals.power_w, 0);
@@ -246,7 +231,7 @@ TEST(HardAntenna, TheLongestRangesThatAreAllowedAreFinite) {
     SCOPED_TRACE(sampling.name);
     RadarSettings s = test::sampled(settings(16000, 500000), sampling);
     s.pixel_rows = 2048;
-    const Rendered r = rendered(scene, s, test::pose_over_origin(scene->world(), 14000, 25), sampling, false);
+    const Rendered r = rendered(scene, s, test::pose_over_origin(scene->world(), 14000, 25), sampling, kSane);
     ASSERT_FALSE(r.refused);
     EXPECT_GT(r.totals.power_w, 0);
     // sqrt(2 k R h) = 488 km, less 3.7e-4 of it for h beside 2 k R; the ellipsoid's radius is within 0.3 % of
@@ -267,8 +252,8 @@ TEST(HardAntenna, JustAboveTheHighestGroundIsAboveIt) {
     for (const double above_m : {0.0, 1e-9, 1e-6, 1e-3}) {
       SCOPED_TRACE(std::string(sampling.name) + " above by " + std::to_string(above_m));
       const RadarSettings s = test::sampled(settings(500, 4500), sampling);
-      const Rendered r =
-          rendered(scene, s, test::pose_at(scene->world(), {3.25, 64 + above_m, -41.5}, 0), sampling);
+      const Rendered r = rendered(scene, s, test::pose_at(scene->world(), {3.25, 64 + above_m, -41.5}, 0),
+                                  sampling, kOnSurface);
       EXPECT_EQ(r.refused, above_m == 0 && sampling.frustum == FrustumKind::oblique);
     }
   }
@@ -279,7 +264,8 @@ TEST(HardAntenna, WithNothingInRangeGivesAnEmptyFrame) {
   for (const test::Sampling& sampling : test::kSamplings) {
     SCOPED_TRACE(sampling.name);
     const RadarSettings s = test::sampled(settings(300, 4500), sampling);
-    const Rendered r = rendered(scene, s, test::pose_at(scene->world(), {3.25, 4600, -41.5}, 0), sampling);
+    const Rendered r =
+        rendered(scene, s, test::pose_at(scene->world(), {3.25, 4600, -41.5}, 0), sampling, kOnSurface);
     if (r.refused) continue;
     EXPECT_EQ(r.totals.power_w, 0);
     EXPECT_EQ(r.totals.of_state[3], 12u * 40u);
@@ -310,7 +296,7 @@ TEST(HardAntenna, OverThePolesAndTheEquatorSeesTheSameFlatGround) {
     for (const test::Sampling& sampling : test::kSamplings) {
       SCOPED_TRACE(std::string(sampling.name) + " at latitude " + std::to_string(latitude_deg));
       const RadarSettings s = test::sampled(settings(1000, 4500), sampling);
-      const Rendered r = rendered(scene, s, *pose, sampling, false);
+      const Rendered r = rendered(scene, s, *pose, sampling, kSane);
       if (latitude_deg == 33) *expected = r.totals.power_w;
       EXPECT_NEAR(r.totals.power_w / *expected++, 1, 1e-3);
     }

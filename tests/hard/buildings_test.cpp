@@ -8,13 +8,16 @@
 #include "server/radar/frame_plan.h"
 #include "server/scene/exact_hit.h"
 #include "tests/support/made_worlds.h"
-#include "tests/support/samplings.h"
+#include "tests/support/rendered.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 #include "tests/support/surface_check.h"
 
 namespace obliq {
 namespace {
+
+using test::Rendered;
+using test::rendered;
 
 RadarSettings settings() {
   RadarSettings s;
@@ -39,35 +42,6 @@ World flat(double cell_m = 50) {
   return test::made_world(3000, cell_m, [](double, double) { return 0.0; });
 }
 
-struct Rendered {
-  Frame frame;
-  double power_w = 0;
-  int hits = 0;
-  bool refused = false;
-};
-
-/// A sane frame whose hits all lie on the surface. A perspective frustum may refuse the pose.
-Rendered rendered(const std::shared_ptr<const Scene>& scene, const RadarSettings& s, const Pose& pose,
-                  const test::Sampling& sampling, int threads = 0) {
-  Rendered result;
-  const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
-  if (!planned.plan) {
-    EXPECT_TRUE(sampling.perspective()) << planned.errors.front().text();
-    result.refused = true;
-    return result;
-  }
-  test::HitsOnSurface tap(scene->world(), pose.antenna.m);
-  RenderOptions options;
-  options.tap = &tap;
-  options.threads = threads;
-  result.frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
-  result.power_w = test::expect_sane(result.frame, s, scene->materials()).power_w;
-  result.hits = tap.hits;
-  EXPECT_EQ(tap.wrong, 0);
-  EXPECT_EQ(result.frame.stats.rejected, 0u);
-  return result;
-}
-
 TEST(HardBuildings, WallsSeenExactlyEdgeOnAddNothing) {
   // The antenna stands exactly in the plane of a long wall, of two walls at once, and a micrometre to either
   // side. From a micrometre aside the wall's projected area is 1e-6 / 1000 of what it is face on.
@@ -82,11 +56,11 @@ TEST(HardBuildings, WallsSeenExactlyEdgeOnAddNothing) {
       return rendered(scene, s, test::pose_at(scene->world(), {x, 500, 0}, 0), sampling);
     };
     const Rendered exact = at(0);
-    EXPECT_GT(exact.power_w, 0);
+    EXPECT_GT(exact.totals.power_w, 0);
     // Columns next to the wall's plane may fall on either side of it: one in 180, and of those the roof's
     // edge alone (30 m of 500 m of height).
     for (const double x : {-1e-6, 1e-6, -1e-9, 1e-9})
-      EXPECT_NEAR(at(x).power_w / exact.power_w, 1, 1e-3) << x;
+      EXPECT_NEAR(at(x).totals.power_w / exact.totals.power_w, 1, 1e-3) << x;
   }
 }
 
@@ -106,7 +80,7 @@ TEST(HardBuildings, OneInsideAnotherChangesNothing) {
     const Rendered a = rendered(one, s, pose, sampling), b = rendered(three, s, pose, sampling);
     if (!sampling.one_sample_a_ray()) {
       // Stretches of surface are cut where buildings are, seen or not: other midpoints of the same surface.
-      EXPECT_NEAR(b.power_w / a.power_w, 1, 1e-4);
+      EXPECT_NEAR(b.totals.power_w / a.totals.power_w, 1, 1e-4);
       continue;
     }
     EXPECT_EQ(a.frame.bins.power_w, b.frame.bins.power_w);
@@ -143,7 +117,7 @@ TEST(HardBuildings, OverlappingOnesAreTheirUnion) {
     const Pose pose = test::pose_at(one->world(), {-20.5, 550, 3.25}, 4);
     const Rendered a = rendered(two, s, pose, sampling), b = rendered(one, s, pose, sampling);
     if (!sampling.one_sample_a_ray()) {
-      EXPECT_NEAR(b.power_w / a.power_w, 1, 1e-4);  // stretches cut elsewhere
+      EXPECT_NEAR(b.totals.power_w / a.totals.power_w, 1, 1e-4);  // stretches cut elsewhere
       continue;
     }
     // The same surface met by the same rays: rounding of a few planes' equations.
@@ -168,7 +142,7 @@ TEST(HardBuildings, AcrossACliffTheyStandWhereTheGroundIsLower) {
       s.r_min_m = 650;
       const Rendered frame =
           rendered(scene, s, test::pose_at(scene->world(), {-20.5, 640, 3.25}, 4), sampling);
-      EXPECT_GT(frame.power_w, 0);
+      EXPECT_GT(frame.totals.power_w, 0);
     }
   }
 }
@@ -189,11 +163,11 @@ TEST(HardBuildings, RoofsCoplanarWithTheGroundAreOneSurface) {
     SCOPED_TRACE(sampling.name);
     const RadarSettings s = test::sampled(settings(), sampling);
     const Pose pose = test::pose_at(exact->world(), {-20.5, 590, 3.25}, 4);
-    const Rendered a = rendered(exact, s, pose, sampling, 1);
-    const Rendered again = rendered(exact, s, pose, sampling, 3);
+    const Rendered a = rendered(exact, s, pose, sampling, {.threads = 1});
+    const Rendered again = rendered(exact, s, pose, sampling, {.threads = 3});
     EXPECT_EQ(a.frame.bins.iq, again.frame.bins.iq) << "whichever is hit, every time the same";
-    EXPECT_NEAR(rendered(lower, s, pose, sampling).power_w / a.power_w, 1, 1e-3);
-    EXPECT_NEAR(rendered(higher, s, pose, sampling).power_w / a.power_w, 1, 1e-3);
+    EXPECT_NEAR(rendered(lower, s, pose, sampling).totals.power_w / a.totals.power_w, 1, 1e-3);
+    EXPECT_NEAR(rendered(higher, s, pose, sampling).totals.power_w / a.totals.power_w, 1, 1e-3);
   }
 }
 
@@ -217,7 +191,7 @@ TEST(HardBuildings, NeedlesAreFiniteAndHideNextToNothing) {
     // One material: what a needle hides it scatters itself, from at most 8 m nearer (3 m of height under 21
     // degrees), 1 % of power, on those pixels that would have met the 8 m behind it: 5e-4 of the energy for
     // the long one across, less for the others.
-    EXPECT_NEAR(b.power_w / a.power_w, 1, 2e-5);
+    EXPECT_NEAR(b.totals.power_w / a.totals.power_w, 1, 2e-5);
   }
 }
 
@@ -235,7 +209,7 @@ TEST(HardBuildings, OneCentimetreAndOneKilometre) {
     const Pose pose = test::pose_at(scene->world(), {-20.5, 550, 3.25}, 4);
     const Rendered frame = rendered(scene, s, pose, sampling);
     if (frame.refused) continue;
-    EXPECT_GT(frame.power_w, 0);
+    EXPECT_GT(frame.totals.power_w, 0);
     // Behind the block, beyond 2,600 m at 17 degrees east of north, nothing is seen.
     const auto azimuth = static_cast<std::size_t>((17.0 - 4 + 30) / 5);
     for (std::size_t r = 37; r < 40; ++r)

@@ -10,7 +10,7 @@
 
 #include "server/radar/frame_plan.h"
 #include "tests/support/made_worlds.h"
-#include "tests/support/samplings.h"
+#include "tests/support/rendered.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 #include "tests/support/surface_check.h"
@@ -18,6 +18,9 @@
 
 namespace obliq {
 namespace {
+
+using test::Rendered;
+using test::rendered;
 
 constexpr double kLon = -99.5, kLat = 33;
 
@@ -31,31 +34,6 @@ RadarSettings settings() {
   s.pixel_columns = 200;
   s.pixel_rows = 200;
   return s;
-}
-
-struct Rendered {
-  Frame frame;
-  test::Totals totals;
-  bool refused = false;
-};
-
-Rendered rendered(const std::shared_ptr<const Scene>& scene, const RadarSettings& s, const Pose& pose,
-                  const test::Sampling& sampling) {
-  Rendered result;
-  const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
-  if (!planned.plan) {
-    EXPECT_TRUE(sampling.perspective()) << planned.errors.front().text();
-    result.refused = true;
-    return result;
-  }
-  test::HitsOnSurface tap(scene->world(), pose.antenna.m);
-  RenderOptions options;
-  options.tap = &tap;
-  result.frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
-  result.totals = test::expect_sane(result.frame, s, scene->materials());
-  EXPECT_EQ(tap.wrong, 0);
-  EXPECT_EQ(result.frame.stats.rejected, 0u);
-  return result;
 }
 
 double rough(double x, double z) { return 40 * std::sin(x / 300) * std::cos(z / 410); }

@@ -1,0 +1,11 @@
+#pragma once
+#include <span>
+
+#include "server/control/scene_keys.h"
+
+namespace obliq {
+
+/// Scalar keys of [server]: where the daemon listens and what it lets a peer ask of it.
+std::span<const Entry<SceneConfig>> server_entries();
+
+}  // namespace obliq
