@@ -7,17 +7,21 @@ namespace obliq::wire {
 /// connection.
 enum class ErrorNumber : std::uint32_t {
   none = 0,
-  bad_magic = 1,           ///< the bytes are not an obliq stream
-  version_mismatch = 2,    ///< another major version
-  bad_length = 3,          ///< header, protobuf or payload length out of limits
-  bad_crc = 4,             ///< damaged on the way
-  bad_message = 5,         ///< the protobuf part does not parse
-  handshake_expected = 6,  ///< the first message was not Hello
-  timed_out = 7,           ///< no Hello, or the rest of a message, in time
-  too_many_clients = 8,    ///< the server's limit is reached
-  server_stopping = 9,     ///< the server is going down in good order
-  reads_too_slowly = 10,   ///< nothing was read for longer than the server waits
-  invalid_value = 100,     ///< see the list of fields
+  bad_magic = 1,               ///< the bytes are not an obliq stream
+  version_mismatch = 2,        ///< another major version
+  bad_length = 3,              ///< header, protobuf or payload length out of limits
+  bad_crc = 4,                 ///< damaged on the way
+  bad_message = 5,             ///< the protobuf part does not parse
+  handshake_expected = 6,      ///< the first message was not Hello
+  timed_out = 7,               ///< no Hello, or the rest of a message, in time
+  too_many_clients = 8,        ///< the server's limit is reached
+  server_stopping = 9,         ///< the server is going down in good order
+  reads_too_slowly = 10,       ///< nothing was read for longer than the server waits
+  token_refused = 11,          ///< no token, or one that the server does not know
+  tls_required = 12,           ///< the port speaks TLS only; comes without it
+  idle = 13,                   ///< nothing came for longer than the server waits
+  too_many_from_address = 14,  ///< limit `max_clients_per_address`
+  invalid_value = 100,         ///< see the list of fields
   unknown_radar = 101,
   controlled_by_other = 102,     ///< another client holds control; the text names it
   not_in_control = 103,          ///< claim control first
@@ -25,6 +29,8 @@ enum class ErrorNumber : std::uint32_t {
   too_many_subscriptions = 105,  ///< limit `max_subscriptions`
   render_failed = 106,           ///< the frame could not be rendered
   not_subscribed = 107,
+  role_too_low = 108,  ///< the text names the role needed
+  over_limit = 109,    ///< the text names the limit
 };
 
 }  // namespace obliq::wire

@@ -10,6 +10,7 @@ enum class MessageType : std::uint16_t {
   welcome = 2,
   ack = 3,
   error = 4,
+  heartbeat = 5,
 
   list_radars = 16,
   radar_list = 17,

@@ -2,11 +2,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "proto/limits.h"
 
 namespace obliq::net {
+
+class Security;
 
 /// What the network side of a server may be told. Times in seconds.
 struct ServerOptions {
@@ -16,7 +19,10 @@ struct ServerOptions {
   std::string server_version;
   std::string scene_name;
 
+  std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, everybody is admin
+
   int max_clients = 64;
+  int max_clients_per_address = 32;  ///< of IPv6, a /64 network
   std::uint32_t max_request_bytes = wire::kMaxRequestBytes;
   int max_renders_queued = 4;  ///< unfinished RenderOnce requests of one client
   int max_subscriptions = 16;  ///< of one client
@@ -31,6 +37,9 @@ struct ServerOptions {
 
   double handshake_timeout_s = 10;  ///< from connection to Hello
   double message_timeout_s = 10;    ///< from the first byte of a message to its last
+  double heartbeat_s = 10;          ///< the longest silence of the server, and of a client before it is asked
+  double idle_timeout_s = 0;        ///< a client that says nothing for so long is closed; 0: never
+  double dead_after_s = 60;         ///< see watch_for_dead_peer
   double stall_timeout_s = 30;      ///< a client that takes no byte for so long is dropped
   double stop_grace_s = 0.5;        ///< for the last words to each client when stopping
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "proto/message_type.h"
 #include "server/net/outbox.h"
 #include "server/net/render_thread.h"
+#include "server/net/token_file.h"
 
 namespace google::protobuf {
 class MessageLite;
@@ -17,8 +19,12 @@ namespace obliq::net {
 /// One client as the room sees it. The session behind it owns the socket.
 class Peer {
  public:
-  Peer(std::uint64_t peer_id, std::string peer_address, int queue_frames, std::size_t queue_bytes)
-      : id(peer_id), address(std::move(peer_address)), outbox(queue_frames, queue_bytes) {}
+  Peer(std::uint64_t peer_id, std::string peer_host, std::string peer_address, int queue_frames,
+       std::size_t queue_bytes)
+      : id(peer_id),
+        host(std::move(peer_host)),
+        address(std::move(peer_address)),
+        outbox(queue_frames, queue_bytes) {}
   virtual ~Peer() = default;
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
@@ -31,9 +37,12 @@ class Peer {
   virtual void fail(wire::ErrorNumber number, const std::string& text) = 0;
 
   const std::uint64_t id;
-  const std::string address;
-  std::string name;      ///< as shown to others: what it calls itself, and where it is
-  bool greeted = false;  ///< Hello has been answered
+  const std::string host;     ///< "127.0.0.1"
+  const std::string address;  ///< "127.0.0.1:50000"
+  std::string name;           ///< as shown to others: what it calls itself, and where it is
+  bool greeted = false;       ///< Hello has been answered
+  Role role = Role::viewer;
+  std::optional<TokenDigest> credential;  ///< the token that it came with, where tokens are configured
   Outbox outbox;
   int subscriptions = 0;
   std::vector<OnceJobPtr> jobs;  ///< not finished

@@ -63,36 +63,14 @@ std::vector<FieldError> missing_position(const wire::Pose& pose) {
 
 }  // namespace
 
-wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::string& text,
-                       const std::vector<FieldError>& fields, const std::string& radar) {
-  wire::Error error;
-  error.set_request_id(request_id);
-  error.set_number(static_cast<std::uint32_t>(number));
-  error.set_text(text);
-  error.set_radar(radar);
-  for (const FieldError& field : fields) {
-    wire::FieldFault& fault = *error.add_fields();
-    fault.set_field(field.field);
-    fault.set_found(field.found);
-    fault.set_allowed(field.allowed);
-  }
-  return error;
-}
-
-std::string presentable(const std::string& text) {
-  std::string clean = text.substr(0, wire::kMaxNameBytes);
-  for (char& c : clean) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return clean;
-}
-
 template <typename Request>
-void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&)) {
+void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
+                      Role needed) {
   Request request;
   if (!wire::parse_descriptor(descriptor, request)) {
     return peer_.fail(ErrorNumber::bad_message, "the protobuf part of a request does not parse");
   }
+  if (!demand(needed, request.request_id(), "this request")) return;
   (this->*function)(request);
 }
 
@@ -106,18 +84,20 @@ void Requests::handle(MessageType type, std::span<const std::byte> descriptor) {
 
 void Requests::handle_greeted(MessageType type, std::span<const std::byte> descriptor) {
   switch (type) {
+    case MessageType::heartbeat:
+      return answer(descriptor, &Requests::heartbeat);
     case MessageType::list_radars:
       return answer(descriptor, &Requests::list_radars);
     case MessageType::get_radar:
       return answer(descriptor, &Requests::get_radar);
     case MessageType::claim_control:
-      return answer(descriptor, &Requests::claim_control);
+      return answer(descriptor, &Requests::claim_control, Role::controller);
     case MessageType::release_control:
-      return answer(descriptor, &Requests::release_control);
+      return answer(descriptor, &Requests::release_control, Role::controller);
     case MessageType::set_settings:
-      return answer(descriptor, &Requests::set_settings);
+      return answer(descriptor, &Requests::set_settings, Role::controller);
     case MessageType::set_pose:
-      return answer(descriptor, &Requests::set_pose);
+      return answer(descriptor, &Requests::set_pose, Role::controller);
     case MessageType::subscribe:
       return answer(descriptor, &Requests::subscribe);
     case MessageType::unsubscribe:
@@ -152,54 +132,6 @@ LiveRadar* Requests::radar_of(std::uint64_t request_id, const std::string& name)
   return nullptr;
 }
 
-LiveRadar* Requests::controlled_radar(std::uint64_t request_id, const std::string& name) {
-  LiveRadar* radar = radar_of(request_id, name);
-  if (radar == nullptr || radar->controller == &peer_) return radar;
-  if (radar->controller != nullptr) {
-    refuse(request_id, ErrorNumber::controlled_by_other,
-           "radar " + radar->name + " is controlled by " + radar->controller->name);
-  } else {
-    refuse(request_id, ErrorNumber::not_in_control,
-           "radar " + radar->name + " is not claimed: claim control first");
-  }
-  return nullptr;
-}
-
-void Requests::hello(const wire::Hello& request) {
-  if (request.major() != wire::kMajorVersion) {
-    return peer_.fail(ErrorNumber::version_mismatch,
-                      "protocol version: found " + std::to_string(request.major()) + "." +
-                          std::to_string(request.minor()) +
-                          "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
-  }
-  const std::string name = presentable(request.client_name());
-  if (!peer_.greeted) {
-    peer_.name = (name.empty() ? "client" : name) + " (" + peer_.address + ")";
-    spdlog::info("{} has come", peer_.name);
-  }
-  peer_.greeted = true;
-
-  const ServerOptions& options = room_.options();
-  wire::Welcome welcome;
-  welcome.set_request_id(request.request_id());
-  welcome.set_major(wire::kMajorVersion);
-  welcome.set_minor(wire::kMinorVersion);
-  welcome.set_server_name(options.server_name);
-  welcome.set_server_version(options.server_version);
-  welcome.set_scene_name(options.scene_name);
-  for (const LiveRadar& radar : room_.radars_) welcome.add_radars(radar.name);
-  welcome.add_encodings("raw");
-  wire::Limits& limits = *welcome.mutable_limits();
-  limits.set_max_request_bytes(options.max_request_bytes);
-  limits.set_max_plane_bytes(wire::kMaxPlaneBytes);
-  limits.set_max_clients(static_cast<std::uint32_t>(options.max_clients));
-  limits.set_max_renders_queued(static_cast<std::uint32_t>(options.max_renders_queued));
-  limits.set_max_subscriptions(static_cast<std::uint32_t>(options.max_subscriptions));
-  limits.set_max_rate_hz(options.max_rate_hz);
-  welcome.set_client_name(peer_.name);
-  peer_.send(MessageType::welcome, welcome);
-}
-
 void Requests::list_radars(const wire::ListRadars& request) {
   wire::RadarList list;
   list.set_request_id(request.request_id());
@@ -223,26 +155,6 @@ void Requests::get_radar(const wire::GetRadar& request) {
   info.set_rate_hz(radar->rate_hz);
   info.set_fault(radar->faults.empty() ? "" : radar->faults.front().text());
   peer_.send(MessageType::radar_info, info);
-}
-
-void Requests::claim_control(const wire::ClaimControl& request) {
-  LiveRadar* radar = radar_of(request.request_id(), request.radar());
-  if (radar == nullptr) return;
-  if (radar->controller != nullptr && radar->controller != &peer_) {
-    return refuse(request.request_id(), ErrorNumber::controlled_by_other,
-                  "radar " + radar->name + " is controlled by " + radar->controller->name);
-  }
-  if (radar->controller == nullptr) spdlog::info("radar {}: controlled by {}", radar->name, peer_.name);
-  radar->controller = &peer_;
-  acknowledge(request.request_id(), radar->settings.current()->version);
-}
-
-void Requests::release_control(const wire::ReleaseControl& request) {
-  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
-  if (radar == nullptr) return;
-  radar->controller = nullptr;
-  spdlog::info("radar {}: released by {}", radar->name, peer_.name);
-  acknowledge(request.request_id(), radar->settings.current()->version);
 }
 
 void Requests::set_settings(const wire::SetSettings& request) {

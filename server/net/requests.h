@@ -7,11 +7,13 @@
 #include "proto/error_number.h"
 #include "proto/message_type.h"
 #include "proto/plane.h"
+#include "server/net/role.h"
 #include "terrain/errors.h"
 
 namespace obliq::wire {
 class Error;
 class Hello;
+class Heartbeat;
 class ListRadars;
 class GetRadar;
 class ClaimControl;
@@ -45,10 +47,12 @@ class Requests {
 
  private:
   template <typename Request>
-  void answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&));
+  void answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
+              Role needed = Role::viewer);
   void handle_greeted(wire::MessageType type, std::span<const std::byte> descriptor);
 
   void hello(const wire::Hello& request);
+  void heartbeat(const wire::Heartbeat& request);
   void list_radars(const wire::ListRadars& request);
   void get_radar(const wire::GetRadar& request);
   void claim_control(const wire::ClaimControl& request);
@@ -60,6 +64,8 @@ class Requests {
   void render_once(const wire::RenderOnce& request);
   void get_status(const wire::GetStatus& request);
 
+  /// False after a refusal that says what `action` needs.
+  bool demand(Role needed, std::uint64_t request_id, const std::string& action);
   void acknowledge(std::uint64_t request_id, std::uint64_t settings_version = 0);
   void refuse(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
               const std::vector<FieldError>& fields = {});

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/net/exposure.h"
 #include "server/net/requests.h"
+#include "server/net/security.h"
 
 namespace obliq::net {
 
@@ -20,6 +22,7 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
       options_(std::move(options)),
       post_(std::move(post)),
       render_(renderer, *this, {options_.render_threads, options_.slice_bytes, options_.before_wedge}) {
+  if (!options_.security) options_.security = std::make_shared<Security>();
   for (const RadarConfig& config : radars) {
     radars_.emplace_back(config, ++next_stream_id_);
     render_.add_radar(config.name, next_stream_id_, radars_.back().view());
@@ -32,6 +35,24 @@ void Room::stop() {
   render_.stop();
   const auto peers = peers_;  // fail() may come back through leave()
   for (const auto& peer : peers) peer->fail(ErrorNumber::server_stopping, "the server is stopping");
+}
+
+int Room::clients_from(const std::string& host) const {
+  const std::string network = network_of(host);
+  return static_cast<int>(
+      std::ranges::count_if(peers_, [&](const auto& peer) { return network_of(peer->host) == network; }));
+}
+
+void Room::check_credentials() {
+  const auto peers = peers_;  // fail() may come back through leave()
+  for (const auto& peer : peers) {
+    if (!peer->credential) continue;
+    if (const auto grant = options_.security->grant(*peer->credential)) {
+      peer->role = grant->role;
+    } else {
+      peer->fail(ErrorNumber::token_refused, "the token was withdrawn");
+    }
+  }
 }
 
 void Room::enter(const std::shared_ptr<Peer>& peer) { peers_.push_back(peer); }

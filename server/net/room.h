@@ -29,6 +29,10 @@ class Room : private RenderEvents {
   /// Ends all frames and says goodbye to all clients.
   void stop();
 
+  /// Clients from that host; of IPv6, from its /64 network, which one host can have for itself.
+  int clients_from(const std::string& host) const;
+  /// Tokens may have been read anew: roles are taken from them, and who came with one that is gone is closed.
+  void check_credentials();
   bool is_full() const { return peers_.size() >= static_cast<std::size_t>(options_.max_clients); }
   void enter(const std::shared_ptr<Peer>& peer);
   /// Control is released, subscriptions end, unfinished renders are cancelled.

@@ -9,7 +9,10 @@
 #include "proto/obliq.pb.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
+#include "server/net/security.h"
 #include "server/net/session.h"
+#include "server/net/tcp_options.h"
+#include "server/net/transport.h"
 #include "terrain/errors.h"
 
 namespace obliq::net {
@@ -21,9 +24,10 @@ using boost::system::error_code;
 namespace {
 
 // Says why, as far as the peer reads it at once, and closes.
-void turn_away(tcp::socket socket, int max_clients) {
-  const auto error = make_error(0, wire::ErrorNumber::too_many_clients,
-                                "too many clients: max_clients is " + std::to_string(max_clients));
+// In plain words also where TLS is spoken, before any of it: a client of ours that expects TLS understands.
+void turn_away(tcp::socket socket, wire::ErrorNumber number, const std::string& text) {
+  spdlog::warn("a connection was turned away: {}", text);
+  const auto error = make_error(0, number, text);
   const wire::Bytes bytes = wire::encode_message(wire::MessageType::error, {0, 1, wire::utc_now_ns()}, error);
   error_code ignored;
   socket.non_blocking(true, ignored);
@@ -77,14 +81,26 @@ asio::awaitable<void> Server::State::accept() {
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
     }
+    const ServerOptions& options = room->options();
+    const auto peer = socket.remote_endpoint(error);
+    if (error) continue;  // gone already
+    const std::string host = peer.address().to_string();
     if (room->is_full()) {
-      spdlog::warn("a connection was turned away: max_clients is {}", room->options().max_clients);
-      turn_away(std::move(socket), room->options().max_clients);
+      turn_away(std::move(socket), wire::ErrorNumber::too_many_clients,
+                "too many clients: max_clients is " + std::to_string(options.max_clients));
       continue;
     }
-    const auto local = socket.local_endpoint(error);
-    const int fd = error ? -1 : socket.release(error);
-    if (!error) start_session(io, fd, local.address().is_v6(), ++last_id, room);
+    if (room->clients_from(host) >= options.max_clients_per_address) {
+      turn_away(std::move(socket), wire::ErrorNumber::too_many_from_address,
+                "too many clients from " + host + ": max_clients_per_address is " +
+                    std::to_string(options.max_clients_per_address));
+      continue;
+    }
+    const int fd = socket.release(error);
+    if (error) continue;
+    watch_for_dead_peer(fd, options.dead_after_s);
+    start_session(io, std::make_unique<Transport>(io, fd, peer.address().is_v6(), options.security->tls()),
+                  ++last_id, room);
   }
 }
 
@@ -129,6 +145,11 @@ void Server::run() {
   asio::co_spawn(state_->io, state_->accept(), asio::detached);
   state_->room->start();
   state_->io.run();
+}
+
+void Server::reload_security() {
+  state_->room->options().security->reload();
+  asio::post(state_->io, [this] { state_->room->check_credentials(); });
 }
 
 void Server::stop() {

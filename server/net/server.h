@@ -32,6 +32,9 @@ class Server {
   void run();
   /// From any thread; any number of times.
   void stop();
+  /// Reads certificate, key and tokens anew: new connections use them, clients whose token is gone are told
+  /// and closed, roles change. From any thread. Throws InputError, and then everything is as it was.
+  void reload_security();
 
  private:
   struct State;

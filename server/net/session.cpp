@@ -12,12 +12,12 @@
 #include "proto/obliq.pb.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
+#include "server/net/transport.h"
 
 namespace obliq::net {
 namespace {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 using boost::system::error_code;
 using wire::ErrorNumber;
 using wire::MessageType;
@@ -26,14 +26,24 @@ using Clock = std::chrono::steady_clock;
 // More answers than this waiting to be written: requests are not read any further until some have been.
 constexpr std::size_t kMaxAnswersWaiting = 256;
 
+// How a TLS client begins: a handshake record of version 3.x (RFC 8446 section 5.1).
+constexpr std::byte kTlsRecord[] = {std::byte{22}, std::byte{3}};
+
 Clock::duration seconds(double s) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
 }
 
-std::string address_of(const tcp::socket& socket) {
-  error_code error;
-  const auto peer = socket.remote_endpoint(error);
-  return error ? "?" : peer.address().to_string() + ":" + std::to_string(peer.port());
+/// Waits for an operation of the transport: `start` gets the function to call when it is done.
+template <typename Result, typename Start>
+asio::awaitable<Result> result_of(Start start) {
+  // What resumes a coroutine can only be moved, a std::function must be copied.
+  return asio::async_initiate<const asio::use_awaitable_t<>&, void(Result)>(
+      [start = std::move(start)](auto&& handler) mutable {
+        auto shared =
+            std::make_shared<std::decay_t<decltype(handler)>>(std::forward<decltype(handler)>(handler));
+        start([shared](Result result) { std::move (*shared)(result); });
+      },
+      asio::use_awaitable);
 }
 
 struct Request {
@@ -44,25 +54,25 @@ struct Request {
 // GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
 class Session final : public Peer, public std::enable_shared_from_this<Session> {
  public:
-  Session(tcp::socket socket, std::uint64_t session_id, std::shared_ptr<Room> room)
-      : Peer(session_id, address_of(socket), room->options().queue_frames, room->options().queue_bytes),
+  Session(asio::io_context& io, std::unique_ptr<Transport> transport, std::uint64_t session_id,
+          std::shared_ptr<Room> room)
+      : Peer(session_id, transport->host(), transport->address(), room->options().queue_frames,
+             room->options().queue_bytes),
         room_(std::move(room)),
-        socket_(std::move(socket)),
-        wake_(socket_.get_executor()),
-        drained_(socket_.get_executor()),
-        read_deadline_(socket_.get_executor()),
-        write_deadline_(socket_.get_executor()),
-        linger_(socket_.get_executor()) {
+        io_(io),
+        transport_(std::move(transport)),
+        wake_(io),
+        drained_(io),
+        read_deadline_(io),
+        write_deadline_(io),
+        silence_(io),
+        linger_(io) {
     name = address;
   }
 
   void start() {
-    error_code ignored;  // comforts, not needs
-    socket_.set_option(tcp::no_delay(true), ignored);
-    socket_.set_option(asio::socket_base::keep_alive(true), ignored);
     room_->enter(shared_from_this());
-    spawn(&Session::read_requests);
-    spawn(&Session::write_outbox);
+    spawn(&Session::serve);
   }
 
   void send(MessageType type, const google::protobuf::MessageLite& message) override {
@@ -80,6 +90,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     } else {
       spdlog::warn("{}: {}; connection closed", name, text);
     }
+    // Before TLS stands there is no way to say it.
+    if (!transport_->is_ready()) return close();
     outbox.close_all_lanes(text);
     send(MessageType::error, make_error(0, number, text));
     finishing_ = true;
@@ -90,7 +102,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
  private:
   void spawn(asio::awaitable<void> (Session::*coroutine)()) {
     asio::co_spawn(
-        socket_.get_executor(),
+        io_,
         [self = shared_from_this(), coroutine]() -> asio::awaitable<void> {
           return (self.get()->*coroutine)();
         },
@@ -117,15 +129,34 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   }
   static void disarm(asio::steady_timer& timer) { timer.expires_at(Clock::time_point::max()); }
 
-  asio::awaitable<void> read_requests() {
+  asio::awaitable<void> serve() {
     arm(read_deadline_, room_->options().handshake_timeout_s,
         [](Session& self) { self.fail(ErrorNumber::timed_out, "no Hello in time"); });
+    const Transport::Start start =
+        co_await result_of<Transport::Start>([this](auto done) { transport_->start(std::move(done)); });
+    if (start == Transport::Start::failed && !closed_) {
+      spdlog::warn("{}: TLS handshake failed: {}; connection closed", name, transport_->description());
+    }
+    if (closed_ || start == Transport::Start::failed) co_return close();
+    spdlog::debug("{}: connected, {}", name, transport_->description());
+    spawn(&Session::write_outbox);
+    if (start == Transport::Start::plain_peer) {
+      fail(ErrorNumber::tls_required, "this server speaks TLS only (obliq: --tls)");
+    }
+    co_await read_requests();
+  }
+
+  asio::awaitable<void> read_requests() {
     Request request;
-    while (co_await read_request(request)) {
+    while (!finishing_) {
+      if (!co_await read_request(request)) break;
       room_->handle(*this, request.header.type,
                     std::span(request.payload).first(request.header.descriptor_length));
       if (finishing_) break;
-      if (greeted) disarm(read_deadline_);
+      if (greeted) {
+        disarm(read_deadline_);
+        if (!std::exchange(beating_, true)) spawn(&Session::break_silence);
+      }
       while (!closed_ && outbox.control_size() > kMaxAnswersWaiting) {
         drained_.expires_at(Clock::time_point::max());
         error_code cancelled;
@@ -137,7 +168,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       // Bytes left unread when a socket is closed make the kernel reset the connection, and the peer would
       // lose the Error that tells it why: read on until it closes or the time is up.
       std::array<std::byte, 4096> unwanted;
-      while (!ended_) co_await read(asio::buffer(unwanted), true);
+      while (!ended_) co_await read(unwanted, true);
     }
     close();
   }
@@ -148,23 +179,24 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     const std::span<std::byte> all(head);
     // The magic alone first: what is not obliq is told so at once, however short it is.
     constexpr std::size_t kMagicBytes = 4;
-    if (!co_await read(asio::buffer(head.data(), 1), true)) co_return false;
+    if (!co_await read(all.first(1), true)) co_return false;
     if (greeted) {
       arm(read_deadline_, room_->options().message_timeout_s, [](Session& self) {
         self.fail(ErrorNumber::timed_out, "a message was begun and not completed in time");
       });
     }
-    if (!co_await read(asio::buffer(head.data() + 1, kMagicBytes - 1))) co_return false;
+    if (!co_await read(all.subspan(1, kMagicBytes - 1))) co_return false;
     wire::FrameHeader& header = request.header;
     std::fill(head.begin() + kMagicBytes, head.end(), std::byte{0});
     const std::uint32_t limit = room_->options().max_request_bytes;
     if (wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header) ==
         wire::HeaderStatus::bad_magic) {
-      fail(ErrorNumber::bad_magic, wire::describe(wire::HeaderStatus::bad_magic, header, limit));
+      const bool tls = head[0] == kTlsRecord[0] && head[1] == kTlsRecord[1];
+      fail(ErrorNumber::bad_magic, tls ? "this port does not speak TLS (obliq: leave out --tls)"
+                                       : wire::describe(wire::HeaderStatus::bad_magic, header, limit));
       co_return false;
     }
-    if (!co_await read(asio::buffer(head.data() + kMagicBytes, wire::kHeaderBytes - kMagicBytes)))
-      co_return false;
+    if (!co_await read(all.subspan(kMagicBytes, wire::kHeaderBytes - kMagicBytes))) co_return false;
     const auto status = wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header);
     if (status != wire::HeaderStatus::ok) {
       fail(status == wire::HeaderStatus::version_mismatch ? ErrorNumber::version_mismatch
@@ -174,9 +206,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     }
     // Nothing to read is read at once.
     const std::size_t longer_by = header.header_length - wire::kHeaderBytes;
-    if (!co_await read(asio::buffer(head.data() + wire::kHeaderBytes, longer_by))) co_return false;
+    if (!co_await read(all.subspan(wire::kHeaderBytes, longer_by))) co_return false;
     request.payload.resize(header.payload_length);
-    if (!co_await read(asio::buffer(request.payload))) co_return false;
+    if (!co_await read(request.payload)) co_return false;
     if (wire::message_crc(all.first(header.header_length), request.payload) != header.crc) {
       fail(ErrorNumber::bad_crc, "a message is damaged (CRC mismatch)");
       co_return false;
@@ -186,25 +218,24 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   }
 
   // Fills the buffer, or with `some` a part of it. False when the connection has ended.
-  asio::awaitable<bool> read(asio::mutable_buffer buffer, bool some = false) {
-    error_code error;
-    if (some) {
-      co_await socket_.async_read_some(buffer, asio::redirect_error(asio::use_awaitable, error));
-    } else {
-      co_await asio::async_read(socket_, buffer, asio::redirect_error(asio::use_awaitable, error));
-      if (error == asio::error::eof && !finishing_) spdlog::warn("{}: left in the middle of a message", name);
+  asio::awaitable<bool> read(std::span<std::byte> buffer, bool some = false) {
+    const Transport::Transfer got = co_await result_of<Transport::Transfer>(
+        [=, this](auto done) { transport_->read(buffer, some, std::move(done)); });
+    if (!some && got == Transport::Transfer::end && !finishing_) {
+      spdlog::warn("{}: left in the middle of a message", name);
     }
+    last_read_ = Clock::now();
     // The end is reported once: a second read would wait for ever.
-    if (error || closed_) ended_ = true;
+    if (got != Transport::Transfer::done || closed_) ended_ = true;
     co_return !ended_;
   }
 
   asio::awaitable<void> write_outbox() {
     while (!closed_) {
       const BlockPtr block = outbox.pop();
-      error_code error;
       if (!block) {
         if (finishing_) break;
+        error_code error;
         wake_.expires_at(Clock::time_point::max());
         co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, error));
         continue;
@@ -215,13 +246,46 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
         spdlog::warn("{}: reads too slowly; connection closed", self.name);
         self.close();
       });
-      co_await asio::async_write(socket_, asio::buffer(block->bytes),
-                                 asio::redirect_error(asio::use_awaitable, error));
+      const Transport::Transfer put = co_await result_of<Transport::Transfer>(
+          [&](auto done) { transport_->write(block->bytes, std::move(done)); });
       disarm(write_deadline_);
-      if (error) close();
+      last_written_ = Clock::now();
+      if (put != Transport::Transfer::done) close();
     }
-    error_code ignored;
-    if (!closed_) socket_.shutdown(tcp::socket::shutdown_send, ignored);
+    if (closed_) co_return;
+    co_await result_of<Transport::Transfer>([this](auto done) { transport_->finish(std::move(done)); });
+  }
+
+  // Heartbeats, so that both sides and what lies between them know of each other.
+  asio::awaitable<void> break_silence() {
+    const ServerOptions& options = room_->options();
+    const auto period = seconds(options.heartbeat_s);
+    const bool patient = options.idle_timeout_s <= 0;
+    Clock::time_point last_beat = Clock::now();
+    while (!closed_) {
+      const auto now = Clock::now();
+      if (finishing_) break;
+      const auto patience_ends =
+          patient ? Clock::time_point::max() : last_read_ + seconds(options.idle_timeout_s);
+      if (now >= patience_ends) {
+        fail(ErrorNumber::idle, "nothing heard of the client for idle_timeout_s");
+        break;
+      }
+      const auto beat = std::max(std::min(last_read_, last_written_), last_beat) + period;
+      if (now >= beat) {
+        last_beat = now;
+        // Where others wait to be written, it would be no news.
+        if (outbox.control_size() == 0) {
+          wire::Heartbeat heartbeat;
+          heartbeat.set_answer_wanted(true);
+          send(MessageType::heartbeat, heartbeat);
+        }
+        continue;
+      }
+      silence_.expires_at(std::min(beat, patience_ends));
+      error_code cancelled;
+      co_await silence_.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
+    }
   }
 
   void close() {
@@ -229,33 +293,37 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     closed_ = true;
     const auto self = shared_from_this();  // the room may hold the last other reference
     spdlog::info("{} has gone", name);
-    error_code ignored;
-    socket_.close(ignored);
-    for (asio::steady_timer* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &linger_})
+    transport_->close();
+    for (auto* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &silence_, &linger_}) {
       timer->cancel();
+    }
     room_->leave(*this);
     outbox.clear();
   }
 
   std::shared_ptr<Room> room_;
-  tcp::socket socket_;
+  asio::io_context& io_;
+  std::unique_ptr<Transport> transport_;
   asio::steady_timer wake_;            ///< cancelled: there is something to write
   asio::steady_timer drained_;         ///< cancelled: something has been written
   asio::steady_timer read_deadline_;   ///< for Hello, then for each message begun
   asio::steady_timer write_deadline_;  ///< for each message written
+  asio::steady_timer silence_;         ///< until the next heartbeat, or the end of patience
   asio::steady_timer linger_;          ///< for the last words
-  std::uint64_t sequence_ = 0;         ///< of stream 0
-  bool ended_ = false;                 ///< nothing more comes from the peer
-  bool finishing_ = false;             ///< nothing is read any more; what is queued is written
+  Clock::time_point last_read_ = Clock::now();
+  Clock::time_point last_written_ = Clock::now();
+  std::uint64_t sequence_ = 0;  ///< of stream 0
+  bool beating_ = false;        ///< heartbeats have begun
+  bool ended_ = false;          ///< nothing more comes from the peer
+  bool finishing_ = false;      ///< nothing is read any more; what is queued is written
   bool closed_ = false;
 };
 
 }  // namespace
 
-void start_session(asio::io_context& io, int socket_fd, bool is_ipv6, std::uint64_t id,
+void start_session(asio::io_context& io, std::unique_ptr<Transport> transport, std::uint64_t id,
                    const std::shared_ptr<Room>& room) {
-  tcp::socket socket(io, is_ipv6 ? tcp::v6() : tcp::v4(), socket_fd);
-  std::make_shared<Session>(std::move(socket), id, room)->start();
+  std::make_shared<Session>(io, std::move(transport), id, room)->start();
 }
 
 }  // namespace obliq::net

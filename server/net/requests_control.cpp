@@ -1,0 +1,148 @@
+// Who is there, with which role, and who controls which radar.
+#include <spdlog/spdlog.h>
+
+#include "proto/frame_header.h"
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "server/net/requests.h"
+#include "server/net/room.h"
+#include "server/net/security.h"
+
+namespace obliq::net {
+
+using wire::ErrorNumber;
+using wire::MessageType;
+
+wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::string& text,
+                       const std::vector<FieldError>& fields, const std::string& radar) {
+  wire::Error error;
+  error.set_request_id(request_id);
+  error.set_number(static_cast<std::uint32_t>(number));
+  error.set_text(text);
+  error.set_radar(radar);
+  for (const FieldError& field : fields) {
+    wire::FieldFault& fault = *error.add_fields();
+    fault.set_field(field.field);
+    fault.set_found(field.found);
+    fault.set_allowed(field.allowed);
+  }
+  return error;
+}
+
+std::string presentable(const std::string& text) {
+  std::string clean = text.substr(0, wire::kMaxNameBytes);
+  for (char& c : clean) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return clean;
+}
+
+void Requests::hello(const wire::Hello& request) {
+  if (request.major() != wire::kMajorVersion) {
+    return peer_.fail(ErrorNumber::version_mismatch,
+                      "protocol version: found " + std::to_string(request.major()) + "." +
+                          std::to_string(request.minor()) +
+                          "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
+  }
+  const Security& security = *room_.options().security;
+  // A second Hello gets the same Welcome and changes nothing.
+  if (!peer_.greeted) {
+    const auto grant = security.grant(request.token());
+    if (!grant) {
+      return peer_.fail(ErrorNumber::token_refused, request.token().empty()
+                                                        ? "this server wants a token (obliq: --token-file)"
+                                                        : "this server does not know the token");
+    }
+    peer_.role = grant->role;
+    if (security.needs_token()) peer_.credential = grant->digest;
+    std::string name = presentable(request.client_name());
+    if (name.empty()) name = grant->name.empty() ? "client" : grant->name;
+    peer_.name = name + " (" + peer_.address + ")";
+    spdlog::info("{} has come as {}{}", peer_.name, role_name(peer_.role),
+                 grant->name.empty() ? "" : " with the token of " + grant->name);
+  }
+  peer_.greeted = true;
+
+  const ServerOptions& options = room_.options();
+  wire::Welcome welcome;
+  welcome.set_request_id(request.request_id());
+  welcome.set_major(wire::kMajorVersion);
+  welcome.set_minor(wire::kMinorVersion);
+  welcome.set_server_name(options.server_name);
+  welcome.set_server_version(options.server_version);
+  welcome.set_scene_name(options.scene_name);
+  for (const LiveRadar& radar : room_.radars_) welcome.add_radars(radar.name);
+  welcome.add_encodings("raw");
+  wire::Limits& limits = *welcome.mutable_limits();
+  limits.set_max_request_bytes(options.max_request_bytes);
+  limits.set_max_plane_bytes(wire::kMaxPlaneBytes);
+  limits.set_max_clients(static_cast<std::uint32_t>(options.max_clients));
+  limits.set_max_renders_queued(static_cast<std::uint32_t>(options.max_renders_queued));
+  limits.set_max_subscriptions(static_cast<std::uint32_t>(options.max_subscriptions));
+  limits.set_max_rate_hz(options.max_rate_hz);
+  limits.set_max_clients_per_address(static_cast<std::uint32_t>(options.max_clients_per_address));
+  limits.set_heartbeat_s(options.heartbeat_s);
+  limits.set_idle_timeout_s(options.idle_timeout_s);
+  welcome.set_client_name(peer_.name);
+  welcome.set_role(std::string(role_name(peer_.role)));
+  peer_.send(MessageType::welcome, welcome);
+}
+
+void Requests::heartbeat(const wire::Heartbeat& request) {
+  if (!request.answer_wanted()) return;
+  wire::Heartbeat answer;
+  answer.set_request_id(request.request_id());
+  peer_.send(MessageType::heartbeat, answer);
+}
+
+bool Requests::demand(Role needed, std::uint64_t request_id, const std::string& action) {
+  if (peer_.role >= needed) return true;
+  refuse(request_id, ErrorNumber::role_too_low,
+         action + " needs the role " + std::string(role_name(needed)) + "; this client's token gives " +
+             std::string(role_name(peer_.role)));
+  return false;
+}
+
+LiveRadar* Requests::controlled_radar(std::uint64_t request_id, const std::string& name) {
+  LiveRadar* radar = radar_of(request_id, name);
+  if (radar == nullptr || radar->controller == &peer_) return radar;
+  if (radar->controller != nullptr) {
+    refuse(request_id, ErrorNumber::controlled_by_other,
+           "radar " + radar->name + " is controlled by " + radar->controller->name);
+  } else {
+    refuse(request_id, ErrorNumber::not_in_control,
+           "radar " + radar->name + " is not claimed: claim control first");
+  }
+  return nullptr;
+}
+
+void Requests::claim_control(const wire::ClaimControl& request) {
+  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  Peer* holder = radar->controller;
+  const bool taken = holder != nullptr && holder != &peer_;
+  if (taken && request.force()) {
+    if (!demand(Role::admin, request.request_id(), "taking control over")) return;
+    holder->send(
+        MessageType::error,
+        make_error(0, ErrorNumber::controlled_by_other,
+                   "control of radar " + radar->name + " was taken over by " + peer_.name, {}, radar->name));
+    spdlog::warn("radar {}: {} takes control over from {}", radar->name, peer_.name, holder->name);
+  } else if (taken) {
+    return refuse(request.request_id(), ErrorNumber::controlled_by_other,
+                  "radar " + radar->name + " is controlled by " + holder->name);
+  }
+  if (holder == nullptr) spdlog::info("radar {}: controlled by {}", radar->name, peer_.name);
+  radar->controller = &peer_;
+  acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+void Requests::release_control(const wire::ReleaseControl& request) {
+  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  radar->controller = nullptr;
+  spdlog::info("radar {}: released by {}", radar->name, peer_.name);
+  acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,47 @@
+#include "server/net/security.h"
+
+#include <utility>
+
+#include "server/net/tls_files.h"
+#include "terrain/errors.h"
+
+namespace obliq::net {
+
+Security::Security(SecurityFiles files) : files_(std::move(files)) {
+  if (files_.tls_certificate.empty() != files_.tls_key.empty()) {
+    throw InputError(
+        files_.tls_key.empty()
+            ? "server.tls_key: found nothing; allowed: the key of server.tls_certificate"
+            : "server.tls_certificate: found nothing; allowed: the certificate of server.tls_key");
+  }
+  reload();
+}
+
+void Security::reload() {
+  auto material = std::make_shared<Material>();
+  if (needs_token()) material->tokens = TokenFile::read(files_.tokens);
+  if (has_tls()) material->tls = read_tls_files(files_.tls_certificate, files_.tls_key, material->warnings);
+  const std::lock_guard lock(mutex_);
+  material_ = std::move(material);
+}
+
+std::shared_ptr<const Security::Material> Security::current() const {
+  const std::lock_guard lock(mutex_);
+  return material_;
+}
+
+std::optional<Grant> Security::grant(std::string_view token) const {
+  const auto material = current();
+  return material->tokens ? material->tokens->find(token) : Grant{Role::admin, "", {}};
+}
+
+std::optional<Grant> Security::grant(const TokenDigest& digest) const {
+  const auto material = current();
+  return material->tokens ? material->tokens->find(digest) : Grant{Role::admin, "", {}};
+}
+
+std::shared_ptr<boost::asio::ssl::context> Security::tls() const { return current()->tls; }
+
+std::vector<std::string> Security::warnings() const { return current()->warnings; }
+
+}  // namespace obliq::net

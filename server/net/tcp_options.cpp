@@ -1,0 +1,39 @@
+#include "server/net/tcp_options.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace obliq::net {
+namespace {
+
+// Probes after the silence: more than one, since any may be lost.
+constexpr int kProbes = 3;
+
+template <typename Value>
+bool set(int fd, int level, int option, Value value) {
+  return ::setsockopt(fd, level, option, &value, sizeof value) == 0;
+}
+
+}  // namespace
+
+bool watch_for_dead_peer(int socket_fd, double dead_after_s) {
+  const int total_s =
+      std::max(kMinDeadAfter_s, static_cast<int>(std::lround(std::min(dead_after_s, 86400.0))));
+  const int interval_s = std::max(1, total_s / (2 * kProbes));
+  const int idle_s = total_s - kProbes * interval_s;
+  // With a user timeout the kernel gives up by that time, not by the count, and so it does with data that is
+  // not acknowledged.
+  const unsigned user_timeout_ms = 1000u * static_cast<unsigned>(total_s);
+  bool ok = set(socket_fd, SOL_SOCKET, SO_KEEPALIVE, 1);
+  ok &= set(socket_fd, IPPROTO_TCP, TCP_KEEPIDLE, idle_s);
+  ok &= set(socket_fd, IPPROTO_TCP, TCP_KEEPINTVL, interval_s);
+  ok &= set(socket_fd, IPPROTO_TCP, TCP_KEEPCNT, kProbes);
+  ok &= set(socket_fd, IPPROTO_TCP, TCP_USER_TIMEOUT, user_timeout_ms);
+  return ok;
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,142 @@
+#include "server/net/transport.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/error.hpp>
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/write.hpp>
+#include <optional>
+#include <utility>
+
+namespace obliq::net {
+
+namespace asio = boost::asio;
+namespace ssl = boost::asio::ssl;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+/// RFC 8446 section 5.1: the first byte of a client's first record, ContentType handshake.
+constexpr std::byte kTlsHandshake{22};
+
+Transport::Transfer outcome(error_code error) {
+  if (!error) return Transport::Transfer::done;
+  // A TLS peer that closes without a farewell has left like any other.
+  const bool end = error == asio::error::eof || error == ssl::error::stream_truncated;
+  return end ? Transport::Transfer::end : Transport::Transfer::failed;
+}
+
+}  // namespace
+
+struct Transport::State {
+  State(asio::io_context& io, int socket_fd, bool is_ipv6, std::shared_ptr<ssl::context> tls)
+      : context(std::move(tls)), socket(io, is_ipv6 ? tcp::v6() : tcp::v4(), socket_fd) {
+    if (context) stream.emplace(socket, *context);
+  }
+
+  std::shared_ptr<ssl::context> context;  ///< outlives the stream, whatever is loaded meanwhile
+  tcp::socket socket;
+  std::optional<ssl::stream<tcp::socket&>> stream;  ///< none: plain
+  std::byte first{};                                ///< of the peer
+  bool ready = false;
+  std::string failure;
+};
+
+Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::shared_ptr<ssl::context> tls)
+    : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
+  error_code ignored;  // a comfort, not a need
+  state_->socket.set_option(tcp::no_delay(true), ignored);
+}
+Transport::~Transport() = default;
+
+std::string Transport::host() const {
+  error_code error;
+  const auto peer = state_->socket.remote_endpoint(error);
+  return error ? "?" : peer.address().to_string();
+}
+
+std::string Transport::address() const {
+  error_code error;
+  const auto peer = state_->socket.remote_endpoint(error);
+  return error ? "?" : peer.address().to_string() + ":" + std::to_string(peer.port());
+}
+
+bool Transport::is_ready() const { return state_->ready; }
+
+std::string Transport::description() const {
+  if (!state_->failure.empty()) return state_->failure;
+  if (!state_->stream) return "plain";
+  SSL* tls = state_->stream->native_handle();
+  return std::string(SSL_get_version(tls)) + ", " + SSL_get_cipher_name(tls);
+}
+
+void Transport::start(Started done) {
+  State& s = *state_;
+  if (!s.stream) {
+    s.ready = true;
+    return asio::post(s.socket.get_executor(), [done = std::move(done)] { done(Start::ready); });
+  }
+  const auto fail = [&s](error_code error) {
+    s.failure = error.message();
+    return Start::failed;
+  };
+  const auto shaken = [&s, fail, done](error_code error) {
+    s.ready = !error;
+    done(error ? fail(error) : Start::ready);
+  };
+  s.socket.async_receive(asio::buffer(&s.first, 1), tcp::socket::message_peek,
+                         [&s, fail, shaken, done](error_code error, std::size_t) {
+                           if (error) return done(fail(error));
+                           if (s.first == kTlsHandshake) {
+                             return s.stream->async_handshake(ssl::stream_base::server, shaken);
+                           }
+                           s.stream.reset();
+                           s.ready = true;
+                           done(Start::plain_peer);
+                         });
+}
+
+void Transport::read(std::span<std::byte> bytes, bool some, Done done) {
+  State& s = *state_;
+  const auto transfer = [&](auto& stream) {
+    auto handler = [done = std::move(done)](error_code error, std::size_t) { done(outcome(error)); };
+    const auto buffer = asio::buffer(bytes.data(), bytes.size());
+    if (some) {
+      stream.async_read_some(buffer, std::move(handler));
+    } else {
+      asio::async_read(stream, buffer, std::move(handler));
+    }
+  };
+  s.stream ? transfer(*s.stream) : transfer(s.socket);
+}
+
+void Transport::write(std::span<const std::byte> bytes, Done done) {
+  State& s = *state_;
+  const auto transfer = [&](auto& stream) {
+    asio::async_write(stream, asio::buffer(bytes.data(), bytes.size()),
+                      [done = std::move(done)](error_code error, std::size_t) { done(outcome(error)); });
+  };
+  s.stream ? transfer(*s.stream) : transfer(s.socket);
+}
+
+void Transport::finish(Done done) {
+  State& s = *state_;
+  if (s.stream) {
+    // Sends the farewell, then waits for the peer's, which the reader meets.
+    return s.stream->async_shutdown([done = std::move(done)](error_code error) { done(outcome(error)); });
+  }
+  error_code error;
+  s.socket.shutdown(tcp::socket::shutdown_send, error);
+  asio::post(s.socket.get_executor(), [done = std::move(done), error] { done(outcome(error)); });
+}
+
+void Transport::close() {
+  error_code ignored;
+  state_->socket.close(ignored);
+}
+
+}  // namespace obliq::net
