@@ -35,6 +35,16 @@ Status unreadable(const char* what) {
                          std::string("a message from the server does not parse: ") + what);
 }
 
+// Others may ask whether this client is there, at any time.
+Status answer_heartbeat(Connection& connection, const Message& message) {
+  wire::Heartbeat asked;
+  if (!wire::parse_descriptor(message.descriptor(), asked)) return unreadable("Heartbeat");
+  if (!asked.answer_wanted()) return {};
+  wire::Heartbeat answer;
+  answer.set_request_id(asked.request_id());
+  return connection.send(MessageType::heartbeat, answer);
+}
+
 // A message that answers no request. Anything but an Error is skipped.
 Status unsolicited(const Message& message) {
   if (message.header.type != MessageType::error) return {};
@@ -68,6 +78,8 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
       // Faults of a radar that answer nothing do not concern this call; those of the connection do.
       if (error.request_id() == last_request || error.number() < 100) return Status::from_error(error);
+    } else if (message.header.type == MessageType::heartbeat) {
+      if (Status status = answer_heartbeat(connection, message); !status.ok()) return status;
     } else if (is_frame(message.header.type)) {
       if (Status status = dispatch_frame(message); !status.ok()) return status;
     }
@@ -127,6 +139,7 @@ Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
   wire::Hello hello;
   hello.set_major(wire::kMajorVersion);
   hello.set_minor(wire::kMinorVersion);
+  hello.set_token(options.token);
   hello.set_client_name(options.name.substr(0, wire::kMaxNameBytes));
   Status status = state_->call(MessageType::hello, hello, MessageType::welcome, state_->welcome);
   const wire::Welcome& welcome = state_->welcome;
@@ -159,9 +172,10 @@ Status Client::get_radar(const std::string& radar, wire::RadarInfo& info) {
   return state_->call(MessageType::get_radar, request, MessageType::radar_info, info);
 }
 
-Status Client::claim_control(const std::string& radar) {
+Status Client::claim_control(const std::string& radar, bool force) {
   wire::ClaimControl request;
   request.set_radar(radar);
+  request.set_force(force);
   return state_->acknowledged(MessageType::claim_control, request);
 }
 
@@ -213,6 +227,7 @@ Status Client::get_status(wire::Status& status) {
 Status Client::receive(Timeout timeout) {
   Message message;
   if (Status status = state_->connection.receive(message, timeout); !status.ok()) return status;
+  if (message.header.type == MessageType::heartbeat) return answer_heartbeat(state_->connection, message);
   return is_frame(message.header.type) ? state_->dispatch_frame(message) : unsolicited(message);
 }
 

@@ -22,6 +22,7 @@ namespace obliq::client {
 
 struct ClientOptions {
   std::string name = "client";  ///< shown to others while this client holds control
+  std::string token{};          ///< where the server wants one
   Timeout connect_timeout{5000};
   Timeout reply_timeout{30000};
 };
@@ -42,7 +43,8 @@ class Client {
 
   Status list_radars(wire::RadarList& list);
   Status get_radar(const std::string& radar, wire::RadarInfo& info);
-  Status claim_control(const std::string& radar);
+  /// force: also from another client, for an admin.
+  Status claim_control(const std::string& radar, bool force = false);
   Status release_control(const std::string& radar);
   Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
   Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);

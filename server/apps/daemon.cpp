@@ -15,6 +15,7 @@
 #include "server/apps/server_options.h"
 #include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
+#include "server/net/security.h"
 #include "server/net/server.h"
 #include "terrain/errors.h"
 
@@ -63,7 +64,10 @@ void heed_signals_while_loading() {
 }
 
 void run_daemon(SceneConfig config) {
-  const net::ServerOptions options = server_options(config);
+  net::ServerOptions options = server_options(config);
+  check_server_protection(config.server, "server.address", options.address);
+  options.security = server_security(config.server);
+  for (const std::string& warning : options.security->warnings()) spdlog::warn("{}", warning);
   net::ReservedPort port(options.address, options.port);
   const auto say = [](const std::string& line) { spdlog::info("{}", line); };
   meet_accuracy(config, say, log_progress());

@@ -1,5 +1,8 @@
 #include "server/apps/server_options.h"
 
+#include "server/net/exposure.h"
+#include "server/net/security.h"
+
 namespace obliq {
 
 net::ServerOptions server_options(const SceneConfig& config) {
@@ -9,13 +12,32 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.server_version = OBLIQ_VERSION;
   options.scene_name = config.name;
   options.max_clients = config.server.max_clients;
+  options.max_clients_per_address = config.server.max_clients_per_address;
   options.max_request_bytes = static_cast<std::uint32_t>(config.server.max_request_bytes);
   options.handshake_timeout_s = config.server.handshake_timeout_s;
+  options.message_timeout_s = config.server.message_timeout_s;
+  options.stall_timeout_s = config.server.stall_timeout_s;
+  options.heartbeat_s = config.server.heartbeat_s;
+  options.idle_timeout_s = config.server.idle_timeout_s;
+  options.dead_after_s = config.server.dead_after_s;
   options.max_bins = config.server.max_bins;
   options.queue_frames = config.server.queue_frames;
   options.render_threads = config.threads;
   options.stop_on_signals = true;
   return options;
+}
+
+void check_server_protection(const ServerConfig& server, const std::string& address_key,
+                             const std::string& address) {
+  net::require_protection(address_key, address,
+                          {{"TLS (server.tls_certificate, server.tls_key)", !server.tls_certificate.empty()},
+                           {"tokens (server.tokens)", !server.tokens.empty()}},
+                          "server.unprotected", server.unprotected);
+}
+
+std::shared_ptr<net::Security> server_security(const ServerConfig& server) {
+  return std::make_shared<net::Security>(
+      net::SecurityFiles{server.tokens, server.tls_certificate, server.tls_key});
 }
 
 }  // namespace obliq

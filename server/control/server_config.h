@@ -7,10 +7,20 @@ namespace obliq {
 /// Where the daemon listens and what it lets a peer ask of it.
 struct ServerConfig {
   std::string address = "127.0.0.1";
-  int port = 7420;  ///< 0: any free one
+  int port = 7420;              ///< 0: any free one
+  std::string tokens;           ///< path; empty: no tokens
+  std::string tls_certificate;  ///< path; empty: no TLS
+  std::string tls_key;          ///< path
+  bool unprotected = false;     ///< serves other machines without TLS or tokens
   int max_clients = 64;
+  int max_clients_per_address = 32;
   int max_request_bytes = 1 << 20;
   double handshake_timeout_s = 10;
+  double message_timeout_s = 10;
+  double stall_timeout_s = 30;
+  double heartbeat_s = 10;
+  double idle_timeout_s = 0;  ///< 0: never
+  double dead_after_s = 60;
   std::int64_t max_bins = 8192LL * 8192LL;  ///< in one frame
   int queue_frames = 2;                     ///< frames that wait for a slow client; the newest wins
 };

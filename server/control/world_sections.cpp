@@ -186,6 +186,16 @@ void read_span(SectionReader& reader, std::string_view name, std::array<double, 
   span_m = {values.front(), values.back()};
 }
 
+void resolve_server_paths(const ConfigNode& table, const std::filesystem::path& folder,
+                          ServerConfig& server) {
+  const std::pair<const char*, std::string*> paths[] = {
+      {"tokens", &server.tokens}, {"tls_certificate", &server.tls_certificate}, {"tls_key", &server.tls_key}};
+  for (const auto& [name, path] : paths) {
+    const ConfigNode* node = table.find(name);
+    if (node != nullptr && !path->empty()) *path = resolved_path(*node, folder);
+  }
+}
+
 }  // namespace
 
 void read_scene_entries(SceneReading& reading) {
@@ -199,6 +209,7 @@ void read_scene_entries(SceneReading& reading) {
     reading.top.one_table(section, [&](const ConfigNode& table) {
       SectionReader reader(table, section, reading.complaints);
       read_entries(reader, section + ".", reading.config);
+      if (section == "server") resolve_server_paths(table, reading.folder, reading.config.server);
       reader.finish();
     });
   }

@@ -57,6 +57,7 @@ class TestServer {
   explicit TestServer(net::ServerOptions options = small_options());
   ~TestServer();
   client::Endpoint endpoint() const { return {"127.0.0.1", server_.port()}; }
+  net::Server& server() { return server_; }
   /// Returns when run() has returned.
   void stop();
 
