@@ -73,7 +73,7 @@ fi
 step "4/6 daemon"
 mkdir -p "$out"
 : >"$out/obliqd.log"
-"$programs/obliqd" --config "$scene" --port 0 >>"$out/obliqd.log" 2>&1 </dev/null &
+"$programs/obliqd" --config "$scene" --port 0 --set http.port=0 >>"$out/obliqd.log" 2>&1 </dev/null &
 daemon=$!
 tail -n +1 -f --pid="$daemon" -s 0.1 "$out/obliqd.log" &
 server=""

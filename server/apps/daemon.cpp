@@ -3,16 +3,26 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <boost/asio.hpp>
+#include <chrono>
 #include <csignal>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/build_info.h"
 #include "server/apps/meet_accuracy.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_options.h"
+#include "server/http/http_server.h"
+#include "server/http/metrics.h"
+#include "server/http/pages.h"
+#include "server/http/readiness.h"
+#include "server/net/io_thread.h"
 #include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
 #include "server/net/security.h"
@@ -22,19 +32,7 @@
 namespace obliq {
 namespace {
 
-/// A log line per stage and quarter.
-Progress log_progress() {
-  struct Last {
-    std::string stage;
-    int quarter = 0;
-  };
-  return [last = std::make_shared<Last>()](std::string_view stage, double fraction) {
-    const int quarter = static_cast<int>(fraction * 4);
-    if (stage == last->stage && quarter <= last->quarter) return;
-    *last = {std::string(stage), quarter};
-    spdlog::info("{}: {} %", stage, 25 * quarter);
-  };
-}
+namespace asio = boost::asio;
 
 /// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
 void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
@@ -46,7 +44,137 @@ void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
   for (const std::string& warning : descriptor.warnings()) spdlog::warn("radar {}: {}", radar.name, warning);
 }
 
-extern "C" void end_while_loading(int) {
+/// One object, so that what the io thread uses outlives that thread however the daemon ends.
+class Daemon {
+ public:
+  explicit Daemon(SceneConfig config) : config_(std::move(config)), metrics_(build_info()) {}
+  ~Daemon() { io_.end(); }
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  void run();
+
+ private:
+  void heed_signals();
+  void on_signal();
+  void open_http();
+  void load();
+  void serve(net::ReservedPort port);
+  Progress progress();
+
+  SceneConfig config_;
+  std::shared_ptr<net::Security> security_;
+  http::Readiness readiness_;
+  http::Metrics metrics_;
+  net::IoThread io_;
+  asio::signal_set signals_{io_.context()};
+  std::unique_ptr<http::HttpServer> http_;
+  std::optional<net::SceneRenderer> renderer_;
+  std::optional<net::Server> server_;
+  net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
+};
+
+void Daemon::run() {
+  const ServerConfig& server = config_.server;
+  check_server_protection(server, "server.address", server.address);
+  security_ = server_security(server);
+  for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
+  net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
+  if (config_.http.enabled) open_http();
+  heed_signals();
+  load();
+  serve(std::move(port));
+  spdlog::info("stopped");
+}
+
+void Daemon::heed_signals() {
+  for (const int signal : {SIGINT, SIGTERM}) signals_.add(signal);
+  signals_.async_wait([this](boost::system::error_code error, int) {
+    if (!error) on_signal();
+  });
+}
+
+void Daemon::on_signal() {
+  if (serving_ == nullptr) {
+    spdlog::info("stopping while loading");
+    spdlog::default_logger()->flush();
+    _exit(0);  // nobody is served yet, and loading cannot be interrupted
+  }
+  spdlog::info("stopping");
+  readiness_.stopping();
+  signals_.clear();  // a second Ctrl-C ends the process
+  server_->stop();
+}
+
+void Daemon::open_http() {
+  http::HttpOptions options;
+  options.address = config_.http.address;
+  options.port = static_cast<std::uint16_t>(config_.http.port);
+  options.max_connections = config_.http.max_connections;
+  options.timeout_s = config_.http.timeout_s;
+  const auto metrics = [this] {
+    std::optional<net::RoomStatistics> room;
+    if (serving_ != nullptr) room = serving_->statistics();
+    return http::metrics_page(metrics_.text(room ? &*room : nullptr));
+  };
+  http_ = std::make_unique<http::HttpServer>(
+      io_.context(), options,
+      std::vector<http::Route>{{"/healthz", http::health_page},
+                               {"/readyz", [this] { return http::readiness_page(readiness_.state()); }},
+                               {"/metrics", metrics}});
+  spdlog::info("HTTP on {}: /healthz, /readyz, /metrics", http_->address());
+}
+
+/// A log line per stage and quarter; /readyz knows better.
+Progress Daemon::progress() {
+  struct Last {
+    std::string stage;
+    int quarter = 0;
+  };
+  return [this, last = std::make_shared<Last>()](std::string_view stage, double fraction) {
+    readiness_.loading(std::string(stage), fraction);
+    const int quarter = static_cast<int>(fraction * 4);
+    if (stage == last->stage && quarter <= last->quarter) return;
+    *last = {std::string(stage), quarter};
+    spdlog::info("{}: {} %", stage, 25 * quarter);
+  };
+}
+
+void Daemon::load() {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto say = [](const std::string& line) { spdlog::info("{}", line); };
+  readiness_.loading("terrain", 0);
+  meet_accuracy(config_, say, progress());
+  renderer_.emplace(build_scene(config_, say, progress()), config_.name);
+  for (const RadarConfig& radar : config_.radars) {
+    check_radar(*renderer_, radar);
+    metrics_.add_radar(radar.name);
+  }
+  metrics_.scene_loaded(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+}
+
+void Daemon::serve(net::ReservedPort port) {
+  net::ServerOptions options = server_options(config_);
+  options.security = security_;
+  options.on_frame = [this](const std::string& radar, const net::RenderedFrame& frame) {
+    metrics_.frame(radar, frame);
+  };
+  server_.emplace(io_.context(), *renderer_, config_.radars, options, std::move(port));
+  io_.post([this] {
+    serving_ = &*server_;
+    server_->start([this] {
+      if (http_) http_->stop();
+      io_.release();
+    });
+    std::string names;
+    for (const RadarConfig& radar : config_.radars) names += (names.empty() ? "" : ", ") + radar.name;
+    readiness_.ready();
+    spdlog::info("ready: {} on {}", names, server_->address());
+  });
+  io_.join();
+}
+
+extern "C" void end_before_start(int) {
   constexpr std::string_view kLine = "obliqd: stopping while loading\n";
   (void)!write(STDERR_FILENO, kLine.data(), kLine.size());  // nobody is left to be told if that fails
   _exit(0);
@@ -54,31 +182,15 @@ extern "C" void end_while_loading(int) {
 
 }  // namespace
 
-void heed_signals_while_loading() {
+void heed_signals_before_start() {
   struct sigaction action {};
-  action.sa_handler = end_while_loading;
+  action.sa_handler = end_before_start;
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM}) {
     if (sigaction(signal, &action, nullptr) != 0) spdlog::warn("signal {} cannot be handled", signal);
   }
 }
 
-void run_daemon(SceneConfig config) {
-  net::ServerOptions options = server_options(config);
-  check_server_protection(config.server, "server.address", options.address);
-  options.security = server_security(config.server);
-  for (const std::string& warning : options.security->warnings()) spdlog::warn("{}", warning);
-  net::ReservedPort port(options.address, options.port);
-  const auto say = [](const std::string& line) { spdlog::info("{}", line); };
-  meet_accuracy(config, say, log_progress());
-  const net::SceneRenderer renderer(build_scene(config, say, log_progress()), config.name);
-  for (const RadarConfig& radar : config.radars) check_radar(renderer, radar);
-  net::Server server(renderer, config.radars, options, std::move(port));
-  std::string names;
-  for (const RadarConfig& radar : config.radars) names += (names.empty() ? "" : ", ") + radar.name;
-  spdlog::info("ready: {} on {}", names, server.address());
-  server.run();
-  spdlog::info("stopped");
-}
+void run_daemon(SceneConfig config) { Daemon(std::move(config)).run(); }
 
 }  // namespace obliq

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
                                        "Short for --set server.address");
   spdlog::set_default_logger(spdlog::stderr_color_mt("obliqd"));
   spdlog::flush_on(spdlog::level::info);
-  obliq::heed_signals_while_loading();
+  obliq::heed_signals_before_start();
   try {
     app.parse(argc, argv);
     auto config = obliq::open_scene(arguments);

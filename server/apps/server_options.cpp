@@ -23,7 +23,6 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.max_bins = config.server.max_bins;
   options.queue_frames = config.server.queue_frames;
   options.render_threads = config.threads;
-  options.stop_on_signals = true;
   return options;
 }
 

@@ -88,9 +88,10 @@ std::string quality_page() {
 
 std::string scene_pages() {
   return "\n## The rest of a scene file\n\n"
-         "Read once, at start. The sections `[terrain]`, `[earth]`, `[run]` and `[server]` take variables "
-         "and flags "
-         "as\nabove. Relative paths count from the scene file's folder; `/vsi...` paths, URLs and "
+         "Read once, at start. The sections `[terrain]`, `[earth]`, `[run]`, `[server]`, `[http]` and "
+         "`[log]` "
+         "take variables and flags as\nabove. Relative paths count from the scene file's folder; `/vsi...` "
+         "paths, URLs and "
          "`DRIVER:...` names "
          "stay as they\nare. One of `terrain.dem` and `terrain.synthetic` is needed. The default of "
          "`earth.radius_factor` is `inf` over\nsynthetic ground.\n\n" +

@@ -141,7 +141,8 @@ std::string print_config(const SceneConfig& config) {
          ", complete. Live: changes with the next frame. Restart: read once, at start.\n" + terrain(config) +
          header("earth") + section("earth.", config) + sources(config) + radars(config) + materials(config) +
          header("accuracy") + section("accuracy.", config) + header("run") + section("run.", config) +
-         header("server") + section("server.", config);
+         header("server") + section("server.", config) + header("http") + section("http.", config) +
+         header("log") + section("log.", config);
 }
 
 }  // namespace obliq

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "server/control/accuracy_wish.h"
+#include "server/control/http_config.h"
+#include "server/control/log_config.h"
 #include "server/control/radar_config.h"
 #include "server/control/server_config.h"
 #include "server/scene/materials.h"
@@ -20,6 +22,8 @@ struct SceneConfig {
   std::vector<RadarConfig> radars;  ///< at least one; valid; names differ
   int threads = 0;                  ///< 0: all cores
   ServerConfig server;
+  HttpConfig http;
+  LogConfig log;
   AccuracyWish
       accuracy;  ///< what the pixels and the cell size are to be chosen by (server/apps/meet_accuracy.h)
 };

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/control/operation_keys.h"
 #include "server/control/server_keys.h"
 
 namespace obliq {
@@ -165,6 +166,7 @@ std::span<const Entry<SceneConfig>> scene_entries() {
   static const auto all = [] {
     std::vector<Entry<SceneConfig>> entries(kScene.begin(), kScene.end());
     entries.insert(entries.end(), server_entries().begin(), server_entries().end());
+    entries.insert(entries.end(), operation_entries().begin(), operation_entries().end());
     return entries;
   }();
   return all;

@@ -22,6 +22,7 @@ struct ServerConfig {
   double idle_timeout_s = 0;  ///< 0: never
   double dead_after_s = 60;
   std::int64_t max_bins = 8192LL * 8192LL;  ///< in one frame
+  double stop_limit_s = 5;                  ///< for begun frames and queues when stopping
   int queue_frames = 2;                     ///< frames that wait for a slow client; the newest wins
 };
 

@@ -80,6 +80,12 @@ const std::array kServer{
     Entry<Scene>{
         {"server.max_bins", "", closed(1, 8192.0 * 8192.0), {}, "Most bins a client may ask for in a frame."},
         [](Scene& c) -> Slot { return &c.server.max_bins; }},
+    Entry<Scene>{{"server.stop_limit_s",
+                  "s",
+                  closed(0, 3600),
+                  {},
+                  "When stopping, begun frames and queues have so long; then they are cut."},
+                 [](Scene& c) -> Slot { return &c.server.stop_limit_s; }},
     Entry<Scene>{{"server.queue_frames", "", closed(1, 1000), {}, "Frames that wait for a slow client."},
                  [](Scene& c) -> Slot { return &c.server.queue_frames; }},
 };

@@ -205,7 +205,7 @@ void read_scene_entries(SceneReading& reading) {
   reading.config.world.radius_factor = std::numeric_limits<double>::quiet_NaN();
   // So does the gaps' limit, which depends on the error's.
   reading.config.accuracy.max_gap_fraction = std::numeric_limits<double>::quiet_NaN();
-  for (const std::string section : {"earth", "accuracy", "run", "server"}) {
+  for (const std::string section : {"earth", "accuracy", "run", "server", "http", "log"}) {
     reading.top.one_table(section, [&](const ConfigNode& table) {
       SectionReader reader(table, section, reading.complaints);
       read_entries(reader, section + ".", reading.config);

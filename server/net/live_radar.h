@@ -34,6 +34,7 @@ struct LiveRadar {
   std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
   std::uint64_t frames = 0;
   double last_render_s = 0;
+  double coverage = 0;  ///< of the newest frame
 
   LiveView view() const { return {settings.current(), pose, pose_received_ns}; }
 };

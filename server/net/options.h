@@ -6,6 +6,7 @@
 #include <string>
 
 #include "proto/limits.h"
+#include "server/net/statistics.h"
 
 namespace obliq::net {
 
@@ -44,8 +45,9 @@ struct ServerOptions {
   double stop_grace_s = 0.5;        ///< for the last words to each client when stopping
 
   int render_threads = 0;                 ///< 0: all cores
-  bool stop_on_signals = false;           ///< SIGINT and SIGTERM
   std::function<void(int)> before_wedge;  ///< test hook, see RenderOptions
+  /// Hears of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
+  std::function<void(const std::string&, const RenderedFrame&)> on_frame;
 };
 
 }  // namespace obliq::net

@@ -154,6 +154,14 @@ BlockPtr Outbox::pop() {
   return nullptr;
 }
 
+std::size_t Outbox::queued_messages() const {
+  std::size_t n = control_.size();
+  for (const Lane& lane : lanes_) {
+    for (const QueuedFrame& frame : lane.frames) n += frame.blocks.size();
+  }
+  return n;
+}
+
 void Outbox::clear() {
   control_.clear();
   for (Lane& lane : lanes_) {

@@ -47,6 +47,7 @@ class Outbox {
 
   void clear();
   std::size_t queued_bytes() const { return bytes_; }
+  std::size_t queued_messages() const;  ///< control messages and blocks
   std::uint64_t frames_dropped() const { return frames_dropped_; }
 
  private:

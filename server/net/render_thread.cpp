@@ -39,7 +39,9 @@ struct RenderThread::OnceTask {
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
     : renderer_(renderer), events_(events), options_(std::move(options)) {}
 
-RenderThread::~RenderThread() {
+RenderThread::~RenderThread() { end(); }
+
+void RenderThread::end() {
   stop();
   if (thread_.joinable()) thread_.join();
 }
@@ -179,7 +181,9 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       options.states = (identity.planes & wire::plane_bit(wire::Plane::state)) != 0;
       options.before_wedge = options_.before_wedge;
       options.stop = stop;
+      RenderedFrame rendered;
       options.on_wedge = [&](Wedge&& wedge) {
+        if (rendered.first_wedge_s == 0) rendered.first_wedge_s = Seconds(Clock::now() - now).count();
         stats.add(wedge);
         for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins))
           events_.on_live_block(index, block);
@@ -191,9 +195,17 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
         wire::FrameSummary summary;
         plan.frame->summarise(stats.total(), summary);
         summary.set_frame_id(identity.frame_id);
-        const double render_s = Seconds(Clock::now() - now).count();
-        events_.on_live_block(index, encoder.end(summary, render_s));
-        events_.on_live_rendered(index, render_s);
+        rendered.render_s = Seconds(Clock::now() - now).count();
+        events_.on_live_block(index, encoder.end(summary, rendered.render_s));
+        // A pose that stays has no latency: its age grows and says nothing.
+        if (view->pose_received_ns > task.shown_pose_ns) {
+          rendered.pose_to_end_s = 1e-9 * static_cast<double>(monotonic_ns() - view->pose_received_ns);
+          task.shown_pose_ns = view->pose_received_ns;  // this thread alone uses it
+        }
+        rendered.rays = summary.rays();
+        rendered.hits = summary.hits();
+        rendered.coverage = summary.coverage();
+        events_.on_live_rendered(index, rendered);
       } else {
         events_.on_live_block(index, encoder.abort("the server has stopped rendering this frame"));
       }

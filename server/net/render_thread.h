@@ -15,6 +15,7 @@
 #include "server/net/block.h"
 #include "server/net/frame_renderer.h"
 #include "server/net/outbox.h"
+#include "server/net/statistics.h"
 
 namespace obliq::net {
 
@@ -43,7 +44,7 @@ class RenderEvents {
  public:
   virtual ~RenderEvents() = default;
   virtual void on_live_block(std::size_t radar, const BlockPtr& block) = 0;
-  virtual void on_live_rendered(std::size_t radar, double render_s) = 0;
+  virtual void on_live_rendered(std::size_t radar, const RenderedFrame& frame) = 0;
   /// The radar cannot be rendered as it is; it is tried again when its view changes.
   virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                              const std::vector<FieldError>& errors) = 0;
@@ -61,13 +62,15 @@ struct RenderThreadOptions {
 class RenderThread {
  public:
   RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options);
-  ~RenderThread();  // stops and joins
+  ~RenderThread();  // end()s
 
   /// Before start(). Radars are numbered in the order they are added.
   void add_radar(const std::string& name, std::uint32_t stream_id, LiveView view);
   void start();
   /// No further event is begun once this returns. The thread stops after the wedges in hand.
   void stop();
+  /// stop(), and waits for the thread.
+  void end();
 
   // From any thread:
   void set_view(std::size_t radar, LiveView view);
@@ -89,6 +92,7 @@ class RenderThread {
     Clock::time_point due;
     std::shared_ptr<const LiveView> faulty;  ///< the view that cannot be rendered, if any
     std::uint64_t last_frame = 0;
+    std::int64_t shown_pose_ns = 0;  ///< arrival of the newest pose that a whole frame has shown
     std::uint64_t sequence = 0;
     std::stop_source stop;  ///< of the frame in hand
   };

@@ -32,9 +32,33 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
 Room::~Room() = default;
 
 void Room::stop() {
+  stopping_ = true;
   render_.stop();
   const auto peers = peers_;  // fail() may come back through leave()
   for (const auto& peer : peers) peer->fail(ErrorNumber::server_stopping, "the server is stopping");
+  stopped_if_empty();
+}
+
+void Room::stopped_if_empty() {
+  if (stopping_ && peers_.empty() && stopped_) post_(std::exchange(stopped_, nullptr));
+}
+
+RoomStatistics Room::statistics() const {
+  RoomStatistics all;
+  all.clients = peers_.size();
+  all.bytes_sent = bytes_sent_;
+  all.frames_dropped = frames_dropped_;
+  for (const auto& peer : peers_) {
+    all.renders_queued += peer->jobs.size();
+    all.frames_dropped += peer->outbox.frames_dropped();
+    all.queued_messages += peer->outbox.queued_messages();
+    all.queued_bytes += peer->outbox.queued_bytes();
+  }
+  for (const LiveRadar& radar : radars_) {
+    all.radars.push_back({radar.name, radar.watchers.size(), radar.rate_hz, radar.coverage,
+                          radar.controller != nullptr, !radar.faults.empty()});
+  }
+  return all;
 }
 
 int Room::clients_from(const std::string& host) const {
@@ -70,6 +94,7 @@ void Room::leave(Peer& peer) {
   render_.wake();
   frames_dropped_ += peer.outbox.frames_dropped();
   std::erase_if(peers_, [&](const auto& other) { return other.get() == &peer; });
+  stopped_if_empty();
 }
 
 void Room::handle(Peer& peer, MessageType type, std::span<const std::byte> descriptor) {
@@ -150,10 +175,13 @@ void Room::on_live_block(std::size_t radar, const BlockPtr& block) {
   post_([this, radar, block] { deliver_live(radars_[radar], block); });
 }
 
-void Room::on_live_rendered(std::size_t radar, double render_s) {
-  post_([this, radar, render_s] {
-    ++radars_[radar].frames;
-    radars_[radar].last_render_s = render_s;
+void Room::on_live_rendered(std::size_t index, const RenderedFrame& frame) {
+  post_([this, index, frame] {
+    LiveRadar& radar = radars_[index];
+    ++radar.frames;
+    radar.last_render_s = frame.render_s;
+    radar.coverage = frame.coverage;
+    if (options_.on_frame) options_.on_frame(radar.name, frame);
   });
 }
 

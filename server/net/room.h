@@ -12,6 +12,7 @@
 
 #include "server/net/live_radar.h"
 #include "server/net/options.h"
+#include "server/net/statistics.h"
 
 namespace obliq::net {
 
@@ -28,6 +29,11 @@ class Room : private RenderEvents {
   void start() { render_.start(); }
   /// Ends all frames and says goodbye to all clients.
   void stop();
+  /// Before start(): what is called, later, when the last client has gone after stop().
+  void when_stopped(std::function<void()> call) { stopped_ = std::move(call); }
+  /// Renders no more, on any thread: what it renders from may go.
+  void end() { render_.end(); }
+  RoomStatistics statistics() const;
 
   /// Clients from that host; of IPv6, from its /64 network, which one host can have for itself.
   int clients_from(const std::string& host) const;
@@ -53,10 +59,11 @@ class Room : private RenderEvents {
   void send_fault(LiveRadar& radar, Peer& peer) const;
   void deliver_live(LiveRadar& radar, const BlockPtr& block);
   Peer* peer_of(const OnceJob& job);
+  void stopped_if_empty();
   void finish_job(Peer& peer, std::uint32_t stream_id);
 
   void on_live_block(std::size_t radar, const BlockPtr& block) override;
-  void on_live_rendered(std::size_t radar, double render_s) override;
+  void on_live_rendered(std::size_t radar, const RenderedFrame& frame) override;
   void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                      const std::vector<FieldError>& errors) override;
   void on_once_block(const OnceJobPtr& job, const BlockPtr& block) override;
@@ -70,6 +77,8 @@ class Room : private RenderEvents {
   std::vector<std::shared_ptr<Peer>> peers_;
   std::uint32_t next_stream_id_ = 0;
   std::uint64_t bytes_sent_ = 0;
+  std::function<void()> stopped_;
+  bool stopping_ = false;
   std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
   RenderThread render_;               ///< last: stopped before what it reports to goes
 };

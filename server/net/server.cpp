@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <boost/asio.hpp>
-#include <csignal>
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
@@ -38,18 +37,21 @@ void turn_away(tcp::socket socket, wire::ErrorNumber number, const std::string& 
 }  // namespace
 
 struct Server::State {
-  State(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
-      : room(std::make_shared<Room>(renderer, options, radars, [this](std::function<void()> work) {
-          asio::post(io, std::move(work));
+  State(std::unique_ptr<asio::io_context> own_context, asio::io_context& context,
+        const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
+      : own(std::move(own_context)),
+        io(context),
+        room(std::make_shared<Room>(renderer, options, radars, [&context](std::function<void()> work) {
+          asio::post(context, std::move(work));
         })) {}
 
   void listen(ReservedPort reserved);
   asio::awaitable<void> accept();
   void stop();
 
-  asio::io_context io{1};
+  std::unique_ptr<asio::io_context> own;  ///< null: another thread runs it
+  asio::io_context& io;
   tcp::acceptor acceptor{io};
-  asio::signal_set signals{io};
   std::shared_ptr<Room> room;
   std::string address;
   std::uint64_t last_id = 0;
@@ -110,8 +112,6 @@ void Server::State::stop() {
   spdlog::info("stopping");
   error_code ignored;
   acceptor.close(ignored);
-  signals.cancel(ignored);
-  signals.clear(ignored);  // a second Ctrl-C ends the process
   room->stop();
 }
 
@@ -120,19 +120,21 @@ Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& ra
     : Server(renderer, radars, options, ReservedPort(options.address, options.port)) {}
 
 Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
-               const ServerOptions& options, ReservedPort port)
-    : state_(std::make_unique<State>(renderer, radars, options)) {
+               const ServerOptions& options, ReservedPort port) {
+  auto own = std::make_unique<asio::io_context>(1);
+  asio::io_context& io = *own;
+  state_ = std::make_unique<State>(std::move(own), io, renderer, radars, options);
   state_->listen(std::move(port));
-  if (options.stop_on_signals) {
-    state_->signals.add(SIGINT);
-    state_->signals.add(SIGTERM);
-    state_->signals.async_wait([this](error_code error, int) {
-      if (!error) state_->stop();
-    });
-  }
 }
 
-Server::~Server() = default;
+Server::Server(asio::io_context& io, const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+               const ServerOptions& options, ReservedPort port)
+    : state_(std::make_unique<State>(nullptr, io, renderer, radars, options)) {
+  state_->listen(std::move(port));
+}
+
+// Sessions that an io_context still holds keep the room, but the renderer goes with its owner.
+Server::~Server() { state_->room->end(); }
 
 std::uint16_t Server::port() const {
   error_code ignored;
@@ -142,8 +144,7 @@ std::uint16_t Server::port() const {
 std::string Server::address() const { return state_->address; }
 
 void Server::run() {
-  asio::co_spawn(state_->io, state_->accept(), asio::detached);
-  state_->room->start();
+  start([] {});
   state_->io.run();
 }
 
@@ -151,6 +152,14 @@ void Server::reload_security() {
   state_->room->options().security->reload();
   asio::post(state_->io, [this] { state_->room->check_credentials(); });
 }
+
+void Server::start(std::function<void()> stopped) {
+  state_->room->when_stopped(std::move(stopped));
+  asio::co_spawn(state_->io, state_->accept(), asio::detached);
+  state_->room->start();
+}
+
+RoomStatistics Server::statistics() const { return state_->room->statistics(); }
 
 void Server::stop() {
   asio::post(state_->io, [this] { state_->stop(); });

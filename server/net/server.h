@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,11 +9,16 @@
 #include "server/net/frame_renderer.h"
 #include "server/net/options.h"
 #include "server/net/reserved_port.h"
+#include "server/net/statistics.h"
+
+namespace boost::asio {
+class io_context;
+}
 
 namespace obliq::net {
 
-/// Listens, and serves live radars to clients. One io thread, which is the one that calls run(), and one
-/// render thread.
+/// Listens, and serves live radars to clients. One render thread, and one io thread: the one that calls
+/// run(), or one that others use as well.
 class Server {
  public:
   /// Binds and listens. Throws InputError when the address is unknown or the port in use.
@@ -20,6 +26,10 @@ class Server {
   /// Listens on a port that was taken earlier, whatever the options say.
   Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options,
          ReservedPort port);
+  /// As above, for start() in place of run(): on an io_context that another thread runs, and that must have
+  /// ended when the server is destroyed.
+  Server(boost::asio::io_context& io, const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+         const ServerOptions& options, ReservedPort port);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -30,11 +40,17 @@ class Server {
   /// Serves until stop(), or a signal if the options say so: begun frames are aborted, clients told, threads
   /// joined.
   void run();
+  /// Begins to serve and returns. Until stop(); `stopped` is then called on the io thread, once the last
+  /// client has gone. From any thread.
+  void start(std::function<void()> stopped);
   /// From any thread; any number of times.
   void stop();
   /// Reads certificate, key and tokens anew: new connections use them, clients whose token is gone are told
   /// and closed, roles change. From any thread. Throws InputError, and then everything is as it was.
   void reload_security();
+
+  /// On the io thread.
+  RoomStatistics statistics() const;
 
  private:
   struct State;

@@ -54,7 +54,10 @@ Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem:
                const std::string& until)
     : log_(folder / "obliqd.log") {
   std::filesystem::remove(log_);  // of an earlier one, which was ready at another address
-  pid_ = start(OBLIQD_PROGRAM, arguments, folder / "obliqd.out", log_);
+  // Any free HTTP port, so that daemons of tests do not meet; a test's own words come later and win.
+  std::vector<std::string> words = {"--set", "http.port=0"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  pid_ = start(OBLIQD_PROGRAM, words, folder / "obliqd.out", log_);
   const std::string on = " on ";
   for (;;) {
     const std::string text = log();

@@ -34,6 +34,8 @@ azimuth = 36
 range = 32
 [server]
 port = 0
+[http]
+port = 0
 [[radar]]
 name = "main"
 sector_deg = 60.0
@@ -156,8 +158,8 @@ TEST_F(DaemonTest, SignalsWhileItLoadsEndItAtOnceAlsoWhereTheyWereIgnored) {
       (void)std::signal(signal, ours);
       daemon.send_signal(signal);
       EXPECT_EQ(daemon.wait(), 0);
-      EXPECT_NE(daemon.log().find("obliqd: stopping while loading\n"), std::string::npos) << daemon.log();
-      EXPECT_EQ(daemon.log().find("ready"), std::string::npos) << daemon.log();
+      EXPECT_NE(daemon.log().find("stopping while loading\n"), std::string::npos) << daemon.log();
+      EXPECT_EQ(daemon.log().find("ready: "), std::string::npos) << daemon.log();
     }
   }
 }

@@ -1,0 +1,241 @@
+#include "server/http/http_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "server/net/reserved_port.h"
+#include "terrain/errors.h"
+
+namespace obliq::http {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace bhttp = boost::beast::http;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+using Response = bhttp::response<bhttp::string_body>;
+using Request = bhttp::request_parser<bhttp::empty_body>;
+
+Page error_page(bhttp::status status, const std::string& text) {
+  return {static_cast<int>(status), "text/plain; charset=utf-8", text + "\n"};
+}
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+/// What answers a header that cannot be read; nothing when nobody is left to answer.
+std::optional<Page> refusal(const error_code& error) {
+  if (error == bhttp::error::header_limit || error == bhttp::error::buffer_overflow)
+    return error_page(bhttp::status::request_header_fields_too_large, "the header is too long");
+  if (error == bhttp::error::body_limit)
+    return error_page(bhttp::status::payload_too_large, "a request has no body here");
+  if (error == bhttp::error::end_of_stream || error == bhttp::error::partial_message) return std::nullopt;
+  if (error.category() == bhttp::make_error_code(bhttp::error::end_of_stream).category())
+    return error_page(bhttp::status::bad_request, "this is no HTTP request: " + error.message());
+  return std::nullopt;  // timed out, reset
+}
+
+}  // namespace
+
+struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
+  State(asio::io_context& context, HttpOptions wanted, std::vector<Route> all)
+      : io(context), options(std::move(wanted)), routes(std::move(all)), acceptor(io) {}
+
+  void listen();
+  asio::awaitable<void> accept();
+  asio::awaitable<void> serve(tcp::socket socket);
+  asio::awaitable<void> converse(beast::tcp_stream& stream);
+  asio::awaitable<bool> answer(beast::tcp_stream& stream, const Page& page, bool head, bool keep_alive,
+                               unsigned version);
+  asio::awaitable<void> part(beast::tcp_stream& stream);
+  void turn_away(tcp::socket socket);
+  Page page_of(const Request& request) const;
+  std::chrono::nanoseconds timeout() const {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(
+        std::chrono::duration<double>(options.timeout_s));
+  }
+
+  asio::io_context& io;
+  HttpOptions options;
+  std::vector<Route> routes;
+  tcp::acceptor acceptor;
+  std::string address;
+  std::vector<beast::tcp_stream*> open;  ///< connections
+  bool stopping = false;
+};
+
+void HttpServer::State::listen() {
+  try {
+    net::ReservedPort reserved(options.address, options.port);
+    address = reserved.address();
+    if (!address.starts_with("127.") && !address.starts_with("[::1]"))
+      throw InputError("this address is reached from elsewhere, and HTTP is not protected yet");
+    acceptor.assign(reserved.is_v6() ? tcp::v6() : tcp::v4(), reserved.release());
+    acceptor.listen(asio::socket_base::max_listen_connections);
+  } catch (const std::exception& e) {
+    throw InputError("http.port " + std::to_string(options.port) + ", http.address " + options.address +
+                     ": " + e.what() +
+                     "; another port, http.port=0 (any free one) or http.enabled=false would do");
+  }
+}
+
+asio::awaitable<void> HttpServer::State::accept() {
+  while (!stopping) {
+    error_code error;
+    tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    if (stopping) break;
+    if (error) {
+      spdlog::error(
+          "HTTP cannot accept a connection: {}; if descriptors have run out, raise their limit "
+          "(ulimit -n, LimitNOFILE=)",
+          error.message());
+      asio::steady_timer pause(io, std::chrono::milliseconds(200));
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      continue;
+    }
+    if (open.size() >= static_cast<std::size_t>(options.max_connections)) {
+      turn_away(std::move(socket));
+      continue;
+    }
+    asio::co_spawn(
+        io,
+        [self = shared_from_this(), taken = std::move(socket)]() mutable {
+          return self->serve(std::move(taken));
+        },
+        [self = shared_from_this()](const std::exception_ptr&) {});  // alive until then
+  }
+}
+
+void HttpServer::State::turn_away(tcp::socket socket) {
+  static constexpr std::string_view kFull =
+      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\n"
+      "Content-Length: 28\r\n\r\nhttp.max_connections reached";
+  error_code ignored;
+  socket.non_blocking(true, ignored);
+  socket.write_some(asio::buffer(kFull), ignored);
+  socket.shutdown(tcp::socket::shutdown_send, ignored);
+}
+
+// GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
+asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
+  beast::tcp_stream stream(std::move(socket));
+  // Also when memory runs out half way.
+  const std::shared_ptr<void> entry(nullptr, [this, &stream](void*) { std::erase(open, &stream); });
+  open.push_back(&stream);
+  try {
+    co_await converse(stream);
+  } catch (const std::exception& e) {
+    spdlog::error("an HTTP connection ended: {}; if memory runs out, load less terrain or lower the limits",
+                  e.what());
+  }
+}
+
+asio::awaitable<void> HttpServer::State::converse(beast::tcp_stream& stream) {
+  beast::flat_buffer buffer(options.max_header_bytes);
+  for (int served = 1; !stopping; ++served) {
+    Request request;
+    request.header_limit(options.max_header_bytes);
+    error_code error;
+    stream.expires_after(timeout());  // for the whole header, however it dribbles in
+    co_await bhttp::async_read_header(stream, buffer, request,
+                                      asio::redirect_error(asio::use_awaitable, error));
+    if (error) {
+      const auto page = refusal(error);
+      if (page) (void)co_await answer(stream, *page, false, false, 11);
+      break;
+    }
+    const bool head = request.get().method() == bhttp::verb::head;
+    // A body is never read: what follows it could not be told from it.
+    const bool keep = request.is_done() && request.get().keep_alive() && served < options.max_requests;
+    const bool more = co_await answer(stream, page_of(request), head, keep, request.get().version());
+    if (!more) break;
+  }
+  co_await part(stream);
+}
+
+Page HttpServer::State::page_of(const Request& parser) const {
+  const auto& request = parser.get();
+  std::string_view path = view(request.target());
+  path = path.substr(0, path.find('?'));
+  for (const Route& route : routes) {
+    if (route.path != path) continue;
+    if (request.method() != bhttp::verb::get && request.method() != bhttp::verb::head)
+      return error_page(bhttp::status::method_not_allowed, "GET and HEAD only");
+    if (!parser.is_done()) return error_page(bhttp::status::payload_too_large, "a request has no body here");
+    return route.page();
+  }
+  std::string known;
+  for (const Route& route : routes) known += (known.empty() ? "" : ", ") + route.path;
+  return error_page(bhttp::status::not_found, "nothing here; there are " + known);
+}
+
+// False when the connection is to end.
+asio::awaitable<bool> HttpServer::State::answer(beast::tcp_stream& stream, const Page& page, bool head,
+                                                bool keep_alive, unsigned version) {
+  Response response(static_cast<bhttp::status>(page.status), version);
+  response.set(bhttp::field::content_type, page.type);
+  response.set(bhttp::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  if (page.status == 405) response.set(bhttp::field::allow, "GET, HEAD");
+  response.content_length(page.body.size());
+  if (!head) response.body() = page.body;
+  response.keep_alive(keep_alive);
+  bhttp::response_serializer<bhttp::string_body> serializer(response);
+  error_code error;
+  stream.expires_after(timeout());
+  if (head) {
+    co_await bhttp::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  } else {
+    co_await bhttp::async_write(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  }
+  co_return !error && keep_alive;
+}
+
+// Bytes left unread when a socket is closed make the kernel reset the connection, and the peer would lose the
+// answer: reads on for a while.
+asio::awaitable<void> HttpServer::State::part(beast::tcp_stream& stream) {
+  error_code error;
+  stream.socket().shutdown(tcp::socket::shutdown_send, error);
+  std::array<char, 4096> unwanted;
+  stream.expires_after(std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1)));
+  for (int reads = 0; reads < 256 && !error; ++reads) {
+    co_await stream.async_read_some(asio::buffer(unwanted), asio::redirect_error(asio::use_awaitable, error));
+  }
+  stream.socket().close(error);
+}
+
+HttpServer::HttpServer(asio::io_context& io, HttpOptions options, std::vector<Route> routes)
+    : state_(std::make_shared<State>(io, std::move(options), std::move(routes))) {
+  state_->listen();
+  asio::co_spawn(
+      io, [state = state_] { return state->accept(); }, asio::detached);
+}
+
+HttpServer::~HttpServer() { stop(); }
+
+std::uint16_t HttpServer::port() const {
+  const std::string& text = state_->address;
+  return static_cast<std::uint16_t>(std::stoi(text.substr(text.rfind(':') + 1)));
+}
+
+const std::string& HttpServer::address() const { return state_->address; }
+
+void HttpServer::stop() {
+  asio::post(state_->io, [state = state_] {
+    if (state->stopping) return;
+    state->stopping = true;
+    error_code ignored;
+    state->acceptor.close(ignored);
+    for (beast::tcp_stream* stream : state->open) stream->close();
+  });
+}
+
+}  // namespace obliq::http

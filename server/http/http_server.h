@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
+#include <vector>
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace obliq::http {
+
+/// What a path answers.
+struct Page {
+  int status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  std::string body;
+};
+
+struct Route {
+  std::string path;
+  std::function<Page()> page;  ///< called on the io thread for each GET or HEAD; must be quick
+};
+
+struct HttpOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: any free one
+  int max_connections = 64;
+  std::uint32_t max_header_bytes = 8192;
+  int max_requests = 1000;  ///< on one connection
+  double timeout_s = 10;    ///< for a header to arrive, for an answer to be taken, between two requests
+};
+
+/// Answers GET and HEAD for a few paths. Requests with a body, other methods, long or slow headers are
+/// refused; of too many connections the newest are. All on the io thread, but the constructor.
+class HttpServer {
+ public:
+  /// Listens at once. Throws InputError that names http.address or http.port.
+  HttpServer(boost::asio::io_context& io, HttpOptions options, std::vector<Route> routes);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  std::uint16_t port() const;
+  const std::string& address() const;  ///< "127.0.0.1:7480"
+  /// Listens no more and closes all connections. From any thread; any number of times.
+  void stop();
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  ///< connections hold it as well
+};
+
+}  // namespace obliq::http

@@ -1,0 +1,226 @@
+#include "server/http/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <mutex>
+
+namespace obliq::http {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+using prometheus::ClientMetric;
+using prometheus::Counter;
+using prometheus::Gauge;
+using prometheus::Histogram;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+
+/// From a fast sweep (ms) to a large frame on a slow machine (a minute), about two buckets an octave where
+/// frames usually are.
+const std::vector<double> kSeconds = {0.001, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05, 0.075, 0.1,
+                                      0.15,  0.2,    0.3,   0.5,    0.75, 1,     2,    5,    10,   30,    60};
+
+/// Bytes of memory that the process has in use, or 0 where /proc does not say.
+double resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  double size_pages = 0;
+  double resident_pages = 0;
+  file >> size_pages >> resident_pages;
+  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+MetricFamily family(const std::string& name, const std::string& help, MetricType type) {
+  MetricFamily made;
+  made.name = name;
+  made.help = help;
+  made.type = type;
+  return made;
+}
+
+ClientMetric sample(MetricType type, double value, const std::string& radar = "") {
+  ClientMetric metric;
+  if (!radar.empty()) metric.label.push_back({"radar", radar});
+  (type == MetricType::Counter ? metric.counter.value : metric.gauge.value) = value;
+  return metric;
+}
+
+MetricFamily single(const std::string& name, const std::string& help, MetricType type, double value) {
+  MetricFamily made = family(name, help, type);
+  made.metric.push_back(sample(type, value));
+  return made;
+}
+
+MetricFamily per_radar(const std::string& name, const std::string& help,
+                       const std::vector<net::RadarStatistics>& radars,
+                       double (*value)(const net::RadarStatistics&)) {
+  MetricFamily made = family(name, help, MetricType::Gauge);
+  for (const net::RadarStatistics& radar : radars) {
+    made.metric.push_back(sample(MetricType::Gauge, value(radar), radar.name));
+  }
+  return made;
+}
+
+/// What the room knows at the time of the question.
+void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all) {
+  const auto gauge = [&](const char* name, const char* help, double value) {
+    all.push_back(single(name, help, MetricType::Gauge, value));
+  };
+  const auto counter = [&](const char* name, const char* help, std::uint64_t value) {
+    all.push_back(single(name, help, MetricType::Counter, static_cast<double>(value)));
+  };
+  const auto radar = [&](const char* name, const char* help, double (*value)(const net::RadarStatistics&)) {
+    all.push_back(per_radar(name, help, room.radars, value));
+  };
+  using Radar = net::RadarStatistics;
+  gauge("obliq_clients", "Clients connected to the stream.", static_cast<double>(room.clients));
+  counter("obliq_sent_bytes_total", "Bytes handed to clients' sockets.", room.bytes_sent);
+  counter("obliq_frames_dropped_total", "Frames that slow clients did not get, over all clients.",
+          room.frames_dropped);
+  gauge("obliq_queue_messages", "Messages that wait to be written, over all clients.",
+        static_cast<double>(room.queued_messages));
+  gauge("obliq_queue_bytes", "Bytes that wait to be written, over all clients.",
+        static_cast<double>(room.queued_bytes));
+  gauge("obliq_renders_queued", "RenderOnce requests that are not finished.",
+        static_cast<double>(room.renders_queued));
+  radar("obliq_radar_watchers", "Clients that watch the radar.",
+        [](const Radar& r) { return static_cast<double>(r.watchers); });
+  radar("obliq_radar_wanted_rate_hertz", "Frame rate that the radar's fastest watcher asked for.",
+        [](const Radar& r) { return r.rate_hz; });
+  radar("obliq_radar_controlled", "1 while a client controls the radar.",
+        [](const Radar& r) { return r.controlled ? 1.0 : 0.0; });
+  radar("obliq_radar_faulty", "1 while the radar cannot be rendered as it is set.",
+        [](const Radar& r) { return r.faulty ? 1.0 : 0.0; });
+  radar("obliq_terrain_coverage_ratio", "Part of the radar's sector over known ground, in its newest frame.",
+        [](const Radar& r) { return r.coverage; });
+}
+
+/// Counters and histograms of one radar.
+struct RadarMetrics {
+  Counter& frames;
+  Counter& rays;
+  Counter& hits;
+  Histogram& render_s;
+  Histogram& first_wedge_s;
+  Histogram& pose_to_end_s;
+};
+
+}  // namespace
+
+struct Metrics::State {
+  RadarMetrics& of(const std::string& radar) {
+    const std::lock_guard lock(mutex);
+    const auto at = radars.find(radar);
+    if (at != radars.end()) return at->second;
+    const prometheus::Labels labels{{"radar", radar}};
+    return radars
+        .emplace(radar, RadarMetrics{frames.Add(labels), rays.Add(labels), hits.Add(labels),
+                                     render.Add(labels, kSeconds), first_wedge.Add(labels, kSeconds),
+                                     pose_to_end.Add(labels, kSeconds)})
+        .first->second;
+  }
+
+  prometheus::Registry registry;
+  prometheus::Family<Counter>& frames =
+      BuildCounter().Name("obliq_frames_total").Help("Live frames rendered to their end.").Register(registry);
+  prometheus::Family<Counter>& rays =
+      BuildCounter()
+          .Name("obliq_rays_total")
+          .Help("Rays cast for live frames; of the sweep, vertical planes marched.")
+          .Register(registry);
+  prometheus::Family<Counter>& hits = BuildCounter()
+                                          .Name("obliq_hits_total")
+                                          .Help("Rays of live frames that hit; of the sweep, visible pieces.")
+                                          .Register(registry);
+  prometheus::Family<Histogram>& render = BuildHistogram()
+                                              .Name("obliq_frame_render_seconds")
+                                              .Help("From a live frame's planning to its last block.")
+                                              .Register(registry);
+  prometheus::Family<Histogram>& first_wedge = BuildHistogram()
+                                                   .Name("obliq_frame_first_wedge_seconds")
+                                                   .Help("From a live frame's planning to its first wedge.")
+                                                   .Register(registry);
+  prometheus::Family<Histogram>& pose_to_end =
+      BuildHistogram()
+          .Name("obliq_frame_pose_latency_seconds")
+          .Help("From the arrival of a pose to the last block of the first live frame that shows it.")
+          .Register(registry);
+  prometheus::Family<Counter>& log_lines =
+      BuildCounter().Name("obliq_log_lines_total").Help("Lines logged.").Register(registry);
+  Counter& scenes = BuildCounter()
+                        .Name("obliq_scene_loads_total")
+                        .Help("Scenes put in place: the first one and every exchange.")
+                        .Register(registry)
+                        .Add({});
+  Gauge& scene_load_s = BuildGauge()
+                            .Name("obliq_scene_load_seconds")
+                            .Help("Time that the scene in use took to load and build.")
+                            .Register(registry)
+                            .Add({});
+  std::map<std::string, Counter*> lines;  ///< by level; never changes once made
+  double started_s = 0;                   ///< since 1970
+
+  std::mutex mutex;  ///< guards radars
+  std::map<std::string, RadarMetrics> radars;
+};
+
+Metrics::Metrics(const BuildInfo& build) : state_(std::make_unique<State>()) {
+  BuildGauge()
+      .Name("obliq_build_info")
+      .Help("1; its labels say what this program was built from.")
+      .Register(state_->registry)
+      .Add({{"version", build.version},
+            {"compiler", build.compiler},
+            {"embree", build.embree},
+            {"gdal", build.gdal}})
+      .Set(1);
+  for (const char* level : {"debug", "info", "warning", "error"})
+    state_->lines[level] = &state_->log_lines.Add({{"level", level}});
+  state_->started_s =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::add_radar(const std::string& radar) { (void)state_->of(radar); }
+
+void Metrics::frame(const std::string& radar, const net::RenderedFrame& frame) {
+  const RadarMetrics& metrics = state_->of(radar);
+  metrics.frames.Increment();
+  metrics.rays.Increment(static_cast<double>(frame.rays));
+  metrics.hits.Increment(static_cast<double>(frame.hits));
+  metrics.render_s.Observe(frame.render_s);
+  metrics.first_wedge_s.Observe(frame.first_wedge_s);
+  if (frame.pose_to_end_s >= 0) metrics.pose_to_end_s.Observe(frame.pose_to_end_s);
+}
+
+void Metrics::scene_loaded(double load_s) {
+  state_->scenes.Increment();
+  state_->scene_load_s.Set(load_s);
+}
+
+void Metrics::log_line(const std::string& level) {
+  const auto at = state_->lines.find(level);
+  if (at != state_->lines.end()) at->second->Increment();
+}
+
+std::string Metrics::text(const net::RoomStatistics* room) const {
+  std::vector<MetricFamily> all = state_->registry.Collect();
+  if (room != nullptr) append_room(*room, all);
+  all.push_back(
+      single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge, resident_bytes()));
+  all.push_back(single("process_start_time_seconds", "When the process started, since 1970, UTC.",
+                       MetricType::Gauge, state_->started_s));
+  return prometheus::TextSerializer().Serialize(all);
+}
+
+}  // namespace obliq::http

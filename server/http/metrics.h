@@ -1,0 +1,42 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/net/statistics.h"
+
+namespace obliq::http {
+
+/// What this program was built from, shown as labels of obliq_build_info.
+struct BuildInfo {
+  std::string version;
+  std::string compiler;
+  std::string embree;
+  std::string gdal;
+};
+
+/// What the daemon counts, in Prometheus' terms; METRICS.md lists it. From any thread.
+class Metrics {
+ public:
+  explicit Metrics(const BuildInfo& build);
+  ~Metrics();
+  Metrics(const Metrics&) = delete;
+  Metrics& operator=(const Metrics&) = delete;
+
+  /// A live radar, whose counters stand at 0 from now on.
+  void add_radar(const std::string& radar);
+  void frame(const std::string& radar, const net::RenderedFrame& frame);
+  /// The scene is in place after so many seconds: the first one, or one that replaced another.
+  void scene_loaded(double load_s);
+  /// A line was logged at "debug", "info", "warning" or "error".
+  void log_line(const std::string& level);
+
+  /// Everything, in Prometheus' text format; `room` is null before clients are served.
+  std::string text(const net::RoomStatistics* room) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace obliq::http

@@ -1,0 +1,40 @@
+#pragma once
+// What the network side counts, for status and metrics.
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace obliq::net {
+
+/// A live frame that has been rendered to its end.
+struct RenderedFrame {
+  double render_s = 0;       ///< from its planning to its last block
+  double first_wedge_s = 0;  ///< from its planning to its first wedge
+  /// From the arrival of its pose to its last block; negative for all but the first frame of each pose.
+  double pose_to_end_s = -1;
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+  double coverage = 0;  ///< fraction of the sector that known ground covers
+};
+
+struct RadarStatistics {
+  std::string name;
+  std::size_t watchers = 0;
+  double rate_hz = 0;   ///< the fastest watcher's
+  double coverage = 0;  ///< of the newest frame
+  bool controlled = false;
+  bool faulty = false;  ///< cannot be rendered as it is
+};
+
+struct RoomStatistics {
+  std::size_t clients = 0;
+  std::size_t renders_queued = 0;  ///< unfinished RenderOnce requests
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t frames_dropped = 0;
+  std::size_t queued_messages = 0;  ///< in all outboxes
+  std::size_t queued_bytes = 0;
+  std::vector<RadarStatistics> radars;
+};
+
+}  // namespace obliq::net

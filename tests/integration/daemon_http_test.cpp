@@ -1,0 +1,136 @@
+// What a running obliqd says over HTTP.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "client/client.h"
+#include "client/frame_assembler.h"
+#include "tests/integration/daemon.h"
+#include "tests/integration/http_peer.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr const char* kScene = R"(
+[terrain]
+synthetic = "ridge"
+cell_m = 64.0
+[antenna]
+height_m = 1500.0
+[radar]
+r_min_m = 2000.0
+r_max_m = 9000.0
+[frustum]
+pixels = 64
+[bins]
+azimuth = 36
+range = 32
+[server]
+port = 0
+)";
+
+class DaemonHttpTest : public testing::Test {
+ protected:
+  /// The port in "HTTP on 127.0.0.1:PORT: ".
+  static std::uint16_t http_port(const Daemon& daemon) {
+    const std::string log = daemon.log();
+    const std::size_t at = log.find("HTTP on ");
+    EXPECT_NE(at, std::string::npos) << log;
+    return port_of(log.substr(at + 8, log.find(": ", at) - at - 8));
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", kScene);
+};
+
+/// The value of a sample line, or -1.
+double value_of(const std::string& text, const std::string& sample) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(sample + " ", 0) == 0) return std::stod(line.substr(sample.size() + 1));
+  }
+  return -1;
+}
+
+TEST_F(DaemonHttpTest, ItIsHealthyButNotReadyWhileItLoads) {
+  // Fifty million posts: seconds of loading, of which the questions come in the first.
+  const Daemon daemon({"--config", scene, "--set", "terrain.synthetic=hills", "--set", "terrain.cell_m=2.5"},
+                      folder.path(), "loading terrain");
+  EXPECT_EQ(http_get(http_port(daemon), "/healthz").status, 200);
+  const HttpReply ready = http_get(http_port(daemon), "/readyz");
+  EXPECT_EQ(ready.status, 503);
+  EXPECT_EQ(ready.body.rfind("loading: ", 0), 0u) << ready.body;
+  EXPECT_EQ(http_get(http_port(daemon), "/metrics").status, 200);
+}
+
+TEST_F(DaemonHttpTest, ItIsReadyOnceClientsAreServed) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  EXPECT_EQ(http_get(http_port(daemon), "/readyz").status, 200);
+  EXPECT_EQ(http_get(http_port(daemon), "/healthz").status, 200);
+  EXPECT_EQ(http_get(http_port(daemon), "/").status, 404);
+}
+
+TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  client::Client client;
+  ASSERT_TRUE(client.connect(*client::parse_endpoint(daemon.address())).ok());
+  client::FrameAssembler frames;
+  client.set_handler(&frames);
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  for (int whole = 0; whole < 5;) {
+    const bool was_whole = frames.state() == client::FrameAssembler::State::complete;
+    ASSERT_TRUE(client.receive(client::Timeout(20000)).ok());
+    whole += !was_whole && frames.state() == client::FrameAssembler::State::complete ? 1 : 0;
+  }
+  const std::string text = http_get(http_port(daemon), "/metrics").body;
+  const double counted = value_of(text, "obliq_frames_total{radar=\"main\"}");
+  EXPECT_GE(counted, 4) << text;  // the end of the fifth may not have been counted yet
+  EXPECT_EQ(value_of(text, "obliq_frame_render_seconds_count{radar=\"main\"}"), counted);
+  EXPECT_EQ(value_of(text, "obliq_frame_render_seconds_bucket{radar=\"main\",le=\"+Inf\"}"), counted);
+  EXPECT_EQ(value_of(text, "obliq_clients"), 1);
+  EXPECT_EQ(value_of(text, "obliq_radar_watchers{radar=\"main\"}"), 1);
+  EXPECT_GT(value_of(text, "obliq_rays_total{radar=\"main\"}"), 0);
+  EXPECT_GE(value_of(text, "obliq_rays_total{radar=\"main\"}"),
+            value_of(text, "obliq_hits_total{radar=\"main\"}"));
+  EXPECT_GT(value_of(text, "obliq_sent_bytes_total"), 5 * 36 * 32 * 8) << "five frames of I&Q at least";
+  EXPECT_GT(value_of(text, "process_resident_memory_bytes"), 1e6);
+  EXPECT_EQ(value_of(text, "obliq_scene_loads_total"), 1);
+}
+
+TEST_F(DaemonHttpTest, ThePageOfMetricsListsWhatThereIs) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  std::set<std::string> found;
+  std::istringstream lines(http_get(http_port(daemon), "/metrics").body);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("# TYPE ", 0) == 0) found.insert(line.substr(7, line.find(' ', 7) - 7));
+  }
+  std::set<std::string> listed;
+  std::istringstream page(text_of(OBLIQ_SOURCE_DIR "/server/http/METRICS.md"));
+  for (std::string line; std::getline(page, line);) {
+    if (line.rfind("| `", 0) != 0) continue;
+    std::istringstream names(line.substr(2, line.find(" |", 2) - 2));  // `one`, `other`
+    for (std::string name; names >> name;) listed.insert(name.substr(1, name.rfind('`') - 1));
+  }
+  EXPECT_EQ(found, listed);
+}
+
+TEST_F(DaemonHttpTest, ItCanBeSwitchedOff) {
+  const Daemon daemon({"--config", scene, "--set", "http.enabled=false"}, folder.path());
+  ASSERT_NE(daemon.address(), "");
+  EXPECT_EQ(daemon.log().find("HTTP on"), std::string::npos) << daemon.log();
+}
+
+TEST_F(DaemonHttpTest, APortInUseEndsItAtTheStartWithTheKey) {
+  const Daemon first({"--config", scene}, folder.path());
+  const std::string port = std::to_string(http_port(first));
+  const Outcome second =
+      run_program(OBLIQD_PROGRAM, {"--config", scene, "--set", "http.port=" + port}, folder.path());
+  EXPECT_EQ(second.code, 1);
+  EXPECT_EQ(second.err.rfind("obliqd: http.port " + port, 0), 0u) << second.err;
+  EXPECT_EQ(second.err.find("terrain"), std::string::npos) << second.err;
+}
+
+}  // namespace
+}  // namespace obliq::test
