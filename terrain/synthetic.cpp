@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "terrain/anchor_map.h"
 #include "terrain/constants.h"
 #include "terrain/errors.h"
 #include "terrain/hash.h"
@@ -112,10 +113,12 @@ double synthetic_height_m(SyntheticKind kind, const SyntheticSpec& shape, double
 SourceError synthetic_error(const HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
                             const WorldFrame& frame) {
   SourceErrors errors(grid);
+  const AnchorMap map(frame, shape.anchor);
   std::vector<WorldPoint> points;
   for (const glm::dvec2& p : errors.places(grid)) {
+    const glm::dvec2 q = map.exact(p);
     points.push_back(
-        {glm::dvec3(p.x, synthetic_height_m(kind, shape, p.x, p.y) + frame.datum_y_m(p.x, p.y), p.y)});
+        {glm::dvec3(p.x, synthetic_height_m(kind, shape, q.x, q.y) + frame.datum_y_m(p.x, p.y), p.y)});
   }
   errors.compare(points, grid);
   return errors.summary(grid);
@@ -124,13 +127,16 @@ SourceError synthetic_error(const HeightGrid& grid, SyntheticKind kind, const Sy
 void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
                     const WorldFrame& frame) {
   check(kind, shape);
+  const AnchorMap map(frame, shape.anchor);
   for_each_row(grid.nz, [&](int j) {
+    auto row = map.row(grid.node_z_m(j));
     for (int i = 0; i < grid.nx; ++i) {
       const double x_m = grid.node_x_m(i);
       const double z_m = grid.node_z_m(j);
       // Tangent-plane y is ellipsoid_y, the lift takes (1 - 1/k) of it away: 1/k stays.
       const double datum_m = frame.datum_y_m(x_m, z_m);
-      grid.y_m[grid.index(i, j)] = static_cast<float>(synthetic_height_m(kind, shape, x_m, z_m) + datum_m);
+      const glm::dvec2 at = row.at(x_m);
+      grid.y_m[grid.index(i, j)] = static_cast<float>(synthetic_height_m(kind, shape, at.x, at.y) + datum_m);
     }
   });
 }

@@ -14,8 +14,9 @@ namespace obliq {
 /// cone: apex at the bearing and distance. hills: between base_m and base_m + height_m everywhere.
 double synthetic_height_m(SyntheticKind kind, const SyntheticSpec& shape, double x_m, double z_m);
 
-/// Gives every node its height: shape plus what the effective earth leaves of the curvature. Throws
-/// InputError when a number of the shape is not usable.
+/// Gives every node its height: shape plus what the effective earth leaves of the curvature. The shape stands
+/// on the earth around its anchor, wherever the frame's origin is. Throws InputError when a number of the
+/// shape is not usable.
 void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
                     const WorldFrame& frame);
 

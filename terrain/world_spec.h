@@ -34,6 +34,7 @@ struct SyntheticSpec {
   double distance_m = 10000;  ///< from the origin to the ridge's crest, the cone's apex, the wall's near face
   double width_m = 2000;      ///< ridge: foot to foot; wall: thickness; cone: base radius
   std::uint64_t seed = 1;     ///< hills
+  std::optional<LonLat> anchor{};  ///< what distances and hills count from; empty: the scene's origin
 };
 
 struct TerrainSpec {

@@ -86,11 +86,18 @@ std::string quality_page() {
   return page;
 }
 
+std::string daemon_section_names() {
+  std::string names;
+  for (const std::string_view name : daemon_sections())
+    names += (names.empty() ? "`[" : ", `[") + std::string(name) + "]`";
+  return names;
+}
+
 std::string scene_pages() {
   return "\n## The rest of a scene file\n\n"
-         "Read once, at start. The sections `[terrain]`, `[earth]`, `[run]`, `[server]`, `[http]` and "
-         "`[log]` "
-         "take variables and flags as\nabove. Relative paths count from the scene file's folder; `/vsi...` "
+         "Read once, at start. The sections `[terrain]`, `[earth]`, `[run]` and those of the daemon\n(" +
+         daemon_section_names() +
+         ") take variables and flags as above. Relative paths count from the scene file's folder; `/vsi...` "
          "paths, URLs and "
          "`DRIVER:...` names "
          "stay as they\nare. One of `terrain.dem` and `terrain.synthetic` is needed. The default of "

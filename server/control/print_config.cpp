@@ -137,12 +137,13 @@ std::string radars(const SceneConfig& config) {
 }  // namespace
 
 std::string print_config(const SceneConfig& config) {
+  std::string daemon;
+  for (const std::string_view name : daemon_sections())
+    daemon += header(std::string(name)) + section(std::string(name) + ".", config);
   return "# Scene " + toml_string(config.name) +
          ", complete. Live: changes with the next frame. Restart: read once, at start.\n" + terrain(config) +
          header("earth") + section("earth.", config) + sources(config) + radars(config) + materials(config) +
-         header("accuracy") + section("accuracy.", config) + header("run") + section("run.", config) +
-         header("server") + section("server.", config) + header("http") + section("http.", config) +
-         header("log") + section("log.", config);
+         header("accuracy") + section("accuracy.", config) + header("run") + section("run.", config) + daemon;
 }
 
 }  // namespace obliq

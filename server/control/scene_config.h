@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/control/accuracy_wish.h"
+#include "server/control/flight_config.h"
 #include "server/control/http_config.h"
 #include "server/control/log_config.h"
 #include "server/control/radar_config.h"
@@ -24,6 +25,7 @@ struct SceneConfig {
   ServerConfig server;
   HttpConfig http;
   LogConfig log;
+  FlightConfig flight;
   AccuracyWish
       accuracy;  ///< what the pixels and the cell size are to be chosen by (server/apps/meet_accuracy.h)
 };

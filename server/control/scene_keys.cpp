@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/control/flight_keys.h"
 #include "server/control/operation_keys.h"
 #include "server/control/server_keys.h"
 
@@ -160,13 +161,23 @@ constexpr std::array kSpecial{
     SpecialKey{"surfaces.material", "a material's name", "", "What the ground there is made of."},
 };
 
+constexpr std::array<std::string_view, 4> kDaemonSections{
+    "server",
+    "http",
+    "log",
+    "flight",
+};
+
 }  // namespace
+
+std::span<const std::string_view> daemon_sections() { return kDaemonSections; }
 
 std::span<const Entry<SceneConfig>> scene_entries() {
   static const auto all = [] {
     std::vector<Entry<SceneConfig>> entries(kScene.begin(), kScene.end());
     entries.insert(entries.end(), server_entries().begin(), server_entries().end());
     entries.insert(entries.end(), operation_entries().begin(), operation_entries().end());
+    entries.insert(entries.end(), flight_entries().begin(), flight_entries().end());
     return entries;
   }();
   return all;

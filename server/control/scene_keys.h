@@ -17,6 +17,9 @@ struct Entry {
 /// Scalar keys of the sections; Key::name is the full dotted name.
 std::span<const Entry<SceneConfig>> scene_entries();
 
+/// The sections that only the daemon reads, each with its keys among scene_entries().
+std::span<const std::string_view> daemon_sections();
+
 /// Keys of one [[buildings]], [[prisms]], [[surfaces]] or [materials.NAME] table; Key::name is local.
 /// A material's gamma_db is kept in decibel here: it goes through MaterialKeys.
 struct MaterialKeys {

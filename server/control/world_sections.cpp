@@ -205,7 +205,9 @@ void read_scene_entries(SceneReading& reading) {
   reading.config.world.radius_factor = std::numeric_limits<double>::quiet_NaN();
   // So does the gaps' limit, which depends on the error's.
   reading.config.accuracy.max_gap_fraction = std::numeric_limits<double>::quiet_NaN();
-  for (const std::string section : {"earth", "accuracy", "run", "server", "http", "log"}) {
+  std::vector<std::string> sections = {"earth", "accuracy", "run"};
+  sections.insert(sections.end(), daemon_sections().begin(), daemon_sections().end());
+  for (const std::string& section : sections) {
     reading.top.one_table(section, [&](const ConfigNode& table) {
       SectionReader reader(table, section, reading.complaints);
       read_entries(reader, section + ".", reading.config);

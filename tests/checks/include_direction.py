@@ -22,9 +22,10 @@ ALLOWED = {
     "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/explain": SERVER_CORE + ["server/accuracy"],
     "server/control": SERVER_CORE + ["proto"],
+    "server/flight": SERVER_CORE + ["server/control"],
     "server/output": SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control"],
-    "server/net": SERVER_CORE + ["proto", "server/control", "server/output"],
-    "server/http": SERVER_CORE + ["proto", "server/control", "server/output", "server/net"],
+    "server/net": SERVER_CORE + ["proto", "server/control", "server/flight", "server/output"],
+    "server/http": SERVER_CORE + ["proto", "server/control", "server/flight", "server/output", "server/net"],
     "server/apps": ["terrain", "proto", "client", "server"],
     "tests": ["terrain", "proto", "client", "server"],
 }

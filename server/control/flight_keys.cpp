@@ -1,0 +1,43 @@
+#include "server/control/flight_keys.h"
+
+#include <array>
+
+namespace obliq {
+namespace {
+
+using Scene = SceneConfig;
+const std::array kFlight{
+    Entry<Scene>{
+        {"flight.enabled",
+         "",
+         {},
+         {},
+         "Load the next part of the terrain, in the background, when radars fly out of what is there."},
+        [](Scene& c) -> Slot { return &c.flight.enabled; }},
+    Entry<Scene>{{"flight.reorigin_km",
+                  "km",
+                  closed(1, 100),
+                  {},
+                  "The first radar further than this from the scene's origin: the origin moves to it."},
+                 [](Scene& c) -> Slot { return &c.flight.reorigin_km; }},
+    Entry<Scene>{
+        {"flight.max_reach_km",
+         "km",
+         closed(0, 500),
+         {},
+         "Terrain is followed for ranges up to this, whatever a client sets; 0: the longest r_max_m of "
+         "the scene file."},
+        [](Scene& c) -> Slot { return &c.flight.max_reach_km; }},
+    Entry<Scene>{{"flight.max_megaposts",
+                  "million",
+                  above(0, 268),
+                  {},
+                  "Most posts of terrain that are loaded while serving; about 40 MB of memory per million."},
+                 [](Scene& c) -> Slot { return &c.flight.max_megaposts; }},
+};
+
+}  // namespace
+
+std::span<const Entry<SceneConfig>> flight_entries() { return kFlight; }
+
+}  // namespace obliq

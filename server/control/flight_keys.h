@@ -1,0 +1,11 @@
+#pragma once
+#include <span>
+
+#include "server/control/scene_keys.h"
+
+namespace obliq {
+
+/// Scalar keys of [flight]: how the daemon moves its loaded terrain with radars that fly.
+std::span<const Entry<SceneConfig>> flight_entries();
+
+}  // namespace obliq

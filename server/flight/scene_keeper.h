@@ -1,0 +1,90 @@
+#pragma once
+// Builds scenes while the server serves another one: the next window of a flight, or a reloaded scene file.
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/flight/speedometer.h"
+#include "server/flight/window.h"
+
+namespace obliq {
+
+class Scene;
+
+/// One background thread of low priority builds one scene at a time and hands it over; of several requests
+/// the newest wins. What cannot be loaded is logged and leaves the scene that serves as it is. At most two
+/// scenes exist: a new one is begun when nobody holds the one before the last any more.
+class SceneKeeper {
+ public:
+  /// Loads what the configuration says. Runs on the keeper's thread; throws what is wrong. May give up, by
+  /// throwing, once stop is requested.
+  using Build = std::function<std::shared_ptr<const Scene>(const SceneConfig&, const std::stop_token&)>;
+  /// Takes the new scene, from the keeper's thread: SceneRenderer::replace.
+  using Swap = std::function<void(std::shared_ptr<const Scene>)>;
+  /// Told once, on the keeper's thread, what became of a reload: empty when the new scene serves, else why
+  /// the old one serves on.
+  using Done = std::function<void(const std::string& error)>;
+
+  /// `scene` serves now and was built from `config`; neither may be null nor empty.
+  SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap);
+  ~SceneKeeper();  // stops and joins; a build in hand is given up as soon as it can be
+  SceneKeeper(const SceneKeeper&) = delete;
+  SceneKeeper& operator=(const SceneKeeper&) = delete;
+
+  // From any thread:
+
+  /// Loads another configuration, aimed at where the radars are now, and serves it when it is complete.
+  void reload(SceneConfig config, Done done);
+  /// Where all radars are now, the first one first. Cheap: called with every pose.
+  void poses_changed(std::vector<RadarPlace> radars);
+
+  struct State {
+    bool building = false;
+    std::uint64_t swaps = 0;     ///< windows and reloads that serve or served
+    std::uint64_t failures = 0;  ///< windows and reloads that could not be loaded
+    std::string last_error;      ///< of the newest attempt; empty: it succeeded
+    double last_build_s = 0;
+    SceneWindow window;  ///< of the scene that serves
+  };
+  State state() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Request {
+    SceneConfig config;
+    SceneWindow window;
+    Done done;  ///< of a reload; null: a window of the flight
+  };
+
+  void run(const std::stop_token& stop);
+  bool window_is_due(Clock::time_point now) const;
+  std::optional<Request> next_request(Clock::time_point now);
+  void serve(Request request, const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
+  void wait_for_retired(const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
+  void note_failure(const Request& request, const std::string& error);
+
+  const Build build_;
+  const Swap swap_;
+
+  mutable std::mutex mutex_;  ///< guards everything below but the thread
+  std::condition_variable_any changed_;
+  SceneConfig config_;
+  std::shared_ptr<const Scene> scene_;    ///< that serves
+  std::shared_ptr<const Scene> retired_;  ///< that served before, while frames still hold it
+  std::vector<RadarPlace> radars_;        ///< empty: none heard of
+  Speedometer speed_;                     ///< of the fastest radar
+  std::optional<Request> reload_;
+  State state_;
+  double pause_s_ = 0;            ///< after the last failure
+  Clock::time_point not_before_;  ///< no window is tried before, after a failure
+  std::jthread thread_;
+};
+
+}  // namespace obliq

@@ -1,0 +1,109 @@
+#include "server/flight/window.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/control/aim_world.h"
+#include "terrain/constants.h"
+
+namespace obliq {
+namespace {
+
+/// The origin moves with a window that is built anyway from this share of reorigin_km on.
+constexpr double kEarlyOrigin = 0.75;
+/// A window is due at the latest when this share of its margin is left, and never with more than the second.
+constexpr double kLatestMargin = 0.5;
+constexpr double kEarliestMargin = 0.75;
+
+/// Radars of short range get this much more ground, or they would leave it within seconds.
+constexpr double kLeastMargin_m = 1000;
+
+constexpr double kEarthRadius_m = 6371008.8;  // mean of WGS84's semi-axes, (2 a + b) / 3
+
+double reach_limit_m(const SceneConfig& config) {
+  double limit_m = config.flight.max_reach_km * 1000;
+  if (limit_m > 0) return limit_m;
+  for (const RadarConfig& radar : config.radars) limit_m = std::max(limit_m, radar.settings.r_max_m);
+  return limit_m;
+}
+
+double counted_range_m(const SceneConfig& config, const RadarPlace& radar) {
+  return std::min(radar.r_max_m, reach_limit_m(config));
+}
+
+bool covers(const Reach& reach, const LonLat& position, double range_m, double ahead_m) {
+  const double margin_m = reach.radius_m - range_m;
+  const double spare_m = std::clamp(ahead_m, kLatestMargin * margin_m, kEarliestMargin * margin_m);
+  return margin_m > 0 && distance_m(reach.centre, position) + spare_m <= margin_m;
+}
+
+}  // namespace
+
+double distance_m(const LonLat& a, const LonLat& b) {
+  // Haversine: no cancellation for neighbours.
+  const double d_lat = (b.latitude_deg - a.latitude_deg) * kDegree_rad;
+  const double d_lon = (b.longitude_deg - a.longitude_deg) * kDegree_rad;
+  const double s_lat = std::sin(d_lat / 2);
+  const double s_lon = std::sin(d_lon / 2);
+  const double h = s_lat * s_lat + std::cos(a.latitude_deg * kDegree_rad) *
+                                       std::cos(b.latitude_deg * kDegree_rad) * s_lon * s_lon;
+  return 2 * kEarthRadius_m * std::asin(std::min(1.0, std::sqrt(h)));
+}
+
+SceneWindow window_of(const SceneConfig& config) { return {config.world.origin, config.world.reaches}; }
+
+SceneConfig aimed_at(const SceneConfig& config, const SceneWindow& window) {
+  SceneConfig aimed = config;
+  SyntheticSpec& shape = aimed.world.terrain.shape;
+  if (!shape.anchor) shape.anchor = config.world.origin;
+  aimed.world.origin = window.origin;
+  aimed.world.reaches = window.reaches;
+  return aimed;
+}
+
+SceneWindow next_window(const SceneConfig& config, const SceneWindow& current,
+                        std::span<const RadarPlace> radars) {
+  SceneWindow next = current;
+  if (radars.empty()) return next;
+  const double reorigin_m = config.flight.reorigin_km * 1000;
+  if (distance_m(radars.front().position, current.origin) >= kEarlyOrigin * reorigin_m)
+    next.origin = radars.front().position;
+  next.reaches.clear();
+  for (const RadarPlace& radar : radars) {
+    const double range_m = counted_range_m(config, radar);
+    next.reaches.push_back({radar.position, std::max(loaded_radius_m(range_m), range_m + kLeastMargin_m)});
+  }
+  return next;
+}
+
+bool needs_next_window(const SceneConfig& config, const SceneWindow& current,
+                       std::span<const RadarPlace> radars, double speed_m_s, double lead_s) {
+  if (!config.flight.enabled || radars.empty()) return false;
+  if (distance_m(radars.front().position, current.origin) > config.flight.reorigin_km * 1000) return true;
+  if (!config.world.terrain.area.empty()) return false;
+  return std::ranges::any_of(radars, [&](const RadarPlace& radar) {
+    const double range_m = counted_range_m(config, radar);
+    return std::ranges::none_of(current.reaches, [&](const Reach& reach) {
+      return covers(reach, radar.position, range_m, speed_m_s * lead_s);
+    });
+  });
+}
+
+double window_posts(const SceneWindow& window, double cell_m) {
+  // Degrees of latitude and longitude at each reach's own latitude: near enough for a limit.
+  const double degree_m = kEarthRadius_m * kDegree_rad;
+  double west_m = HUGE_VAL, east_m = -HUGE_VAL, south_m = HUGE_VAL, north_m = -HUGE_VAL;
+  for (const Reach& reach : window.reaches) {
+    const double lon_deg = std::remainder(reach.centre.longitude_deg - window.origin.longitude_deg, 360.0);
+    const double x_m = lon_deg * degree_m * std::cos(reach.centre.latitude_deg * kDegree_rad);
+    const double z_m = (reach.centre.latitude_deg - window.origin.latitude_deg) * degree_m;
+    west_m = std::min(west_m, x_m - reach.radius_m);
+    east_m = std::max(east_m, x_m + reach.radius_m);
+    south_m = std::min(south_m, z_m - reach.radius_m);
+    north_m = std::max(north_m, z_m + reach.radius_m);
+  }
+  if (!(west_m <= east_m && south_m <= north_m)) return 0;
+  return (east_m - west_m) / cell_m * ((north_m - south_m) / cell_m);
+}
+
+}  // namespace obliq

@@ -1,0 +1,49 @@
+#pragma once
+// Which part of the world a scene is built for, and when the radars have flown too far for it. Pure
+// functions.
+#include <span>
+#include <vector>
+
+#include "server/control/scene_config.h"
+
+namespace obliq {
+
+/// Where a radar is and how far it looks.
+struct RadarPlace {
+  LonLat position;
+  double r_max_m = 0;
+};
+
+/// A scene built for a window depends on it and on the scene file alone, not on the windows before it.
+struct SceneWindow {
+  LonLat origin;
+  std::vector<Reach> reaches;
+};
+
+/// The window that a configuration is aimed at.
+SceneWindow window_of(const SceneConfig& config);
+
+/// The configuration aimed at a window: its terrain, buildings and prisms stay where they are on the earth.
+/// Synthetic shapes stay at the place that they had in `config`.
+SceneConfig aimed_at(const SceneConfig& config, const SceneWindow& window);
+
+/// The next window for radars in these places. The origin stays, and with it every post of the grid, until
+/// the first radar is three quarters of reorigin_km away from it; then it is that radar's place. Ranges count
+/// up to flight.max_reach_km, or up to the longest r_max of the configuration.
+SceneWindow next_window(const SceneConfig& config, const SceneWindow& current,
+                        std::span<const RadarPlace> radars);
+
+/// Whether it is time to build the next window: a radar's reach is about to leave the current one, with at
+/// most half of the margin left, or with less left than is flown in `lead_s` at `speed_m_s`; or the first
+/// radar is reorigin_km away from the origin. With a [terrain] area the area stays, and only the origin
+/// moves.
+bool needs_next_window(const SceneConfig& config, const SceneWindow& current,
+                       std::span<const RadarPlace> radars, double speed_m_s, double lead_s);
+
+/// Posts of the grid over all reaches (an upper bound: elevation models may end before).
+double window_posts(const SceneWindow& window, double cell_m);
+
+/// Great-circle distance on a sphere, within 0.6 % of the ellipsoid's.
+double distance_m(const LonLat& a, const LonLat& b);
+
+}  // namespace obliq
