@@ -18,6 +18,7 @@ void add_get(CLI::App& app);         ///< one frame from a server to files
 void add_watch(CLI::App& app);       ///< frames as they come
 void add_pose(CLI::App& app);        ///< where a live radar stands
 void add_status(CLI::App& app);      ///< what a server is doing
+void add_health(CLI::App& app);      ///< whether the daemon of this machine is healthy
 void add_parameters(CLI::App& app);  ///< the reference of radar parameters
 
 }  // namespace obliq

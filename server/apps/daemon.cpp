@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio.hpp>
 #include <chrono>
 #include <csignal>
@@ -18,10 +19,12 @@
 #include "server/apps/meet_accuracy.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_options.h"
+#include "server/apps/service_manager.h"
 #include "server/http/http_server.h"
 #include "server/http/metrics.h"
 #include "server/http/pages.h"
 #include "server/http/readiness.h"
+#include "server/log/service_log.h"
 #include "server/net/io_thread.h"
 #include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
@@ -47,8 +50,13 @@ void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
 /// One object, so that what the io thread uses outlives that thread however the daemon ends.
 class Daemon {
  public:
-  explicit Daemon(SceneConfig config) : config_(std::move(config)), metrics_(build_info()) {}
-  ~Daemon() { io_.end(); }
+  explicit Daemon(SceneConfig config) : config_(std::move(config)), metrics_(build_info()) {
+    on_log_line([this](const std::string& level) { metrics_.log_line(level); });
+  }
+  ~Daemon() {
+    io_.end();
+    on_log_line({});
+  }
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
@@ -57,6 +65,7 @@ class Daemon {
  private:
   void heed_signals();
   void on_signal();
+  void keep_pulse();
   void open_http();
   void load();
   void serve(net::ReservedPort port);
@@ -68,6 +77,7 @@ class Daemon {
   http::Metrics metrics_;
   net::IoThread io_;
   asio::signal_set signals_{io_.context()};
+  asio::steady_timer pulse_{io_.context()};
   std::unique_ptr<http::HttpServer> http_;
   std::optional<net::SceneRenderer> renderer_;
   std::optional<net::Server> server_;
@@ -82,6 +92,7 @@ void Daemon::run() {
   net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
   if (config_.http.enabled) open_http();
   heed_signals();
+  io_.post([this] { keep_pulse(); });
   load();
   serve(std::move(port));
   spdlog::info("stopped");
@@ -100,14 +111,28 @@ void Daemon::on_signal() {
     spdlog::default_logger()->flush();
     _exit(0);  // nobody is served yet, and loading cannot be interrupted
   }
-  spdlog::info("stopping");
   readiness_.stopping();
+  service_manager::stopping();
   signals_.clear();  // a second Ctrl-C ends the process
   server_->stop();
 }
 
+// From the io thread: systemd hears nothing when that thread hangs, and starts the daemon anew.
+void Daemon::keep_pulse() {
+  static constexpr std::chrono::microseconds kUsual = std::chrono::seconds(1);
+  const auto watched = service_manager::watchdog_period();
+  if (watched) service_manager::watchdog();
+  report_suppressed_lines();
+  pulse_.expires_after(watched ? std::min(*watched / 3, kUsual) : kUsual);
+  pulse_.async_wait([this](boost::system::error_code error) {
+    if (!error) keep_pulse();
+  });
+}
+
 void Daemon::open_http() {
+  check_server_protection(config_.server, "http.address", config_.http.address);
   http::HttpOptions options;
+  options.security = security_;
   options.address = config_.http.address;
   options.port = static_cast<std::uint16_t>(config_.http.port);
   options.max_connections = config_.http.max_connections;
@@ -119,9 +144,9 @@ void Daemon::open_http() {
   };
   http_ = std::make_unique<http::HttpServer>(
       io_.context(), options,
-      std::vector<http::Route>{{"/healthz", http::health_page},
-                               {"/readyz", [this] { return http::readiness_page(readiness_.state()); }},
-                               {"/metrics", metrics}});
+      std::vector<http::Route>{{"/healthz", true, http::health_page},
+                               {"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }},
+                               {"/metrics", false, metrics}});
   spdlog::info("HTTP on {}: /healthz, /readyz, /metrics", http_->address());
 }
 
@@ -137,6 +162,7 @@ Progress Daemon::progress() {
     if (stage == last->stage && quarter <= last->quarter) return;
     *last = {std::string(stage), quarter};
     spdlog::info("{}: {} %", stage, 25 * quarter);
+    service_manager::status("loading: " + last->stage + ", " + std::to_string(25 * quarter) + " %");
   };
 }
 
@@ -164,11 +190,13 @@ void Daemon::serve(net::ReservedPort port) {
     serving_ = &*server_;
     server_->start([this] {
       if (http_) http_->stop();
+      pulse_.cancel();
       io_.release();
     });
     std::string names;
     for (const RadarConfig& radar : config_.radars) names += (names.empty() ? "" : ", ") + radar.name;
     readiness_.ready();
+    service_manager::ready("serving " + names + " on " + server_->address());
     spdlog::info("ready: {} on {}", names, server_->address());
   });
   io_.join();
@@ -187,7 +215,8 @@ void heed_signals_before_start() {
   action.sa_handler = end_before_start;
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM}) {
-    if (sigaction(signal, &action, nullptr) != 0) spdlog::warn("signal {} cannot be handled", signal);
+    if (sigaction(signal, &action, nullptr) != 0)
+      spdlog::warn("signal {} cannot be handled; only SIGKILL will end this process", signal);
   }
 }
 

@@ -10,8 +10,9 @@
 namespace {
 
 constexpr auto kCommands = {
-    obliq::add_render, obliq::add_frontier, obliq::add_frustum, obliq::add_explain, obliq::add_mesh,
-    obliq::add_get,    obliq::add_watch,    obliq::add_pose,    obliq::add_status,  obliq::add_parameters,
+    obliq::add_render, obliq::add_frontier, obliq::add_frustum,    obliq::add_explain,
+    obliq::add_mesh,   obliq::add_get,      obliq::add_watch,      obliq::add_pose,
+    obliq::add_status, obliq::add_health,   obliq::add_parameters,
 };
 
 /// One line for each thing that is wrong (a scene file may have several).

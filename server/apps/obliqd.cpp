@@ -1,5 +1,4 @@
 // The daemon: loads a scene and serves its radars.
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +9,7 @@
 
 #include "server/apps/daemon.h"
 #include "server/apps/scene_arguments.h"
+#include "server/log/service_log.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -28,20 +28,28 @@ int main(int argc, char** argv) {
   app.add_option_function<std::string>("--port", setting("server.port"), "Short for --set server.port");
   app.add_option_function<std::string>("--address", setting("server.address"),
                                        "Short for --set server.address");
-  spdlog::set_default_logger(spdlog::stderr_color_mt("obliqd"));
-  spdlog::flush_on(spdlog::level::info);
+  obliq::LogConfig log;
+  obliq::open_log(log);
   obliq::heed_signals_before_start();
   try {
     app.parse(argc, argv);
     auto config = obliq::open_scene(arguments);
-    if (config) obliq::run_daemon(std::move(*config));
+    if (config) {
+      log = config->log;
+      obliq::open_log(log);
+      obliq::run_daemon(std::move(*config));
+    }
     std::cout.flush();
     return std::cout ? 0 : 1;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
     std::cerr << "obliqd: " << e.what() << " (`obliqd --help` lists what there is)\n";
   } catch (const std::exception& e) {
-    std::cerr << "obliqd: " << e.what() << '\n';
+    if (log.format == obliq::LogFormat::json) {
+      spdlog::error("{}", e.what());
+    } else {
+      std::cerr << "obliqd: " << e.what() << '\n';
+    }
   }
   return 1;
 }

@@ -22,6 +22,7 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.dead_after_s = config.server.dead_after_s;
   options.max_bins = config.server.max_bins;
   options.queue_frames = config.server.queue_frames;
+  options.stop_limit_s = config.server.stop_limit_s;
   options.render_threads = config.threads;
   return options;
 }

@@ -5,11 +5,14 @@
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "server/log/log_fields.h"
 #include "server/net/reserved_port.h"
+#include "server/net/security.h"
 #include "terrain/errors.h"
 
 namespace obliq::http {
@@ -22,6 +25,8 @@ using boost::system::error_code;
 
 namespace {
 
+using PlainStream = beast::tcp_stream;
+using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 using Response = bhttp::response<bhttp::string_body>;
 using Request = bhttp::request_parser<bhttp::empty_body>;
 
@@ -52,12 +57,16 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   void listen();
   asio::awaitable<void> accept();
   asio::awaitable<void> serve(tcp::socket socket);
-  asio::awaitable<void> converse(beast::tcp_stream& stream);
-  asio::awaitable<bool> answer(beast::tcp_stream& stream, const Page& page, bool head, bool keep_alive,
+  asio::awaitable<void> serve_tls(TlsStream& stream);
+  template <typename Stream>
+  asio::awaitable<void> converse(Stream& stream);
+  template <typename Stream>
+  asio::awaitable<bool> answer(Stream& stream, const Page& page, bool head, bool keep_alive,
                                unsigned version);
-  asio::awaitable<void> part(beast::tcp_stream& stream);
+  asio::awaitable<void> part(PlainStream& stream);
   void turn_away(tcp::socket socket);
   Page page_of(const Request& request) const;
+  bool may_read(const Route& route, const Request& request) const;
   std::chrono::nanoseconds timeout() const {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::duration<double>(options.timeout_s));
@@ -76,8 +85,6 @@ void HttpServer::State::listen() {
   try {
     net::ReservedPort reserved(options.address, options.port);
     address = reserved.address();
-    if (!address.starts_with("127.") && !address.starts_with("[::1]"))
-      throw InputError("this address is reached from elsewhere, and HTTP is not protected yet");
     acceptor.assign(reserved.is_v6() ? tcp::v6() : tcp::v4(), reserved.release());
     acceptor.listen(asio::socket_base::max_listen_connections);
   } catch (const std::exception& e) {
@@ -126,25 +133,57 @@ void HttpServer::State::turn_away(tcp::socket socket) {
 
 // GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
 asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
-  beast::tcp_stream stream(std::move(socket));
+  const auto tls = options.security ? options.security->tls() : nullptr;
+  std::optional<TlsStream> protected_stream;
+  std::optional<PlainStream> plain_stream;
+  if (tls) {
+    protected_stream.emplace(std::move(socket), *tls);
+  } else {
+    plain_stream.emplace(std::move(socket));
+  }
+  PlainStream& lowest = tls ? protected_stream->next_layer() : *plain_stream;
   // Also when memory runs out half way.
-  const std::shared_ptr<void> entry(nullptr, [this, &stream](void*) { std::erase(open, &stream); });
-  open.push_back(&stream);
+  const std::shared_ptr<void> entry(nullptr, [this, &lowest](void*) { std::erase(open, &lowest); });
+  open.push_back(&lowest);
   try {
-    co_await converse(stream);
+    if (tls) {
+      co_await serve_tls(*protected_stream);
+    } else {
+      co_await converse(*plain_stream);
+    }
+    co_await part(lowest);
   } catch (const std::exception& e) {
     spdlog::error("an HTTP connection ended: {}; if memory runs out, load less terrain or lower the limits",
                   e.what());
   }
 }
 
-asio::awaitable<void> HttpServer::State::converse(beast::tcp_stream& stream) {
+asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream) {
+  error_code error;
+  stream.next_layer().expires_after(timeout());
+  co_await stream.async_handshake(asio::ssl::stream_base::server,
+                                  asio::redirect_error(asio::use_awaitable, error));
+  if (error) {
+    const LogFields fields{{"client", "HTTP"}};
+    spdlog::warn(
+        "HTTP: a TLS handshake failed: {}; whoever asks here needs https:// and the certificate "
+        "server.tls_certificate",
+        error.message());
+    co_return;
+  }
+  co_await converse(stream);
+  stream.next_layer().expires_after(std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1)));
+  co_await stream.async_shutdown(asio::redirect_error(asio::use_awaitable, error));
+}
+
+template <typename Stream>
+asio::awaitable<void> HttpServer::State::converse(Stream& stream) {
   beast::flat_buffer buffer(options.max_header_bytes);
   for (int served = 1; !stopping; ++served) {
     Request request;
     request.header_limit(options.max_header_bytes);
     error_code error;
-    stream.expires_after(timeout());  // for the whole header, however it dribbles in
+    beast::get_lowest_layer(stream).expires_after(timeout());  // for the whole header, however it dribbles in
     co_await bhttp::async_read_header(stream, buffer, request,
                                       asio::redirect_error(asio::use_awaitable, error));
     if (error) {
@@ -158,7 +197,6 @@ asio::awaitable<void> HttpServer::State::converse(beast::tcp_stream& stream) {
     const bool more = co_await answer(stream, page_of(request), head, keep, request.get().version());
     if (!more) break;
   }
-  co_await part(stream);
 }
 
 Page HttpServer::State::page_of(const Request& parser) const {
@@ -170,6 +208,14 @@ Page HttpServer::State::page_of(const Request& parser) const {
     if (request.method() != bhttp::verb::get && request.method() != bhttp::verb::head)
       return error_page(bhttp::status::method_not_allowed, "GET and HEAD only");
     if (!parser.is_done()) return error_page(bhttp::status::payload_too_large, "a request has no body here");
+    if (!may_read(route, parser)) {
+      const LogFields fields{{"client", "HTTP"}};
+      spdlog::warn(
+          "HTTP: {} refused: no token, or one that is not in server.tokens; give the one who asks a "
+          "viewer's",
+          route.path);
+      return error_page(bhttp::status::unauthorized, "Authorization: Bearer TOKEN is needed");
+    }
     return route.page();
   }
   std::string known;
@@ -177,20 +223,31 @@ Page HttpServer::State::page_of(const Request& parser) const {
   return error_page(bhttp::status::not_found, "nothing here; there are " + known);
 }
 
+bool HttpServer::State::may_read(const Route& route, const Request& parser) const {
+  if (route.is_open || !options.security || !options.security->needs_token()) return true;
+  constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
+  const beast::string_view field = parser.get()[bhttp::field::authorization];
+  if (!beast::iequals(field.substr(0, kScheme.size()), {kScheme.data(), kScheme.size()})) return false;
+  const std::string_view given = view(field);
+  return options.security->grant(given.substr(kScheme.size())).has_value();  // any role may look
+}
+
 // False when the connection is to end.
-asio::awaitable<bool> HttpServer::State::answer(beast::tcp_stream& stream, const Page& page, bool head,
-                                                bool keep_alive, unsigned version) {
+template <typename Stream>
+asio::awaitable<bool> HttpServer::State::answer(Stream& stream, const Page& page, bool head, bool keep_alive,
+                                                unsigned version) {
   Response response(static_cast<bhttp::status>(page.status), version);
   response.set(bhttp::field::content_type, page.type);
   response.set(bhttp::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
+  if (page.status == 401) response.set(bhttp::field::www_authenticate, "Bearer");
   if (page.status == 405) response.set(bhttp::field::allow, "GET, HEAD");
   response.content_length(page.body.size());
   if (!head) response.body() = page.body;
   response.keep_alive(keep_alive);
   bhttp::response_serializer<bhttp::string_body> serializer(response);
   error_code error;
-  stream.expires_after(timeout());
+  beast::get_lowest_layer(stream).expires_after(timeout());
   if (head) {
     co_await bhttp::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
   } else {
@@ -201,7 +258,7 @@ asio::awaitable<bool> HttpServer::State::answer(beast::tcp_stream& stream, const
 
 // Bytes left unread when a socket is closed make the kernel reset the connection, and the peer would lose the
 // answer: reads on for a while.
-asio::awaitable<void> HttpServer::State::part(beast::tcp_stream& stream) {
+asio::awaitable<void> HttpServer::State::part(PlainStream& stream) {
   error_code error;
   stream.socket().shutdown(tcp::socket::shutdown_send, error);
   std::array<char, 4096> unwanted;

@@ -11,6 +11,10 @@ namespace boost::asio {
 class io_context;
 }
 
+namespace obliq::net {
+class Security;
+}
+
 namespace obliq::http {
 
 /// What a path answers.
@@ -22,6 +26,7 @@ struct Page {
 
 struct Route {
   std::string path;
+  bool is_open = false;        ///< needs no token
   std::function<Page()> page;  ///< called on the io thread for each GET or HEAD; must be quick
 };
 
@@ -30,12 +35,15 @@ struct HttpOptions {
   std::uint16_t port = 0;  ///< 0: any free one
   int max_connections = 64;
   std::uint32_t max_header_bytes = 8192;
-  int max_requests = 1000;  ///< on one connection
-  double timeout_s = 10;    ///< for a header to arrive, for an answer to be taken, between two requests
+  int max_requests = 1000;                        ///< on one connection
+  std::shared_ptr<const net::Security> security;  ///< certificate and tokens; null: none
+  double timeout_s = 10;  ///< for a header to arrive, for an answer to be taken, between two requests
 };
 
-/// Answers GET and HEAD for a few paths. Requests with a body, other methods, long or slow headers are
-/// refused; of too many connections the newest are. All on the io thread, but the constructor.
+/// Answers GET and HEAD for a few paths, through TLS where there is a certificate, and those that are not
+/// open only to who brings a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
+/// body, other methods, long or slow headers are refused; of too many connections the newest are. All on the
+/// io thread, but the constructor.
 class HttpServer {
  public:
   /// Listens at once. Throws InputError that names http.address or http.port.

@@ -42,6 +42,7 @@ struct ServerOptions {
   double idle_timeout_s = 0;        ///< a client that says nothing for so long is closed; 0: never
   double dead_after_s = 60;         ///< see watch_for_dead_peer
   double stall_timeout_s = 30;      ///< a client that takes no byte for so long is dropped
+  double stop_limit_s = 5;          ///< for begun frames and queues when stopping; then they are cut
   double stop_grace_s = 0.5;        ///< for the last words to each client when stopping
 
   int render_threads = 0;                 ///< 0: all cores

@@ -35,6 +35,8 @@ class Peer {
   virtual void kick() = 0;
   /// Says what is wrong and closes once that has been written; begun frames are aborted.
   virtual void fail(wire::ErrorNumber number, const std::string& text) = 0;
+  /// As fail(), but not before everything that waits in the outbox has been written.
+  virtual void finish(wire::ErrorNumber number, const std::string& text) = 0;
 
   const std::uint64_t id;
   const std::string host;     ///< "127.0.0.1"

@@ -57,6 +57,13 @@ void RenderThread::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
+void RenderThread::finish() {
+  const std::lock_guard lock(mutex_);
+  finishing_ = true;
+  ++changes_;
+  changed_.notify_all();
+}
+
 void RenderThread::stop() {
   thread_.request_stop();
   const std::lock_guard lock(mutex_);
@@ -116,6 +123,10 @@ void RenderThread::run(const std::stop_token& stop) {
       }
       continue;
     }
+    if (finishing_ && once_.empty()) {
+      lock.unlock();
+      return events_.on_finished();
+    }
     const auto woken = [this, seen = changes_] { return changes_ != seen; };
     if (next_due == Clock::time_point::max()) {
       changed_.wait(lock, stop, woken);
@@ -127,13 +138,15 @@ void RenderThread::run(const std::stop_token& stop) {
 
 // Live radars and jobs form one ring; the search goes on where it last stopped, so each gets its turn.
 bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due) {
-  std::erase_if(once_, [](const auto& task) { return task->job->stop.stop_requested(); });
+  std::erase_if(once_, [this](const auto& task) {
+    return task->job->stop.stop_requested() || (finishing_ && !task->frame);
+  });
   const std::size_t n = live_.size() + once_.size();
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t at = (turn_ + i) % n;
     if (at < live_.size()) {
       const LiveTask& task = live_[at];
-      if (task.rate_hz <= 0 || task.faulty == task.view) continue;
+      if (finishing_ || task.rate_hz <= 0 || task.faulty == task.view) continue;
       if (task.due > now) {
         next_due = std::min(next_due, task.due);
         continue;

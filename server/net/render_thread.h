@@ -51,6 +51,8 @@ class RenderEvents {
   virtual void on_once_block(const OnceJobPtr& job, const BlockPtr& block) = 0;
   /// Instead of a frame.
   virtual void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) = 0;
+  /// After finish(): nothing more comes.
+  virtual void on_finished() = 0;
 };
 
 struct RenderThreadOptions {
@@ -67,6 +69,8 @@ class RenderThread {
   /// Before start(). Radars are numbered in the order they are added.
   void add_radar(const std::string& name, std::uint32_t stream_id, LiveView view);
   void start();
+  /// Begins no further frame; those that have begun are rendered to their ends, then on_finished() is called.
+  void finish();
   /// No further event is begun once this returns. The thread stops after the wedges in hand.
   void stop();
   /// stop(), and waits for the thread.
@@ -118,6 +122,7 @@ class RenderThread {
   std::uint64_t changes_ = 0;  ///< counts wake-ups, so that none is missed
   std::deque<LiveTask> live_;  ///< a deque: elements stay where they are
   std::deque<std::shared_ptr<OnceTask>> once_;
+  bool finishing_ = false;
   std::size_t turn_ = 0;  ///< where the round begins
 
   std::jthread thread_;

@@ -127,7 +127,8 @@ void Requests::claim_control(const wire::ClaimControl& request) {
         MessageType::error,
         make_error(0, ErrorNumber::controlled_by_other,
                    "control of radar " + radar->name + " was taken over by " + peer_.name, {}, radar->name));
-    spdlog::warn("radar {}: {} takes control over from {}", radar->name, peer_.name, holder->name);
+    spdlog::warn("radar {}: {} takes control over from {}; whoever should not needs a token of another role",
+                 radar->name, peer_.name, holder->name);
   } else if (taken) {
     return refuse(request.request_id(), ErrorNumber::controlled_by_other,
                   "radar " + radar->name + " is controlled by " + holder->name);

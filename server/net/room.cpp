@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/log/log_fields.h"
 #include "server/net/exposure.h"
 #include "server/net/requests.h"
 #include "server/net/security.h"
@@ -30,6 +31,19 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
 }
 
 Room::~Room() = default;
+
+void Room::finish() {
+  stopping_ = true;
+  render_.finish();
+}
+
+void Room::on_finished() {
+  post_([this] {
+    const auto peers = peers_;  // finish() may come back through leave()
+    for (const auto& peer : peers) peer->finish(ErrorNumber::server_stopping, "the server is stopping");
+    stopped_if_empty();
+  });
+}
 
 void Room::stop() {
   stopping_ = true;
@@ -86,6 +100,7 @@ void Room::leave(Peer& peer) {
     unsubscribe(radar, peer);
     if (radar.controller == &peer) {
       radar.controller = nullptr;
+      const LogFields fields{{"client", peer.name}, {"radar", radar.name}};
       spdlog::info("radar {}: control released, {} has left", radar.name, peer.name);
     }
   }
@@ -98,6 +113,7 @@ void Room::leave(Peer& peer) {
 }
 
 void Room::handle(Peer& peer, MessageType type, std::span<const std::byte> descriptor) {
+  const LogFields fields{{"client", peer.name}};
   Requests(*this, peer).handle(type, descriptor);
 }
 
@@ -193,7 +209,10 @@ void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView
     if (view->settings != radar.settings.current() || view->pose_received_ns != radar.pose_received_ns)
       return;
     radar.faults = errors;
-    for (const FieldError& error : errors) spdlog::warn("radar {}: {}", radar.name, error.text());
+    const LogFields fields{{"radar", radar.name}};
+    for (const FieldError& error : errors)
+      spdlog::warn("radar {}: {}; no frames until its settings or its pose are changed", radar.name,
+                   error.text());
     for (const Watcher& watcher : radar.watchers) send_fault(radar, *watcher.peer);
   });
 }

@@ -27,9 +27,12 @@ class Room : private RenderEvents {
 
   const ServerOptions& options() const { return options_; }
   void start() { render_.start(); }
-  /// Ends all frames and says goodbye to all clients.
+  /// Begins no further frame; when those that have begun are rendered and written, says goodbye to each
+  /// client.
+  void finish();
+  /// The same at once: begun frames are aborted.
   void stop();
-  /// Before start(): what is called, later, when the last client has gone after stop().
+  /// Before start(): what is called, later, when the last client has gone after finish() or stop().
   void when_stopped(std::function<void()> call) { stopped_ = std::move(call); }
   /// Renders no more, on any thread: what it renders from may go.
   void end() { render_.end(); }
@@ -68,6 +71,7 @@ class Room : private RenderEvents {
                      const std::vector<FieldError>& errors) override;
   void on_once_block(const OnceJobPtr& job, const BlockPtr& block) override;
   void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) override;
+  void on_finished() override;
 
   const FrameRenderer& renderer_;
   ServerOptions options_;

@@ -2,10 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio.hpp>
+#include <chrono>
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
+#include "server/log/log_fields.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/security.h"
@@ -24,8 +27,10 @@ namespace {
 
 // Says why, as far as the peer reads it at once, and closes.
 // In plain words also where TLS is spoken, before any of it: a client of ours that expects TLS understands.
-void turn_away(tcp::socket socket, wire::ErrorNumber number, const std::string& text) {
-  spdlog::warn("a connection was turned away: {}", text);
+void turn_away(tcp::socket socket, const std::string& host, wire::ErrorNumber number,
+               const std::string& text) {
+  const LogFields fields{{"client", host}, {"error", std::int64_t{static_cast<std::uint32_t>(number)}}};
+  spdlog::warn("a connection from {} was turned away: {}; raise that limit, or see who is here", host, text);
   const auto error = make_error(0, number, text);
   const wire::Bytes bytes = wire::encode_message(wire::MessageType::error, {0, 1, wire::utc_now_ns()}, error);
   error_code ignored;
@@ -52,6 +57,7 @@ struct Server::State {
   std::unique_ptr<asio::io_context> own;  ///< null: another thread runs it
   asio::io_context& io;
   tcp::acceptor acceptor{io};
+  asio::steady_timer limit{io};
   std::shared_ptr<Room> room;
   std::string address;
   std::uint64_t last_id = 0;
@@ -78,7 +84,10 @@ asio::awaitable<void> Server::State::accept() {
     if (stopping) break;
     if (error) {
       // Out of descriptors, above all: those who are here are served on, newcomers wait.
-      spdlog::error("cannot accept a connection: {}", error.message());
+      spdlog::error(
+          "cannot accept a connection: {}; if descriptors have run out, raise their limit (ulimit -n, "
+          "LimitNOFILE=)",
+          error.message());
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
@@ -88,12 +97,12 @@ asio::awaitable<void> Server::State::accept() {
     if (error) continue;  // gone already
     const std::string host = peer.address().to_string();
     if (room->is_full()) {
-      turn_away(std::move(socket), wire::ErrorNumber::too_many_clients,
+      turn_away(std::move(socket), host, wire::ErrorNumber::too_many_clients,
                 "too many clients: max_clients is " + std::to_string(options.max_clients));
       continue;
     }
     if (room->clients_from(host) >= options.max_clients_per_address) {
-      turn_away(std::move(socket), wire::ErrorNumber::too_many_from_address,
+      turn_away(std::move(socket), host, wire::ErrorNumber::too_many_from_address,
                 "too many clients from " + host + ": max_clients_per_address is " +
                     std::to_string(options.max_clients_per_address));
       continue;
@@ -109,10 +118,20 @@ asio::awaitable<void> Server::State::accept() {
 void Server::State::stop() {
   if (stopping) return;
   stopping = true;
-  spdlog::info("stopping");
+  const ServerOptions& options = room->options();
+  spdlog::info("stopping: begun frames and queues have {:g} s", options.stop_limit_s);
   error_code ignored;
   acceptor.close(ignored);
-  room->stop();
+  room->finish();
+  // The last words need their time as well.
+  const double frames_s = std::max(0.0, options.stop_limit_s - options.stop_grace_s);
+  limit.expires_after(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(frames_s)));
+  limit.async_wait([this](error_code error) {
+    if (error) return;
+    spdlog::warn("the limit for stopping is over: frames are aborted; server.stop_limit_s gives them longer");
+    room->stop();
+  });
 }
 
 Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
@@ -154,7 +173,10 @@ void Server::reload_security() {
 }
 
 void Server::start(std::function<void()> stopped) {
-  state_->room->when_stopped(std::move(stopped));
+  state_->room->when_stopped([this, call = std::move(stopped)] {
+    state_->limit.cancel();
+    call();
+  });
   asio::co_spawn(state_->io, state_->accept(), asio::detached);
   state_->room->start();
 }

@@ -37,8 +37,8 @@ class Server {
   std::uint16_t port() const;   ///< the one it listens on, chosen or given
   std::string address() const;  ///< "127.0.0.1:7420"
 
-  /// Serves until stop(), or a signal if the options say so: begun frames are aborted, clients told, threads
-  /// joined.
+  /// Serves until stop(). Then no frame is begun any more, begun ones and what waits for clients are finished
+  /// within stop_limit_s, clients are told, connections end.
   void run();
   /// Begins to serve and returns. Until stop(); `stopped` is then called on the io thread, once the last
   /// client has gone. From any thread.

@@ -10,6 +10,8 @@
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
+#include "server/log/log_fields.h"
+#include "server/net/advice.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/transport.h"
@@ -85,10 +87,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
 
   void fail(ErrorNumber number, const std::string& text) override {
     if (closed_ || finishing_) return;
-    if (number == ErrorNumber::server_stopping) {
-      spdlog::debug("{}: {}", name, text);
-    } else {
-      spdlog::warn("{}: {}; connection closed", name, text);
+    {
+      const LogFields fields{{"client", name}, {"error", std::int64_t{static_cast<std::uint32_t>(number)}}};
+      const bool expected = number == ErrorNumber::server_stopping;
+      spdlog::log(expected ? spdlog::level::debug : spdlog::level::warn, "{}: {}; connection closed{}", name,
+                  text, advice(number));
     }
     // Before TLS stands there is no way to say it.
     if (!transport_->is_ready()) return close();
@@ -97,6 +100,13 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     finishing_ = true;
     // A peer that does not read does not get to hear why.
     arm(linger_, room_->options().stop_grace_s, [](Session& self) { self.close(); });
+  }
+
+  void finish(ErrorNumber number, const std::string& text) override {
+    if (closed_ || finishing_) return;
+    if (!transport_->is_ready()) return fail(number, text);
+    last_words_ = {number, text};
+    kick();
   }
 
  private:
@@ -111,7 +121,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
           try {
             if (failure) std::rethrow_exception(failure);
           } catch (const std::exception& e) {
-            spdlog::error("{}: {}; connection closed", self->name, e.what());
+            const LogFields fields{{"client", self->name}};
+            spdlog::error(
+                "{}: {}; connection closed; if memory runs out, lower server.max_clients, "
+                "server.queue_frames or server.max_bins",
+                self->name, e.what());
             self->close();
           }
         });
@@ -135,7 +149,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     const Transport::Start start =
         co_await result_of<Transport::Start>([this](auto done) { transport_->start(std::move(done)); });
     if (start == Transport::Start::failed && !closed_) {
-      spdlog::warn("{}: TLS handshake failed: {}; connection closed", name, transport_->description());
+      const LogFields fields{{"client", name}};
+      spdlog::warn(
+          "{}: TLS handshake failed: {}; connection closed; if it is a client of ours, see that it "
+          "trusts server.tls_certificate",
+          name, transport_->description());
     }
     if (closed_ || start == Transport::Start::failed) co_return close();
     spdlog::debug("{}: connected, {}", name, transport_->description());
@@ -222,7 +240,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     const Transport::Transfer got = co_await result_of<Transport::Transfer>(
         [=, this](auto done) { transport_->read(buffer, some, std::move(done)); });
     if (!some && got == Transport::Transfer::end && !finishing_) {
-      spdlog::warn("{}: left in the middle of a message", name);
+      const LogFields fields{{"client", name}};
+      spdlog::warn("{}: left in the middle of a message; if that repeats, see to its network", name);
     }
     last_read_ = Clock::now();
     // The end is reported once: a second read would wait for ever.
@@ -235,6 +254,10 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       const BlockPtr block = outbox.pop();
       if (!block) {
         if (finishing_) break;
+        if (last_words_.number != ErrorNumber::none) {
+          fail(last_words_.number, last_words_.text);
+          continue;
+        }
         error_code error;
         wake_.expires_at(Clock::time_point::max());
         co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -243,7 +266,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       room_->taken(*this, *block);
       drained_.cancel();
       arm(write_deadline_, room_->options().stall_timeout_s, [](Session& self) {
-        spdlog::warn("{}: reads too slowly; connection closed", self.name);
+        const LogFields fields{{"client", self.name}};
+        spdlog::warn("{}: reads too slowly; connection closed{}", self.name,
+                     advice(ErrorNumber::reads_too_slowly));
         self.close();
       });
       const Transport::Transfer put = co_await result_of<Transport::Transfer>(
@@ -292,7 +317,10 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     if (closed_) return;
     closed_ = true;
     const auto self = shared_from_this();  // the room may hold the last other reference
-    spdlog::info("{} has gone", name);
+    {
+      const LogFields fields{{"client", name}};
+      spdlog::info("{} has gone", name);
+    }
     transport_->close();
     for (auto* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &silence_, &linger_}) {
       timer->cancel();
@@ -313,9 +341,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Clock::time_point last_read_ = Clock::now();
   Clock::time_point last_written_ = Clock::now();
   std::uint64_t sequence_ = 0;  ///< of stream 0
-  bool beating_ = false;        ///< heartbeats have begun
-  bool ended_ = false;          ///< nothing more comes from the peer
-  bool finishing_ = false;      ///< nothing is read any more; what is queued is written
+  struct LastWords {
+    ErrorNumber number = ErrorNumber::none;
+    std::string text;
+  };
+  LastWords last_words_;    ///< to be said when nothing waits any more
+  bool beating_ = false;    ///< heartbeats have begun
+  bool ended_ = false;      ///< nothing more comes from the peer
+  bool finishing_ = false;  ///< nothing is read any more; what is queued is written
   bool closed_ = false;
 };
 

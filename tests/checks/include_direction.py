@@ -24,8 +24,10 @@ ALLOWED = {
     "server/control": SERVER_CORE + ["proto"],
     "server/flight": SERVER_CORE + ["server/control"],
     "server/output": SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control"],
-    "server/net": SERVER_CORE + ["proto", "server/control", "server/flight", "server/output"],
-    "server/http": SERVER_CORE + ["proto", "server/control", "server/flight", "server/output", "server/net"],
+    "server/log": ["server/control/log_config.h"],
+    "server/net": SERVER_CORE + ["proto", "server/log", "server/control", "server/flight", "server/output"],
+    "server/http": SERVER_CORE
+    + ["proto", "server/log", "server/control", "server/flight", "server/output", "server/net"],
     "server/apps": ["terrain", "proto", "client", "server"],
     "tests": ["terrain", "proto", "client", "server"],
 }

@@ -22,7 +22,7 @@ constexpr const char* kGet = "GET /page HTTP/1.1\r\nHost: here\r\n\r\n";
 class HttpServerTest : public testing::Test {
  protected:
   explicit HttpServerTest(HttpOptions options = {})
-      : server_(io_.context(), options, {{"/page", [] {
+      : server_(io_.context(), options, {{"/page", true, [] {
                                             return http::Page{200, "text/plain", "words"};
                                           }}}) {}
   ~HttpServerTest() override {

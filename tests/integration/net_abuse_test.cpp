@@ -247,7 +247,7 @@ TEST(Limits, AnAddressOfAnotherMachineIsTheOperatorsMistake) {
   EXPECT_THROW(net::Server(renderer, {small_radar("main")}, options), InputError);
 }
 
-TEST(Stop, BegunFramesAreAbortedAndClientsTold) {
+TEST(Stop, FramesThatAreNotDoneWithinTheLimitAreAbortedAndClientsTold) {
   Gate gate;
   gate.close();
   net::ServerOptions options = small_options();
@@ -269,6 +269,69 @@ TEST(Stop, BegunFramesAreAbortedAndClientsTold) {
   EXPECT_EQ(frames.abort_reason(), "the server is stopping");
   while (status.outcome != Outcome::closed) status = client.receive(kLong);
   gate.open();
+  stopping.join();
+}
+
+TEST(Stop, ABegunFrameIsFinishedAndReadBeforeTheClientIsTold) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.stop_limit_s = 600;
+  options.before_wedge = [&](int wedge) {
+    if (wedge == 1) gate.pass();
+  };
+  TestServer server(options);
+  client::Client watching = connect(server);
+  FrameAssembler live;
+  watching.set_handler(&live);
+  ASSERT_TRUE(watching.subscribe("main", 50).ok());
+  while (live.fraction() == 0) ASSERT_TRUE(watching.receive(kLong).ok());
+
+  std::thread stopping([&] { server.stop(); });
+  // No new connection is taken: the server has heard.
+  for (bool listening = true; listening;) {
+    client::Client late;
+    listening = late.connect(server.endpoint(), {.name = "late"}).ok();
+  }
+  gate.open();
+  client::Status status;
+  while (status.ok()) status = watching.receive(kLong);
+  EXPECT_EQ(status.number, number(ErrorNumber::server_stopping)) << status.sentence();
+  EXPECT_EQ(live.state(), FrameAssembler::State::complete);
+  stopping.join();
+}
+
+TEST(Stop, ABegunRenderIsFinishedAndOneThatWaitsIsNot) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.stop_limit_s = 600;
+  options.before_wedge = [&](int wedge) {
+    if (wedge == 1) gate.pass();
+  };
+  TestServer server(options);
+  client::Client first = connect(server);
+  client::Client second = connect(server);
+  FrameAssembler begun;
+  FrameAssembler waiting;
+  first.set_handler(&begun);
+  second.set_handler(&waiting);
+  ASSERT_TRUE(first.render_once(once_request()).ok());
+  while (begun.fraction() == 0) ASSERT_TRUE(first.receive(kLong).ok());
+  ASSERT_TRUE(second.render_once(once_request()).ok());
+  std::thread stopping([&] { server.stop(); });
+  for (bool listening = true; listening;) {
+    client::Client late;
+    listening = late.connect(server.endpoint(), {.name = "late"}).ok();
+  }
+  gate.open();
+  for (client::Client* client : {&first, &second}) {
+    client::Status status;
+    while (status.ok()) status = client->receive(kLong);
+    EXPECT_EQ(status.number, number(ErrorNumber::server_stopping)) << status.sentence();
+  }
+  EXPECT_EQ(begun.state(), FrameAssembler::State::complete);
+  EXPECT_NE(waiting.state(), FrameAssembler::State::complete);
   stopping.join();
 }
 

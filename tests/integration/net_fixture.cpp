@@ -85,6 +85,7 @@ net::ServerOptions small_options() {
   options.server_name = "test server";
   options.handshake_timeout_s = 0.3;
   options.message_timeout_s = 0.3;
+  options.stop_limit_s = 0.6;
   options.stop_grace_s = 0.3;
   options.render_threads = 1;
   return options;

@@ -1,0 +1,79 @@
+#include "server/apps/reload.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "server/control/parameters.h"
+#include "server/control/print_config.h"
+#include "server/control/scene_keys.h"
+
+namespace obliq {
+namespace {
+
+/// Sections that a scene is built from, or that its keeper reads.
+constexpr std::array<std::string_view, 4> kSceneSections{"terrain.", "earth.", "accuracy.", "flight."};
+
+/// What else changes while the daemon runs.
+constexpr std::array<std::string_view, 13> kLive{"log.format",
+                                                 "log.level",
+                                                 "server.max_clients",
+                                                 "server.max_clients_per_address",
+                                                 "server.max_request_bytes",
+                                                 "server.handshake_timeout_s",
+                                                 "server.message_timeout_s",
+                                                 "server.stall_timeout_s",
+                                                 "server.heartbeat_s",
+                                                 "server.idle_timeout_s",
+                                                 "server.max_bins",
+                                                 "server.stop_limit_s",
+                                                 "server.queue_frames"};
+
+bool is_of_scene(std::string_view key) {
+  return std::ranges::any_of(kSceneSections, [&](std::string_view part) { return key.starts_with(part); });
+}
+
+/// The configuration with nothing in it but what a scene is built from, as text.
+std::string scene_text(SceneConfig config) {
+  const SceneConfig defaults;
+  config.server = defaults.server;
+  config.http = defaults.http;
+  config.log = defaults.log;
+  config.threads = defaults.threads;
+  for (RadarConfig& radar : config.radars) radar = RadarConfig{.name = radar.name, .settings = {}, .pose = {}};
+  return print_config(config);
+}
+
+}  // namespace
+
+std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted) {
+  std::vector<std::string> keys;
+  SceneConfig one = running;  // slots want something that may be changed
+  SceneConfig other = wanted;
+  for (const auto& [key, slot] : scene_entries()) {
+    if (is_of_scene(key.name) || std::ranges::find(kLive, key.name) != kLive.end()) continue;
+    if (load(key, slot(one)) != load(key, slot(other))) keys.emplace_back(key.name);
+  }
+  const auto names = [](const SceneConfig& config) {
+    std::string all;
+    for (const RadarConfig& radar : config.radars) all += (all.empty() ? "" : ", ") + radar.name;
+    return all;
+  };
+  if (names(one) != names(other)) {
+    keys.push_back("the radars (running: " + names(one) + "; wanted: " + names(other) + ")");
+    return keys;
+  }
+  for (std::size_t i = 0; i < one.radars.size(); ++i) {
+    for (const Parameter& p : parameters()) {
+      if (load(p.key, p.slot(one.radars[i])) == load(p.key, p.slot(other.radars[i]))) continue;
+      keys.push_back(one.radars[i].name + ":" + std::string(p.key.name));
+    }
+  }
+  return keys;
+}
+
+bool needs_new_scene(const SceneConfig& running, const SceneConfig& wanted) {
+  return scene_text(running) != scene_text(wanted);
+}
+
+}  // namespace obliq

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace obliq {
+
+/// A named value of a log line, beside its words.
+struct LogField {
+  std::string name;
+  std::variant<std::string, std::int64_t> value;
+};
+
+/// What the lines carry that this thread logs while the object lives; JSON lines show it. A line with a field
+/// "client" is one that a peer has caused, and of those only so many are written a second. Never across a
+/// co_await: another coroutine would log under these fields.
+class LogFields {
+ public:
+  LogFields(std::initializer_list<LogField> fields);
+  ~LogFields();
+  LogFields(const LogFields&) = delete;
+  LogFields& operator=(const LogFields&) = delete;
+
+  /// Of this thread; of fields with one name the last counts.
+  static const std::vector<LogField>& current();
+
+ private:
+  std::size_t before_;
+};
+
+}  // namespace obliq

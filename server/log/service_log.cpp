@@ -1,0 +1,146 @@
+#include "server/log/service_log.h"
+
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "server/log/line_format.h"
+
+namespace obliq {
+namespace {
+
+std::string level_name(spdlog::level::level_enum level) {
+  if (level <= spdlog::level::debug) return "debug";
+  if (level == spdlog::level::info) return "info";
+  return level == spdlog::level::warn ? "warning" : "error";
+}
+
+spdlog::level::level_enum spdlog_level(LogLevel level) {
+  constexpr std::array kLevels{spdlog::level::debug, spdlog::level::info, spdlog::level::warn,
+                               spdlog::level::err};
+  return kLevels[static_cast<std::size_t>(level)];
+}
+
+class JsonFormatter : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
+    const std::string line =
+        json_line(message.time, level_name(message.level), {message.payload.data(), message.payload.size()},
+                  LogFields::current());
+    out.append(line.data(), line.data() + line.size());
+    out.push_back('\n');
+  }
+  std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JsonFormatter>(); }
+};
+
+bool is_from_peer() {
+  return std::ranges::any_of(LogFields::current(), [](const LogField& f) { return f.name == "client"; });
+}
+
+/// Counts every line, leaves out what peers cause in masses, and hands the rest to stderr.
+class ServiceSink : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  void set_json(bool json) {
+    const std::lock_guard lock(mutex_);
+    json_ = json;
+    if (json) {
+      stderr_.set_formatter(std::make_unique<JsonFormatter>());
+    } else {
+      stderr_.set_pattern("[%Y-%m-%d %H:%M:%S.%e] [obliqd] [%^%l%$] %v");
+    }
+  }
+  void set_listener(std::function<void(const std::string&)> listener) {
+    const std::lock_guard lock(mutex_);
+    listener_ = std::move(listener);
+  }
+  void report() {
+    const std::lock_guard lock(mutex_);
+    begin_second();
+  }
+
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    if (listener_) listener_(level_name(message.level));
+    if (is_from_peer()) {
+      begin_second();
+      Budget& budget = budgets_[message.level];
+      if (budget.written >= kPeerLinesPerSecond) {
+        ++budget.suppressed;
+        return;
+      }
+      ++budget.written;
+    }
+    write(message);
+  }
+  void flush_() override { stderr_.flush(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Budget {
+    int written = 0;
+    std::uint64_t suppressed = 0;
+  };
+
+  void write(const spdlog::details::log_msg& message) {
+    if (json_) return stderr_.log(message);  // whose escapes are JSON's own
+    const std::string clean = visible({message.payload.data(), message.payload.size()});
+    spdlog::details::log_msg copy = message;
+    copy.payload = clean;
+    stderr_.log(copy);
+  }
+
+  void begin_second() {
+    const auto now = Clock::now();
+    if (now < second_ + std::chrono::seconds(1)) return;
+    second_ = now;
+    for (auto& [level, budget] : budgets_) {
+      const Budget over = std::exchange(budget, {});
+      if (over.suppressed == 0) continue;
+      const std::string text = std::to_string(over.suppressed) + " more lines (" + level_name(level) +
+                               ") about clients were left out: if they do not end, find who connects with a "
+                               "packet filter's log or "
+                               "`ss -tn`, and bar the address";
+      write(spdlog::details::log_msg("", spdlog::level::warn, text));
+    }
+  }
+
+  spdlog::sinks::stderr_color_sink_st stderr_;
+  bool json_ = false;
+  std::function<void(const std::string&)> listener_;
+  Clock::time_point second_ = Clock::now();
+  std::map<spdlog::level::level_enum, Budget> budgets_;
+};
+
+std::shared_ptr<ServiceSink> the_sink() {
+  static const auto sink = std::make_shared<ServiceSink>();
+  return sink;
+}
+
+}  // namespace
+
+void open_log(const LogConfig& config) {
+  the_sink()->set_json(config.format == LogFormat::json);
+  static const auto logger = [] {
+    auto made = std::make_shared<spdlog::logger>("obliqd", the_sink());
+    spdlog::set_default_logger(made);
+    return made;
+  }();
+  logger->set_level(spdlog_level(config.level));
+  logger->flush_on(spdlog::level::debug);
+}
+
+void on_log_line(std::function<void(const std::string& level)> call) {
+  the_sink()->set_listener(std::move(call));
+}
+
+void report_suppressed_lines() { the_sink()->report(); }
+
+}  // namespace obliq

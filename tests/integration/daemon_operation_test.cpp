@@ -1,0 +1,256 @@
+// obliqd as systemd, a container engine and an operator run it: notifications, signals, JSON lines, health.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "client/client.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/daemon.h"
+#include "tests/integration/http_peer.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr const char* kScene = R"(
+[terrain]
+synthetic = "ridge"
+cell_m = 64.0
+[antenna]
+height_m = 1500.0
+[radar]
+r_min_m = 2000.0
+r_max_m = 9000.0
+[frustum]
+pixels = 64
+[bins]
+azimuth = 36
+range = 32
+[server]
+port = 0
+[http]
+port = 0
+)";
+
+std::string between(const std::string& text, const std::string& before, const std::string& after) {
+  const std::size_t at = text.find(before);
+  if (at == std::string::npos) return "";
+  const std::size_t first = at + before.size();
+  return text.substr(first, text.find(after, first) - first);
+}
+
+class DaemonOperation : public testing::Test {
+ protected:
+  /// "127.0.0.1:PORT" of HTTP.
+  static std::string http_address(const Daemon& daemon) { return between(daemon.log(), "HTTP on ", ": /"); }
+  static std::string http_port(const Daemon& daemon) { return std::to_string(port_of(http_address(daemon))); }
+  Outcome health(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {"health", "--config", scene};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
+  }
+  static client::Client come(const std::string& address, const std::string& name = "tester") {
+    client::Client made;
+    EXPECT_TRUE(made.connect(*client::parse_endpoint(address), {.name = name}).ok());
+    return made;
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", kScene);
+};
+
+/// Stands for systemd: a datagram socket that NOTIFY_SOCKET names while the object lives.
+class NotifySocket {
+ public:
+  NotifySocket() : fd_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    // Abstract: a path of the test's folder may be too long for it.
+    const std::string name = "obliq-notify-" + std::to_string(getpid());
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
+    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&address), length), 0);
+    const timeval limit{20, 0};  // reached only when something is broken
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);
+    setenv("WATCHDOG_USEC", "300000", 1);
+  }
+  ~NotifySocket() {
+    unsetenv("NOTIFY_SOCKET");
+    unsetenv("WATCHDOG_USEC");
+    close(fd_);
+  }
+  /// Everything up to and with the first message that holds `part`; empty when it does not come.
+  std::string until(const std::string& part) const {
+    std::string all;
+    char text[4096];
+    for (;;) {
+      const ssize_t n = recv(fd_, text, sizeof text, 0);
+      if (n <= 0) return "";
+      all += std::string(text, static_cast<std::size_t>(n)) + "\n";
+      if (all.find(part) != std::string::npos) return all;
+    }
+  }
+
+ private:
+  int fd_;
+};
+
+TEST_F(DaemonOperation, SystemdHearsOfLoadingReadinessPulseAndTheEnd) {
+  const NotifySocket systemd;
+  Daemon daemon({"--config", scene}, folder.path());
+  const std::string start = systemd.until("READY=1");
+  EXPECT_NE(start.find("STATUS=loading: "), std::string::npos) << start;
+  EXPECT_NE(start.find("STATUS=serving main on " + daemon.address()), std::string::npos) << start;
+  for (int beat = 0; beat < 3; ++beat) EXPECT_NE(systemd.until("WATCHDOG=1"), "");
+  daemon.send_signal(SIGTERM);
+  EXPECT_NE(systemd.until("STOPPING=1"), "");
+  EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST_F(DaemonOperation, EveryJsonLineIsAnObjectAndClientsAreNamed) {
+  Daemon daemon({"--config", scene, "--set", "log.format=json", "--set", "log.level=debug"}, folder.path(),
+                "ready: ");
+  const std::string address = between(daemon.log().substr(daemon.log().find("ready: ")), " on ", "\"");
+  {
+    const client::Client odd = come(address, "o\"dd}\n{\x1b\xff");
+    HttpPeer no_client(port_of(address));
+    no_client.send("GET / HTTP/1.1\r\n\r\n");
+    EXPECT_TRUE(no_client.closed());
+  }
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+  std::istringstream lines(daemon.log());
+  std::set<std::string> levels;
+  bool refused = false;
+  for (std::string line; std::getline(lines, line);) {
+    const auto read = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(read.is_object()) << line;
+    EXPECT_EQ(read["time"].get<std::string>().size(), 27u) << line;  // 2026-11-20T12:00:00.123456Z
+    levels.insert(read["level"].get<std::string>());
+    refused = refused || (read.contains("error") && read["error"] == 1 &&
+                          read["client"].get<std::string>().rfind("127.0.0.1:", 0) == 0);
+  }
+  EXPECT_TRUE(refused) << "what sent no obliq bytes is logged with error number and address: "
+                       << daemon.log();
+  EXPECT_TRUE(levels.contains("info") && levels.contains("warning")) << daemon.log();
+}
+
+TEST_F(DaemonOperation, HealthIsExitCodeZeroOnlyWhileItAnswers) {
+  Daemon daemon({"--config", scene}, folder.path());
+  const std::string port = "http.port=" + http_port(daemon);
+  const Outcome alive = health({"--set", port});
+  EXPECT_EQ(alive.code, 0) << alive.err;
+  EXPECT_EQ(alive.out.rfind("healthy: http://127.0.0.1:", 0), 0u) << alive.out;
+  EXPECT_EQ(health({"--set", port, "--ready"}).code, 0);
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+  for (const auto& arguments :
+       {std::vector<std::string>{"--set", port}, {"--set", "http.enabled=false"}, {}}) {
+    const Outcome gone = health(arguments);
+    EXPECT_EQ(gone.code, 1);
+    EXPECT_EQ(std::count(gone.err.begin(), gone.err.end(), '\n'), 1) << gone.err;
+  }
+}
+
+TEST_F(DaemonOperation, HealthTellsLoadingFromReady) {
+  // Fifty million posts: seconds of loading, of which the question comes in the first.
+  const Daemon daemon({"--config", scene, "--set", "terrain.synthetic=hills", "--set", "terrain.cell_m=2.5"},
+                      folder.path(), "loading terrain");
+  const std::string port = "http.port=" + http_port(daemon);
+  EXPECT_EQ(health({"--set", port}).code, 0);
+  const Outcome loading = health({"--set", port, "--ready"});
+  EXPECT_EQ(loading.code, 1);
+  EXPECT_NE(loading.err.find("answered 503 loading: "), std::string::npos) << loading.err;
+}
+
+TEST_F(DaemonOperation, WithTokensTheMetricsNeedOneAndHealthDoesNot) {
+  const std::string tokens = folder.write("tokens", "viewer viewer-token-0123456789\n");
+  ASSERT_EQ(chmod(tokens.c_str(), 0600), 0);
+  const Daemon daemon({"--config", scene, "--set", "server.tokens=" + tokens}, folder.path());
+  const std::uint16_t port = port_of(http_address(daemon));
+  EXPECT_EQ(http_get(port, "/healthz").status, 200);
+  EXPECT_EQ(http_get(port, "/readyz").status, 200);
+  const auto metrics = [&](const std::string& field) {
+    HttpPeer peer(port);
+    peer.send("GET /metrics HTTP/1.1\r\nHost: here\r\n" + field + "\r\n");
+    return peer.receive();
+  };
+  EXPECT_EQ(metrics("").status, 401);
+  EXPECT_NE(metrics("").headers.find("www-authenticate: bearer"), std::string::npos);
+  EXPECT_EQ(metrics("Authorization: Bearer viewer-token-012345678\r\n").status, 401);
+  EXPECT_EQ(metrics("Authorization: Bearer\r\n").status, 401);
+  EXPECT_EQ(metrics("Authorization: Basic viewer-token-0123456789\r\n").status, 401);
+  EXPECT_EQ(metrics("Authorization: Bearer viewer-token-0123456789\r\n").status, 200);
+  EXPECT_EQ(metrics("authorization: bearer viewer-token-0123456789\r\n").status, 200);
+  EXPECT_EQ(daemon.log().find("viewer-token"), std::string::npos) << "no token is ever written down";
+}
+
+TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
+  const std::string certificate = folder / "certificate.pem";
+  const std::string key = folder / "key.pem";
+  const Outcome made =
+      run_program("/usr/bin/openssl",
+                  {"req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes",
+                   "-days", "2", "-subj", "/CN=somewhere.else", "-keyout", key, "-out", certificate},
+                  folder.path());
+  if (made.code != 0) GTEST_SKIP() << "no openssl program here makes a certificate: " << made.err;
+  const std::vector<std::string> tls = {"--set", "server.tls_certificate=" + certificate, "--set",
+                                        "server.tls_key=" + key};
+  std::vector<std::string> arguments = {"--config", scene};
+  arguments.insert(arguments.end(), tls.begin(), tls.end());
+  const Daemon daemon(arguments, folder.path());
+  std::vector<std::string> question = tls;
+  question.insert(question.end(), {"--set", "http.port=" + http_port(daemon)});
+  const Outcome alive = health(question);
+  EXPECT_EQ(alive.code, 0) << alive.err;
+  EXPECT_EQ(alive.out.rfind("healthy: https://", 0), 0u) << alive.out;
+  HttpPeer plain(port_of(http_address(daemon)));
+  plain.send("GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n");
+  EXPECT_EQ(plain.receive().status, 0) << "nothing is said in plain words";
+}
+
+TEST_F(DaemonOperation, OffLoopbackHttpIsRefusedAsTheStreamIs) {
+  const Outcome outcome =
+      run_program(OBLIQD_PROGRAM, {"--config", scene, "--set", "http.address=0.0.0.0"}, folder.path());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("http.address"), std::string::npos) << outcome.err;
+}
+
+TEST_F(DaemonOperation, ReadinessEndsAtTheSignalAndASecondSignalEndsItAtOnce) {
+  Daemon daemon(
+      {"--config", scene, "--set", "server.stop_limit_s=600", "--set", "server.stall_timeout_s=600"},
+      folder.path());
+  client::Client stalled =
+      come(daemon.address());  // asks for 80 MB and never reads: its queue does not drain
+  wire::RenderOnce request;
+  request.set_radar("main");
+  request.mutable_settings()->set_azimuth_bins(2000);
+  request.mutable_settings()->set_range_bins(2000);
+  request.mutable_settings()->set_r_max_m(9000);
+  request.mutable_pose()->set_latitude_deg(33);
+  request.mutable_pose()->set_longitude_deg(-99.5);
+  request.mutable_pose()->set_height_m(1500);
+  const client::Status asked = stalled.render_once(request);
+  ASSERT_TRUE(asked.ok()) << asked.sentence();
+  // Its frame has begun: the server had something to send.
+  ASSERT_TRUE(stalled.receive(client::Timeout(20000)).ok());
+  daemon.send_signal(SIGTERM);
+  HttpReply ready = http_get(port_of(http_address(daemon)), "/readyz");
+  while (ready.status == 200) ready = http_get(port_of(http_address(daemon)), "/readyz");
+  EXPECT_EQ(ready.status, 503);
+  EXPECT_EQ(ready.body, "stopping\n");
+  EXPECT_EQ(http_get(port_of(http_address(daemon)), "/healthz").status, 200);
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), -SIGTERM);
+}
+
+}  // namespace
+}  // namespace obliq::test
