@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/apps/daemon.h"
+#include "server/apps/library_logs.h"
 #include "server/apps/scene_arguments.h"
 #include "server/log/service_log.h"
 
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
                                        "Short for --set server.address");
   obliq::LogConfig log;
   obliq::open_log(log);
+  obliq::take_over_library_logs();
   obliq::heed_signals_before_start();
   try {
     app.parse(argc, argv);

@@ -40,7 +40,8 @@ std::string scene_text(SceneConfig config) {
   config.http = defaults.http;
   config.log = defaults.log;
   config.threads = defaults.threads;
-  for (RadarConfig& radar : config.radars) radar = RadarConfig{.name = radar.name, .settings = {}, .pose = {}};
+  for (RadarConfig& radar : config.radars)
+    radar = RadarConfig{.name = radar.name, .settings = {}, .pose = {}};
   return print_config(config);
 }
 

@@ -120,7 +120,9 @@ TEST_F(DaemonOperation, EveryJsonLineIsAnObjectAndClientsAreNamed) {
                 "ready: ");
   const std::string address = between(daemon.log().substr(daemon.log().find("ready: ")), " on ", "\"");
   {
-    const client::Client odd = come(address, "o\"dd}\n{\x1b\xff");
+    const client::Client odd = come(address, "o\"dd}\n{\x1b");
+    client::Client wrong;  // bytes that are no UTF-8 are refused; protobuf has its own words for that
+    EXPECT_FALSE(wrong.connect(*client::parse_endpoint(address), {.name = "\xff"}).ok());
     HttpPeer no_client(port_of(address));
     no_client.send("GET / HTTP/1.1\r\n\r\n");
     EXPECT_TRUE(no_client.closed());

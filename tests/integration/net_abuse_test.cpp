@@ -316,9 +316,10 @@ TEST(Stop, ABegunRenderIsFinishedAndOneThatWaitsIsNot) {
   FrameAssembler waiting;
   first.set_handler(&begun);
   second.set_handler(&waiting);
-  ASSERT_TRUE(first.render_once(once_request()).ok());
+  wire::RenderOnce request = once_request();
+  ASSERT_TRUE(first.render_once(request).ok());
   while (begun.fraction() == 0) ASSERT_TRUE(first.receive(kLong).ok());
-  ASSERT_TRUE(second.render_once(once_request()).ok());
+  ASSERT_TRUE(second.render_once(request).ok());
   std::thread stopping([&] { server.stop(); });
   for (bool listening = true; listening;) {
     client::Client late;
