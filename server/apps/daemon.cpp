@@ -12,14 +12,18 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/build_info.h"
 #include "server/apps/meet_accuracy.h"
+#include "server/apps/reload.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_options.h"
 #include "server/apps/service_manager.h"
+#include "server/control/scene_file.h"
+#include "server/flight/scene_keeper.h"
 #include "server/http/http_server.h"
 #include "server/http/metrics.h"
 #include "server/http/pages.h"
@@ -50,11 +54,16 @@ void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
 /// One object, so that what the io thread uses outlives that thread however the daemon ends.
 class Daemon {
  public:
-  explicit Daemon(SceneConfig config) : config_(std::move(config)), metrics_(build_info()) {
+  Daemon(SceneConfig config, SceneArguments arguments)
+      : config_(std::move(config)),
+        arguments_(std::move(arguments)),
+        in_file_(config_),
+        metrics_(build_info()) {
     on_log_line([this](const std::string& level) { metrics_.log_line(level); });
   }
   ~Daemon() {
     io_.end();
+    if (reader_.joinable()) reader_.join();
     on_log_line({});
   }
   Daemon(const Daemon&) = delete;
@@ -64,14 +73,23 @@ class Daemon {
 
  private:
   void heed_signals();
+  void wait_for_signal();
   void on_signal();
   void keep_pulse();
+  void begin_reload();
+  void read_again();
+  void take_over(const SceneConfig& wanted, SceneConfig to_build);
+  void end_reload();
   void open_http();
   void load();
   void serve(net::ReservedPort port);
   Progress progress();
 
   SceneConfig config_;
+  SceneArguments arguments_;
+  SceneConfig in_file_;    ///< as last taken over, before [accuracy] chose its pixels; the io thread's
+  std::string signature_;  ///< of the scene that serves; the io thread's
+  std::string serving_text_;
   std::shared_ptr<net::Security> security_;
   http::Readiness readiness_;
   http::Metrics metrics_;
@@ -80,7 +98,11 @@ class Daemon {
   asio::steady_timer pulse_{io_.context()};
   std::unique_ptr<http::HttpServer> http_;
   std::optional<net::SceneRenderer> renderer_;
+  std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
   std::optional<net::Server> server_;
+  std::thread reader_;              ///< reads the scene file anew
+  bool reloading_ = false;          ///< the io thread's
+  bool reload_wanted_ = false;      ///< a signal that came too early or meanwhile; the io thread's
   net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
 };
 
@@ -99,10 +121,79 @@ void Daemon::run() {
 }
 
 void Daemon::heed_signals() {
-  for (const int signal : {SIGINT, SIGTERM}) signals_.add(signal);
-  signals_.async_wait([this](boost::system::error_code error, int) {
-    if (!error) on_signal();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) signals_.add(signal);
+  wait_for_signal();
+}
+
+void Daemon::wait_for_signal() {
+  signals_.async_wait([this](boost::system::error_code error, int signal) {
+    if (error) return;
+    if (signal != SIGHUP) return on_signal();
+    begin_reload();
+    wait_for_signal();
   });
+}
+
+void Daemon::begin_reload() {
+  reload_wanted_ = serving_ == nullptr || reloading_;
+  if (reload_wanted_) return;
+  reloading_ = true;
+  service_manager::reloading();
+  spdlog::info("reloading {}", arguments_.file);
+  if (reader_.joinable()) reader_.join();  // it has ended: reloading_ says so
+  reader_ = std::thread([this] { read_again(); });
+}
+
+// Not on the io thread: an elevation model may have to be opened.
+void Daemon::read_again() {
+  std::string fault;
+  std::optional<SceneConfig> wanted;
+  std::optional<SceneConfig> to_build;
+  try {
+    wanted = load_scene_file(arguments_.file, {arguments_.set});
+    to_build = wanted;
+    meet_accuracy(*to_build, [](const std::string& line) { spdlog::info("{}", line); }, {});
+    server_->reload_security();
+  } catch (const std::exception& e) {
+    fault = e.what();
+    std::ranges::replace(fault, '\n', ' ');
+  }
+  io_.post([this, fault, wanted, to_build] {
+    if (fault.empty()) return take_over(*wanted, *to_build);
+    spdlog::error("reload refused, everything stays as it was: {}; mend it and send SIGHUP again", fault);
+    end_reload();
+  });
+}
+
+void Daemon::take_over(const SceneConfig& wanted, SceneConfig to_build) {
+  for (const std::string& key : keys_for_restart(in_file_, wanted))
+    spdlog::warn("reload: {} has changed in the file; restart obliqd to apply it", key);
+  open_log(wanted.log);
+  server_->set_limits(server_options(wanted));
+  in_file_ = wanted;
+  const std::string signature = scene_signature(wanted);
+  if (signature == signature_) {
+    spdlog::info("reloaded: the scene is the same");
+    return end_reload();
+  }
+  to_build.radars = config_.radars;
+  keeper_->reload(std::move(to_build), [this, signature](const std::string& fault) {
+    io_.post([this, signature, fault] {
+      if (fault.empty()) {
+        signature_ = signature;
+        spdlog::info("reloaded: the new scene serves");
+      } else {
+        spdlog::error("reload: the old scene serves on: {}; mend it and send SIGHUP again", fault);
+      }
+      end_reload();
+    });
+  });
+}
+
+void Daemon::end_reload() {
+  reloading_ = false;
+  service_manager::ready(serving_text_);
+  if (reload_wanted_) begin_reload();
 }
 
 void Daemon::on_signal() {
@@ -140,7 +231,12 @@ void Daemon::open_http() {
   const auto metrics = [this] {
     std::optional<net::RoomStatistics> room;
     if (serving_ != nullptr) room = serving_->statistics();
-    return http::metrics_page(metrics_.text(room ? &*room : nullptr));
+    http::SceneStatistics scene;
+    if (serving_ != nullptr) {
+      const SceneKeeper::State state = keeper_->state();
+      scene = {state.swaps, state.failures, state.building, state.last_build_s};
+    }
+    return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
   };
   http_ = std::make_unique<http::HttpServer>(
       io_.context(), options,
@@ -168,10 +264,15 @@ Progress Daemon::progress() {
 
 void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
+  signature_ = scene_signature(config_);
   const auto say = [](const std::string& line) { spdlog::info("{}", line); };
   readiness_.loading("terrain", 0);
   meet_accuracy(config_, say, progress());
   renderer_.emplace(build_scene(config_, say, progress()), config_.name);
+  keeper_ = std::make_unique<SceneKeeper>(
+      config_, renderer_->scene(),
+      [say](const SceneConfig& config, const std::stop_token&) { return build_scene(config, say, {}); },
+      [this](std::shared_ptr<const Scene> scene) { renderer_->replace(std::move(scene)); });
   for (const RadarConfig& radar : config_.radars) {
     check_radar(*renderer_, radar);
     metrics_.add_radar(radar.name);
@@ -196,8 +297,10 @@ void Daemon::serve(net::ReservedPort port) {
     std::string names;
     for (const RadarConfig& radar : config_.radars) names += (names.empty() ? "" : ", ") + radar.name;
     readiness_.ready();
-    service_manager::ready("serving " + names + " on " + server_->address());
+    serving_text_ = "serving " + names + " on " + server_->address();
+    service_manager::ready(serving_text_);
     spdlog::info("ready: {} on {}", names, server_->address());
+    if (reload_wanted_) begin_reload();
   });
   io_.join();
 }
@@ -214,12 +317,15 @@ void heed_signals_before_start() {
   struct sigaction action {};
   action.sa_handler = end_before_start;
   sigemptyset(&action.sa_mask);
+  (void)std::signal(SIGHUP, SIG_IGN);  // nothing to reload yet
   for (const int signal : {SIGINT, SIGTERM}) {
     if (sigaction(signal, &action, nullptr) != 0)
       spdlog::warn("signal {} cannot be handled; only SIGKILL will end this process", signal);
   }
 }
 
-void run_daemon(SceneConfig config) { Daemon(std::move(config)).run(); }
+void run_daemon(SceneConfig config, SceneArguments arguments) {
+  Daemon(std::move(config), std::move(arguments)).run();
+}
 
 }  // namespace obliq

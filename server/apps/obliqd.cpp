@@ -16,7 +16,9 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Serves radar ground maps of real terrain over TCP. The port is taken at once; until the terrain is "
       "loaded "
-      "connections are refused (`obliq get --wait SECONDS` tries again).",
+      "connections are refused (`obliq get --wait SECONDS` tries again). SIGTERM and SIGINT stop it in good "
+      "order, a "
+      "second one at once; SIGHUP reads the scene file anew.",
       "obliqd"};
   app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
   obliq::SceneArguments arguments;
@@ -39,7 +41,7 @@ int main(int argc, char** argv) {
     if (config) {
       log = config->log;
       obliq::open_log(log);
-      obliq::run_daemon(std::move(*config));
+      obliq::run_daemon(std::move(*config), arguments);
     }
     std::cout.flush();
     return std::cout ? 0 : 1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <string_view>
 
 #include "server/control/parameters.h"
@@ -73,8 +74,21 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
   return keys;
 }
 
-bool needs_new_scene(const SceneConfig& running, const SceneConfig& wanted) {
-  return scene_text(running) != scene_text(wanted);
+std::string scene_signature(const SceneConfig& config) {
+  std::string text = scene_text(config);
+  const auto add = [&](const std::string& path) {
+    std::error_code absent;  // a URL, or a file that is on its way: then the name alone counts
+    const auto size = std::filesystem::file_size(path, absent);
+    const auto time = std::filesystem::last_write_time(path, absent);
+    if (!absent)
+      text +=
+          path + " " + std::to_string(size) + " " + std::to_string(time.time_since_epoch().count()) + "\n";
+  };
+  for (const std::string& path : config.world.terrain.dem) add(path);
+  for (const BuildingSourceSpec& spec : config.world.buildings) add(spec.source);
+  for (const PrismSpec& spec : config.world.prisms) add(spec.within);
+  for (const SurfaceSpec& spec : config.world.surfaces) add(spec.source);
+  return text;
 }
 
 }  // namespace obliq

@@ -11,7 +11,8 @@ namespace obliq {
 /// materials, earth, accuracy, flight, the log, the limits of [server].
 std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted);
 
-/// Whether the two differ in what a scene is built from.
-bool needs_new_scene(const SceneConfig& running, const SceneConfig& wanted);
+/// Everything that a scene is built from, as text: keys, and sizes and times of the files that are local. Two
+/// that are equal build the same scene.
+std::string scene_signature(const SceneConfig& config);
 
 }  // namespace obliq

@@ -156,11 +156,6 @@ struct Metrics::State {
           .Register(registry);
   prometheus::Family<Counter>& log_lines =
       BuildCounter().Name("obliq_log_lines_total").Help("Lines logged.").Register(registry);
-  Counter& scenes = BuildCounter()
-                        .Name("obliq_scene_loads_total")
-                        .Help("Scenes put in place: the first one and every exchange.")
-                        .Register(registry)
-                        .Add({});
   Gauge& scene_load_s = BuildGauge()
                             .Name("obliq_scene_load_seconds")
                             .Help("Time that the scene in use took to load and build.")
@@ -203,19 +198,25 @@ void Metrics::frame(const std::string& radar, const net::RenderedFrame& frame) {
   if (frame.pose_to_end_s >= 0) metrics.pose_to_end_s.Observe(frame.pose_to_end_s);
 }
 
-void Metrics::scene_loaded(double load_s) {
-  state_->scenes.Increment();
-  state_->scene_load_s.Set(load_s);
-}
+void Metrics::scene_loaded(double load_s) { state_->scene_load_s.Set(load_s); }
 
 void Metrics::log_line(const std::string& level) {
   const auto at = state_->lines.find(level);
   if (at != state_->lines.end()) at->second->Increment();
 }
 
-std::string Metrics::text(const net::RoomStatistics* room) const {
+std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics& scene) const {
+  if (scene.swaps > 0) state_->scene_load_s.Set(scene.last_build_s);
   std::vector<MetricFamily> all = state_->registry.Collect();
   if (room != nullptr) append_room(*room, all);
+  all.push_back(single("obliq_scene_swaps_total",
+                       "Scenes that replaced another: windows of a flight, reloads.", MetricType::Counter,
+                       static_cast<double>(scene.swaps)));
+  all.push_back(single("obliq_scene_failures_total",
+                       "Scenes that could not be loaded; the old one serves on.", MetricType::Counter,
+                       static_cast<double>(scene.failures)));
+  all.push_back(single("obliq_scene_building", "1 while a scene is built behind the one that serves.",
+                       MetricType::Gauge, scene.building ? 1 : 0));
   all.push_back(
       single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge, resident_bytes()));
   all.push_back(single("process_start_time_seconds", "When the process started, since 1970, UTC.",

@@ -15,6 +15,14 @@ struct BuildInfo {
   std::string gdal;
 };
 
+/// What became of scenes that were to replace the first one.
+struct SceneStatistics {
+  std::uint64_t swaps = 0;
+  std::uint64_t failures = 0;
+  bool building = false;
+  double last_build_s = 0;  ///< of the newest swap
+};
+
 /// What the daemon counts, in Prometheus' terms; METRICS.md lists it. From any thread.
 class Metrics {
  public:
@@ -26,13 +34,13 @@ class Metrics {
   /// A live radar, whose counters stand at 0 from now on.
   void add_radar(const std::string& radar);
   void frame(const std::string& radar, const net::RenderedFrame& frame);
-  /// The scene is in place after so many seconds: the first one, or one that replaced another.
+  /// The first scene is in place after so many seconds.
   void scene_loaded(double load_s);
   /// A line was logged at "debug", "info", "warning" or "error".
   void log_line(const std::string& level);
 
   /// Everything, in Prometheus' text format; `room` is null before clients are served.
-  std::string text(const net::RoomStatistics* room) const;
+  std::string text(const net::RoomStatistics* room, const SceneStatistics& scene) const;
 
  private:
   struct State;

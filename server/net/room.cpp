@@ -57,6 +57,20 @@ void Room::stopped_if_empty() {
   if (stopping_ && peers_.empty() && stopped_) post_(std::exchange(stopped_, nullptr));
 }
 
+void Room::set_limits(const ServerOptions& options) {
+  options_.max_clients = options.max_clients;
+  options_.max_clients_per_address = options.max_clients_per_address;
+  options_.max_request_bytes = options.max_request_bytes;
+  options_.max_bins = options.max_bins;
+  options_.queue_frames = options.queue_frames;
+  options_.handshake_timeout_s = options.handshake_timeout_s;
+  options_.message_timeout_s = options.message_timeout_s;
+  options_.heartbeat_s = options.heartbeat_s;
+  options_.idle_timeout_s = options.idle_timeout_s;
+  options_.stall_timeout_s = options.stall_timeout_s;
+  options_.stop_limit_s = options.stop_limit_s;
+}
+
 RoomStatistics Room::statistics() const {
   RoomStatistics all;
   all.clients = peers_.size();

@@ -37,6 +37,8 @@ class Room : private RenderEvents {
   /// Renders no more, on any thread: what it renders from may go.
   void end() { render_.end(); }
   RoomStatistics statistics() const;
+  /// See Server::set_limits.
+  void set_limits(const ServerOptions& options);
 
   /// Clients from that host; of IPv6, from its /64 network, which one host can have for itself.
   int clients_from(const std::string& host) const;

@@ -181,6 +181,8 @@ void Server::start(std::function<void()> stopped) {
   state_->room->start();
 }
 
+void Server::set_limits(const ServerOptions& options) { state_->room->set_limits(options); }
+
 RoomStatistics Server::statistics() const { return state_->room->statistics(); }
 
 void Server::stop() {

@@ -96,7 +96,9 @@ TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {
             value_of(text, "obliq_hits_total{radar=\"main\"}"));
   EXPECT_GT(value_of(text, "obliq_sent_bytes_total"), 5 * 36 * 32 * 8) << "five frames of I&Q at least";
   EXPECT_GT(value_of(text, "process_resident_memory_bytes"), 1e6);
-  EXPECT_EQ(value_of(text, "obliq_scene_loads_total"), 1);
+  EXPECT_EQ(value_of(text, "obliq_scene_swaps_total"), 0);
+  EXPECT_GT(value_of(text, "obliq_scene_load_seconds"), 0);
+  EXPECT_GE(value_of(text, "obliq_log_lines_total{level=\"info\"}"), 3);
 }
 
 TEST_F(DaemonHttpTest, ThePageOfMetricsListsWhatThereIs) {
@@ -114,6 +116,32 @@ TEST_F(DaemonHttpTest, ThePageOfMetricsListsWhatThereIs) {
     for (std::string name; names >> name;) listed.insert(name.substr(1, name.rfind('`') - 1));
   }
   EXPECT_EQ(found, listed);
+}
+
+TEST_F(DaemonHttpTest, PrometheusOwnParserReadsTheMetrics) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  const std::string metrics = folder.write("metrics", http_get(http_port(daemon), "/metrics").body);
+  const std::string modules = folder / "modules";
+  // Python's client library of Prometheus, from PyPI, for this test alone.
+  const Outcome install =
+      run_program("/usr/bin/env",
+                  {"python3", "-m", "pip", "install", "--quiet", "--target", modules, "prometheus_client"},
+                  folder.path());
+  if (install.code != 0) GTEST_SKIP() << "no prometheus_client to be had here: " << install.err;
+  const char* program = R"(
+import sys
+sys.path.insert(0, sys.argv[1])
+from prometheus_client.parser import text_string_to_metric_families
+for family in text_string_to_metric_families(open(sys.argv[2]).read()):
+    assert family.documentation and family.type != "unknown", family
+    print(family.name, family.type, len(family.samples))
+)";
+  const Outcome parsed =
+      run_program("/usr/bin/env", {"python3", "-c", program, modules, metrics}, folder.path());
+  EXPECT_EQ(parsed.code, 0) << parsed.err;
+  // 22 buckets, one for the rest, count and sum.
+  EXPECT_NE(parsed.out.find("obliq_frame_render_seconds histogram 25\n"), std::string::npos) << parsed.out;
+  EXPECT_NE(parsed.out.find("obliq_frames counter 1\n"), std::string::npos) << parsed.out;
 }
 
 TEST_F(DaemonHttpTest, ItCanBeSwitchedOff) {

@@ -1,0 +1,143 @@
+// SIGHUP: the scene file is read anew while clients are served.
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "client/client.h"
+#include "client/frame_assembler.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/daemon.h"
+
+namespace obliq::test {
+namespace {
+
+using client::FrameAssembler;
+
+constexpr client::Timeout kLong{20000};  // reached only when something is broken
+
+/// A scene of which some lines differ.
+std::string scene_text(const std::string& terrain, const std::string& more = "") {
+  return "[terrain]\ncell_m = 64.0\n" + terrain + R"(
+[antenna]
+height_m = 1500.0
+[radar]
+r_min_m = 2000.0
+r_max_m = 9000.0
+[frustum]
+pixels = 64
+[bins]
+azimuth = 36
+range = 32
+[http]
+port = 0
+[server]
+port = 0
+)" + more;
+}
+
+constexpr const char* kFlat = "synthetic = \"flat\"\n";
+constexpr const char* kRidge = "synthetic = \"ridge\"\nshape = { distance_m = 5000.0, height_m = 900.0 }\n";
+
+class DaemonReload : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(watching.connect(*client::parse_endpoint(daemon.address())).ok()) << daemon.log();
+    watching.set_handler(&frames);
+    ASSERT_TRUE(watching.subscribe("main", 50).ok());
+  }
+  /// The next whole frame's planes of power.
+  std::vector<double> next_frame() {
+    while (frames.state() != FrameAssembler::State::complete) {
+      const client::Status status = watching.receive(kLong);
+      if (!status.ok()) {
+        ADD_FAILURE() << status.sentence() << "\n" << daemon.log();
+        return {};
+      }
+    }
+    return frames.take().power_w;
+  }
+  /// Frames go on until the log says so; false when the client is dropped before.
+  bool frames_until_log(const std::string& part) {
+    while (daemon.log().find(part) == std::string::npos) {
+      if (next_frame().empty()) return false;
+    }
+    return true;
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", scene_text(kFlat));
+  Daemon daemon{{"--config", scene}, folder.path()};
+  client::Client watching;
+  FrameAssembler frames;
+};
+
+TEST_F(DaemonReload, TheNewGroundShowsAndTheClientStays) {
+  const std::vector<double> flat = next_frame();
+  ASSERT_FALSE(flat.empty());
+  folder.write("scene.toml", scene_text(kRidge));
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
+  (void)next_frame();  // one that had begun before
+  const std::vector<double> ridge = next_frame();
+  EXPECT_NE(ridge, flat);
+  // The same as of a daemon that started with the ridge.
+  const Daemon fresh({"--config", scene}, folder.path());
+  client::Client other;
+  ASSERT_TRUE(other.connect(*client::parse_endpoint(fresh.address())).ok());
+  FrameAssembler expected;
+  other.set_handler(&expected);
+  ASSERT_TRUE(other.subscribe("main", 50).ok());
+  while (expected.state() != FrameAssembler::State::complete) ASSERT_TRUE(other.receive(kLong).ok());
+  EXPECT_EQ(ridge, expected.frame().power_w);
+}
+
+TEST_F(DaemonReload, ABrokenFileChangesNothingAndTheLogSaysWhy) {
+  const std::vector<double> before = next_frame();
+  folder.write("scene.toml", scene_text(kFlat) + "max_clients = -3\n");
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("reload refused"));
+  EXPECT_NE(daemon.log().find("server.max_clients: found -3"), std::string::npos) << daemon.log();
+  EXPECT_EQ(next_frame(), before);
+  // And when it is mended, the next signal is heeded.
+  folder.write("scene.toml", scene_text(kRidge));
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
+}
+
+TEST_F(DaemonReload, AFileThatIsGoneOrAnElevationModelThatIsNotThereChangesNothing) {
+  const std::vector<double> before = next_frame();
+  folder.write("scene.toml", scene_text("dem = \"nowhere.tif\"\n"));
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("send SIGHUP again"));
+  std::filesystem::remove(scene);
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("scene.toml"));
+  EXPECT_EQ(next_frame(), before);
+}
+
+TEST_F(DaemonReload, LimitsChangeAtOnceAndPortsAreNamedAsNeedingARestart) {
+  folder.write("scene.toml", scene_text(kFlat, "max_clients = 1\nhandshake_timeout_s = 3.0\n") +
+                                 "[run]\nthreads = 1\n[log]\nlevel = \"debug\"\n");
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("reloaded: the scene is the same"));
+  EXPECT_NE(daemon.log().find("run.threads has changed in the file; restart"), std::string::npos)
+      << daemon.log();
+  EXPECT_EQ(daemon.log().find("server.max_clients has changed"), std::string::npos) << daemon.log();
+  client::Client second;
+  const client::Status status = second.connect(*client::parse_endpoint(daemon.address()));
+  EXPECT_NE(status.sentence().find("max_clients is 1"), std::string::npos) << status.sentence();
+  EXPECT_FALSE(next_frame().empty());
+}
+
+TEST_F(DaemonReload, ManySignalsAreSurvived) {
+  for (int i = 0; i < 50; ++i) {
+    folder.write("scene.toml", scene_text(i % 2 == 0 ? kRidge : kFlat));
+    daemon.send_signal(SIGHUP);
+    ASSERT_FALSE(next_frame().empty());
+  }
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0) << daemon.log();
+}
+
+}  // namespace
+}  // namespace obliq::test
