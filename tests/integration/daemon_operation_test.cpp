@@ -103,13 +103,16 @@ class NotifySocket {
   int fd_;
 };
 
-TEST_F(DaemonOperation, SystemdHearsOfLoadingReadinessPulseAndTheEnd) {
+TEST_F(DaemonOperation, SystemdHearsOfLoadingReadinessPulseReloadAndTheEnd) {
   const NotifySocket systemd;
   Daemon daemon({"--config", scene}, folder.path());
   const std::string start = systemd.until("READY=1");
   EXPECT_NE(start.find("STATUS=loading: "), std::string::npos) << start;
   EXPECT_NE(start.find("STATUS=serving main on " + daemon.address()), std::string::npos) << start;
   for (int beat = 0; beat < 3; ++beat) EXPECT_NE(systemd.until("WATCHDOG=1"), "");
+  daemon.send_signal(SIGHUP);
+  EXPECT_NE(systemd.until("RELOADING=1").find("MONOTONIC_USEC="), std::string::npos);
+  EXPECT_NE(systemd.until("READY=1"), "");
   daemon.send_signal(SIGTERM);
   EXPECT_NE(systemd.until("STOPPING=1"), "");
   EXPECT_EQ(daemon.wait(), 0);
