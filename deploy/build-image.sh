@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# Builds the image of deploy/Dockerfile where there is no container engine and no image registry: the base image
+# is made from the Debian archive that this machine's apt is set up with.
+#
+#   deploy/build-image.sh [bookworm|trixie]      default: bookworm
+#
+# Needs root, and buildah and debootstrap (apt-get install buildah debootstrap). The images stay in
+# $OBLIQ_IMAGES (default: obliq-images in $TMPDIR or /var/tmp), which deploy/check-image.sh reads and
+# `deploy/build-image.sh clean` removes. OBLIQ_JOBS: compilers at a time.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/image-store.sh"
+cd "$root"
+
+suite=bookworm
+case "${1-}" in
+  "") ;;
+  bookworm | trixie) suite=$1 ;;
+  clean)
+    remove_store
+    exit 0
+    ;;
+  -h | --help)
+    sed -n '2,9s/^# \{0,1\}//p' "$0"
+    exit 0
+    ;;
+  *) die "unknown suite '$1'; allowed: bookworm, trixie, clean" ;;
+esac
+need buildah debootstrap unshare apt-get
+
+# archive LABEL: where this machine's apt finds Debian (LABEL Debian) or its security updates (Debian-Security).
+archive() {
+  apt-get indextargets --format '$(CREATED_BY)|$(ORIGIN)|$(LABEL)|$(REPO_URI)' |
+    awk -F '|' -v label="$1" '$1 == "Packages" && $2 == "Debian" && $3 == label && !seen++ {print $4}'
+}
+
+# The base image that Dockerfiles know as debian:SUITE-slim: Debian's minimal system without manuals.
+make_base() {
+  local folder=$store/base-$suite main security working extra=()
+  main=$(archive Debian)
+  security=$(archive Debian-Security)
+  [ -n "$main" ] || die "apt knows no Debian archive here (apt-get update?)"
+  rm -rf --one-file-system "$folder" "$folder.tar"
+  case "$main" in https:*) extra=(--include=ca-certificates) ;; esac
+  # In a mount namespace of its own, so that what it mounts goes when it ends.
+  unshare --mount debootstrap --variant=minbase "${extra[@]}" --keyring=/usr/share/keyrings/debian-archive-keyring.gpg \
+    "$suite" "$folder" "$main" >"$folder.log" 2>&1 ||
+    die "debootstrap failed; see $folder.log"
+  {
+    echo "deb $main $suite main"
+    echo "deb $main $suite-updates main"
+    [ -z "$security" ] || echo "deb $security $suite-security main"
+  } >"$folder/etc/apt/sources.list"
+  printf 'path-exclude %s\n' '/usr/share/doc/*' '/usr/share/man/*' '/usr/share/info/*' '/usr/share/locale/*' \
+    '/usr/share/groff/*' '/usr/share/lintian/*' >"$folder/etc/dpkg/dpkg.cfg.d/slim"
+  echo 'path-include /usr/share/doc/*/copyright' >>"$folder/etc/dpkg/dpkg.cfg.d/slim"
+  echo force-unsafe-io >"$folder/etc/dpkg/dpkg.cfg.d/unsafe-io" # an image that breaks off is not kept anyway
+  printf 'Acquire::Languages "none";\nAcquire::GzipIndexes "true";\n' >"$folder/etc/apt/apt.conf.d/slim"
+  find "$folder"/usr/share/doc -mindepth 2 ! -type d ! -name copyright -delete
+  rm -rf --one-file-system "$folder"/usr/share/{man,info,locale,groff,lintian}/* "$folder"/var/lib/apt/lists/* \
+    "$folder"/var/cache/apt/* "$folder"/var/log/*.log "$folder"/dev/* "$folder"/proc/* "$folder"/sys/*
+  tar -C "$folder" --one-file-system -cf "$folder.tar" .
+  working=$(buildah_ from scratch)
+  buildah_ add -q "$working" "$folder.tar" / >/dev/null
+  buildah_ config --cmd /bin/bash "$working"
+  buildah_ commit -q --rm --format docker "$working" "docker.io/library/debian:$suite-slim" >/dev/null
+  rm -rf --one-file-system "$folder" "$folder.tar"
+}
+
+mkdir -p "$store"
+if has_image "docker.io/library/debian:$suite-slim"; then
+  echo "base image debian:$suite-slim: there already"
+else
+  step "base image debian:$suite-slim"
+  make_base
+fi
+
+step "image $(image_name "$suite")"
+build_log=$store/build-$suite.log
+if ! buildah_ bud --isolation chroot --pull-never --format docker --layers -f deploy/Dockerfile \
+  --ignorefile .dockerignore --build-arg "DEBIAN=$suite" --build-arg "JOBS=${OBLIQ_JOBS:-$(parallel_jobs)}" \
+  --build-arg "VERSION=$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)" \
+  --build-arg "REVISION=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)" \
+  --build-arg "CREATED=$(date -u +%Y-%m-%dT%H:%M:%SZ)" \
+  -t "$(image_name "$suite")" . >"$build_log" 2>&1; then
+  tail -n 60 "$build_log" >&2
+  die "the build failed; all of it is in $build_log"
+fi
+step_end
+buildah_ images --format '{{.Name}}:{{.Tag}} {{.Size}}' "$(image_name "$suite")"

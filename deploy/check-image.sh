@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# Runs the image that deploy/build-image.sh made, as an engine would run it: the image's own user, command,
+# healthcheck and stop signal; its root read-only, no capabilities, terrain and secrets as volumes. A client
+# outside, of this machine's own build, fetches frames, which are compared with this machine's own `obliq render`:
+# on bookworm the same bits, on trixie (Embree 4, newer libraries) the same samples but for edge hits, which are counted.
+#
+#   deploy/check-image.sh [bookworm|trixie] [--dem FILE]      default: bookworm
+#
+# --dem: one frame also over this elevation file, mounted at /terrain. Needs root and build/release/bin/obliq.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/image-store.sh"
+cd "$root"
+
+suite=bookworm
+dem=""
+while [ $# -gt 0 ]; do
+  case "$1" in
+    bookworm | trixie) suite=$1 ;;
+    --dem)
+      [ $# -ge 2 ] || die "--dem needs a file"
+      dem=$(readlink -f "$2")
+      [ -f "$dem" ] || die "no file '$2'"
+      shift
+      ;;
+    -h | --help)
+      sed -n '2,9s/^# \{0,1\}//p' "$0"
+      exit 0
+      ;;
+    *) die "unknown argument '$1'; allowed: bookworm, trixie, --dem FILE" ;;
+  esac
+  shift
+done
+need buildah unshare setpriv python3
+image=$(image_name "$suite")
+has_image "$image" || die "no image $image in $store: run deploy/build-image.sh $suite first"
+host=build/release/bin/obliq
+[ -x "$host" ] || die "no $host: build the release preset first"
+ready_limit_s=300
+
+work=$(mktemp -d "$store/check.XXXXXX")
+container=$(buildah_ from --pull-never "$image")
+daemon=""
+clean_up() {
+  [ -z "$daemon" ] || kill -KILL "$daemon" 2>/dev/null || true
+  buildah_ umount "$container" >/dev/null 2>&1 || true
+  buildah_ rm "$container" >/dev/null 2>&1 || true
+  rm -rf --one-file-system "$work"
+}
+trap clean_up EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+folder=$(buildah_ mount "$container")
+
+# ---- What the image says of itself ----
+
+buildah_ inspect --type image "$image" >"$work/image.json"
+# setting PATH...: a value of the image's configuration, a list as one word a line.
+setting() {
+  python3 - "$work/image.json" "$@" <<'PYTHON'
+import json, sys
+value = json.load(open(sys.argv[1], encoding="utf-8"))["Docker"]["config"]
+for key in sys.argv[2:]:
+    value = value[key]
+print("\n".join(map(str, value)) if isinstance(value, (list, dict)) else value)
+PYTHON
+}
+user=$(setting User)
+stop_signal=$(setting StopSignal)
+mapfile -t command < <(setting Entrypoint && setting Cmd)
+mapfile -t health < <(setting Healthcheck Test)
+[[ $user =~ ^[1-9][0-9]*:[1-9][0-9]*$ ]] || die "the image's user is '$user': not a number, or root"
+[ "${health[0]}" = CMD ] || die "the image's healthcheck is '${health[*]}'"
+echo "image: user $user, stops on $stop_signal, runs '${command[*]}', healthcheck '${health[*]:1}'"
+setting Labels | grep -q '^org.opencontainers.image.version$' || die "the image has no OCI labels"
+
+# ---- Running in it ----
+
+mkdir -p "$work"/state/{authority,server,scrape,console} "$work/terrain" "$work/out"
+chown -R "$user" "$work/state"
+[ -z "$dem" ] || install -m 0644 "$dem" "$work/terrain/dem.tif"
+free_ports() {
+  python3 -c 'import socket
+taken = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]
+print(*(each.getsockname()[1] for each in taken))'
+}
+# Loopback and free ports in place of every address: this is somebody's machine.
+read -r port http_port < <(free_ports)
+awk -v port="$port" -v http_port="$http_port" '
+  /^\[/ {section = $0}
+  /^address = "0\.0\.0\.0"/ {print "address = \"127.0.0.1\"\nport = " (section == "[http]" ? http_port : port); next}
+  {print}' "$folder/etc/obliq/obliqd.toml" >"$work/obliqd.toml"
+if [ -n "$dem" ]; then
+  printf '\n[terrain]\ndem = ["/terrain/dem.tif"]\n' >"$work/dem.toml"
+fi
+
+# inside COMMAND...: as an engine does it with --read-only --cap-drop ALL --security-opt no-new-privileges, in
+# mount and process namespaces of its own, on this machine's loopback.
+inside() {
+  OBLIQ_ROOT=$folder OBLIQ_WORK=$work OBLIQ_USER=$user exec unshare --mount --pid --fork --kill-child bash -c '
+    set -euo pipefail
+    r=$OBLIQ_ROOT w=$OBLIQ_WORK
+    mount --make-rprivate /
+    mount --bind "$r" "$r"
+    mount -o remount,bind,ro "$r"
+    mount -t proc -o nosuid,nodev,noexec proc "$r/proc"
+    mount -t sysfs -o ro,nosuid,nodev,noexec sysfs "$r/sys"
+    mount --rbind /dev "$r/dev"
+    for name in authority server scrape console; do mount --bind "$w/state/$name" "$r/state/$name"; done
+    mount --bind "$w/terrain" "$r/terrain"
+    mount -o remount,bind,ro "$r/terrain"
+    mount --bind "$w/obliqd.toml" "$r/etc/obliq/obliqd.toml"
+    exec chroot "$r" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin setpriv \
+      --reuid "${OBLIQ_USER%:*}" --regid "${OBLIQ_USER#*:}" --clear-groups --no-new-privs --bounding-set=-all \
+      --inh-caps=-all -- "$@"' inside "$@"
+}
+
+step "first start"
+(inside obliq-first-start /state)
+(inside obliq-first-start /state) | grep -q 'already' || die "a second start made files anew"
+if (inside sh -c 'touch /probe 2>/dev/null || touch /etc/probe 2>/dev/null || touch /tmp/probe 2>/dev/null'); then
+  die "the root is not read-only"
+fi
+
+step "daemon"
+inside "${command[@]}" 2>"$work/obliqd.log" &
+runner=$!
+for _ in $(seq $((ready_limit_s * 2))); do
+  if (inside "${health[@]:1}") >"$work/health.log" 2>&1; then break; fi
+  kill -0 "$runner" 2>/dev/null || break
+  sleep 0.5
+done
+cat "$work/obliqd.log"
+daemon=$(pgrep -P "$runner" || true)
+[ -n "$daemon" ] || die "obliqd is not there"
+(inside "${health[@]:1}") || die "the healthcheck failed"
+echo "healthcheck: exit 0 as user $(awk '$1 == "Uid:" {print $2}' "/proc/$daemon/status")"
+[ "$(awk '$1 == "Uid:" {print $2}' "/proc/$daemon/status")" = "${user%:*}" ] || die "obliqd runs as another user"
+awk '$1 ~ /^Cap(Eff|Prm|Bnd):$/ && $2 !~ /^0+$/ {exit 1}' "/proc/$daemon/status" || die "obliqd has capabilities"
+
+step "frames: a client outside against this machine's own build"
+as_client=()
+if grep -q '^tls_certificate' "$work/obliqd.toml"; then
+  as_client=(--tls-ca "$work/state/scrape/ca.crt" --token-file "$work/state/scrape/viewer.token")
+fi
+"$host" render "$work/obliqd.toml" --out "$work/out/host"
+"$host" get --server "localhost:$port" "${as_client[@]}" --out "$work/out/image"
+mode=samples
+[ "$suite" != bookworm ] || mode=bits
+python3 deploy/compare_frames.py "$mode" "$work/out/host" "$work/out/image"
+
+step "stop"
+kill -s "$stop_signal" "$daemon"
+daemon=""
+status=0
+wait "$runner" || status=$?
+tail -n 2 "$work/obliqd.log"
+[ "$status" -eq 0 ] || die "obliqd ended with exit code $status on $stop_signal"
+step_end
+echo "check-image: $image is as it should be"
