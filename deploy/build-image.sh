@@ -6,7 +6,7 @@
 #
 # Needs root, and buildah and debootstrap (apt-get install buildah debootstrap). The images stay in
 # $OBLIQ_IMAGES (default: obliq-images in $TMPDIR or /var/tmp), which deploy/check-image.sh reads and
-# `deploy/build-image.sh clean` removes. OBLIQ_JOBS: compilers at a time.
+# `deploy/build-image.sh clean` removes. OBLIQ_JOBS: compilers at a time. OBLIQ_TARGET: a stage to stop after.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/image-store.sh"
 cd "$root"
@@ -81,9 +81,9 @@ if ! buildah_ bud --isolation chroot --pull-never --format docker --layers -f de
   --build-arg "VERSION=$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)" \
   --build-arg "REVISION=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)" \
   --build-arg "CREATED=$(date -u +%Y-%m-%dT%H:%M:%SZ)" \
-  -t "$(image_name "$suite")" . >"$build_log" 2>&1; then
+  ${OBLIQ_TARGET:+--target "$OBLIQ_TARGET"} -t "$(image_name "$suite")${OBLIQ_TARGET:+-$OBLIQ_TARGET}" . >"$build_log" 2>&1; then
   tail -n 60 "$build_log" >&2
   die "the build failed; all of it is in $build_log"
 fi
 step_end
-buildah_ images --format '{{.Name}}:{{.Tag}} {{.Size}}' "$(image_name "$suite")"
+buildah_ images --format '{{.Name}}:{{.Tag}} {{.Size}}' "$(image_name "$suite")${OBLIQ_TARGET:+-$OBLIQ_TARGET}"

@@ -45,7 +45,9 @@ class CoherentRays {
     rtcInitIntersectArguments(&arguments_);
     arguments_.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   }
-  RTCIntersectArguments* get() { return &arguments_; }
+  void intersect(const int* valid, RTCScene scene, RTCRayHit16& packet) {
+    rtcIntersect16(valid, scene, &packet, &arguments_);
+  }
 
  private:
   RTCIntersectArguments arguments_;
@@ -54,7 +56,9 @@ class CoherentRays {
     rtcInitIntersectContext(&context_);
     context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
-  RTCIntersectContext* get() { return &context_; }
+  void intersect(const int* valid, RTCScene scene, RTCRayHit16& packet) {
+    rtcIntersect16(valid, scene, &context_, &packet);
+  }
 
  private:
   RTCIntersectContext context_;
@@ -258,7 +262,7 @@ void EmbreeTracer::trace(const glm::dvec3& origin_m, const double* dir_x, const 
       packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
       packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(valid, impl_->scene, coherent.get(), &packet);
+    coherent.intersect(valid, impl_->scene, packet);
     for (int lane = 0; lane < used; ++lane) {
       RoughHit& hit = hits[first + lane];
       const unsigned geometry = packet.hit.geomID[lane];
