@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks that every metric which the dashboards, the alerts and their legends name is one that obliqd shows.
 
-  curl -s http://127.0.0.1:7480/metrics | deploy/check-dashboards.py
+  curl -s http://127.0.0.1:7480/metrics | deploy/check-dashboards.py -    a running daemon's
+  deploy/check-dashboards.py server/http/METRICS.md                        or their list
 
 Prints what is named and not shown, and what is shown and nowhere on a dashboard; exit code 1 for the former.
 """
@@ -25,6 +26,17 @@ def shown(text):
     return labels
 
 
+def listed(text):
+    """The same from the table of METRICS.md."""
+    labels = {}
+    for names, kind, own_labels in re.findall(r"^\| (`[^|]*`) \| (\w+) \| ([^|]*)\|", text, re.MULTILINE):
+        for name in re.findall(r"`(\w+)`", names):
+            own = set(re.findall(r"`(\w+)`", own_labels))
+            parts = {"_bucket": own | {"le"}, "_sum": own, "_count": own} if kind == "histogram" else {"": own}
+            labels.update({name + part: with_part for part, with_part in parts.items()})
+    return labels
+
+
 def expressions():
     for path in sorted((HERE / "grafana/dashboards").glob("*.json")):
         board = json.loads(path.read_text(encoding="utf-8"))
@@ -39,10 +51,11 @@ def expressions():
 
 
 def main():
-    if len(sys.argv) != 1:
+    if len(sys.argv) != 2:
         print(__doc__)
         return 2
-    series = shown(sys.stdin.read())
+    from_daemon = sys.argv[1] == "-"
+    series = shown(sys.stdin.read()) if from_daemon else listed(pathlib.Path(sys.argv[1]).read_text(encoding="utf-8"))
     named, faults = set(), []
     for where, expression in expressions():
         for match in OURS.finditer(re.sub(r'"[^"]*"', '""', expression)):
@@ -58,7 +71,7 @@ def main():
                 if label not in series[name]:
                     faults.append(f"{where}: {name} has no label {label}")
     nowhere = sorted(name for name in series if name not in named and not re.search(r"_(sum|count)$", name))
-    print("\n".join(faults + [f"{len(named)} metrics named, {len(faults)} faults; shown by obliqd and on no dashboard: "
+    print("\n".join(faults + [f"{len(named)} metrics named, {len(faults)} faults; obliqd's and on no dashboard: "
                               + (", ".join(nowhere) or "none")]))
     return 1 if faults or not series or not named else 0
 

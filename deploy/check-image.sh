@@ -140,7 +140,7 @@ awk '$1 ~ /^Cap(Eff|Prm|Bnd):$/ && $2 !~ /^0+$/ {exit 1}' "/proc/$daemon/status"
 step "frames: a client outside against this machine's own build"
 as_client=()
 if grep -q '^tls_certificate' "$work/obliqd.toml"; then
-  as_client=(--tls-ca "$work/state/scrape/ca.crt" --token-file "$work/state/scrape/viewer.token")
+  as_client=(--ca "$work/state/scrape/ca.crt" --token-file "$work/state/scrape/viewer.token")
 fi
 "$host" render "$work/obliqd.toml" --out "$work/out/host"
 "$host" get --server "localhost:$port" "${as_client[@]}" --out "$work/out/image"
