@@ -123,7 +123,7 @@ class FrontierRun {
     std::vector<double> others = range_.cells_m;
     if (others.empty() && !options_.scene_cell_only) others = {2 * scene_cell_m_, 4 * scene_cell_m_};
     std::ranges::sort(others);
-    range_.cells_m = {scene_cell_m_};
+    range_.cells_m.assign(1, scene_cell_m_);
     for (const double cell_m : others)
       if (cell_m != range_.cells_m.back() && cell_m != scene_cell_m_) range_.cells_m.push_back(cell_m);
     const double finest_m = *std::ranges::min_element(range_.cells_m);
