@@ -6,7 +6,8 @@
 #
 #   deploy/check-image.sh [bookworm|trixie] [--dem FILE]      default: bookworm
 #
-# --dem: one frame also over this elevation file, mounted at /terrain. Needs root and build/release/bin/obliq.
+# --dem: one frame also over this elevation file, mounted at /terrain. Needs root and this machine's build
+# (OBLIQ_PROGRAMS; default: build/release/bin).
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/image-store.sh"
 cd "$root"
@@ -23,7 +24,7 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     -h | --help)
-      sed -n '2,9s/^# \{0,1\}//p' "$0"
+      sed -n '2,10s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
     *) die "unknown argument '$1'; allowed: bookworm, trixie, --dem FILE" ;;
@@ -33,7 +34,7 @@ done
 need buildah unshare setpriv python3
 image=$(image_name "$suite")
 has_image "$image" || die "no image $image in $store: run deploy/build-image.sh $suite first"
-host=build/release/bin/obliq
+host=${OBLIQ_PROGRAMS:-build/release/bin}/obliq
 [ -x "$host" ] || die "no $host: build the release preset first"
 ready_limit_s=300
 
