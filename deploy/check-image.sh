@@ -84,15 +84,37 @@ free_ports() {
 taken = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]
 print(*(each.getsockname()[1] for each in taken))'
 }
-# Loopback and free ports in place of every address: this is somebody's machine.
 read -r port http_port < <(free_ports)
-awk -v port="$port" -v http_port="$http_port" '
-  /^\[/ {section = $0}
-  /^address = "0\.0\.0\.0"/ {print "address = \"127.0.0.1\"\nport = " (section == "[http]" ? http_port : port); next}
-  {print}' "$folder/etc/obliq/obliqd.toml" >"$work/obliqd.toml"
-if [ -n "$dem" ]; then
-  printf '\n[terrain]\ndem = ["/terrain/dem.tif"]\n' >"$work/dem.toml"
-fi
+
+# The image's own scene, or one over the elevation file, with loopback and free ports in place of every address:
+# this is somebody's machine.
+write_scene() {
+  local from=/dev/stdin
+  [ "$1" = dem ] || from=$folder/etc/obliq/obliqd.toml
+  awk -v port="$port" -v http_port="$http_port" '
+    /^\[/ {section = $0}
+    /^address = "0\.0\.0\.0"/ {print "address = \"127.0.0.1\"\nport = " (section == "[http]" ? http_port : port); next}
+    {print}' "$from" >"$work/obliqd.toml" <<TOML
+[terrain]
+dem = ["/terrain/dem.tif"]
+[[prisms]]
+per_km2 = 5.0
+[antenna]
+height_m = 3000.0
+height_reference = "ground"
+[radar]
+sector_deg = 60.0
+r_min_m = 4000.0
+r_max_m = 20000.0
+[frustum]
+pixels = 1024
+[bins]
+azimuth = 256
+range = 512
+$(sed -n '/^\[server\]/,$p' "$folder/etc/obliq/obliqd.toml")
+TOML
+  sed "s,/terrain/dem.tif,$dem," "$work/obliqd.toml" >"$work/host.toml"
+}
 
 # inside COMMAND...: as an engine does it with --read-only --cap-drop ALL --security-opt no-new-privileges, in
 # mount and process namespaces of its own, on this machine's loopback.
@@ -116,45 +138,51 @@ inside() {
 }
 
 step "first start"
+write_scene own
 (inside obliq-first-start /state)
 (inside obliq-first-start /state) | grep -q 'already' || die "a second start made files anew"
 if (inside sh -c 'touch /probe 2>/dev/null || touch /etc/probe 2>/dev/null || touch /tmp/probe 2>/dev/null'); then
   die "the root is not read-only"
 fi
 
-step "daemon"
-inside "${command[@]}" 2>"$work/obliqd.log" &
-runner=$!
-for _ in $(seq $((ready_limit_s * 2))); do
-  if (inside "${health[@]:1}") >"$work/health.log" 2>&1; then break; fi
-  kill -0 "$runner" 2>/dev/null || break
-  sleep 0.5
-done
-cat "$work/obliqd.log"
-daemon=$(pgrep -P "$runner" || true)
-[ -n "$daemon" ] || die "obliqd is not there"
-(inside "${health[@]:1}") || die "the healthcheck failed"
-echo "healthcheck: exit 0 as user $(awk '$1 == "Uid:" {print $2}' "/proc/$daemon/status")"
-[ "$(awk '$1 == "Uid:" {print $2}' "/proc/$daemon/status")" = "${user%:*}" ] || die "obliqd runs as another user"
-awk '$1 ~ /^Cap(Eff|Prm|Bnd):$/ && $2 !~ /^0+$/ {exit 1}' "/proc/$daemon/status" || die "obliqd has capabilities"
+start_daemon() {
+  inside "${command[@]}" >"$work/obliqd.log" 2>&1 &
+  runner=$!
+  for _ in $(seq $((ready_limit_s * 2))); do
+    if (inside "${health[@]:1}" --ready) >"$work/health.log" 2>&1; then break; fi
+    kill -0 "$runner" 2>/dev/null || break
+    sleep 0.5
+  done
+  cat "$work/obliqd.log"
+  daemon=$(pgrep -P "$runner" || true)
+  [ -n "$daemon" ] || die "obliqd is not there"
+  (inside "${health[@]:1}") || die "the healthcheck failed"
+  [ "$(awk '$1 == "Uid:" {print $2}' "/proc/$daemon/status")" = "${user%:*}" ] || die "obliqd runs as another user"
+  awk '$1 ~ /^Cap(Eff|Prm|Bnd):$/ && $2 !~ /^0+$/ {exit 1}' "/proc/$daemon/status" || die "obliqd has capabilities"
+}
 
-step "frames: a client outside against this machine's own build"
-as_client=()
-if grep -q '^tls_certificate' "$work/obliqd.toml"; then
-  as_client=(--ca "$work/state/scrape/ca.crt" --token-file "$work/state/scrape/viewer.token")
-fi
-"$host" render "$work/obliqd.toml" --out "$work/out/host"
-"$host" get --server "localhost:$port" "${as_client[@]}" --out "$work/out/image"
+stop_daemon() {
+  local status=0
+  kill -s "$stop_signal" "$daemon"
+  daemon=""
+  wait "$runner" || status=$?
+  [ "$status" -eq 0 ] || die "obliqd ended with exit code $status on $stop_signal; its log: $(tail -n 5 "$work/obliqd.log")"
+  echo "stopped by $stop_signal: exit code 0"
+}
+
+as_client=(--tls --ca "$work/state/scrape/ca.crt" --token-file "$work/state/scrape/viewer.token")
 mode=samples
 [ "$suite" != bookworm ] || mode=bits
-python3 deploy/compare_frames.py "$mode" "$work/out/host" "$work/out/image"
-
-step "stop"
-kill -s "$stop_signal" "$daemon"
-daemon=""
-status=0
-wait "$runner" || status=$?
-tail -n 2 "$work/obliqd.log"
-[ "$status" -eq 0 ] || die "obliqd ended with exit code $status on $stop_signal"
+check_scene() {
+  step "scene $1: the image's daemon, a client outside, this machine's own render"
+  write_scene "$1"
+  start_daemon
+  "$host" get --server "127.0.0.1:$port" "${as_client[@]}" --out "$work/out/$1-image"
+  stop_daemon
+  "$host" render "$work/host.toml" --out "$work/out/$1-host"
+  python3 deploy/compare_frames.py "$mode" "$work/out/$1-host" "$work/out/$1-image"
+}
+check_scene own
+[ -z "$dem" ] || check_scene dem
 step_end
 echo "check-image: $image is as it should be"
