@@ -12,6 +12,7 @@ using wire::MessageType;
 
 struct Client::State {
   Connection connection;
+  Endpoint endpoint;
   ClientOptions options;
   wire::Welcome welcome;
   FrameHandler* handler = nullptr;
@@ -132,6 +133,7 @@ Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 
 Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
+  state_->endpoint = endpoint;
   state_->options = options;
   if (Status status = Connection::open(endpoint, options.connect_timeout, state_->connection); !status.ok()) {
     return status;
@@ -154,6 +156,15 @@ Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
     state_->connection.close();
   }
   return status;
+}
+
+Status Client::reconnect() {
+  state_->connection.close();
+  if (state_->handler != nullptr) state_->handler->on_lost();
+  state_->welcome.Clear();
+  const Endpoint endpoint = state_->endpoint;
+  const ClientOptions options = state_->options;
+  return connect(endpoint, options);
 }
 
 const wire::Welcome& Client::welcome() const { return state_->welcome; }

@@ -36,6 +36,9 @@ class Client {
 
   /// Connects and exchanges Hello and Welcome.
   Status connect(const Endpoint& endpoint, const ClientOptions& options = {});
+  /// Once more, to the same server with the same options: what was asked for on the connection before is
+  /// forgotten, its frame in hand is lost (FrameHandler::on_lost).
+  Status reconnect();
   const wire::Welcome& welcome() const;
 
   /// Who gets frames, also those that arrive while a request waits for its answer. Not owned; may be null.

@@ -146,6 +146,10 @@ Status FrameAssembler::on_abort(const wire::FrameHeader& header, const wire::Fra
   return {};
 }
 
+void FrameAssembler::on_lost() {
+  if (state_ == State::receiving) (void)take();
+}
+
 double FrameAssembler::fraction() const {
   return bins_expected_ == 0 ? 0 : static_cast<double>(bins_received_) / static_cast<double>(bins_expected_);
 }

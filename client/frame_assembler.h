@@ -48,6 +48,7 @@ class FrameAssembler : public FrameHandler {
   Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&, std::span<const std::byte>) override;
   Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override;
   Status on_abort(const wire::FrameHeader&, const wire::FrameAbort&) override;
+  void on_lost() override;
 
   State state() const { return state_; }
   const std::string& abort_reason() const { return abort_reason_; }

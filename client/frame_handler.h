@@ -25,6 +25,8 @@ class FrameHandler {
   }
   virtual Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) { return {}; }
   virtual Status on_abort(const wire::FrameHeader&, const wire::FrameAbort&) { return {}; }
+  /// The connection is gone: of a frame that has begun, no more will come.
+  virtual void on_lost() {}
 };
 
 }  // namespace obliq::client

@@ -9,6 +9,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/received_bins.h"
+#include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/output/frame_files.h"
 #include "terrain/errors.h"
@@ -21,6 +22,7 @@ struct WatchArguments {
   double rate_hz = 1;
   std::uint64_t frames = 0;
   std::string out;
+  int reconnect_s = 0;
 };
 
 constexpr client::Timeout kSilence{60000};
@@ -75,10 +77,11 @@ void write(const std::string& out, client::AssembledFrame frame) {
 
 void run(const WatchArguments& arguments) {
   if (!arguments.out.empty()) prepare_output_folder(arguments.out);
-  client::Client client = connect_to_server(arguments.server, "obliq watch");
-  const std::string radar = choose_remote_radar(client, arguments.server);
+  client::ResumingClient client(connect_to_server(arguments.server, "obliq watch"),
+                                reconnecting(arguments.reconnect_s));
+  const std::string radar = choose_remote_radar(client.client(), arguments.server);
   TimedFrames frames;
-  client.set_handler(&frames);
+  client.client().set_handler(&frames);
   require(client.subscribe(radar, arguments.rate_hz));
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
@@ -106,6 +109,7 @@ void add_watch(CLI::App& app) {
   command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")->type_name("N");
   command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
       ->type_name("DIR");
+  add_reconnect_argument(*command, arguments->reconnect_s);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -104,6 +104,7 @@ void expect_failure(const std::string& command, const Script& script, const std:
   const TestFolder folder;
   const ScriptedServer server(script, close_after);
   std::vector<std::string> arguments = {command, "--server", server.address()};
+  if (command == "watch") arguments.insert(arguments.end(), {"--reconnect", "0"});
   if (command == "get") arguments.insert(arguments.end(), {"--out", folder / "frame"});
   const Outcome outcome = run_program(OBLIQ_PROGRAM, arguments, folder.path());
   EXPECT_EQ(outcome.code, 1);

@@ -31,6 +31,7 @@ class Daemon {
   /// "127.0.0.1:PORT"; empty if it is not ready.
   const std::string& address() const { return address_; }
   std::string log() const;
+  pid_t pid() const { return pid_; }
   void send_signal(int signal) const;
   /// Its exit code; negative: killed by that signal.
   int wait();

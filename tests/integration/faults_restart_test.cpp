@@ -1,0 +1,177 @@
+// kill -9 of obliqd, and another one on the same port: clients resume what they had asked for.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <future>
+#include <optional>
+#include <thread>
+
+#include "client/frame_assembler.h"
+#include "client/resuming_client.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/daemon.h"
+
+namespace obliq::test {
+namespace {
+
+using client::FrameAssembler;
+
+constexpr client::Timeout kLong{20000};  // reached only when something is broken
+
+constexpr const char* kScene = R"(
+[terrain]
+synthetic = "ridge"
+shape = { distance_m = 5000.0 }
+cell_m = 64.0
+[antenna]
+height_m = 1500.0
+[radar]
+r_min_m = 2000.0
+r_max_m = 9000.0
+[frustum]
+pixels = 512
+[bins]
+azimuth = 360
+range = 256
+[server]
+port = 0
+[http]
+port = 0
+)";
+
+class Restart : public testing::Test {
+ protected:
+  /// In the place of the one that was killed.
+  void start_again() {
+    const std::string address = daemon->address();
+    daemon.reset();
+    daemon.emplace(std::vector<std::string>{"--config", scene, "--port", port_of(address)}, folder.path());
+    ASSERT_EQ(daemon->address(), address) << daemon->log();
+  }
+  void kill_nine() {
+    daemon->send_signal(SIGKILL);
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(daemon->pid()), &info, WEXITED | WNOWAIT);
+  }
+  static std::string port_of(const std::string& address) { return address.substr(address.find(':') + 1); }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", kScene);
+  std::optional<Daemon> daemon{std::in_place, std::vector<std::string>{"--config", scene}, folder.path()};
+};
+
+client::ResumingClient connect(const std::string& address, client::ResumeOptions options) {
+  client::Client client;
+  EXPECT_TRUE(client.connect(*client::parse_endpoint(address)).ok());
+  return {std::move(client), std::move(options)};
+}
+
+// Fails when the frame in hand is kept (a frame begins before the one before it ended), when the
+// subscription or the claim is not repeated, and when the port may not be bound at once.
+TEST_F(Restart, AClientResumesItsFramesAndItsControl) {
+  int lost = 0;
+  int resumed = 0;
+  client::ResumeOptions options;
+  options.on_lost = [&](const client::Status&) { ++lost; };
+  options.on_resumed = [&](std::chrono::duration<double>) { ++resumed; };
+  auto watching = connect(daemon->address(), options);
+  FrameAssembler frames;
+  watching.client().set_handler(&frames);
+  ASSERT_TRUE(watching.claim_control("main").ok());
+  ASSERT_TRUE(watching.subscribe("main", 50).ok());
+  const auto next_frame = [&] {
+    while (frames.state() != FrameAssembler::State::complete) {
+      const client::Status status = watching.receive(kLong);
+      if (!status.ok()) {
+        ADD_FAILURE() << status.sentence() << "\n" << daemon->log();
+        break;
+      }
+    }
+    return frames.take();
+  };
+  const auto before = next_frame();
+  for (int restart = 1; restart <= 3; ++restart) {
+    while (frames.state() != FrameAssembler::State::receiving) ASSERT_TRUE(watching.receive(kLong).ok());
+    kill_nine();
+    start_again();
+    const auto after = next_frame();
+    EXPECT_EQ(resumed, restart);
+    EXPECT_TRUE(after.iq == before.iq) << "the same scene and settings, the same bits";
+    wire::Pose pose;
+    wire::Ack ack;
+    pose.set_bearing_deg(12);
+    EXPECT_TRUE(watching.client().set_pose("main", pose, ack).ok()) << "control is held again";
+  }
+  EXPECT_EQ(lost, 3);
+}
+
+TEST_F(Restart, WatchGoesOnAndSaysSo) {
+  std::filesystem::create_directories(folder / "watch");
+  auto watch = std::async(std::launch::async, [&, server = daemon->address()] {
+    return run_program(OBLIQ_PROGRAM, {"watch", "--server", server, "--rate", "20", "--frames", "30"},
+                       folder / "watch");
+  });
+  const auto lines = [&] {
+    const std::string text = text_of(folder / "watch/out");
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  while (lines() < 3 && watch.wait_for(std::chrono::milliseconds(10)) != std::future_status::ready) {
+  }
+  kill_nine();
+  start_again();
+  const Outcome outcome = watch.get();
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 30) << outcome.out;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("connection lost: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("connected again, "), std::string::npos) << outcome.err;
+}
+
+TEST_F(Restart, WatchGoesOnAfterAStopInGoodOrder) {
+  std::filesystem::create_directories(folder / "watch");
+  auto watch = std::async(std::launch::async, [&, server = daemon->address()] {
+    return run_program(OBLIQ_PROGRAM, {"watch", "--server", server, "--rate", "20", "--frames", "12"},
+                       folder / "watch");
+  });
+  while (text_of(folder / "watch/out").empty() &&
+         watch.wait_for(std::chrono::milliseconds(10)) != std::future_status::ready) {
+  }
+  daemon->send_signal(SIGTERM);
+  siginfo_t info{};
+  waitid(P_PID, static_cast<id_t>(daemon->pid()), &info, WEXITED | WNOWAIT);
+  start_again();
+  const Outcome outcome = watch.get();
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("connected again, "), std::string::npos) << outcome.err;
+}
+
+TEST_F(Restart, PatienceEndsWithHowItWasLost) {
+  client::ResumeOptions options;
+  options.patience = std::chrono::seconds(1);
+  auto watching = connect(daemon->address(), options);
+  ASSERT_TRUE(watching.subscribe("main", 1).ok());
+  kill_nine();
+  client::Status status;
+  while (status.ok()) status = watching.receive(kLong);
+  EXPECT_EQ(status.outcome, client::Outcome::cannot_connect) << status.sentence();
+  EXPECT_NE(status.text.find("(tried again for "), std::string::npos) << status.text;
+}
+
+TEST_F(Restart, ARadarThatIsNoLongerThereIsNotWaitedFor) {
+  auto watching = connect(daemon->address(), {});
+  ASSERT_TRUE(watching.subscribe("main", 1).ok());
+  kill_nine();
+  std::string text = kScene;
+  text.replace(text.find("[radar]"), 7, "[[radar]]\nname = \"nose\"");
+  folder.write("scene.toml", text);
+  start_again();
+  client::Status status;
+  while (status.ok()) status = watching.receive(kLong);
+  EXPECT_EQ(status.outcome, client::Outcome::refused);
+  EXPECT_NE(status.sentence().find("main"), std::string::npos) << status.sentence();
+}
+
+}  // namespace
+}  // namespace obliq::test
