@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "client/frame_dispatch.h"
 #include "proto/error_number.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
@@ -16,6 +17,8 @@ struct Client::State {
   ClientOptions options;
   wire::Welcome welcome;
   FrameHandler* handler = nullptr;
+  Tap tap;
+  wire::Bytes welcome_bytes;
   std::uint64_t last_request = 0;
 
   template <typename Request, typename Reply>
@@ -25,16 +28,11 @@ struct Client::State {
     wire::Ack ack;
     return call(type, request, MessageType::ack, ack);
   }
-  Status dispatch_frame(const Message& message);
-  Status check_block(const Message& message, wire::WedgeBlock& block) const;
+  Status receive(Message& message, Timeout timeout);
+  Status dispatch(const Message& message);
 };
 
 namespace {
-
-Status unreadable(const char* what) {
-  return Status::failure(Outcome::bad_stream,
-                         std::string("a message from the server does not parse: ") + what);
-}
 
 // Others may ask whether this client is there, at any time.
 Status answer_heartbeat(Connection& connection, const Message& message) {
@@ -54,11 +52,12 @@ Status unsolicited(const Message& message) {
   return Status::from_error(error);
 }
 
-bool is_frame(MessageType type) {
-  return type >= MessageType::frame_begin && type <= MessageType::frame_abort;
-}
-
 }  // namespace
+
+Status Client::State::receive(Message& message, Timeout timeout) {
+  if (Status status = connection.receive(message, timeout); !status.ok()) return status;
+  return tap ? tap(message) : Status{};
+}
 
 template <typename Request, typename Reply>
 Status Client::State::call(MessageType type, Request& request, MessageType reply_type, Reply& reply) {
@@ -68,12 +67,15 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
   // Where sending failed because the server has closed, its last words may still wait to be read.
   for (;;) {
     Message message;
-    if (Status status = connection.receive(message, options.reply_timeout); !status.ok()) {
+    if (Status status = receive(message, options.reply_timeout); !status.ok()) {
       return sent.ok() ? status : sent;
     }
     if (message.header.type == reply_type) {
       if (!wire::parse_descriptor(message.descriptor(), reply)) return unreadable("answer");
-      if (reply.request_id() == last_request) return {};
+      if (reply.request_id() == last_request) {
+        if (reply_type == MessageType::welcome) welcome_bytes = message.bytes();
+        return {};
+      }
     } else if (message.header.type == MessageType::error) {
       wire::Error error;
       if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
@@ -82,49 +84,15 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
     } else if (message.header.type == MessageType::heartbeat) {
       if (Status status = answer_heartbeat(connection, message); !status.ok()) return status;
     } else if (is_frame(message.header.type)) {
-      if (Status status = dispatch_frame(message); !status.ok()) return status;
+      if (Status status = dispatch(message); !status.ok()) return status;
     }
   }
 }
 
-Status Client::State::check_block(const Message& message, wire::WedgeBlock& block) const {
-  if (!wire::parse_descriptor(message.descriptor(), block)) return unreadable("WedgeBlock");
-  const auto plane = wire::plane_from_number(block.plane());
-  const wire::Rectangle rectangle{block.first_azimuth(), block.n_azimuth(), block.first_range(),
-                                  block.n_range()};
-  if (!plane || wire::plane_bytes(*plane, rectangle) != message.plane().size()) {
-    return Status::failure(Outcome::bad_stream, "a data block from the server has the wrong size");
-  }
-  return {};
-}
-
-Status Client::State::dispatch_frame(const Message& message) {
+Status Client::State::dispatch(const Message& message) {
   FrameHandler none;
-  FrameHandler& to = handler != nullptr ? *handler : none;
-  switch (message.header.type) {
-    case MessageType::frame_begin: {
-      wire::FrameBegin begin;
-      if (!wire::parse_descriptor(message.descriptor(), begin)) return unreadable("FrameBegin");
-      return to.on_begin(message.header, begin);
-    }
-    case MessageType::wedge_block: {
-      wire::WedgeBlock block;
-      if (Status status = check_block(message, block); !status.ok()) return status;
-      return to.on_block(message.header, block, message.plane());
-    }
-    case MessageType::frame_end: {
-      wire::FrameEnd end;
-      if (!wire::parse_descriptor(message.descriptor(), end)) return unreadable("FrameEnd");
-      return to.on_end(message.header, end);
-    }
-    case MessageType::frame_abort: {
-      wire::FrameAbort abort;
-      if (!wire::parse_descriptor(message.descriptor(), abort)) return unreadable("FrameAbort");
-      return to.on_abort(message.header, abort);
-    }
-    default:
-      return {};
-  }
+  return dispatch_frame(message.header, message.descriptor(), message.plane(),
+                        handler != nullptr ? *handler : none);
 }
 
 Client::Client() : state_(std::make_unique<State>()) {}
@@ -168,7 +136,9 @@ Status Client::reconnect() {
 }
 
 const wire::Welcome& Client::welcome() const { return state_->welcome; }
+const wire::Bytes& Client::welcome_bytes() const { return state_->welcome_bytes; }
 void Client::set_handler(FrameHandler* handler) { state_->handler = handler; }
+void Client::set_tap(Tap tap) { state_->tap = std::move(tap); }
 bool Client::is_open() const { return state_->connection.is_open(); }
 void Client::close() { state_->connection.close(); }
 
@@ -237,9 +207,9 @@ Status Client::get_status(wire::Status& status) {
 
 Status Client::receive(Timeout timeout) {
   Message message;
-  if (Status status = state_->connection.receive(message, timeout); !status.ok()) return status;
+  if (Status status = state_->receive(message, timeout); !status.ok()) return status;
   if (message.header.type == MessageType::heartbeat) return answer_heartbeat(state_->connection, message);
-  return is_frame(message.header.type) ? state_->dispatch_frame(message) : unsolicited(message);
+  return is_frame(message.header.type) ? state_->dispatch(message) : unsolicited(message);
 }
 
 }  // namespace obliq::client

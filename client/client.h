@@ -1,5 +1,6 @@
 #pragma once
 // Talks to an obliqd: one call per request, frames to a handler. Blocking, for one thread at a time.
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -40,9 +41,15 @@ class Client {
   /// forgotten, its frame in hand is lost (FrameHandler::on_lost).
   Status reconnect();
   const wire::Welcome& welcome() const;
+  /// The message that brought it, byte for byte.
+  const wire::Bytes& welcome_bytes() const;
 
   /// Who gets frames, also those that arrive while a request waits for its answer. Not owned; may be null.
   void set_handler(FrameHandler* handler);
+
+  /// Sees every message as it arrived, before it is handled; a status that is not ok ends the call with it.
+  using Tap = std::function<Status(const Message&)>;
+  void set_tap(Tap tap);
 
   Status list_radars(wire::RadarList& list);
   Status get_radar(const std::string& radar, wire::RadarInfo& info);

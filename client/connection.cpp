@@ -1,7 +1,6 @@
 #include "client/connection.h"
 
 #include <algorithm>
-#include <array>
 
 #include "proto/limits.h"
 
@@ -12,6 +11,13 @@ namespace {
 constexpr Timeout kMessageTimeout{30000};
 
 }  // namespace
+
+wire::Bytes Message::bytes() const {
+  const auto first = header_bytes();
+  wire::Bytes all(first.begin(), first.end());
+  all.insert(all.end(), payload.begin(), payload.end());
+  return all;
+}
 
 Status Connection::open(const Endpoint& endpoint, Timeout timeout, Connection& out) {
   out.sequence_ = 0;
@@ -35,8 +41,7 @@ Status Connection::receive(Message& message, Timeout timeout) {
 }
 
 Status Connection::receive_begun(Message& message) {
-  std::array<std::byte, wire::kMaxHeaderBytes> head{};
-  const std::span<std::byte> all(head);
+  const std::span<std::byte> all(message.head);
   const auto fixed = all.first<wire::kHeaderBytes>();
   if (Status status = socket_.receive(fixed, kMessageTimeout); !status.ok()) return status;
   const auto decoded = wire::decode_header(fixed, wire::kMaxPayloadBytes, message.header);

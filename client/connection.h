@@ -1,5 +1,7 @@
 #pragma once
 // Messages over a socket: framing, limits, CRC. Knows nothing of what they mean.
+#include <array>
+
 #include "client/socket.h"
 #include "proto/message_codec.h"
 
@@ -8,9 +10,14 @@ namespace obliq::client {
 /// A received message. The spans point into it.
 struct Message {
   wire::FrameHeader header;
+  std::array<std::byte, wire::kMaxHeaderBytes> head{};  ///< of which header.header_length are the header
   wire::Bytes payload;
 
   std::span<const std::byte> descriptor() const { return std::span(payload).first(header.descriptor_length); }
+  /// The header as it came, with what a later version may have put at its end.
+  std::span<const std::byte> header_bytes() const { return std::span(head).first(header.header_length); }
+  /// The whole message as it came.
+  wire::Bytes bytes() const;
   std::span<const std::byte> plane() const { return std::span(payload).subspan(header.descriptor_length); }
 };
 

@@ -29,6 +29,15 @@ const char* plane_name(Plane plane) {
   return "?";
 }
 
+std::string plane_names(PlaneSet planes) {
+  std::string names;
+  for (int i = 0; i < kPlanes; ++i) {
+    const auto plane = static_cast<Plane>(i);
+    if (planes & plane_bit(plane)) names += (names.empty() ? "" : ", ") + std::string(plane_name(plane));
+  }
+  return names;
+}
+
 std::optional<Plane> plane_from_number(int number) {
   if (number < 0 || number >= kPlanes) return std::nullopt;
   return static_cast<Plane>(number);

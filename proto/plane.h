@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace obliq::wire {
 
@@ -19,6 +20,8 @@ constexpr PlaneSet plane_bit(Plane plane) {
 std::uint32_t bytes_per_bin(Plane plane);
 
 const char* plane_name(Plane plane);
+/// "iq, power, count, state", as far as they are in the set.
+std::string plane_names(PlaneSet planes);
 
 /// Nothing for a number that is no plane.
 std::optional<Plane> plane_from_number(int number);

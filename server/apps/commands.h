@@ -16,6 +16,8 @@ void add_explain(CLI::App& app);     ///< what each ingredient changes and costs
 void add_mesh(CLI::App& app);        ///< the traced triangles
 void add_get(CLI::App& app);         ///< one frame from a server to files
 void add_watch(CLI::App& app);       ///< frames as they come
+void add_record(CLI::App& app);      ///< frames as they come, into a file
+void add_replay(CLI::App& app);      ///< that file again
 void add_pose(CLI::App& app);        ///< where a live radar stands
 void add_status(CLI::App& app);      ///< what a server is doing
 void add_health(CLI::App& app);      ///< whether the daemon of this machine is healthy

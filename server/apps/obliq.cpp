@@ -10,8 +10,8 @@
 namespace {
 
 constexpr auto kCommands = {
-    obliq::add_render, obliq::add_frontier, obliq::add_frustum,    obliq::add_explain,
-    obliq::add_mesh,   obliq::add_get,      obliq::add_watch,      obliq::add_pose,
+    obliq::add_render, obliq::add_frontier, obliq::add_frustum,    obliq::add_explain, obliq::add_mesh,
+    obliq::add_get,    obliq::add_watch,    obliq::add_record,     obliq::add_replay,  obliq::add_pose,
     obliq::add_status, obliq::add_health,   obliq::add_parameters,
 };
 

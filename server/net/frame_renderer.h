@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/plane.h"
 #include "server/radar/render.h"
 #include "terrain/errors.h"
 
@@ -35,8 +36,16 @@ class FrameRenderer {
   struct Plan {
     std::unique_ptr<PlannedFrame> frame;  ///< null when there are errors
     std::vector<FieldError> errors;
+    SettingsPtr settings;  ///< what the frame was really made with; null: what was asked for
   };
+  /// Neither a frame nor errors: nothing new yet, and the time until then has been waited for.
   virtual Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const = 0;
+
+  /// Why nobody may change anything or have a frame rendered, for a renderer that only repeats; empty: all
+  /// may.
+  virtual std::string fixed() const { return {}; }
+  /// The planes that frames bring.
+  virtual wire::PlaneSet planes() const { return wire::kAllPlanes; }
 };
 
 }  // namespace obliq::net

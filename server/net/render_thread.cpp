@@ -181,14 +181,17 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
   std::vector<FieldError> errors;
   FrameEncoder encoder(identity, task.sequence);  // sequence: this thread alone uses it
   bool begun = false;
+  bool nothing_new = false;
   try {
     auto plan = renderer_.plan(view->settings, view->pose);
     errors = std::move(plan.errors);
+    nothing_new = !plan.frame && errors.empty();
     if (plan.frame) {
       wire::FrameDescriptor descriptor;
       plan.frame->describe(task.name, descriptor);
       descriptor.set_frame_id(identity.frame_id);
-      FrameSum stats(view->settings->settings);
+      const SettingsPtr made_with = plan.settings ? plan.settings : view->settings;
+      FrameSum stats(made_with->settings);
       RenderOptions options;
       options.threads = options_.threads;
       options.states = (identity.planes & wire::plane_bit(wire::Plane::state)) != 0;
@@ -201,7 +204,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
         for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins))
           events_.on_live_block(index, block);
       };
-      const RadarSettings& settings = view->settings->settings;
+      const RadarSettings& settings = made_with->settings;
       begun = true;
       events_.on_live_block(index, encoder.begin(descriptor, wedge_count(settings)));
       if (plan.frame->render({0, settings.azimuth_bins}, options)) {
@@ -230,6 +233,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
   if (!errors.empty()) events_.on_live_fault(index, view, errors);
   lock.lock();
   task.faulty = errors.empty() ? nullptr : view;
+  if (nothing_new) task.due = Clock::now();
 }
 
 void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& lock) {

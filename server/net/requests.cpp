@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "proto/frame_header.h"
@@ -63,6 +64,12 @@ std::vector<FieldError> missing_position(const wire::Pose& pose) {
 
 }  // namespace
 
+/// Of the radar, or of what the machine does: what a renderer that only repeats cannot do.
+template <typename Request>
+constexpr bool changes_something =
+    std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
+    std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::RenderOnce>;
+
 template <typename Request>
 void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
                       Role needed) {
@@ -71,6 +78,11 @@ void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*fu
     return peer_.fail(ErrorNumber::bad_message, "the protobuf part of a request does not parse");
   }
   if (!demand(needed, request.request_id(), "this request")) return;
+  if (changes_something<Request>) {
+    if (const std::string why = room_.renderer_.fixed(); !why.empty()) {
+      return refuse(request.request_id(), ErrorNumber::replay_only, why);
+    }
+  }
   (this->*function)(request);
 }
 
@@ -199,6 +211,9 @@ void Requests::subscribe(const wire::Subscribe& request) {
   }
   const auto planes = plane_set(request.planes());
   if (!planes) errors.push_back(kPlaneFault);
+  if (planes && (*planes & ~room_.renderer_.planes()) != 0) {
+    errors.push_back({"planes", wire::plane_names(*planes), wire::plane_names(room_.renderer_.planes())});
+  }
   if (!errors.empty()) {
     return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
   }

@@ -1,0 +1,64 @@
+#include "client/frame_dispatch.h"
+
+#include "proto/message_codec.h"
+#include "proto/obliq.pb.h"
+#include "proto/plane.h"
+
+namespace obliq::client {
+
+using wire::MessageType;
+
+namespace {
+
+Status check_block(std::span<const std::byte> descriptor, std::span<const std::byte> values,
+                   wire::WedgeBlock& block) {
+  if (!wire::parse_descriptor(descriptor, block)) return unreadable("WedgeBlock");
+  const auto plane = wire::plane_from_number(block.plane());
+  const wire::Rectangle rectangle{block.first_azimuth(), block.n_azimuth(), block.first_range(),
+                                  block.n_range()};
+  if (!plane || wire::plane_bytes(*plane, rectangle) != values.size()) {
+    return Status::failure(Outcome::bad_stream, "a data block from the server has the wrong size");
+  }
+  return {};
+}
+
+}  // namespace
+
+Status unreadable(const char* what) {
+  return Status::failure(Outcome::bad_stream,
+                         std::string("a message from the server does not parse: ") + what);
+}
+
+bool is_frame(MessageType type) {
+  return type >= MessageType::frame_begin && type <= MessageType::frame_abort;
+}
+
+Status dispatch_frame(const wire::FrameHeader& header, std::span<const std::byte> descriptor,
+                      std::span<const std::byte> plane, FrameHandler& to) {
+  switch (header.type) {
+    case MessageType::frame_begin: {
+      wire::FrameBegin begin;
+      if (!wire::parse_descriptor(descriptor, begin)) return unreadable("FrameBegin");
+      return to.on_begin(header, begin);
+    }
+    case MessageType::wedge_block: {
+      wire::WedgeBlock block;
+      if (Status status = check_block(descriptor, plane, block); !status.ok()) return status;
+      return to.on_block(header, block, plane);
+    }
+    case MessageType::frame_end: {
+      wire::FrameEnd end;
+      if (!wire::parse_descriptor(descriptor, end)) return unreadable("FrameEnd");
+      return to.on_end(header, end);
+    }
+    case MessageType::frame_abort: {
+      wire::FrameAbort abort;
+      if (!wire::parse_descriptor(descriptor, abort)) return unreadable("FrameAbort");
+      return to.on_abort(header, abort);
+    }
+    default:
+      return {};
+  }
+}
+
+}  // namespace obliq::client

@@ -1,0 +1,84 @@
+#pragma once
+// The frames of a recording, one after the other, and what is wrong with it in sentences.
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/frame_assembler.h"
+#include "client/recording_reader.h"
+
+namespace obliq::client {
+
+/// When a wedge was sent: its last block's time.
+struct RecordedWedge {
+  std::uint32_t index = 0;
+  std::uint32_t first_azimuth = 0;
+  std::uint32_t n_azimuth = 0;
+  std::int64_t utc_ns = 0;
+};
+
+struct RecordedFrame {
+  AssembledFrame frame;
+  std::int64_t begin_utc_ns = 0;      ///< when the server encoded its FrameBegin
+  std::int64_t end_utc_ns = 0;        ///< and its FrameEnd
+  std::int64_t first_wedge_ns = 0;    ///< from the start of rendering to the first block
+  std::uint64_t bytes = 0;            ///< on the wire
+  std::vector<RecordedWedge> wedges;  ///< in the order in which they came
+};
+
+/// What a recording begins with.
+struct RecordingStart {
+  RecordingStart();
+  ~RecordingStart();
+  RecordingStart(RecordingStart&&) noexcept;
+  RecordingStart& operator=(RecordingStart&&) noexcept;
+  std::string radar;
+  wire::PlaneSet planes = 0;  ///< that the first frame brought
+  std::int64_t utc_ns = 0;    ///< of the first frame
+  std::unique_ptr<wire::FrameDescriptor> descriptor;
+};
+
+/// Reads as far as the first frame's end. `radar` empty: whichever comes first. bad_stream when no frame of
+/// it begins.
+Status read_start(RecordingReader& reader, const std::string& radar, RecordingStart& start);
+
+/// Whole frames of one radar. One frame is held at a time. For one thread at a time.
+class RecordedFrames {
+ public:
+  /// max_bytes: a frame whose planes need more is left out.
+  RecordedFrames(std::unique_ptr<RecordingReader> reader, std::string radar, wire::PlaneSet planes,
+                 std::uint64_t max_bytes = std::uint64_t{2} << 30);
+  ~RecordedFrames();
+
+  enum class Found {
+    frame,  ///< in `frame`
+    note,   ///< note() says what is missing here: a frame that was aborted, a damaged place
+    end,    ///< note() says how the recording ends, where it does so in the middle of something
+  };
+  Found next(RecordedFrame& frame);
+  const std::string& note() const { return note_; }
+
+  bool damaged() const { return damages_ > 0; }
+  bool cut() const { return cut_; }
+  std::uint64_t frames_of_others() const;
+  const RecordingReader& reader() const { return *reader_; }
+
+ private:
+  class Collector;
+
+  std::string frame_in_hand() const;
+  bool take_message(RecordedFrame& frame, Found& found);
+
+  std::unique_ptr<RecordingReader> reader_;
+  std::string radar_;
+  wire::PlaneSet planes_;
+  std::uint64_t max_bytes_;
+  std::unique_ptr<Collector> collector_;
+  std::string note_;
+  std::uint64_t damages_ = 0;
+  std::uint64_t others_ = 0;
+  bool cut_ = false;
+};
+
+}  // namespace obliq::client

@@ -1,0 +1,148 @@
+// `obliq record`: what a server sends about a radar, byte for byte, into a file.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cinttypes>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+
+#include "client/recording_writer.h"
+#include "proto/obliq.pb.h"
+#include "server/apps/commands.h"
+#include "server/apps/interrupts.h"
+#include "server/apps/plane_argument.h"
+#include "server/apps/server_arguments.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct RecordArguments {
+  ServerArguments server;
+  std::string out;
+  double rate_hz = 1;
+  std::uint64_t frames = 0;
+  double seconds = 0;
+  std::string planes;
+  bool force = false;
+};
+
+// Between looks at the clock and at signals.
+constexpr client::Timeout kPatience{100};
+constexpr Clock::duration kProgressPause = std::chrono::milliseconds(250);
+// Errors below this number end the connection, those above concern a radar that may recover.
+constexpr std::uint32_t kFirstErrorOfRadar = 100;
+
+/// Writes what arrives, and counts frames on the way.
+class Recorder {
+ public:
+  Recorder(const std::string& path, bool force, std::uint64_t most_frames) : most_frames_(most_frames) {
+    const client::Status status = writer_.open(path, force);
+    if (status.ok()) return;
+    const bool exists = !force && access(path.c_str(), F_OK) == 0;
+    throw InputError("--out: " + status.text + (exists ? "; --force overwrites it" : ""));
+  }
+
+  client::Status take(const client::Message& message) {
+    if (finished()) return {};
+    client::Status status = writer_.write(message.header_bytes(), message.payload);
+    if (!status.ok()) return status;
+    if (message.header.type == wire::MessageType::frame_end) ++frames_;
+    return status;
+  }
+  client::Status take(const wire::Bytes& whole) { return writer_.write(whole, {}); }
+  client::Status close() { return writer_.close(); }
+
+  bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
+  std::string text(Clock::time_point start) const {
+    char text[96];
+    std::snprintf(text, sizeof text, "%" PRIu64 " frames, %.1f MB, %.1f s", frames_,
+                  static_cast<double>(writer_.bytes()) * 1e-6,
+                  std::chrono::duration<double>(Clock::now() - start).count());
+    return text;
+  }
+
+ private:
+  client::RecordingWriter writer_;
+  std::uint64_t most_frames_;
+  std::uint64_t frames_ = 0;
+};
+
+/// Receives until there is enough, or something ends it.
+client::Status receive_all(client::Client& client, const RecordArguments& arguments, const Recorder& recorder,
+                           const std::string& radar) {
+  const auto start = Clock::now();
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  auto shown = start;
+  while (!recorder.finished() && !interrupted()) {
+    const auto now = Clock::now();
+    if (arguments.seconds > 0 && now - start >= std::chrono::duration<double>(arguments.seconds)) break;
+    if (terminal && now - shown >= kProgressPause) {
+      std::fprintf(stderr, "\r%s: %s  ", radar.c_str(), recorder.text(start).c_str());
+      shown = now;
+    }
+    client::Status status = client.receive(kPatience);
+    if (status.ok() || status.outcome == client::Outcome::timed_out) continue;
+    if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
+      std::fprintf(stderr, "%swarning: %s\n", terminal ? "\n" : "", status.sentence().c_str());
+      continue;
+    }
+    return status;
+  }
+  if (terminal) std::fprintf(stderr, "\n");
+  return {};
+}
+
+void run(const RecordArguments& arguments) {
+  const wire::PlaneSet planes =
+      arguments.planes.empty() ? wire::kAllPlanes : planes_from_names(arguments.planes);
+  heed_interrupts();
+  // A file that may grow no further is reported as such, not by the signal's default, which is to die.
+  (void)std::signal(SIGXFSZ, SIG_IGN);
+  client::Client client = connect_to_server(arguments.server, "obliq record");
+  const std::string radar = choose_remote_radar(client, arguments.server);
+  Recorder recorder(arguments.out, arguments.force, arguments.frames);
+  require(recorder.take(client.welcome_bytes()));
+  client.set_tap([&recorder](const client::Message& message) { return recorder.take(message); });
+
+  const auto start = Clock::now();
+  wire::RadarInfo info;  // how the radar stands, for a recording that is cut before its first frame
+  require(client.get_radar(radar, info));
+  require(client.subscribe(radar, arguments.rate_hz, planes));
+  client::Status status = receive_all(client, arguments, recorder, radar);
+  // A frame that is under way is ended by the server's FrameAbort, so that the recording ends between frames.
+  if (status.ok() && !recorder.finished()) status = client.unsubscribe(radar);
+  client.close();
+  const client::Status closed = recorder.close();
+  std::printf("%s: radar %s, %s\n", arguments.out.c_str(), radar.c_str(), recorder.text(start).c_str());
+  require(status);
+  require(closed);
+}
+
+}  // namespace
+
+void add_record(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "record", "Record what a server sends about a radar, byte for byte; Ctrl-C ends it cleanly");
+  auto arguments = std::make_shared<RecordArguments>();
+  add_server_arguments(*command, arguments->server);
+  command->add_option("--out", arguments->out, "The recording; must not exist yet")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--rate", arguments->rate_hz, "Frames a second")->type_name("HZ")->default_val(1.0);
+  command->add_option("--frames", arguments->frames, "Stop after so many whole frames; 0: go on")
+      ->type_name("N");
+  command->add_option("--seconds", arguments->seconds, "Stop after so long; 0: go on")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--planes", arguments->planes, "Only these of iq,power,count,state; without: all")
+      ->type_name("NAMES");
+  command->add_flag("--force", arguments->force, "Overwrite a file that exists");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

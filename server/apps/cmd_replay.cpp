@@ -1,0 +1,230 @@
+// `obliq replay`: a recording as a line per frame, as files, or served to clients.
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cinttypes>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands.h"
+#include "server/apps/interrupts.h"
+#include "server/apps/received_bins.h"
+#include "server/apps/replay_renderer.h"
+#include "server/apps/server_arguments.h"
+#include "server/control/settings_message.h"
+#include "server/net/exposure.h"
+#include "server/net/server.h"
+#include "server/output/frame_files.h"
+#include "terrain/errors.h"
+
+namespace obliq {
+namespace {
+
+using client::RecordedFrames;
+
+struct ReplayArguments {
+  std::string file;
+  std::string radar;
+  std::string speed = "1";
+  std::string out;
+  std::uint64_t frames = 0;
+  bool loop = false;
+  bool serve = false;
+  std::string address = "127.0.0.1";
+  std::uint16_t port = wire::kDefaultPort;
+  bool unprotected = false;
+};
+
+// A frame of a 20th of its time is nothing anyone can see, and a month in a second is no replay.
+constexpr double kSlowest = 0.01;
+constexpr double kFastest = 1e6;
+
+double speed_of(const std::string& text) {
+  if (text == "max") return std::numeric_limits<double>::infinity();
+  double speed = 0;
+  if (CLI::detail::lexical_cast(text, speed) && speed >= kSlowest && speed <= kFastest) return speed;
+  throw InputError("--speed: found \"" + text + "\"; allowed: 0.01 to 1000000, or max");
+}
+
+void warn(const std::string& note) { std::fprintf(stderr, "warning: %s\n", note.c_str()); }
+
+std::unique_ptr<client::RecordingReader> open_recording(const std::string& path) {
+  std::unique_ptr<client::RecordingReader> reader;
+  require(client::RecordingReader::open(path, reader));
+  return reader;
+}
+
+client::RecordingStart start_of(const ReplayArguments& arguments) {
+  client::RecordingStart start;
+  client::Status status = client::read_start(*open_recording(arguments.file), arguments.radar, start);
+  if (!status.ok()) status.text = arguments.file + ": " + status.text;
+  require(status);
+  return start;
+}
+
+[[noreturn]] void refuse_damaged(const std::string& path) {
+  throw InputError(path + ": is damaged; what could be read has been replayed");
+}
+
+// ---- To the terminal and to files ----
+
+void print_frame(const client::RecordedFrame& recorded, std::int64_t start_ns) {
+  const client::AssembledFrame& frame = recorded.frame;
+  std::printf("frame %" PRIu64
+              ": %.3f s into the recording, rendered in %.1f ms, first wedge after %.1f ms, %.2f MB\n",
+              frame.descriptor->frame_id(), static_cast<double>(recorded.end_utc_ns - start_ns) * 1e-9,
+              1000 * frame.render_s, static_cast<double>(recorded.first_wedge_ns) * 1e-6,
+              static_cast<double>(recorded.bytes) * 1e-6);
+  std::fflush(stdout);
+}
+
+/// What the file ended with, in a line: also that nothing is missing is said.
+std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
+  const client::RecordingReader& reader = frames.reader();
+  std::string line = std::to_string(shown) + " frames, " + std::to_string(reader.messages()) +
+                     " whole messages, " + std::to_string(reader.offset()) + " bytes";
+  if (!frames.cut() && !frames.damaged()) line += ", nothing left over";
+  return line;
+}
+
+void show(const ReplayArguments& arguments, const client::RecordingStart& start, double speed) {
+  if (!arguments.out.empty()) prepare_output_folder(arguments.out);
+  ReplayClock clock(speed);
+  std::uint64_t shown = 0;
+  bool enough = false;
+  bool damaged = false;
+  do {
+    RecordedFrames frames(open_recording(arguments.file), start.radar, start.planes);
+    auto found = RecordedFrames::Found::note;
+    const std::uint64_t before = shown;
+    while (!enough && found != RecordedFrames::Found::end) {
+      client::RecordedFrame recorded;
+      found = frames.next(recorded);
+      if (!frames.note().empty()) warn(frames.note());
+      if (found != RecordedFrames::Found::frame) continue;
+      std::this_thread::sleep_until(clock.due(recorded.end_utc_ns));
+      print_frame(recorded, start.utc_ns);
+      if (!arguments.out.empty()) {
+        const BinBlock bins = take_bins(recorded.frame);
+        write_frame_files(arguments.out, *recorded.frame.descriptor, *recorded.frame.summary, bins);
+      }
+      enough = arguments.frames != 0 && ++shown >= arguments.frames;
+      if (arguments.frames == 0) ++shown;
+    }
+    damaged = damaged || frames.damaged();
+    if (!enough) std::printf("%s: %s\n", arguments.file.c_str(), end_line(frames, shown).c_str());
+    if (frames.frames_of_others() > 0 && !arguments.loop) {
+      warn(std::to_string(frames.frames_of_others()) + " frames of other radars than " + start.radar +
+           " were left out; --radar chooses");
+    }
+    if (shown == before) break;  // nothing to loop over
+  } while (arguments.loop && !enough);
+  if (damaged) refuse_damaged(arguments.file);
+}
+
+// ---- To clients ----
+
+// Between looks at whether it is over.
+constexpr std::chrono::milliseconds kPatience{50};
+// For clients to take what waits for them when the recording has ended.
+constexpr std::chrono::milliseconds kLastFrameGrace{2000};
+
+RadarConfig radar_of(const client::RecordingStart& start, const std::string& path) {
+  RadarConfig radar;
+  radar.name = start.radar;
+  for (const auto& errors : {merge_message(start.descriptor->settings(), radar.settings),
+                             merge_message(start.descriptor->pose(), radar.pose)}) {
+    if (!errors.empty()) throw InputError(path + ": its radar: " + errors.front().text());
+  }
+  return radar;
+}
+
+void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
+  if (!net::is_loopback(arguments.address) && !arguments.unprotected) {
+    throw InputError(
+        "--address: found " + arguments.address +
+        "; allowed: a loopback address, unless --unprotected says that anyone who reaches the port "
+        "may watch");
+  }
+  net::ServerOptions options;
+  options.address = arguments.address;
+  options.port = arguments.port;
+  options.server_name = "obliq replay";
+  options.server_version = OBLIQ_VERSION;
+  options.scene_name = start.descriptor->scene_name();
+  const RadarConfig radar = radar_of(start, arguments.file);
+  std::atomic<bool> ended = false;
+  const ReplayOptions replay{speed, arguments.loop};
+  const ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
+  net::Server server(renderer, {radar}, options);
+  heed_interrupts();
+  std::jthread io([&server] { server.run(); });
+  std::printf("ready: replays radar %s (%s) on %s\n", radar.name.c_str(),
+              wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
+  std::fflush(stdout);
+  while (!ended && !interrupted()) std::this_thread::sleep_for(kPatience);
+  // The last frame is on its way.
+  for (auto left = kLastFrameGrace; ended && !interrupted() && left > kPatience; left -= kPatience) {
+    std::this_thread::sleep_for(kPatience);
+  }
+  server.stop();
+  io.join();
+  if (renderer.damaged()) refuse_damaged(arguments.file);
+}
+
+void run(const ReplayArguments& arguments) {
+  const double speed = speed_of(arguments.speed);
+  client::RecordingStart start = start_of(arguments);
+  if (start.planes == 0) warn("its first frame has no values");
+  if (arguments.serve) {
+    serve(arguments, std::move(start), speed);
+  } else {
+    show(arguments, start, speed);
+  }
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("replay", "Replay a recording: a line per frame, files, or a server for any client");
+  auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("file", arguments->file, "What `obliq record` wrote")->required()->type_name("FILE");
+  command->add_option("--radar", arguments->radar, "Which radar; without: that of the first frame")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--speed", arguments->speed,
+          "Times the original speed, or max: without waiting. Pauses of more than 5 minutes are cut to that")
+      ->type_name("FACTOR")
+      ->default_val("1");
+  CLI::Option* frames =
+      command->add_option("--frames", arguments->frames, "Stop after so many; 0: all")->type_name("N");
+  CLI::Option* out =
+      command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
+          ->type_name("DIR");
+  command->add_flag("--loop", arguments->loop, "Begin again at the end");
+  CLI::Option* serve = command->add_flag(
+      "--serve", arguments->serve,
+      "Serve the frames as obliqd would, from the first subscription on; ends with the recording");
+  serve->excludes(frames)->excludes(out);
+  command->add_option("--port", arguments->port, "With --serve; 0: any free one")
+      ->needs(serve)
+      ->type_name("N")
+      ->default_val(wire::kDefaultPort);
+  command->add_option("--address", arguments->address, "With --serve: where to listen")
+      ->needs(serve)
+      ->type_name("HOST")
+      ->default_val("127.0.0.1");
+  command
+      ->add_flag("--unprotected", arguments->unprotected,
+                 "With --serve: allow an address off loopback, without encryption and tokens")
+      ->needs(serve);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq
