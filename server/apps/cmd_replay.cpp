@@ -122,6 +122,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
            " were left out; --radar chooses");
     }
     if (shown == before) break;  // nothing to loop over
+    clock.begin_again();
   } while (arguments.loop && !enough);
   if (damaged) refuse_damaged(arguments.file);
 }

@@ -25,13 +25,21 @@ ReplayClock::Clock::duration ReplayClock::scaled(std::int64_t recorded_ns) const
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::nano>(ns));
 }
 
+void ReplayClock::begin_again() {
+  newest_ns_.reset();
+  due_ += scaled(last_gap_ns_);
+}
+
 ReplayClock::Clock::time_point ReplayClock::due(std::int64_t utc_ns) {
   if (!newest_ns_) {
     newest_ns_ = utc_ns;
-    return due_ = Clock::now();
+    return due_ = std::max(due_, Clock::now());
   }
   const std::int64_t gap_ns = difference_ns(utc_ns, *newest_ns_);
-  if (gap_ns > 0) due_ += scaled(gap_ns);
+  if (gap_ns > 0) {
+    due_ += scaled(gap_ns);
+    last_gap_ns_ = gap_ns;
+  }
   if (gap_ns > 0 || gap_ns < -kJitter_ns) newest_ns_ = utc_ns;
   return due_;
 }

@@ -18,12 +18,20 @@ class ReplayClock {
   /// For times in the order of the recording. The first one is due now.
   Clock::time_point due(std::int64_t utc_ns);
 
+  /// The recording begins again: its first time is due as long after the last as that was after the one
+  /// before it, or a second where there was none.
+  void begin_again();
+
+  /// The next time is due now: nobody looked, and time stood still.
+  void stand_still() { newest_ns_.reset(); }
+
   /// How long a recorded time takes here.
   Clock::duration scaled(std::int64_t recorded_ns) const;
 
  private:
   double speed_;
   std::optional<std::int64_t> newest_ns_;
+  std::int64_t last_gap_ns_ = 1'000'000'000;
   Clock::time_point due_;
 };
 

@@ -15,6 +15,8 @@ using Clock = ReplayClock::Clock;
 
 // The render thread is stopped between plans: it shall not wait for a frame for longer than this.
 constexpr std::chrono::milliseconds kLongestWait{100};
+// Later than this: nobody was there to ask. Frames are left out to catch up with less.
+constexpr std::chrono::seconds kMostLate{2};
 
 /// False when stopped before.
 bool wait_until(Clock::time_point due, const std::stop_token& stop) {
@@ -135,6 +137,7 @@ std::optional<ReplayRenderer::Due> ReplayRenderer::read_frame() const {
     if (!options_.loop || anything) return std::nullopt;
     anything = true;
     frames_.reset();
+    clock_.begin_again();
   }
 }
 
@@ -149,8 +152,13 @@ net::FrameRenderer::Plan ReplayRenderer::plan(const SettingsPtr& settings, const
     std::this_thread::sleep_until(std::min(next_->at, Clock::now() + kLongestWait));
     if (next_->at > Clock::now()) return {};
   }
+  if (next_ && Clock::now() - next_->at > kMostLate) {
+    clock_.stand_still();
+    next_->at = clock_.due(next_->frame->begin_utc_ns);
+  }
+  const auto now = Clock::now();
   std::optional<Due> newest;
-  while (next_ && (!newest || (std::isfinite(options_.speed) && next_->at <= Clock::now()))) {
+  while (next_ && (!newest || (std::isfinite(options_.speed) && next_->at <= now))) {
     newest = std::exchange(next_, std::nullopt);
     next_ = read_frame();
   }

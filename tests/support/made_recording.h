@@ -1,11 +1,10 @@
 #pragma once
 // A small recording made message by message, and where each of them lies.
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "proto/limits.h"
-#include "proto/obliq.pb.h"
-#include "server/net/frame_encoder.h"
+#include "proto/message_codec.h"
 
 namespace obliq::test {
 
@@ -20,66 +19,20 @@ struct MadeRecording {
   std::string bytes;
   std::vector<MadeMessage> messages;
 
-  void add(const wire::Bytes& message, wire::MessageType type, std::uint64_t frame_id = 0) {
-    const std::size_t begin = bytes.size();
-    bytes.append(reinterpret_cast<const char*>(message.data()), message.size());
-    messages.push_back({begin, bytes.size(), type, frame_id});
-  }
+  void add(const wire::Bytes& message, wire::MessageType type, std::uint64_t frame_id = 0);
 };
-
-/// The value of a bin's power.
-inline double made_power(std::uint64_t frame_id, int azimuth, int range) {
-  return static_cast<double>(frame_id) * 1e6 + azimuth * 1000.0 + range;
-}
 
 constexpr int kMadeAzimuths = 10;  // a whole wedge and a part of one
 constexpr int kMadeRanges = 3;
 
+/// The value of a bin's power.
+double made_power(std::uint64_t frame_id, int azimuth, int range);
+
 /// Adds a frame of radar "main"; `whole` false: ended by a FrameAbort after its first wedge.
-inline void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence,
-                      bool whole = true, const std::string& radar = "main", std::uint32_t stream_id = 1) {
-  net::FrameEncoder encoder({.stream_id = stream_id, .frame_id = frame_id}, sequence);
-  const auto add = [&](const net::BlockPtr& block) { recording.add(block->bytes, block->type, frame_id); };
-  wire::FrameDescriptor descriptor;
-  descriptor.set_radar(radar);
-  descriptor.set_frame_id(frame_id);
-  descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);
-  descriptor.mutable_settings()->set_range_bins(kMadeRanges);
-  add(encoder.begin(descriptor, 2));
-  for (int wedge = 0; wedge < (whole ? 2 : 1); ++wedge) {
-    BinBlock bins(wedge * 8, wedge == 0 ? 8 : kMadeAzimuths - 8, kMadeRanges);
-    for (int azimuth = 0; azimuth < bins.n_azimuth; ++azimuth) {
-      for (int range = 0; range < kMadeRanges; ++range) {
-        const auto at = static_cast<std::size_t>(azimuth * kMadeRanges + range);
-        bins.power_w[at] = made_power(frame_id, bins.first_azimuth + azimuth, range);
-        bins.iq[at] = {static_cast<float>(azimuth), static_cast<float>(range)};
-        bins.count[at] = static_cast<std::uint32_t>(frame_id);
-        bins.state[at] = static_cast<std::uint8_t>(range);
-      }
-    }
-    for (const auto& block : encoder.wedge(wedge, bins)) add(block);
-  }
-  if (whole) {
-    wire::FrameSummary summary;
-    summary.set_frame_id(frame_id);
-    add(encoder.end(summary, 0.001));
-  } else {
-    add(encoder.abort("made to end"));
-  }
-}
+void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence, bool whole = true,
+               const std::string& radar = "main", std::uint32_t stream_id = 1);
 
 /// Welcome, frame 1, frame 2 (aborted), frame 3, frame 4.
-inline MadeRecording made_recording() {
-  MadeRecording recording;
-  wire::Welcome welcome;
-  welcome.set_major(wire::kMajorVersion);
-  welcome.set_server_name("made");
-  welcome.add_radars("main");
-  recording.add(wire::encode_message(wire::MessageType::welcome, {0, 1, 1}, welcome),
-                wire::MessageType::welcome);
-  std::uint64_t sequence = 0;
-  for (std::uint64_t id = 1; id <= 4; ++id) add_frame(recording, id, sequence, id != 2);
-  return recording;
-}
+MadeRecording made_recording();
 
 }  // namespace obliq::test

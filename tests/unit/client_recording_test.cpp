@@ -10,6 +10,8 @@
 
 #include "client/recorded_frames.h"
 #include "client/recording_writer.h"
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
 #include "tests/support/made_recording.h"
 
 namespace obliq::test {
