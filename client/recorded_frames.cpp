@@ -34,7 +34,7 @@ class RecordedFrames::Collector : public FrameAssembler {
     if (!status.ok()) return status;
     stream_id_ = header.stream_id;
     frame_id_ = begin.frame_id();
-    azimuths_.assign(static_cast<std::size_t>(frame().n_azimuth), {0, header.utc_ns});
+    azimuths_.assign(static_cast<std::size_t>(frame().n_azimuth), {});
     times_ = {};
     times_.begin_utc_ns = header.utc_ns;
     times_.bytes = size_of(header);
@@ -50,9 +50,11 @@ class RecordedFrames::Collector : public FrameAssembler {
     // Nothing in it, or nothing that was looked at: not a place in the frame.
     const auto plane = wire::plane_from_number(block.plane());
     if (!plane || !(planes_ & wire::plane_bit(*plane)) || values.empty()) return status;
-    for (std::uint32_t row = 0; row < block.n_azimuth(); ++row) {
-      Azimuth& azimuth = azimuths_[block.first_azimuth() + row];
-      azimuth = {block.wedge_index(), std::max(azimuth.utc_ns, header.utc_ns)};
+    for (std::size_t row = 0; row < block.n_azimuth(); ++row) {
+      const std::size_t at = block.first_azimuth() + row;
+      if (at >= azimuths_.size()) break;
+      const std::int64_t utc_ns = azimuths_[at].seen ? azimuths_[at].utc_ns : header.utc_ns;
+      azimuths_[at] = {true, block.wedge_index(), std::max(utc_ns, header.utc_ns)};
     }
     return status;
   }
@@ -70,7 +72,8 @@ class RecordedFrames::Collector : public FrameAssembler {
     whole.frame = take();
     // Each azimuth is in one wedge, whatever order its planes came in.
     for (std::uint32_t i = 0; i < azimuths_.size(); ++i) {
-      if (i == 0 || azimuths_[i].wedge != azimuths_[i - 1].wedge) {
+      if (!azimuths_[i].seen) continue;
+      if (i == 0 || !azimuths_[i - 1].seen || azimuths_[i].wedge != azimuths_[i - 1].wedge) {
         whole.wedges.push_back({azimuths_[i].wedge, i, 0, azimuths_[i].utc_ns});
       }
       RecordedWedge& wedge = whole.wedges.back();
@@ -83,6 +86,7 @@ class RecordedFrames::Collector : public FrameAssembler {
 
  private:
   struct Azimuth {
+    bool seen = false;
     std::uint32_t wedge = 0;
     std::int64_t utc_ns = 0;  ///< of the last block with it
   };

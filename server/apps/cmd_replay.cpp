@@ -131,8 +131,6 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
 
 // Between looks at whether it is over.
 constexpr std::chrono::milliseconds kPatience{50};
-// For clients to take what waits for them when the recording has ended.
-constexpr std::chrono::milliseconds kLastFrameGrace{2000};
 
 RadarConfig radar_of(const client::RecordingStart& start, const std::string& path) {
   RadarConfig radar;
@@ -168,11 +166,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
               wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
   std::fflush(stdout);
   while (!ended && !interrupted()) std::this_thread::sleep_for(kPatience);
-  // The last frame is on its way.
-  for (auto left = kLastFrameGrace; ended && !interrupted() && left > kPatience; left -= kPatience) {
-    std::this_thread::sleep_for(kPatience);
-  }
-  server.stop();
+  server.stop();  // when clients have taken what waits for them
   io.join();
   if (renderer.damaged()) refuse_damaged(arguments.file);
 }
