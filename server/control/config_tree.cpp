@@ -134,8 +134,10 @@ std::string ConfigNode::found_text() const {
 }
 
 ConfigNode parse_config_file(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
-  const std::string name = path.string();
+  return parse_config_text(read_file(path), path.string());
+}
+
+ConfigNode parse_config_text(const std::string& text, const std::string& name) {
   refuse_deep_keys(text, name);
   try {
     return convert(toml::parse(text, name), name, 0);

@@ -31,6 +31,8 @@ struct ConfigNode {
 
 /// Reads a TOML file. Throws InputError "FILE:LINE: ..." when it cannot be read or is no TOML.
 ConfigNode parse_config_file(const std::filesystem::path& path);
+/// As parse_config_file, of a file's text; `name` stands in messages.
+ConfigNode parse_config_text(const std::string& text, const std::string& name);
 
 /// One typed value from a flag or the environment: TOML where it is TOML, else the text itself.
 ConfigNode parse_config_value(std::string_view text, std::string where);

@@ -23,14 +23,11 @@ void place_radars(SceneConfig& config, const std::vector<MissingPosition>& missi
   }
 }
 
-}  // namespace
-
-SceneConfig load_scene_file(const std::filesystem::path& path, const LoadOptions& options) {
+SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadOptions& options) {
   SceneConfig config;
   config.path = path;
   config.name = path.stem().string();
 
-  ConfigNode root = parse_config_file(path);
   Complaints complaints;
   apply_overrides(root, options.set, complaints);
 
@@ -48,6 +45,17 @@ SceneConfig load_scene_file(const std::filesystem::path& path, const LoadOptions
   place_radars(config, missing);
   aim_world(config);
   return config;
+}
+
+}  // namespace
+
+SceneConfig load_scene_file(const std::filesystem::path& path, const LoadOptions& options) {
+  return load(parse_config_file(path), path, options);
+}
+
+SceneConfig load_scene_text(const std::string& text, const std::filesystem::path& path,
+                            const LoadOptions& options) {
+  return load(parse_config_text(text, path.string()), path, options);
 }
 
 }  // namespace obliq

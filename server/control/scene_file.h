@@ -18,5 +18,8 @@ struct LoadOptions {
 /// "FILE:LINE: KEY: found ...; allowed: ...". Opens the elevation models only to find their centre, and only
 /// when an antenna names no position. Relative paths in the file are relative to its folder.
 SceneConfig load_scene_file(const std::filesystem::path& path, const LoadOptions& options = {});
+/// As load_scene_file, of a text that would stand in the file of that path.
+SceneConfig load_scene_text(const std::string& text, const std::filesystem::path& path,
+                            const LoadOptions& options = {});
 
 }  // namespace obliq

@@ -1,0 +1,111 @@
+// Every message that a client may send, through the room that answers them, without sockets and without a
+// scene. The input is requests: a byte (bit 7: of the second client), the type, two bytes of length, and that
+// much protobuf.
+#include <google/protobuf/stubs/logging.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <memory>
+
+#include "proto/obliq.pb.h"
+#include "server/net/peer.h"
+#include "server/net/room.h"
+#include "tests/fuzz/input.h"
+
+namespace obliq::net {
+namespace {
+
+using wire::MessageType;
+
+class NoScene : public FrameRenderer {
+ public:
+  std::vector<FieldError> place(const PoseSettings& pose) const override {
+    if (pose.height_m < 5000) return {};
+    return {{"height_m", "too much", "less"}};
+  }
+  Plan plan(const SettingsPtr&, const PoseSettings&) const override { return {}; }
+};
+
+/// Counts what it is sent and takes it at once.
+class Listener : public Peer {
+ public:
+  explicit Listener(std::uint64_t number)
+      : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), 2, std::size_t{1} << 20) {
+    name = address;
+  }
+  void send(MessageType type, const google::protobuf::MessageLite& message) override {
+    wire::Bytes bytes = wire::encode_message(type, {0, ++sent, 0}, message);
+    if (bytes.empty()) fuzz::broken("an answer does not encode");
+    outbox.push_control(std::move(bytes));
+  }
+  void kick() override {}
+  void fail(wire::ErrorNumber, const std::string&) override { failed = true; }
+  void finish(wire::ErrorNumber, const std::string&) override { failed = true; }
+
+  std::uint64_t sent = 0;
+  bool failed = false;
+};
+
+bool is_answered(MessageType type) {
+  constexpr std::array kAnswered{MessageType::list_radars,   MessageType::get_radar,
+                                 MessageType::claim_control, MessageType::release_control,
+                                 MessageType::set_settings,  MessageType::set_pose,
+                                 MessageType::subscribe,     MessageType::unsubscribe,
+                                 MessageType::render_once,   MessageType::get_status};
+  return std::find(kAnswered.begin(), kAnswered.end(), type) != kAnswered.end();
+}
+
+RadarConfig small_radar(const char* name) {
+  RadarConfig radar;
+  radar.name = name;
+  return radar;
+}
+
+void greet(Room& room, Listener& peer) {
+  wire::Hello hello;
+  hello.set_major(wire::kMajorVersion);
+  hello.set_client_name("fuzz");
+  const std::string bytes = hello.SerializeAsString();
+  room.handle(peer, MessageType::hello, std::as_bytes(std::span(bytes)));
+  if (!peer.greeted) fuzz::broken("a client is not greeted");
+}
+
+void run(fuzz::Input input) {
+  const NoScene renderer;
+  std::deque<std::function<void()>> posted;
+  Room room(renderer, {}, {small_radar("main"), small_radar("nose")},
+            [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+  const std::array peers{std::make_shared<Listener>(1), std::make_shared<Listener>(2)};
+  for (const auto& peer : peers) {
+    room.enter(peer);
+    greet(room, *peer);
+  }
+  while (!input.empty()) {
+    Listener& peer = *peers[input.u8() >> 7];
+    const auto type = static_cast<MessageType>(input.u8());
+    const auto descriptor = input.take(input.u16());
+    if (peer.failed) continue;
+    const std::uint64_t before = peer.sent;
+    room.handle(peer, type, descriptor);
+    if (is_answered(type) && peer.sent == before && !peer.failed) fuzz::broken("a request without an answer");
+    while (const BlockPtr block = peer.outbox.pop()) room.taken(peer, *block);
+    for (; !posted.empty(); posted.pop_front()) posted.front()();
+  }
+  for (const auto& peer : peers) room.leave(*peer);
+}
+
+}  // namespace
+}  // namespace obliq::net
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);  // it would print each message that does not parse
+  spdlog::set_level(spdlog::level::off);
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  obliq::net::run(obliq::fuzz::Input(data, size));
+  return 0;
+}

@@ -1,0 +1,290 @@
+// Writes the seed corpora: fuzz_make_seeds tests/fuzz/corpus. They are kept in the tree, so this runs only
+// when a format changes or a seed is added.
+#include <cpl_conv.h>
+#include <cpl_vsi.h>
+#include <gdal_priv.h>
+#include <ogrsf_frmts.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "proto/obliq.pb.h"
+#include "tests/support/made_recording.h"
+
+namespace obliq::fuzz {
+namespace {
+
+std::filesystem::path g_corpus;  // NOLINT: one program, one run
+
+void write_seed(const std::string& target, const std::string& name, const std::string& bytes) {
+  const auto folder = g_corpus / target;
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / name, std::ios::binary) << bytes;
+  std::printf("%s/%s: %zu bytes\n", target.c_str(), name.c_str(), bytes.size());
+}
+
+// ---- The stream ----
+
+constexpr char kMended = 1;  // CRCs are put right
+
+void write_streams() {
+  const test::MadeRecording made = test::made_recording();
+  write_seed("recording", "whole", kMended + made.bytes);
+  write_seed("recording", "as_it_is", std::string(1, '\0') + made.bytes);
+  test::MadeRecording two;
+  std::uint64_t sequence = 0;
+  test::add_frame(two, 1, sequence);
+  std::uint64_t other = 0;
+  test::add_frame(two, 1, other, true, "nose", 2);
+  write_seed("recording", "two_radars", kMended + two.bytes);
+  // Each message of a frame, and a frame.
+  for (const test::MadeMessage& message : made.messages) {
+    if (message.frame_id > 1) continue;
+    write_seed("framing", "message_" + std::to_string(message.begin),
+               kMended + made.bytes.substr(message.begin, message.end - message.begin));
+  }
+  write_seed("framing", "frames", kMended + two.bytes);
+}
+
+// ---- Requests ----
+
+template <typename Message>
+std::string request(wire::MessageType type, const Message& message, bool second_client = false) {
+  const std::string descriptor = message.SerializeAsString();
+  std::string bytes{second_client ? '\x80' : '\0', static_cast<char>(type)};
+  bytes += static_cast<char>(descriptor.size() & 0xFF);
+  bytes += static_cast<char>(descriptor.size() >> 8);
+  return bytes + descriptor;
+}
+
+template <typename Message>
+Message named(const char* radar) {
+  Message message;
+  message.set_request_id(7);
+  message.set_radar(radar);
+  return message;
+}
+
+void write_requests() {
+  using wire::MessageType;
+  auto set = named<wire::SetSettings>("main");
+  set.mutable_settings()->set_frequency_ghz(9.5);
+  set.mutable_settings()->set_r_max_m(20000);
+  set.mutable_settings()->set_speckle(wire::GEOMETRIC_SPECKLE);
+  set.mutable_settings()->set_frustum(wire::SWEEP);
+  set.mutable_settings()->set_azimuth_bins(64);
+  set.mutable_settings()->set_range_bins(64);
+  auto pose = named<wire::SetPose>("main");
+  pose.mutable_pose()->set_latitude_deg(33);
+  pose.mutable_pose()->set_longitude_deg(-99);
+  pose.mutable_pose()->set_height_m(1200);
+  pose.mutable_pose()->set_bearing_deg(270);
+  pose.mutable_pose()->set_sim_time_ns(1);
+  pose.mutable_pose()->set_pose_id(2);
+  auto subscribe = named<wire::Subscribe>("nose");
+  subscribe.set_rate_hz(10);
+  subscribe.add_planes(wire::POWER);
+  auto once = named<wire::RenderOnce>("main");
+  *once.mutable_pose() = pose.pose();
+  *once.mutable_settings() = set.settings();
+  wire::ListRadars list;
+  wire::GetStatus status;
+  const std::string claim = request(MessageType::claim_control, named<wire::ClaimControl>("main"));
+  const std::string release = request(MessageType::release_control, named<wire::ReleaseControl>("main"));
+  write_seed(
+      "requests", "control",
+      claim + request(MessageType::set_settings, set) + request(MessageType::set_pose, pose) + release);
+  write_seed("requests", "two_clients",
+             claim + request(MessageType::claim_control, named<wire::ClaimControl>("main"), true) +
+                 request(MessageType::set_pose, pose, true) + release);
+  write_seed("requests", "watch",
+             request(MessageType::subscribe, subscribe) + request(MessageType::subscribe, subscribe, true) +
+                 request(MessageType::unsubscribe, named<wire::Unsubscribe>("nose")));
+  write_seed("requests", "render", request(MessageType::render_once, once));
+  write_seed("requests", "ask",
+             request(MessageType::list_radars, list) +
+                 request(MessageType::get_radar, named<wire::GetRadar>("nose")) +
+                 request(MessageType::get_status, status));
+}
+
+// ---- Files that GDAL reads ----
+
+std::string read_and_remove(const std::string& path) {
+  std::stringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  std::filesystem::remove_all(path);
+  std::filesystem::remove(path + ".aux.xml");
+  return text.str();
+}
+
+/// A hill of 24 x 24 posts, and a post that is void.
+GDALDataset* made_hill(const char* crs, double post) {
+  constexpr int kSide = 24;
+  GDALDataset* hill =
+      GetGDALDriverManager()->GetDriverByName("MEM")->Create("", kSide, kSide, 1, GDT_Int16, nullptr);
+  OGRSpatialReference system;
+  system.SetFromUserInput(crs);
+  hill->SetSpatialRef(&system);
+  const bool degrees = system.IsGeographic() != 0;
+  double transform[6] = {degrees ? -99.5 : 500000.0, post, 0, degrees ? 33.0 : 3650000.0, 0, -post};
+  hill->SetGeoTransform(transform);
+  std::int16_t values[kSide * kSide];
+  for (int i = 0; i < kSide * kSide; ++i) {
+    values[i] = static_cast<std::int16_t>(400 + 3 * (i % kSide) - 2 * (i / kSide));
+  }
+  values[100] = -9999;
+  hill->GetRasterBand(1)->SetNoDataValue(-9999);
+  const CPLErr written =
+      hill->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, values, kSide, kSide, GDT_Int16, 0, 0);
+  if (written != CE_None) std::abort();
+  return hill;
+}
+
+void write_elevation(char name_byte, const char* driver, const std::string& seed, const char* crs,
+                     double post, const std::vector<const char*>& options) {
+  GDALDataset* hill = made_hill(crs, post);
+  std::vector<char*> list;
+  for (const char* option : options) list.push_back(const_cast<char*>(option));
+  list.push_back(nullptr);
+  const std::string path = (g_corpus / "written").string();
+  GDALDataset* copy = GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
+      path.c_str(), hill, FALSE, list.data(), nullptr, nullptr);
+  GDALClose(hill);
+  if (copy == nullptr) return;
+  GDALClose(copy);
+  write_seed("elevation", seed, name_byte + read_and_remove(path));
+}
+
+void write_elevations() {
+  write_elevation(0, "GTiff", "strips", "EPSG:4326", 1.0 / 3600, {});
+  write_elevation(0, "GTiff", "tiles_deflate", "EPSG:26914", 30,
+                  {"TILED=YES", "BLOCKXSIZE=16", "BLOCKYSIZE=16", "COMPRESS=DEFLATE", "PREDICTOR=2"});
+  write_elevation(0, "GTiff", "lzw", "EPSG:4269", 1.0 / 3600, {"COMPRESS=LZW", "INTERLEAVE=BAND"});
+  write_elevation(2, "AAIGrid", "ascii_grid", "EPSG:4326", 1.0 / 3600, {"FORCE_CELLSIZE=YES"});
+  write_elevation(3, "HFA", "imagine", "EPSG:26914", 30, {});
+  write_elevation(1, "USGSDEM", "usgs_dem", "EPSG:26914", 30, {});
+}
+
+constexpr const char* kTown = R"({"type":"FeatureCollection","features":[
+{"type":"Feature","properties":{"height":12,"building:levels":"3"},"geometry":{"type":"Polygon","coordinates":
+[[[-99.501,33.0],[-99.5,33.0],[-99.5,33.001],[-99.501,33.001],[-99.501,33.0]],
+[[-99.5008,33.0002],[-99.5002,33.0002],[-99.5002,33.0008],[-99.5008,33.0008],[-99.5008,33.0002]]]}},
+{"type":"Feature","properties":{"height":"40 ft"},"geometry":{"type":"MultiPolygon","coordinates":
+[[[[-99.499,33.001],[-99.498,33.001],[-99.499,33.002],[-99.498,33.002],[-99.499,33.001]]],
+[[[-99.502,33.002],[-99.5015,33.002],[-99.5015,33.0025],[-99.502,33.002]]]]}},
+{"type":"Feature","properties":null,"geometry":{"type":"LineString","coordinates":
+[[-99.5,32.999],[-99.499,32.999],[-99.499,32.9995],[-99.5,32.999]]}},
+{"type":"Feature","properties":{},"geometry":null}]})";
+
+void write_outlines(char name_byte, const char* driver, const std::string& extension, const std::string& seed,
+                    const std::vector<const char*>& dataset_options,
+                    const std::vector<const char*>& layer_options) {
+  const auto listed = [](const std::vector<const char*>& options) {
+    std::vector<char*> list;
+    for (const char* option : options) list.push_back(const_cast<char*>(option));
+    list.push_back(nullptr);
+    return list;
+  };
+  auto create = listed(dataset_options);
+  auto layer = listed(layer_options);
+  const std::string text = (g_corpus / "town.geojson").string();
+  std::ofstream(text) << kTown;
+  const std::string path = (g_corpus / "written.").string() + extension;
+  GDALDataset* town = GDALDataset::Open(text.c_str(), GDAL_OF_VECTOR);
+  GDALDataset* copy = GetGDALDriverManager()->GetDriverByName(driver)->Create(path.c_str(), 0, 0, 0,
+                                                                              GDT_Unknown, create.data());
+  if (copy != nullptr && town != nullptr) (void)copy->CopyLayer(town->GetLayer(0), "town", layer.data());
+  if (copy != nullptr) GDALClose(copy);
+  if (town != nullptr) GDALClose(town);
+  std::filesystem::remove(text);
+  write_seed("footprints", seed, name_byte + read_and_remove(path));
+}
+
+void write_footprints() {
+  write_seed("footprints", "town_geojson", std::string(1, '\0') + kTown);
+  write_seed("footprints", "prisms_geojson", std::string(1, '\3') + kTown);
+  write_seed("footprints", "surface_geojson", std::string(1, '\6') + kTown);
+  CPLSetConfigOption("OGR_SQLITE_PRAGMA", "page_size=512");
+  write_outlines(1, "GPKG", "gpkg", "town_gpkg", {"ADD_GPKG_OGR_CONTENTS=NO"}, {"SPATIAL_INDEX=NO"});
+  write_outlines(2, "FlatGeobuf", "fgb", "town_fgb", {}, {"SPATIAL_INDEX=NO"});
+}
+
+// ---- Scene files ----
+
+constexpr const char* kScene = R"([terrain]
+synthetic = "ridge"
+shape = { distance_m = 5000.0, height_m = 200 }
+cell_m = 64.0
+area = [[-99.6, 32.9], [-99.4, 32.9], [-99.4, 33.1]]
+[earth]
+radius_factor = inf
+[[buildings]]
+source = "houses.gpkg"
+height_field = "height"
+default_height_m = 8.0
+[[prisms]]
+per_km2 = 0.5
+seed = 7
+[antenna]
+latitude_deg = 33.0
+longitude_deg = -99.5
+height_m = 1500.0
+height_reference = "ground"
+bearing_deg = 20.0
+[frustum]
+kind = "polar"
+pixels = [64, 32]
+[bins]
+azimuth = 36
+range = 32
+[materials.terrain]
+model = "constant_gamma"
+gamma_db = -3
+[materials.water]
+model = "geometric_optics"
+reflectivity = 0.5
+rms_slope = 0.1
+[server]
+port = 0
+[run]
+threads = 1
+[[radar]]
+name = "main"
+sector_deg = 60.0
+r_min_m = 2000.0
+r_max_m = 9000.0
+[[radar]]
+name = "nose"
+antenna.bearing_deg = 90.0
+)";
+
+void write_configurations() {
+  write_seed("configuration", "much", kScene);
+  write_seed("configuration", "least", "[terrain]\nsynthetic = \"flat\"\n");
+  write_seed("configuration", "wrong",
+             "[terrain]\nsynthetic = \"flatt\"\n[radar]\nr_max_m = 1e400\nr_min = nan\n");
+  write_seed("configuration", "quality",
+             "terrain.synthetic = 'hills'\nfrustum.quality = 'draft'\n[accuracy]\nmedian_db = 0.1\n");
+}
+
+}  // namespace
+}  // namespace obliq::fuzz
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+    return 2;
+  }
+  obliq::fuzz::g_corpus = argv[1];
+  std::filesystem::create_directories(obliq::fuzz::g_corpus);
+  GDALAllRegister();
+  obliq::fuzz::write_streams();
+  obliq::fuzz::write_requests();
+  obliq::fuzz::write_elevations();
+  obliq::fuzz::write_footprints();
+  obliq::fuzz::write_configurations();
+  return 0;
+}
