@@ -72,7 +72,8 @@ mapfile -t health < <(setting Healthcheck Test)
 [[ $user =~ ^[1-9][0-9]*:[1-9][0-9]*$ ]] || die "the image's user is '$user': not a number, or root"
 [ "${health[0]}" = CMD ] || die "the image's healthcheck is '${health[*]}'"
 echo "image: user $user, stops on $stop_signal, runs '${command[*]}', healthcheck '${health[*]:1}'"
-setting Labels | grep -q '^org.opencontainers.image.version$' || die "the image has no OCI labels"
+labels=$(setting Labels)
+[[ $labels == *org.opencontainers.image.version* ]] || die "the image has no OCI labels"
 
 # ---- Running in it ----
 
@@ -140,7 +141,8 @@ inside() {
 step "first start"
 write_scene own
 (inside obliq-first-start /state)
-(inside obliq-first-start /state) | grep -q 'already' || die "a second start made files anew"
+again=$(inside obliq-first-start /state)
+[[ $again == *already* ]] || die "a second start made files anew: $again"
 if (inside sh -c 'touch /probe 2>/dev/null || touch /etc/probe 2>/dev/null || touch /tmp/probe 2>/dev/null'); then
   die "the root is not read-only"
 fi
