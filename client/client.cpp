@@ -187,6 +187,10 @@ Status Client::subscribe(const std::string& radar, double rate_hz, wire::PlaneSe
   for (int plane = 0; plane < wire::kPlanes; ++plane) {
     if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
   }
+  return subscribe(request);
+}
+
+Status Client::subscribe(wire::Subscribe& request) {
   return state_->acknowledged(MessageType::subscribe, request);
 }
 

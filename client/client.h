@@ -16,6 +16,7 @@ class RadarSettings;
 class Pose;
 class RenderOnce;
 class Status;
+class Subscribe;
 class Ack;
 }  // namespace obliq::wire
 
@@ -59,6 +60,8 @@ class Client {
   Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
   Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
+  /// As the request says; its request_id is set.
+  Status subscribe(wire::Subscribe& request);
   Status unsubscribe(const std::string& radar);
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);

@@ -1,11 +1,13 @@
 #include "client/frame_assembler.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <new>
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "proto/plane_coding.h"
 
 namespace obliq::client {
 
@@ -71,12 +73,14 @@ Status FrameAssembler::on_begin(const wire::FrameHeader& header, const wire::Fra
     return bad("a frame of " + std::to_string(settings.azimuth_bins()) + " x " +
                std::to_string(settings.range_bins()) + " bins cannot be");
   }
+  const auto window = wire::cut_window(wire::read_window(begin.frame().window()),
+                                       static_cast<std::uint32_t>(settings.azimuth_bins()),
+                                       static_cast<std::uint32_t>(settings.range_bins()));
+  if (!window) return bad("a frame of a window without bins");
+  window_ = *window;
   frame_ = {};
-  if (Status status = allocate(static_cast<std::uint64_t>(settings.azimuth_bins()),
-                               static_cast<std::uint64_t>(settings.range_bins()));
-      !status.ok()) {
-    return status;
-  }
+  if (Status status = allocate(window_.azimuth.kept(), window_.range.kept()); !status.ok()) return status;
+  frame_.frames_skipped = begin.frames_skipped();
   frame_.request_id = begin.request_id();
   frame_.descriptor = std::make_unique<wire::FrameDescriptor>(begin.frame());
   stream_id_ = header.stream_id;
@@ -102,30 +106,49 @@ std::byte* FrameAssembler::plane_data(wire::Plane plane) {
 }
 
 Status FrameAssembler::on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
-                                std::span<const std::byte> values) {
+                                std::span<const std::byte> payload) {
   if (!is_current(header, block.frame_id())) return {};
-  const auto plane = wire::plane_from_number(block.plane());
-  if (!plane || !(planes_ & wire::plane_bit(*plane))) return {};
-  const std::uint64_t n_range = static_cast<std::uint64_t>(frame_.n_range);
-  const std::uint64_t end_azimuth = std::uint64_t{block.first_azimuth()} + block.n_azimuth();
-  const std::uint64_t end_range = std::uint64_t{block.first_range()} + block.n_range();
-  const std::size_t bin_bytes = wire::bytes_per_bin(*plane);
-  if (end_azimuth > static_cast<std::uint64_t>(frame_.n_azimuth) || end_range > n_range ||
-      values.size() != std::uint64_t{block.n_azimuth()} * block.n_range() * bin_bytes) {
-    return bad("a data block does not fit the frame");
-  }
-  auto& filled = filled_[static_cast<int>(*plane)];
+  if (const std::string fault = wire::fault_of_block(block, payload.size()); !fault.empty())
+    return bad(fault);
+  const wire::Plane plane = *wire::plane_from_number(block.plane());
+  if (!(planes_ & wire::plane_bit(plane))) return {};
+  const auto place = place_of(block);
+  if (!place) return bad("a data block does not fit the frame");
+  const auto values = wire::plain_values(block, payload, scratch_);
+  if (!values) return bad("a compressed data block is damaged");
+
+  const auto n_range = static_cast<std::size_t>(frame_.n_range);
+  const std::size_t bin_bytes = wire::bytes_per_bin(plane);
   const std::size_t row_bytes = block.n_range() * bin_bytes;
-  for (std::uint64_t azimuth = block.first_azimuth(); azimuth < end_azimuth; ++azimuth) {
-    std::uint32_t& so_far = filled[static_cast<std::size_t>(azimuth)];
-    if (so_far != block.first_range()) return bad("a data block overlaps another or leaves a gap");
-    so_far = static_cast<std::uint32_t>(end_range);
+  auto& filled = filled_[static_cast<int>(plane)];
+  for (std::size_t row = 0; row < block.n_azimuth(); ++row) {
+    const std::size_t azimuth = place->first_azimuth + row;
+    std::uint32_t& so_far = filled[azimuth];
+    if (so_far != place->first_range) return bad("a data block overlaps another or leaves a gap");
+    so_far += block.n_range();
     if (row_bytes == 0) continue;
-    std::memcpy(plane_data(*plane) + (azimuth * n_range + block.first_range()) * bin_bytes,
-                values.data() + (azimuth - block.first_azimuth()) * row_bytes, row_bytes);
+    std::memcpy(plane_data(plane) + (azimuth * n_range + place->first_range) * bin_bytes,
+                values->data() + row * row_bytes, row_bytes);
   }
   bins_received_ += std::uint64_t{block.n_azimuth()} * block.n_range();
   return {};
+}
+
+// A block's rectangle, in bins of the window.
+std::optional<wire::Rectangle> FrameAssembler::place_of(const wire::WedgeBlock& block) const {
+  const auto place = [](const wire::BinRun& run, std::uint32_t first, std::uint32_t n,
+                        std::uint32_t step) -> std::optional<std::uint32_t> {
+    if (std::max(1u, step) != run.step || first < run.first || (first - run.first) % run.step != 0) {
+      return std::nullopt;
+    }
+    const std::uint32_t index = (first - run.first) / run.step;
+    if (index > run.kept() || n > run.kept() - index) return std::nullopt;
+    return index;
+  };
+  const auto azimuth = place(window_.azimuth, block.first_azimuth(), block.n_azimuth(), block.azimuth_step());
+  const auto range = place(window_.range, block.first_range(), block.n_range(), block.range_step());
+  if (!azimuth || !range) return std::nullopt;
+  return wire::Rectangle{*azimuth, block.n_azimuth(), *range, block.n_range()};
 }
 
 Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) {

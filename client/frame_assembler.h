@@ -2,9 +2,11 @@
 #include <complex>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "client/frame_handler.h"
+#include "proto/bin_window.h"
 #include "proto/plane.h"
 
 namespace obliq::wire {
@@ -14,7 +16,8 @@ class FrameSummary;
 
 namespace obliq::client {
 
-/// A whole frame. Planes are [n_azimuth][n_range]; those not asked for are empty.
+/// A frame, or the window of it that was asked for (descriptor.window). Planes are [n_azimuth][n_range], the
+/// bins of the window; those not asked for are empty.
 struct AssembledFrame {
   AssembledFrame();
   ~AssembledFrame();
@@ -22,6 +25,7 @@ struct AssembledFrame {
   AssembledFrame& operator=(AssembledFrame&&) noexcept;
 
   std::uint64_t request_id = 0;
+  std::uint64_t frames_skipped = 0;  ///< between this frame and the one before it
   int n_azimuth = 0;
   int n_range = 0;
   double render_s = 0;  ///< how long the server took
@@ -33,8 +37,8 @@ struct AssembledFrame {
   std::vector<std::uint8_t> state;
 };
 
-/// Puts the blocks of one stream together, one frame after the other, and checks that every bin of every
-/// plane arrives exactly once. Frames of other streams are ignored while one is being received.
+/// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin
+/// of every plane arrives exactly once. Frames of other streams are ignored while one is being received.
 class FrameAssembler : public FrameHandler {
  public:
   enum class State { idle, receiving, complete, aborted };
@@ -61,6 +65,7 @@ class FrameAssembler : public FrameHandler {
  private:
   bool is_current(const wire::FrameHeader& header, std::uint64_t frame_id) const;
   Status allocate(std::uint64_t n_azimuth, std::uint64_t n_range);
+  std::optional<wire::Rectangle> place_of(const wire::WedgeBlock& block) const;
   std::byte* plane_data(wire::Plane plane);
 
   wire::PlaneSet planes_;
@@ -70,6 +75,8 @@ class FrameAssembler : public FrameHandler {
   std::uint64_t frame_id_ = 0;
   std::string abort_reason_;
   AssembledFrame frame_;
+  wire::Window window_;                               ///< of the frame, cut to it
+  std::vector<std::byte> scratch_;                    ///< for decoding
   std::vector<std::uint32_t> filled_[wire::kPlanes];  ///< [n_azimuth], range bins that have arrived
   std::uint64_t bins_received_ = 0;                   ///< over all planes
   std::uint64_t bins_expected_ = 0;

@@ -2,7 +2,7 @@
 
 #include "proto/message_codec.h"
 #include "proto/obliq.pb.h"
-#include "proto/plane.h"
+#include "proto/plane_coding.h"
 
 namespace obliq::client {
 
@@ -13,13 +13,8 @@ namespace {
 Status check_block(std::span<const std::byte> descriptor, std::span<const std::byte> values,
                    wire::WedgeBlock& block) {
   if (!wire::parse_descriptor(descriptor, block)) return unreadable("WedgeBlock");
-  const auto plane = wire::plane_from_number(block.plane());
-  const wire::Rectangle rectangle{block.first_azimuth(), block.n_azimuth(), block.first_range(),
-                                  block.n_range()};
-  if (!plane || wire::plane_bytes(*plane, rectangle) != values.size()) {
-    return Status::failure(Outcome::bad_stream, "a data block from the server has the wrong size");
-  }
-  return {};
+  const std::string fault = wire::fault_of_block(block, values.size());
+  return fault.empty() ? Status() : Status::failure(Outcome::bad_stream, "from the server: " + fault);
 }
 
 }  // namespace

@@ -19,7 +19,8 @@ class FrameHandler {
  public:
   virtual ~FrameHandler() = default;
   virtual Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) { return {}; }
-  /// plane: the values of the block's rectangle; their length has been checked against it.
+  /// plane: the values of the block's rectangle, coded as the block says (wire::plain_values decodes them).
+  /// The coding is a possible one, and the length has been checked unless they are compressed.
   virtual Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&, std::span<const std::byte>) {
     return {};
   }

@@ -30,6 +30,9 @@ class RecordedFrames::Collector : public FrameAssembler {
       return {};
     }
     if (state() == State::receiving && header.stream_id != stream_id_) return {};
+    if (begin.frame().has_window()) {
+      return Status::failure(Outcome::bad_stream, "a part of a frame; allowed: whole frames");
+    }
     const Status status = FrameAssembler::on_begin(header, begin);
     if (!status.ok()) return status;
     stream_id_ = header.stream_id;

@@ -11,6 +11,7 @@
 #include "server/apps/received_bins.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
+#include "server/apps/stream_arguments.h"
 #include "server/control/settings_message.h"
 #include "server/output/frame_files.h"
 #include "terrain/errors.h"
@@ -20,6 +21,7 @@ namespace {
 
 struct GetArguments {
   ServerArguments server;
+  StreamArguments stream;
   std::vector<std::string> set;
   std::string out;
   bool north_up = false;
@@ -51,6 +53,7 @@ wire::RenderOnce request_for(client::Client& client, const GetArguments& argumen
   request.set_radar(name);
   write_message(radar.settings, *request.mutable_settings());
   write_message(radar.pose, *request.mutable_pose());
+  ask_for(arguments.stream, request);
   return request;
 }
 
@@ -97,6 +100,7 @@ void add_get(CLI::App& app) {
   CLI::App* command = app.add_subcommand("get", "Fetch one frame from a server into files");
   auto arguments = std::make_shared<GetArguments>();
   add_server_arguments(*command, arguments->server);
+  add_stream_arguments(*command, arguments->stream);
   command
       ->add_option("--set", arguments->set,
                    "KEY=VALUE: render with this radar parameter instead of the server's, e.g. "

@@ -11,6 +11,7 @@
 #include "server/apps/received_bins.h"
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
+#include "server/apps/stream_arguments.h"
 #include "server/output/frame_files.h"
 #include "terrain/errors.h"
 
@@ -19,6 +20,8 @@ namespace {
 
 struct WatchArguments {
   ServerArguments server;
+  StreamArguments stream;
+  bool lossless = false;
   double rate_hz = 1;
   std::uint64_t frames = 0;
   std::string out;
@@ -53,6 +56,7 @@ class TimedFrames : public client::FrameAssembler {
                 ": rendered in %.1f ms, first wedge after %.1f ms, under way %.1f ms, %.2f MB",
                 end.frame_id(), 1000 * end.render_s(), milliseconds(first_wedge_ns_), underway_ms,
                 static_cast<double>(bytes_) * 1e-6);
+    if (frame().frames_skipped != 0) std::printf(", %" PRIu64 " skipped before it", frame().frames_skipped);
     if (pose_age_ns_ != 0) std::printf(", pose %.1f ms old", milliseconds(pose_age_ns_));
     std::printf("\n");
     std::fflush(stdout);
@@ -82,7 +86,15 @@ void run(const WatchArguments& arguments) {
   const std::string radar = choose_remote_radar(client.client(), arguments.server);
   TimedFrames frames;
   client.client().set_handler(&frames);
-  require(client.subscribe(radar, arguments.rate_hz));
+  wire::Subscribe request;
+  request.set_radar(radar);
+  request.set_rate_hz(arguments.rate_hz);
+  request.set_lossless(arguments.lossless);
+  ask_for(arguments.stream, request);
+  require(client.hold("frames of " + radar, [request](client::Client& to) {
+    wire::Subscribe again = request;
+    return to.subscribe(again);
+  }));
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
     if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
@@ -105,7 +117,10 @@ void add_watch(CLI::App& app) {
   CLI::App* command = app.add_subcommand("watch", "Watch a server's radar, one line per frame");
   auto arguments = std::make_shared<WatchArguments>();
   add_server_arguments(*command, arguments->server);
+  add_stream_arguments(*command, arguments->stream);
   command->add_option("--rate", arguments->rate_hz, "Frames a second")->type_name("HZ")->default_val(1.0);
+  command->add_flag("--lossless", arguments->lossless,
+                    "Leave no frame out: the radar waits for this client, who needs the role controller");
   command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")->type_name("N");
   command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
       ->type_name("DIR");

@@ -1,5 +1,4 @@
 #pragma once
-#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,9 +12,7 @@ namespace obliq::net {
 /// A client that watches a radar.
 struct Watcher {
   Peer* peer = nullptr;
-  double rate_hz = 0;
-  wire::PlaneSet planes = wire::kAllPlanes;
-  std::chrono::steady_clock::time_point due;  ///< of its next frame
+  Demand demand;
 };
 
 /// A named radar that clients share.

@@ -36,6 +36,11 @@ struct ServerOptions {
   /// taken this much: however large the frame, no more of it is held than twice this.
   std::size_t slice_bytes = std::size_t{16} << 20;
 
+  int live_frames = 3;  ///< of a radar: a further one waits until all clients have done with one
+  /// When a radar has waited for so long, newest-wins clients that hold its oldest frame up have it aborted.
+  double abort_after_s = 1;
+  double lossless_limit_s = 10;  ///< a lossless client that holds its radar up and takes nothing is dropped
+
   double handshake_timeout_s = 10;  ///< from connection to Hello
   double message_timeout_s = 10;    ///< from the first byte of a message to its last
   double heartbeat_s = 10;          ///< the longest silence of the server, and of a client before it is asked

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "proto/obliq.pb.h"
@@ -14,8 +15,67 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
+/// How often those who hold a radar up are looked at.
+constexpr std::chrono::milliseconds kReminder{20};
+
 std::vector<FieldError> failure(const char* what) {
   return {{"frame", what, "a frame that can be rendered with the memory there is"}};
+}
+
+/// The part of a job's frame that was asked for; checked when the job was made.
+wire::Window window_of(const OnceJob& job) {
+  const RadarSettings& settings = job.view.settings->settings;
+  return wire::cut_window(job.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
+                          static_cast<std::uint32_t>(settings.range_bins))
+      .value_or(wire::Window{});
+}
+
+std::chrono::steady_clock::duration period_of(double rate_hz) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(Seconds(1 / rate_hz));
+}
+
+/// What of a frame must be rendered for some of those who ask.
+struct Order {
+  std::vector<std::uint64_t> takers;
+  std::vector<StreamChoice> choices;  ///< different ones
+  bool states = false;
+  std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
+};
+
+/// The demands that are due. Those whose window has no bin in the frame as it is now get nothing.
+Order take_orders(std::vector<Demand>& demands, const RadarSettings& settings,
+                  std::chrono::steady_clock::time_point now) {
+  Order order;
+  std::set<StreamChoice> choices;
+  std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings)));
+  for (Demand& demand : demands) {
+    const auto period = period_of(demand.rate_hz);
+    // A tenth of a period early is on time: the radar's clock is not exact.
+    if (now + period / 10 < demand.due) continue;
+    demand.due = std::max(demand.due + period, now);
+    const auto window =
+        wire::cut_window(demand.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
+                         static_cast<std::uint32_t>(settings.range_bins));
+    if (!window) continue;
+    order.takers.push_back(demand.watch_id);
+    choices.insert(demand.choice);
+    if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
+    for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
+         azimuth += window->azimuth.step)
+      wedges[static_cast<std::size_t>(azimuth) / kWedgeAzimuthBins] = true;
+  }
+  order.choices.assign(choices.begin(), choices.end());
+  for (std::size_t i = 0; i < wedges.size(); ++i) {
+    if (!wedges[i]) continue;
+    const int first = static_cast<int>(i) * kWedgeAzimuthBins;
+    const int count = std::min(kWedgeAzimuthBins, settings.azimuth_bins - first);
+    if (i > 0 && wedges[i - 1]) {
+      order.azimuths.back().count += count;
+    } else {
+      order.azimuths.push_back({first, count});
+    }
+  }
+  return order;
 }
 
 }  // namespace
@@ -33,6 +93,7 @@ struct RenderThread::OnceTask {
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
   int next_azimuth = 0;
+  int end_azimuth = 0;  ///< of the window
   double render_s = 0;
 };
 
@@ -44,6 +105,7 @@ RenderThread::~RenderThread() { end(); }
 void RenderThread::end() {
   stop();
   if (thread_.joinable()) thread_.join();
+  for (LiveTask& task : live_) task.frames->forget_listener();
 }
 
 void RenderThread::add_radar(const std::string& name, std::uint32_t stream_id, LiveView view) {
@@ -51,6 +113,7 @@ void RenderThread::add_radar(const std::string& name, std::uint32_t stream_id, L
   task.name = name;
   task.stream_id = stream_id;
   task.view = std::make_shared<const LiveView>(std::move(view));
+  task.frames = std::make_shared<LiveFrames>([this] { wake(); });
 }
 
 void RenderThread::start() {
@@ -78,19 +141,26 @@ void RenderThread::set_view(std::size_t radar, LiveView view) {
   changed_.notify_all();
 }
 
-void RenderThread::set_demand(std::size_t radar, double rate_hz, wire::PlaneSet planes) {
+void RenderThread::set_demand(std::size_t radar, std::vector<Demand> demands) {
   const std::lock_guard lock(mutex_);
   LiveTask& task = live_[radar];
+  double rate_hz = 0;
+  for (Demand& demand : demands) {
+    rate_hz = std::max(rate_hz, demand.rate_hz);
+    const auto same = std::find_if(task.demands.begin(), task.demands.end(),
+                                   [&](const Demand& d) { return d.watch_id == demand.watch_id; });
+    if (same != task.demands.end()) demand.due = same->due;
+  }
   const bool wakes = task.rate_hz == 0 && rate_hz > 0;
   // A faster rate, or a first client, does not wait for a date that the old rate set.
   const auto now = Clock::now();
   if (wakes) task.due = now;
   if (rate_hz > 0) {
-    task.due = std::min(task.due, now + std::chrono::duration_cast<Clock::duration>(Seconds(1 / rate_hz)));
+    task.due = std::min(task.due, now + period_of(rate_hz));
   }
   if (rate_hz == 0) task.stop.request_stop();
   task.rate_hz = rate_hz;
-  task.planes = planes;
+  task.demands = std::move(demands);
   ++changes_;
   changed_.notify_all();
 }
@@ -108,6 +178,11 @@ void RenderThread::wake() {
   const std::lock_guard lock(mutex_);
   ++changes_;
   changed_.notify_all();
+}
+
+RenderThread::Load RenderThread::load(std::size_t radar) const {
+  const LiveTask& task = live_[radar];
+  return {task.frames->live(), task.frames->meter()->bytes, task.skipped_in_all};
 }
 
 void RenderThread::run(const std::stop_token& stop) {
@@ -151,6 +226,7 @@ bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_poi
         next_due = std::min(next_due, task.due);
         continue;
       }
+      if (is_held_up(at, now, next_due)) continue;
       choice = {true, at};
     } else {
       const std::size_t index = at - live_.size();
@@ -163,21 +239,54 @@ bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_poi
   return false;
 }
 
+// With as many frames alive as may be, the next one waits; what it is late by was not rendered.
+bool RenderThread::is_held_up(std::size_t index, Clock::time_point now, Clock::time_point& next_due) {
+  LiveTask& task = live_[index];
+  constexpr auto kNever = Clock::time_point::max();
+  if (task.frames->live() >= options_.live_frames) {
+    if (task.held_up_since == kNever) task.held_up_since = task.next_reminder = now;
+    if (now >= task.next_reminder) {
+      task.next_reminder = now + kReminder;
+      events_.on_live_held_up(index, Seconds(now - task.held_up_since).count());
+    }
+    next_due = std::min(next_due, task.next_reminder);
+    return true;
+  }
+  if (task.held_up_since == kNever) return false;
+  const bool lossless = std::any_of(task.demands.begin(), task.demands.end(),
+                                    [](const Demand& demand) { return demand.lossless; });
+  if (!lossless) {  // else the radar is slower, and nothing is lost
+    const auto missed = static_cast<std::uint64_t>((now - task.held_up_since) / period_of(task.rate_hz));
+    task.skipped += missed;
+    task.skipped_in_all += missed;
+  }
+  task.held_up_since = kNever;
+  return false;
+}
+
 void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& lock) {
   LiveTask& task = live_[index];
   const auto now = Clock::now();
   // Never catch up: a frame that could not be rendered in time is not rendered later.
-  task.due = std::max(task.due + std::chrono::duration_cast<Clock::duration>(Seconds(1 / task.rate_hz)), now);
+  task.due = std::max(task.due + period_of(task.rate_hz), now);
+  const auto view = task.view;
+  const Order order = take_orders(task.demands, view->settings->settings, now);
+  if (order.takers.empty()) return;
   task.stop = std::stop_source();
   const std::stop_token stop = task.stop.get_token();
-  const auto view = task.view;
   FrameIdentity identity;
   identity.stream_id = task.stream_id;
   identity.frame_id = ++task.last_frame;
-  identity.planes = task.planes;
+  identity.choices = order.choices;
   identity.pose_received_ns = view->pose_received_ns;
+  identity.frames_skipped = std::exchange(task.skipped, 0);
+  identity.meter = task.frames->meter();
+  LiveFramePtr frame = task.frames->open(identity.frame_id, order.takers);
   lock.unlock();
 
+  const auto send = [&](std::vector<BlockPtr> blocks) {
+    events_.on_live_blocks(index, frame, std::move(blocks));
+  };
   std::vector<FieldError> errors;
   FrameEncoder encoder(identity, task.sequence);  // sequence: this thread alone uses it
   bool begun = false;
@@ -194,25 +303,26 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       FrameSum stats(made_with->settings);
       RenderOptions options;
       options.threads = options_.threads;
-      options.states = (identity.planes & wire::plane_bit(wire::Plane::state)) != 0;
+      options.states = order.states;
       options.before_wedge = options_.before_wedge;
       options.stop = stop;
       RenderedFrame rendered;
       options.on_wedge = [&](Wedge&& wedge) {
         if (rendered.first_wedge_s == 0) rendered.first_wedge_s = Seconds(Clock::now() - now).count();
         stats.add(wedge);
-        for (const BlockPtr& block : encoder.wedge(wedge.index, wedge.bins))
-          events_.on_live_block(index, block);
+        send(encoder.wedge(wedge.index, wedge.bins));
       };
-      const RadarSettings& settings = made_with->settings;
       begun = true;
-      events_.on_live_block(index, encoder.begin(descriptor, wedge_count(settings)));
-      if (plan.frame->render({0, settings.azimuth_bins}, options)) {
+      send(encoder.begin(descriptor));
+      const bool finished =
+          std::all_of(order.azimuths.begin(), order.azimuths.end(),
+                      [&](const AzimuthRange& azimuths) { return plan.frame->render(azimuths, options); });
+      if (finished) {
         wire::FrameSummary summary;
         plan.frame->summarise(stats.total(), summary);
         summary.set_frame_id(identity.frame_id);
         rendered.render_s = Seconds(Clock::now() - now).count();
-        events_.on_live_block(index, encoder.end(summary, rendered.render_s));
+        send({encoder.end(summary, rendered.render_s)});
         // A pose that stays has no latency: its age grows and says nothing.
         if (view->pose_received_ns > task.shown_pose_ns) {
           rendered.pose_to_end_s = 1e-9 * static_cast<double>(monotonic_ns() - view->pose_received_ns);
@@ -223,14 +333,15 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
         rendered.coverage = summary.coverage();
         events_.on_live_rendered(index, rendered);
       } else {
-        events_.on_live_block(index, encoder.abort("the server has stopped rendering this frame"));
+        send({encoder.abort("the server has stopped rendering this frame")});
       }
     }
   } catch (const std::exception& e) {  // no memory, above all
     errors = failure(e.what());
-    if (begun) events_.on_live_block(index, encoder.abort(e.what()));
+    if (begun) send({encoder.abort(e.what())});
   }
   if (!errors.empty()) events_.on_live_fault(index, view, errors);
+  frame.reset();  // its going is heard of under the lock
   lock.lock();
   task.faulty = errors.empty() ? nullptr : view;
   if (nothing_new) task.due = Clock::now();
@@ -266,11 +377,14 @@ bool RenderThread::begin_once(OnceTask& task) {
   FrameIdentity identity;
   identity.stream_id = job.stream_id;
   identity.request_id = job.request_id;
-  identity.planes = job.planes;
+  identity.choices = {job.choice};
   identity.pose_received_ns = job.view.pose_received_ns;
   task.stats.emplace(job.view.settings->settings);
   task.encoder.emplace(identity, task.sequence);
-  task.send(events_, task.encoder->begin(descriptor, wedge_count(job.view.settings->settings)));
+  for (const BlockPtr& block : task.encoder->begin(descriptor)) task.send(events_, block);
+  const auto window = window_of(job);
+  task.next_azimuth = static_cast<int>(window.azimuth.first) / kWedgeAzimuthBins * kWedgeAzimuthBins;
+  task.end_azimuth = static_cast<int>(window.azimuth.end());
   return true;
 }
 
@@ -283,11 +397,11 @@ bool RenderThread::continue_once(OnceTask& task) {
   }
   const int wedges =
       static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
-  const int count = std::min(wedges * kWedgeAzimuthBins, settings.azimuth_bins - task.next_azimuth);
+  const int count = std::min(wedges * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
 
   RenderOptions options;
   options.threads = options_.threads;
-  options.states = (task.job->planes & wire::plane_bit(wire::Plane::state)) != 0;
+  options.states = (task.job->choice.planes & wire::plane_bit(wire::Plane::state)) != 0;
   options.before_wedge = options_.before_wedge;
   options.stop = task.job->stop.get_token();
   options.on_wedge = [&](Wedge&& wedge) {
@@ -303,7 +417,7 @@ bool RenderThread::continue_once(OnceTask& task) {
   }
   task.render_s += Seconds(Clock::now() - start).count();
   task.next_azimuth += count;
-  if (task.next_azimuth < settings.azimuth_bins) return true;
+  if (task.next_azimuth < task.end_azimuth) return true;
   wire::FrameSummary summary;
   task.frame->summarise(task.stats->total(), summary);
   task.send(events_, task.encoder->end(summary, task.render_s));

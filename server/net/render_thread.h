@@ -1,6 +1,8 @@
 #pragma once
 // One thread decides which frame is rendered next: live radars at the rate asked for, RenderOnce jobs slice
 // by slice between them. The rendering itself uses as many threads as it was given.
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -13,9 +15,11 @@
 #include <vector>
 
 #include "server/net/block.h"
+#include "server/net/frame_lane.h"
 #include "server/net/frame_renderer.h"
-#include "server/net/outbox.h"
+#include "server/net/live_frames.h"
 #include "server/net/statistics.h"
+#include "server/net/stream_choice.h"
 
 namespace obliq::net {
 
@@ -33,18 +37,29 @@ struct OnceJob {
   std::uint32_t stream_id = 0;
   std::string radar;  ///< echoed
   LiveView view;
-  wire::PlaneSet planes = wire::kAllPlanes;
+  StreamChoice choice;
   std::stop_source stop;                                               ///< requested when its client has gone
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };
 using OnceJobPtr = std::shared_ptr<OnceJob>;
 
+/// What one subscription asks of its radar.
+struct Demand {
+  std::uint64_t watch_id = 0;  ///< never used again
+  double rate_hz = 0;
+  StreamChoice choice;
+  bool lossless = false;                      ///< its frames may be late, but none is left out
+  std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
+};
+
 /// Hears what happens. Called on the render thread or on the rendering's own threads, one call at a time.
 class RenderEvents {
  public:
   virtual ~RenderEvents() = default;
-  virtual void on_live_block(std::size_t radar, const BlockPtr& block) = 0;
+  virtual void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) = 0;
   virtual void on_live_rendered(std::size_t radar, const RenderedFrame& frame) = 0;
+  /// A frame is due, and as many as may be are alive. Repeated until one has gone.
+  virtual void on_live_held_up(std::size_t radar, double since_s) = 0;
   /// The radar cannot be rendered as it is; it is tried again when its view changes.
   virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                              const std::vector<FieldError>& errors) = 0;
@@ -58,6 +73,7 @@ class RenderEvents {
 struct RenderThreadOptions {
   int threads = 0;
   std::size_t slice_bytes = std::size_t{16} << 20;
+  int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
   std::function<void(int)> before_wedge;
 };
 
@@ -78,11 +94,18 @@ class RenderThread {
 
   // From any thread:
   void set_view(std::size_t radar, LiveView view);
-  /// rate_hz 0: nobody watches; a frame in hand is given up.
-  void set_demand(std::size_t radar, double rate_hz, wire::PlaneSet planes);
+  /// None: nobody watches; a frame in hand is given up.
+  void set_demand(std::size_t radar, std::vector<Demand> demands);
   void enqueue(OnceJobPtr job);
   /// A client has taken bytes, or a job was cancelled.
   void wake();
+  /// What a radar's frames take up at present.
+  struct Load {
+    int live_frames = 0;
+    std::size_t live_bytes = 0;
+    std::uint64_t frames_skipped = 0;
+  };
+  Load load(std::size_t radar) const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -91,9 +114,14 @@ class RenderThread {
     std::string name;
     std::uint32_t stream_id = 0;
     std::shared_ptr<const LiveView> view;
-    double rate_hz = 0;
-    wire::PlaneSet planes = 0;
+    std::vector<Demand> demands;
+    double rate_hz = 0;  ///< the greatest
     Clock::time_point due;
+    Clock::time_point held_up_since = Clock::time_point::max();  ///< of a frame due; max: it is not
+    Clock::time_point next_reminder;
+    std::shared_ptr<LiveFrames> frames;
+    std::uint64_t skipped = 0;  ///< since the newest frame
+    std::atomic<std::uint64_t> skipped_in_all{0};
     std::shared_ptr<const LiveView> faulty;  ///< the view that cannot be rendered, if any
     std::uint64_t last_frame = 0;
     std::int64_t shown_pose_ns = 0;  ///< arrival of the newest pose that a whole frame has shown
@@ -108,6 +136,7 @@ class RenderThread {
 
   void run(const std::stop_token& stop);
   bool choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due);
+  bool is_held_up(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
   void render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
   void render_once(std::size_t index, std::unique_lock<std::mutex>& lock);
   bool begin_once(OnceTask& task);

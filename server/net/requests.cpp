@@ -2,16 +2,16 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <cmath>
+#include <chrono>
+#include <string>
 #include <type_traits>
-#include <utility>
 
 #include "proto/frame_header.h"
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/net/frame_encoder.h"
+#include "server/net/request_checks.h"
 #include "server/net/room.h"
 
 namespace obliq::net {
@@ -21,54 +21,13 @@ using wire::MessageType;
 
 namespace {
 
-/// None asked for means all. Nothing when a number is no plane.
-template <typename Planes>
-std::optional<wire::PlaneSet> plane_set(const Planes& planes) {
-  if (planes.empty()) return wire::kAllPlanes;
-  wire::PlaneSet set = 0;
-  for (const int number : planes) {
-    const auto plane = wire::plane_from_number(number);
-    if (!plane) return std::nullopt;
-    set = static_cast<wire::PlaneSet>(set | wire::plane_bit(*plane));
-  }
-  return set;
-}
-
-/// RenderOnce names no radar of ours: the name is only echoed, and this is room enough.
-constexpr std::size_t kMaxEchoedName = 256;
-
-const FieldError kPlaneFault{"planes", "a number that is no plane",
-                             "0 (iq), 1 (power), 2 (count), 3 (state)"};
-
-void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
-  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-}
-
-std::vector<FieldError> frame_size_faults(const RadarSettings& settings, std::int64_t max_bins) {
-  if (std::int64_t{settings.azimuth_bins} * settings.range_bins <= max_bins) return {};
-  return {{"azimuth_bins x range_bins",
-           std::to_string(settings.azimuth_bins) + " x " + std::to_string(settings.range_bins),
-           "at most " + std::to_string(max_bins) + " bins in one frame"}};
-}
-
-std::vector<FieldError> missing_position(const wire::Pose& pose) {
-  std::vector<FieldError> errors;
-  const auto demand = [&](bool there, const char* field) {
-    if (!there) errors.push_back({field, "nothing", "a value: a frame needs an antenna"});
-  };
-  demand(pose.has_latitude_deg(), "latitude_deg");
-  demand(pose.has_longitude_deg(), "longitude_deg");
-  demand(pose.has_height_m(), "height_m");
-  return errors;
-}
-
-}  // namespace
-
 /// Of the radar, or of what the machine does: what a renderer that only repeats cannot do.
 template <typename Request>
 constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
     std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::RenderOnce>;
+
+}  // namespace
 
 template <typename Request>
 void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
@@ -182,6 +141,7 @@ void Requests::set_settings(const wire::SetSettings& request) {
   }
   room_.publish_view(*radar);
   acknowledge(request.request_id(), outcome.published->version);
+  room_.check_windows(*radar);
 }
 
 void Requests::set_pose(const wire::SetPose& request) {
@@ -197,90 +157,6 @@ void Requests::set_pose(const wire::SetPose& request) {
   radar->pose_received_ns = monotonic_ns();
   room_.publish_view(*radar);
   acknowledge(request.request_id(), radar->settings.current()->version);
-}
-
-void Requests::subscribe(const wire::Subscribe& request) {
-  LiveRadar* radar = radar_of(request.request_id(), request.radar());
-  if (radar == nullptr) return;
-  const ServerOptions& options = room_.options();
-  std::vector<FieldError> errors;
-  const double rate_hz = request.rate_hz();
-  if (!(rate_hz > 0 && rate_hz <= options.max_rate_hz)) {
-    errors.push_back(
-        {"rate_hz", std::to_string(rate_hz), "above 0, at most " + std::to_string(options.max_rate_hz)});
-  }
-  const auto planes = plane_set(request.planes());
-  if (!planes) errors.push_back(kPlaneFault);
-  if (planes && (*planes & ~room_.renderer_.planes()) != 0) {
-    errors.push_back({"planes", wire::plane_names(*planes), wire::plane_names(room_.renderer_.planes())});
-  }
-  if (!errors.empty()) {
-    return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
-  }
-  const bool renewed = peer_.outbox.has_lane(radar->stream_id);
-  if (!renewed && peer_.subscriptions >= options.max_subscriptions) {
-    return refuse(
-        request.request_id(), ErrorNumber::too_many_subscriptions,
-        "too many subscriptions: max_subscriptions is " + std::to_string(options.max_subscriptions));
-  }
-  room_.unsubscribe(*radar, peer_);
-  radar->watchers.push_back({&peer_, rate_hz, *planes, {}});
-  ++peer_.subscriptions;
-  peer_.outbox.open_live_lane(radar->stream_id, *planes);
-  room_.update_demand(*radar);
-  acknowledge(request.request_id(), radar->settings.current()->version);
-  if (!radar->faults.empty()) room_.send_fault(*radar, peer_);
-}
-
-void Requests::unsubscribe(const wire::Unsubscribe& request) {
-  LiveRadar* radar = radar_of(request.request_id(), request.radar());
-  if (radar == nullptr) return;
-  if (!peer_.outbox.has_lane(radar->stream_id)) {
-    return refuse(request.request_id(), ErrorNumber::not_subscribed,
-                  "not subscribed to radar " + radar->name);
-  }
-  room_.unsubscribe(*radar, peer_);
-  acknowledge(request.request_id());
-}
-
-void Requests::render_once(const wire::RenderOnce& request) {
-  const ServerOptions& options = room_.options();
-  if (peer_.jobs.size() >= static_cast<std::size_t>(options.max_renders_queued)) {
-    return refuse(
-        request.request_id(), ErrorNumber::too_many_renders,
-        "too many unfinished renders: max_renders_queued is " + std::to_string(options.max_renders_queued));
-  }
-  RadarSettings settings;
-  PoseSettings pose;
-  std::vector<FieldError> errors = missing_position(request.pose());
-  append(errors, merge_message(request.settings(), settings));
-  append(errors, merge_message(request.pose(), pose));
-  append(errors, validate(settings));
-  append(errors, validate(pose));
-  append(errors, frame_size_faults(settings, options.max_bins));
-  if (request.radar().size() > kMaxEchoedName) {
-    errors.push_back({"radar", std::to_string(request.radar().size()) + " bytes",
-                      "a name of at most " + std::to_string(kMaxEchoedName) + " bytes"});
-  }
-  const auto planes = plane_set(request.planes());
-  if (!planes) errors.push_back(kPlaneFault);
-  if (errors.empty()) errors = room_.renderer_.place(pose);
-  if (!errors.empty())
-    return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
-
-  auto job = std::make_shared<OnceJob>();
-  job->client_id = peer_.id;
-  job->request_id = request.request_id();
-  job->stream_id = ++room_.next_stream_id_;
-  job->radar = request.radar();
-  job->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
-  job->view.pose = pose;
-  job->view.pose_received_ns = monotonic_ns();
-  job->planes = *planes;
-  peer_.jobs.push_back(job);
-  peer_.outbox.open_once_lane(job->stream_id, job->request_id, job->queued);
-  acknowledge(request.request_id());
-  room_.render_.enqueue(job);
 }
 
 void Requests::get_status(const wire::GetStatus& request) {
@@ -309,6 +185,10 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_frames(radar.frames);
     entry.set_last_render_s(radar.last_render_s);
     entry.set_settings_version(radar.settings.current()->version);
+    const RenderThread::Load load = room_.render_.load(radar.stream_id - 1);
+    entry.set_live_frames(static_cast<std::uint32_t>(load.live_frames));
+    entry.set_live_bytes(load.live_bytes);
+    entry.set_frames_skipped(load.frames_skipped);
     entry.set_fault(radar.faults.empty() ? "" : radar.faults.front().text());
   }
   peer_.send(MessageType::status, status);

@@ -72,7 +72,10 @@ void Requests::hello(const wire::Hello& request) {
   welcome.set_server_version(options.server_version);
   welcome.set_scene_name(options.scene_name);
   for (const LiveRadar& radar : room_.radars_) welcome.add_radars(radar.name);
-  welcome.add_encodings("raw");
+  for (const auto encoding : {wire::IqEncoding::cf32_le, wire::IqEncoding::ci16_le}) {
+    welcome.add_encodings(wire::encoding_name(encoding));
+  }
+  welcome.add_encodings(wire::compression_name(wire::Compression::zstd));
   wire::Limits& limits = *welcome.mutable_limits();
   limits.set_max_request_bytes(options.max_request_bytes);
   limits.set_max_plane_bytes(wire::kMaxPlaneBytes);

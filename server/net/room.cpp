@@ -10,19 +10,20 @@
 #include "server/net/exposure.h"
 #include "server/net/requests.h"
 #include "server/net/security.h"
+#include "server/net/slow_watchers.h"
 
 namespace obliq::net {
 
 using wire::ErrorNumber;
 using wire::MessageType;
-using Clock = std::chrono::steady_clock;
 
 Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars,
            Post post)
     : renderer_(renderer),
       options_(std::move(options)),
       post_(std::move(post)),
-      render_(renderer, *this, {options_.render_threads, options_.slice_bytes, options_.before_wedge}) {
+      render_(renderer, *this,
+              {options_.render_threads, options_.slice_bytes, options_.live_frames, options_.before_wedge}) {
   if (!options_.security) options_.security = std::make_shared<Security>();
   for (const RadarConfig& config : radars) {
     radars_.emplace_back(config, ++next_stream_id_);
@@ -159,14 +160,44 @@ void Room::unsubscribe(LiveRadar& radar, const Peer& peer) {
   update_demand(radar);
 }
 
+void Room::watch(LiveRadar& radar, Peer& peer, Demand demand) {
+  demand.watch_id = ++last_watch_id_;
+  ++peer.subscriptions;
+  peer.outbox.open_live_lane(radar.stream_id, demand.choice,
+                             demand.lossless ? LanePolicy::lossless : LanePolicy::newest_wins);
+  radar.watchers.push_back({&peer, std::move(demand)});
+  update_demand(radar);
+}
+
+void Room::check_windows(const LiveRadar& radar) const {
+  const RadarSettings& settings = radar.settings.current()->settings;
+  for (const Watcher& watcher : radar.watchers) {
+    const wire::Window& window = watcher.demand.choice.format.window;
+    std::vector<FieldError> errors;
+    if (window.azimuth.first >= static_cast<std::uint32_t>(settings.azimuth_bins)) {
+      errors.push_back({"window.first_azimuth", std::to_string(window.azimuth.first),
+                        "below " + std::to_string(settings.azimuth_bins)});
+    }
+    if (window.range.first >= static_cast<std::uint32_t>(settings.range_bins)) {
+      errors.push_back({"window.first_range", std::to_string(window.range.first),
+                        "below " + std::to_string(settings.range_bins)});
+    }
+    if (errors.empty()) continue;
+    watcher.peer->send(MessageType::error,
+                       make_error(0, ErrorNumber::window_outside_frame,
+                                  "radar " + radar.name + " no longer has the bins of this subscription",
+                                  errors, radar.name));
+  }
+}
+
 void Room::update_demand(LiveRadar& radar) {
   radar.rate_hz = 0;
-  wire::PlaneSet planes = 0;
+  std::vector<Demand> demands;
   for (const Watcher& watcher : radar.watchers) {
-    radar.rate_hz = std::max(radar.rate_hz, watcher.rate_hz);
-    planes |= watcher.planes;
+    radar.rate_hz = std::max(radar.rate_hz, watcher.demand.rate_hz);
+    demands.push_back(watcher.demand);
   }
-  render_.set_demand(radar.stream_id - 1, radar.rate_hz, planes);
+  render_.set_demand(radar.stream_id - 1, std::move(demands));
 }
 
 void Room::publish_view(LiveRadar& radar) {
@@ -180,29 +211,24 @@ void Room::send_fault(LiveRadar& radar, Peer& peer) const {
                        radar.faults, radar.name));
 }
 
-void Room::deliver_live(LiveRadar& radar, const BlockPtr& block) {
-  const auto now = Clock::now();
-  for (Watcher& watcher : radar.watchers) {
-    if (block->type == MessageType::frame_begin) {
-      const auto period =
-          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / watcher.rate_hz));
-      // A tenth of a period early is on time: the radar's clock is not exact.
-      if (now + period / 10 < watcher.due) continue;
-      watcher.due = std::max(watcher.due + period, now);
-    }
-    watcher.peer->outbox.push(block);
-    watcher.peer->kick();
-  }
-}
-
 Peer* Room::peer_of(const OnceJob& job) {
   const auto at =
       std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == job.client_id; });
   return at == peers_.end() ? nullptr : at->get();
 }
 
-void Room::on_live_block(std::size_t radar, const BlockPtr& block) {
-  post_([this, radar, block] { deliver_live(radars_[radar], block); });
+void Room::on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) {
+  post_([this, radar, frame, blocks = std::move(blocks)] {
+    for (const Watcher& watcher : radars_[radar].watchers) {
+      if (!frame->is_for(watcher.demand.watch_id)) continue;
+      for (const BlockPtr& block : blocks) watcher.peer->outbox.push(block, frame);
+      watcher.peer->kick();
+    }
+  });
+}
+
+void Room::on_live_held_up(std::size_t radar, double since_s) {
+  post_([this, radar, since_s] { relieve(radars_[radar], options_, since_s); });
 }
 
 void Room::on_live_rendered(std::size_t index, const RenderedFrame& frame) {

@@ -62,12 +62,15 @@ class Room : private RenderEvents {
   void update_demand(LiveRadar& radar);
   void publish_view(LiveRadar& radar);
   void send_fault(LiveRadar& radar, Peer& peer) const;
-  void deliver_live(LiveRadar& radar, const BlockPtr& block);
+  void watch(LiveRadar& radar, Peer& peer, Demand demand);
+  /// Tells those who watch a part of the radar's frame that is no longer there.
+  void check_windows(const LiveRadar& radar) const;
   Peer* peer_of(const OnceJob& job);
   void stopped_if_empty();
   void finish_job(Peer& peer, std::uint32_t stream_id);
 
-  void on_live_block(std::size_t radar, const BlockPtr& block) override;
+  void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;
+  void on_live_held_up(std::size_t radar, double since_s) override;
   void on_live_rendered(std::size_t radar, const RenderedFrame& frame) override;
   void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                      const std::vector<FieldError>& errors) override;
@@ -82,6 +85,7 @@ class Room : private RenderEvents {
   std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
   std::vector<std::shared_ptr<Peer>> peers_;
   std::uint32_t next_stream_id_ = 0;
+  std::uint64_t last_watch_id_ = 0;
   std::uint64_t bytes_sent_ = 0;
   std::function<void()> stopped_;
   bool stopping_ = false;

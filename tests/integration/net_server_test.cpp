@@ -20,7 +20,7 @@ TEST(Server, WelcomesAndListsItsRadars) {
   const TestServer server;
   client::Client client = connect(server, "pilot");
   EXPECT_EQ(client.welcome().server_name(), "test server");
-  EXPECT_EQ(client.welcome().encodings(0), "raw");
+  EXPECT_EQ(client.welcome().encodings(0), "cf32_le");
   EXPECT_EQ(client.welcome().client_name().rfind("pilot (127.0.0.1:", 0), 0u);
   wire::RadarList list;
   ASSERT_TRUE(client.list_radars(list).ok());

@@ -53,7 +53,7 @@ wire::FrameAbort pop_abort(Outbox& outbox) {
 
 TEST(Outbox, HandsOutAFrameInOrder) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.queued_bytes(), 400u);
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{11, 12, 13, 14}));
@@ -62,7 +62,7 @@ TEST(Outbox, HandsOutAFrameInOrder) {
 
 TEST(Outbox, BetweenFramesTheNewestWins) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   for (std::uint64_t frame = 1; frame <= 50; ++frame) push_frame(outbox, frame);
   EXPECT_EQ(outbox.queued_bytes(), 800u) << "two frames are held, however many came";
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{491, 492, 493, 494, 501, 502, 503, 504}));
@@ -71,7 +71,7 @@ TEST(Outbox, BetweenFramesTheNewestWins) {
 
 TEST(Outbox, ABegunFrameIsCompletedBeforeANewerOne) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   push_frame(outbox, 2);
@@ -81,7 +81,7 @@ TEST(Outbox, ABegunFrameIsCompletedBeforeANewerOne) {
 
 TEST(Outbox, WaitsForTheRestOfABegunFrame) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -91,7 +91,7 @@ TEST(Outbox, WaitsForTheRestOfABegunFrame) {
 
 TEST(Outbox, ABegunFrameBeyondTheByteLimitIsAborted) {
   Outbox outbox(2, 250);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   outbox.push(block(MessageType::wedge_block, 1, 12));
@@ -106,7 +106,7 @@ TEST(Outbox, ABegunFrameBeyondTheByteLimitIsAborted) {
 
 TEST(Outbox, PlanesThatWereNotAskedForAreLeftOut) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::plane_bit(Plane::power));
+  outbox.open_live_lane(kStream, {.planes = wire::plane_bit(Plane::power)});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   outbox.push(block(MessageType::wedge_block, 1, 12, wire::plane_bit(Plane::iq)));
   outbox.push(block(MessageType::wedge_block, 1, 13, wire::plane_bit(Plane::power)));
@@ -116,7 +116,7 @@ TEST(Outbox, PlanesThatWereNotAskedForAreLeftOut) {
 
 TEST(Outbox, AFrameWithoutAPlaneAskedForIsNotBegun) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11, wire::plane_bit(Plane::iq)));
   outbox.push(block(MessageType::wedge_block, 1, 12, wire::plane_bit(Plane::iq)));
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -124,7 +124,7 @@ TEST(Outbox, AFrameWithoutAPlaneAskedForIsNotBegun) {
 
 TEST(Outbox, ClosingALaneAbortsTheBegunFrameAndForgetsTheRest) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   push_frame(outbox, 2);
@@ -140,7 +140,7 @@ TEST(Outbox, ClosingALaneAbortsTheBegunFrameAndForgetsTheRest) {
 
 TEST(Outbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, wire::kAllPlanes);
+  outbox.open_live_lane(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   outbox.push(block(MessageType::frame_abort, 1, 12));
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -148,8 +148,8 @@ TEST(Outbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
 
 TEST(Outbox, ControlMessagesOvertakeFramesAndStreamsTakeTurns) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(1, wire::kAllPlanes);
-  outbox.open_live_lane(2, wire::kAllPlanes);
+  outbox.open_live_lane(1, {});
+  outbox.open_live_lane(2, {});
   push_frame(outbox, 1, 1);
   push_frame(outbox, 2, 2);
   outbox.push_control({});
@@ -159,7 +159,7 @@ TEST(Outbox, ControlMessagesOvertakeFramesAndStreamsTakeTurns) {
 TEST(Outbox, ARenderOnceLaneKeepsEverythingCountsItsBytesAndVanishes) {
   Outbox outbox(1, 100);
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);  // as its producer has counted
-  outbox.open_once_lane(kStream, 77, counter);
+  outbox.open_once_lane(kStream, 77, {}, counter);
   push_frame(outbox, 0);
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{1, 2, 3, 4}));
   EXPECT_EQ(counter->load(), 0u);
@@ -170,10 +170,128 @@ TEST(Outbox, GivesItsBytesBackWhenItGoes) {
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);
   {
     Outbox outbox(1, 100);
-    outbox.open_once_lane(kStream, 77, counter);
+    outbox.open_once_lane(kStream, 77, {}, counter);
     push_frame(outbox, 0);
   }
   EXPECT_EQ(counter->load(), 0u);
+}
+
+TEST(Outbox, ALosslessLaneKeepsEveryFrameWhateverItsBytes) {
+  Outbox outbox(2, 100);
+  outbox.open_live_lane(kStream, {}, LanePolicy::lossless);
+  for (std::uint64_t frame = 1; frame <= 5; ++frame) push_frame(outbox, frame);
+  EXPECT_EQ(drain(outbox).size(), 20u);
+  EXPECT_EQ(outbox.frames_dropped(), 0u);
+}
+
+/// The next message, a FrameBegin.
+wire::FrameBegin pop_begin(Outbox& outbox) {
+  wire::FrameBegin begin;
+  const BlockPtr next = outbox.pop();
+  wire::MessageView view;
+  if (!next || wire::decode_message(next->bytes, 1u << 20, view) != wire::MessageStatus::ok ||
+      view.header.type != MessageType::frame_begin || !wire::parse_descriptor(view.descriptor, begin)) {
+    ADD_FAILURE() << "the next message is no FrameBegin";
+  }
+  return begin;
+}
+
+BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) {
+  wire::FrameBegin begin;
+  begin.set_frame_id(frame);
+  begin.set_frames_skipped(skipped_by_the_radar);
+  auto made = std::make_shared<Block>();
+  made->type = MessageType::frame_begin;
+  made->frame_id = frame;
+  made->sequence = frame * 10 + 1;
+  made->planes = wire::kAllPlanes;
+  made->stream_id = kStream;
+  made->bytes = wire::encode_message(made->type, {kStream, made->sequence, 5}, begin);
+  return made;
+}
+
+TEST(Outbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
+  Outbox outbox(2, kPlenty);
+  outbox.open_live_lane(kStream, {});
+  outbox.push(encoded_begin(1, 0));
+  EXPECT_EQ(pop_begin(outbox).frames_skipped(), 0u);
+  for (std::uint64_t frame = 2; frame <= 6; ++frame) outbox.push(encoded_begin(frame, frame == 6 ? 10 : 0));
+  outbox.push(block(MessageType::frame_end, 1, 14));
+  EXPECT_EQ(outbox.pop()->sequence, 14u);
+  const wire::FrameBegin begin = pop_begin(outbox);
+  EXPECT_EQ(begin.frame_id(), 6u);
+  EXPECT_EQ(begin.frames_skipped(), 14u) << "2, 3, 4 and 5 gave way here; 10 the radar left out";
+  outbox.push(block(MessageType::frame_end, 6, 64));
+  EXPECT_EQ(outbox.pop()->sequence, 64u);
+  outbox.push(encoded_begin(7, 0));
+  EXPECT_EQ(pop_begin(outbox).frames_skipped(), 0u);
+}
+
+TEST(Outbox, AFrameGivenUpIsAbortedIfBegunAndSkippedIfNot) {
+  Outbox outbox(3, kPlenty);
+  outbox.open_live_lane(kStream, {});
+  outbox.push(encoded_begin(1, 0));
+  EXPECT_EQ(pop_begin(outbox).frame_id(), 1u);
+  outbox.push(encoded_begin(2, 0));
+  outbox.push(encoded_begin(3, 0));
+  outbox.give_up(kStream, 2, "slow");
+  outbox.give_up(kStream, 1, "slow");
+  outbox.give_up(kStream, 99, "not held: not minded");
+  EXPECT_EQ(pop_abort(outbox).frame_id(), 1u);
+  const wire::FrameBegin begin = pop_begin(outbox);
+  EXPECT_EQ(begin.frame_id(), 3u);
+  EXPECT_EQ(begin.frames_skipped(), 1u) << "the aborted one was told of already";
+}
+
+TEST(Outbox, AFrameIsAliveUntilItsLastBlockIsTaken) {
+  int freed = 0;
+  const auto frames = std::make_shared<LiveFrames>([&] { ++freed; });
+  Outbox outbox(2, kPlenty);
+  outbox.open_live_lane(kStream, {});
+  {
+    const LiveFramePtr frame = frames->open(1, {});
+    outbox.push(block(MessageType::frame_begin, 1, 11), frame);
+    outbox.push(block(MessageType::wedge_block, 1, 12), frame);
+    outbox.push(block(MessageType::frame_end, 1, 13), frame);
+  }
+  for (int taken = 0; taken < 3; ++taken) {
+    EXPECT_EQ(frames->live(), 1) << taken;
+    outbox.pop();
+  }
+  EXPECT_EQ(frames->live(), 0);
+  EXPECT_EQ(freed, 1);
+}
+
+TEST(Outbox, TakesOnlyBlocksOfItsOwnEncodingAndWindow) {
+  Outbox outbox(2, kPlenty);
+  StreamChoice choice;
+  choice.format.iq = wire::IqEncoding::ci16_le;
+  choice.format.window.range = {4, 8, 2};
+  outbox.open_live_lane(kStream, choice);
+  const auto push = [&](MessageType type, Plane plane, const BlockFormat& format, std::uint64_t sequence) {
+    auto made = std::make_shared<Block>();
+    made->type = type;
+    made->frame_id = 1;
+    made->sequence = sequence;
+    made->planes = type == MessageType::frame_begin ? wire::kAllPlanes : wire::plane_bit(plane);
+    made->stream_id = kStream;
+    made->format = format;
+    outbox.push(made);
+  };
+  BlockFormat floats = choice.format;
+  floats.iq = wire::IqEncoding::cf32_le;
+  BlockFormat whole = choice.format;
+  whole.window = {};
+  BlockFormat compressed = choice.format;
+  compressed.compression = wire::Compression::zstd;
+  push(MessageType::frame_begin, Plane::iq, whole, 10);
+  push(MessageType::frame_begin, Plane::iq, floats, 11);  // of a FrameBegin the window alone counts
+  push(MessageType::wedge_block, Plane::iq, floats, 12);
+  push(MessageType::wedge_block, Plane::iq, choice.format, 13);
+  push(MessageType::wedge_block, Plane::iq, whole, 14);
+  push(MessageType::wedge_block, Plane::power, floats, 15);  // has no encoding of its own
+  push(MessageType::wedge_block, Plane::power, compressed, 16);
+  EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{11, 13, 15}));
 }
 
 }  // namespace

@@ -1,0 +1,110 @@
+// The requests that bring frames.
+#include <string>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/control/parameters.h"
+#include "server/control/settings_message.h"
+#include "server/net/frame_encoder.h"
+#include "server/net/request_checks.h"
+#include "server/net/requests.h"
+#include "server/net/room.h"
+
+namespace obliq::net {
+
+using wire::ErrorNumber;
+
+namespace {
+
+/// RenderOnce names no radar of ours: the name is only echoed, and this is room enough.
+constexpr std::size_t kMaxEchoedName = 256;
+
+}  // namespace
+
+void Requests::subscribe(const wire::Subscribe& request) {
+  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  const ServerOptions& options = room_.options();
+  std::vector<FieldError> errors;
+  const double rate_hz = request.rate_hz();
+  if (!(rate_hz > 0 && rate_hz <= options.max_rate_hz)) {
+    errors.push_back(
+        {"rate_hz", std::to_string(rate_hz), "above 0, at most " + std::to_string(options.max_rate_hz)});
+  }
+  const RadarSettings& settings = radar->settings.current()->settings;
+  Demand wish;
+  wish.rate_hz = rate_hz;
+  wish.lossless = request.lossless();
+  wish.choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
+  if ((wish.choice.planes & ~room_.renderer_.planes()) != 0) {
+    errors.push_back(
+        {"planes", wire::plane_names(wish.choice.planes), wire::plane_names(room_.renderer_.planes())});
+  }
+  if (!errors.empty()) {
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
+  }
+  if (wish.lossless && !demand(Role::controller, request.request_id(), "watching without losses")) return;
+  const bool renewed = peer_.outbox.has_lane(radar->stream_id);
+  if (!renewed && peer_.subscriptions >= options.max_subscriptions) {
+    return refuse(
+        request.request_id(), ErrorNumber::too_many_subscriptions,
+        "too many subscriptions: max_subscriptions is " + std::to_string(options.max_subscriptions));
+  }
+  room_.unsubscribe(*radar, peer_);
+  room_.watch(*radar, peer_, std::move(wish));
+  acknowledge(request.request_id(), radar->settings.current()->version);
+  if (!radar->faults.empty()) room_.send_fault(*radar, peer_);
+}
+
+void Requests::unsubscribe(const wire::Unsubscribe& request) {
+  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  if (!peer_.outbox.has_lane(radar->stream_id)) {
+    return refuse(request.request_id(), ErrorNumber::not_subscribed,
+                  "not subscribed to radar " + radar->name);
+  }
+  room_.unsubscribe(*radar, peer_);
+  acknowledge(request.request_id());
+}
+
+void Requests::render_once(const wire::RenderOnce& request) {
+  const ServerOptions& options = room_.options();
+  if (peer_.jobs.size() >= static_cast<std::size_t>(options.max_renders_queued)) {
+    return refuse(
+        request.request_id(), ErrorNumber::too_many_renders,
+        "too many unfinished renders: max_renders_queued is " + std::to_string(options.max_renders_queued));
+  }
+  RadarSettings settings;
+  PoseSettings pose;
+  std::vector<FieldError> errors = missing_position(request.pose());
+  append(errors, merge_message(request.settings(), settings));
+  append(errors, merge_message(request.pose(), pose));
+  append(errors, validate(settings));
+  append(errors, validate(pose));
+  append(errors, frame_size_faults(settings, options.max_bins));
+  if (request.radar().size() > kMaxEchoedName) {
+    errors.push_back({"radar", std::to_string(request.radar().size()) + " bytes",
+                      "a name of at most " + std::to_string(kMaxEchoedName) + " bytes"});
+  }
+  StreamChoice choice;
+  if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
+  if (errors.empty()) errors = room_.renderer_.place(pose);
+  if (!errors.empty())
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
+
+  auto job = std::make_shared<OnceJob>();
+  job->client_id = peer_.id;
+  job->request_id = request.request_id();
+  job->stream_id = ++room_.next_stream_id_;
+  job->radar = request.radar();
+  job->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
+  job->view.pose = pose;
+  job->view.pose_received_ns = monotonic_ns();
+  job->choice = choice;
+  peer_.jobs.push_back(job);
+  peer_.outbox.open_once_lane(job->stream_id, job->request_id, choice, job->queued);
+  acknowledge(request.request_id());
+  room_.render_.enqueue(job);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,91 @@
+#include "server/net/slow_watchers.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace obliq::net {
+namespace {
+
+using Clock = FrameLane::Clock;
+
+/// One frame that waits for clients.
+struct HeldFrame {
+  std::vector<Watcher*> holders;
+  bool begun = false;     ///< by one of them
+  bool lossless = false;  ///< for one of them
+};
+
+double seconds_since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+/// By frame number: the oldest first.
+std::map<std::uint64_t, HeldFrame> held_frames(LiveRadar& radar) {
+  std::map<std::uint64_t, HeldFrame> frames;
+  for (Watcher& watcher : radar.watchers) {
+    const FrameLane* lane = watcher.peer->outbox.lane(radar.stream_id);
+    if (lane == nullptr) continue;
+    for (std::size_t i = 0; i < lane->held(); ++i) {
+      const FrameLane::Held held = lane->held(i);
+      HeldFrame& frame = frames[held.frame_id];
+      frame.holders.push_back(&watcher);
+      frame.begun |= held.begun;
+      frame.lossless |= lane->policy() == LanePolicy::lossless;
+    }
+  }
+  return frames;
+}
+
+void give_up(const LiveRadar& radar, std::uint64_t frame_id, const HeldFrame& frame) {
+  for (Watcher* watcher : frame.holders) {
+    watcher->peer->outbox.give_up(radar.stream_id, frame_id, "the client reads too slowly");
+    watcher->peer->kick();
+  }
+}
+
+/// Why a holder of the oldest frame must go; empty: it may stay.
+std::string offence(const FrameLane& lane, std::uint64_t oldest, const ServerOptions& options) {
+  if (lane.policy() == LanePolicy::lossless &&
+      seconds_since(lane.last_progress()) > options.lossless_limit_s) {
+    return "the client reads too slowly: lossless, and nothing taken for stream.lossless_limit_s = " +
+           std::to_string(options.lossless_limit_s);
+  }
+  for (std::size_t i = 0; i < lane.held(); ++i) {
+    const FrameLane::Held held = lane.held(i);
+    if (held.frame_id == oldest && lane.policy() == LanePolicy::newest_wins &&
+        seconds_since(held.since) > options.stall_timeout_s) {
+      return "the client reads too slowly: it has held up the radar's oldest frame for longer than "
+             "stall_timeout";
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
+  const auto frames = held_frames(radar);
+  if (frames.empty()) return;  // the last of it is just being written
+  const auto waiting = std::find_if(frames.begin(), frames.end(), [](const auto& entry) {
+    return !entry.second.begun && !entry.second.lossless;
+  });
+  if (waiting != frames.end()) return give_up(radar, waiting->first, waiting->second);
+  if (held_up_s > options.abort_after_s) {
+    const auto oldest =
+        std::find_if(frames.begin(), frames.end(), [](const auto& entry) { return !entry.second.lossless; });
+    if (oldest != frames.end()) return give_up(radar, oldest->first, oldest->second);
+  }
+  const auto& [oldest, frame] = *frames.begin();
+  std::vector<std::pair<Peer*, std::string>> offenders;  // who fails may stop watching at once
+  for (const Watcher* watcher : frame.holders) {
+    const FrameLane* lane = watcher->peer->outbox.lane(radar.stream_id);
+    std::string reason = lane == nullptr ? "" : offence(*lane, oldest, options);
+    if (!reason.empty()) offenders.emplace_back(watcher->peer, std::move(reason));
+  }
+  for (const auto& [peer, reason] : offenders) peer->fail(wire::ErrorNumber::reads_too_slowly, reason);
+}
+
+}  // namespace obliq::net
