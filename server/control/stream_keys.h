@@ -1,0 +1,11 @@
+#pragma once
+#include <span>
+
+#include "server/control/scene_keys.h"
+
+namespace obliq {
+
+/// The keys of [stream].
+std::span<const Entry<SceneConfig>> stream_entries();
+
+}  // namespace obliq
