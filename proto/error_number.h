@@ -29,8 +29,8 @@ enum class ErrorNumber : std::uint32_t {
   too_many_subscriptions = 105,  ///< limit `max_subscriptions`
   render_failed = 106,           ///< the frame could not be rendered
   not_subscribed = 107,
-  role_too_low = 108,  ///< the text names the role needed
-  over_limit = 109,    ///< the text names the limit
+  role_too_low = 108,          ///< the text names the role needed
+  over_limit = 109,            ///< the text names the limit
   window_outside_frame = 110,  ///< new settings of the radar leave no bin of a subscription's window
   replay_only = 125,   ///< the server replays a recording: nothing can be changed or rendered
 };

@@ -22,12 +22,15 @@ Bytes encode_message(MessageType type, const Addressing& addressing,
   header.sequence = addressing.sequence;
   header.utc_ns = addressing.utc_ns;
 
-  Bytes bytes(kHeaderBytes + header.payload_length);
+  // Plane data is most of a message: its bytes are written once, not zeroed first.
+  Bytes bytes;
+  bytes.reserve(kHeaderBytes + header.payload_length);
+  bytes.resize(kHeaderBytes + descriptor_bytes);
+  bytes.insert(bytes.end(), plane.begin(), plane.end());
   const std::span<std::byte> all(bytes);
   const auto head = all.first<kHeaderBytes>();
   const auto payload = all.subspan(kHeaderBytes);
   if (!descriptor.SerializeToArray(payload.data(), static_cast<int>(descriptor_bytes))) return {};
-  std::copy(plane.begin(), plane.end(), payload.begin() + static_cast<std::ptrdiff_t>(descriptor_bytes));
   encode_header(header, head);
   header.crc = message_crc(head, payload);
   encode_header(header, head);

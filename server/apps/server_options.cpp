@@ -23,6 +23,9 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.max_bins = config.server.max_bins;
   options.queue_frames = config.server.queue_frames;
   options.stop_limit_s = config.server.stop_limit_s;
+  options.live_frames = config.stream.live_frames;
+  options.abort_after_s = config.stream.abort_after_s;
+  options.lossless_limit_s = config.stream.lossless_limit_s;
   options.render_threads = config.threads;
   return options;
 }

@@ -9,6 +9,7 @@
 #include "server/control/log_config.h"
 #include "server/control/radar_config.h"
 #include "server/control/server_config.h"
+#include "server/control/stream_config.h"
 #include "server/scene/materials.h"
 #include "terrain/world_spec.h"
 
@@ -23,6 +24,7 @@ struct SceneConfig {
   std::vector<RadarConfig> radars;  ///< at least one; valid; names differ
   int threads = 0;                  ///< 0: all cores
   ServerConfig server;
+  StreamConfig stream;
   HttpConfig http;
   LogConfig log;
   FlightConfig flight;

@@ -7,6 +7,7 @@
 #include "server/control/flight_keys.h"
 #include "server/control/operation_keys.h"
 #include "server/control/server_keys.h"
+#include "server/control/stream_keys.h"
 
 namespace obliq {
 
@@ -161,11 +162,8 @@ constexpr std::array kSpecial{
     SpecialKey{"surfaces.material", "a material's name", "", "What the ground there is made of."},
 };
 
-constexpr std::array<std::string_view, 4> kDaemonSections{
-    "server",
-    "http",
-    "log",
-    "flight",
+constexpr std::array<std::string_view, 5> kDaemonSections{
+    "server", "stream", "http", "log", "flight",
 };
 
 }  // namespace
@@ -176,6 +174,7 @@ std::span<const Entry<SceneConfig>> scene_entries() {
   static const auto all = [] {
     std::vector<Entry<SceneConfig>> entries(kScene.begin(), kScene.end());
     entries.insert(entries.end(), server_entries().begin(), server_entries().end());
+    entries.insert(entries.end(), stream_entries().begin(), stream_entries().end());
     entries.insert(entries.end(), operation_entries().begin(), operation_entries().end());
     entries.insert(entries.end(), flight_entries().begin(), flight_entries().end());
     return entries;

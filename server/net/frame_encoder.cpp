@@ -130,6 +130,7 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
     return wire::cut_window(window, static_cast<std::uint32_t>(descriptor.settings().azimuth_bins()),
                             static_cast<std::uint32_t>(descriptor.settings().range_bins()));
   };
+  products_.clear();
   for (const auto& [plane, format] : wanted) {
     if (const auto window = cut_to_frame(format.window)) products_.push_back({plane, format, *window});
   }

@@ -16,6 +16,7 @@
 
 #include "server/net/block.h"
 #include "server/net/frame_lane.h"
+#include "server/net/frame_order.h"
 #include "server/net/frame_renderer.h"
 #include "server/net/live_frames.h"
 #include "server/net/statistics.h"
@@ -42,15 +43,6 @@ struct OnceJob {
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };
 using OnceJobPtr = std::shared_ptr<OnceJob>;
-
-/// What one subscription asks of its radar.
-struct Demand {
-  std::uint64_t watch_id = 0;  ///< never used again
-  double rate_hz = 0;
-  StreamChoice choice;
-  bool lossless = false;                      ///< its frames may be late, but none is left out
-  std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
-};
 
 /// Hears what happens. Called on the render thread or on the rendering's own threads, one call at a time.
 class RenderEvents {

@@ -50,15 +50,14 @@ void give_up(const LiveRadar& radar, std::uint64_t frame_id, const HeldFrame& fr
 std::string offence(const FrameLane& lane, std::uint64_t oldest, const ServerOptions& options) {
   if (lane.policy() == LanePolicy::lossless &&
       seconds_since(lane.last_progress()) > options.lossless_limit_s) {
-    return "the client reads too slowly: lossless, and nothing taken for stream.lossless_limit_s = " +
-           std::to_string(options.lossless_limit_s);
+    return "the client reads too slowly: lossless, and nothing taken for stream.lossless_limit_s";
   }
   for (std::size_t i = 0; i < lane.held(); ++i) {
     const FrameLane::Held held = lane.held(i);
     if (held.frame_id == oldest && lane.policy() == LanePolicy::newest_wins &&
         seconds_since(held.since) > options.stall_timeout_s) {
       return "the client reads too slowly: it has held up the radar's oldest frame for longer than "
-             "stall_timeout";
+             "server.stall_timeout_s";
     }
   }
   return {};

@@ -9,6 +9,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/frame_json.h"
+#include "server/output/frame_window.h"
 #include "server/output/ground_map.h"
 #include "server/output/ground_map_png.h"
 #include "server/output/ground_map_tif.h"
@@ -41,15 +42,15 @@ void write_frame_files(const std::filesystem::path& directory, const wire::Frame
   write_npy(directory / "count.npy", bins.count, bins.n_azimuth, bins.n_range);
   write_npy(directory / "state.npy", bins.state, bins.n_azimuth, bins.n_range);
   write_text(directory / "frame.json", frame_json(descriptor, summary));
-  const GroundMap north_up = map_to_ground(descriptor, bins, 0);
+  const wire::FrameDescriptor placed = placed_window(descriptor);
+  const GroundMap north_up = map_to_ground(placed, bins, 0);
   write_ground_map_tif(directory / "ground_map.tif", north_up, descriptor.pose().latitude_deg(),
                        descriptor.pose().longitude_deg());
   if (up == MapUp::north) {
-    write_ground_map_png(directory / "ground_map.png", north_up, descriptor, summary);
+    write_ground_map_png(directory / "ground_map.png", north_up, placed, summary);
   } else {
     const double bearing = descriptor.pose().bearing_deg() * std::numbers::pi / 180;
-    write_ground_map_png(directory / "ground_map.png", map_to_ground(descriptor, bins, bearing), descriptor,
-                         summary);
+    write_ground_map_png(directory / "ground_map.png", map_to_ground(placed, bins, bearing), placed, summary);
   }
 }
 

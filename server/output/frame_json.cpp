@@ -1,8 +1,10 @@
 #include "server/output/frame_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "proto/bin_window.h"
 #include "proto/obliq.pb.h"
 
 namespace obliq {
@@ -71,10 +73,21 @@ Json from_message(const Message& message) {
   return object;
 }
 
-Json edges(double start, double width, int bins) {
+/// Puts in the edges of a run of bins: n + 1 where they touch; where only every few are kept, the two edges
+/// of each.
+void put_edges(Json& root, const std::string& axis, const std::string& unit, const wire::BinRun& run,
+               double start, double width) {
   Json list = Json::array();
-  for (int k = 0; k <= bins; ++k) list.push_back(start + k * width);
-  return list;
+  for (std::uint32_t k = 0; k < run.kept(); ++k) {
+    const std::uint32_t bin = run.first + k * run.step;
+    if (run.step == 1) {
+      list.push_back(start + bin * width);
+    } else {
+      list.push_back({start + bin * width, start + (bin + 1) * width});
+    }
+  }
+  if (run.step == 1) list.push_back(start + static_cast<double>(run.end()) * width);
+  root[axis + (run.step == 1 ? "_edges_" : "_intervals_") + unit] = std::move(list);
 }
 
 }  // namespace
@@ -96,10 +109,15 @@ std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::Fram
   root["frame"].erase("settings_version");
   root["summary"].erase("frame_id");
   root["bin_states"] = {{"0", "not sampled"}, {"1", "sampled"}, {"2", "shadow"}, {"3", "no known surface"}};
-  root["azimuth_edges_deg"] = edges(descriptor.azimuth_start_deg(), descriptor.azimuth_width_deg(),
-                                    descriptor.settings().azimuth_bins());
-  root["range_edges_m"] =
-      edges(descriptor.range_start_m(), descriptor.range_spacing_m(), descriptor.settings().range_bins());
+  if (!descriptor.has_window()) root["frame"].erase("window");
+  const auto window =
+      wire::cut_window(wire::read_window(descriptor.window()),
+                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().azimuth_bins())),
+                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().range_bins())))
+          .value_or(wire::Window{});
+  put_edges(root, "azimuth", "deg", window.azimuth, descriptor.azimuth_start_deg(),
+            descriptor.azimuth_width_deg());
+  put_edges(root, "range", "m", window.range, descriptor.range_start_m(), descriptor.range_spacing_m());
   return root.dump(1) + "\n";
 }
 

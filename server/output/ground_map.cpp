@@ -91,7 +91,9 @@ void check_described(const wire::FrameDescriptor& d) {
     throw InputError("frame descriptor: range_start_m: found " + std::to_string(d.range_start_m()) +
                      "; allowed: a number from 0");
   const double sector_deg = d.azimuth_width_deg() * d.settings().azimuth_bins();
-  if (!(sector_deg <= 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
+  // Where every n-th bin stands for n, the last may reach around to the first.
+  const double past_the_last_deg = d.azimuth_width_deg() * (d.settings().azimuth_bins() > 1 ? 1 : 0);
+  if (!(sector_deg - past_the_last_deg < 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
     throw InputError("frame descriptor: found a sector of " + std::to_string(sector_deg) + " degrees from " +
                      std::to_string(d.azimuth_start_deg()) + "; allowed: at most 360 degrees from a bearing");
   for (const double value :

@@ -72,8 +72,12 @@ TEST(FrameAssembler, NoticesABlockThatComesTwiceOrLiesOutside) {
   const auto blocks = stream.encoder.wedge(0, filled(0, 8, 32));
   ASSERT_TRUE(feed(frames, *blocks[0]).ok());
   EXPECT_EQ(feed(frames, *blocks[0]).outcome, client::Outcome::bad_stream);
-  EXPECT_EQ(feed(frames, *stream.encoder.wedge(1, filled(8, 8, 32))[0]).outcome, client::Outcome::bad_stream);
-  EXPECT_EQ(feed(frames, *stream.encoder.wedge(0, filled(0, 8, 33))[1]).outcome, client::Outcome::bad_stream);
+  Stream longer;
+  (void)longer.encoder.begin(descriptor(16, 32));
+  EXPECT_EQ(feed(frames, *longer.encoder.wedge(1, filled(8, 8, 32))[0]).outcome, client::Outcome::bad_stream);
+  Stream wider;
+  (void)wider.encoder.begin(descriptor(8, 33));
+  EXPECT_EQ(feed(frames, *wider.encoder.wedge(0, filled(0, 8, 33))[1]).outcome, client::Outcome::bad_stream);
 }
 
 TEST(FrameAssembler, RefusesFramesThatCannotBe) {

@@ -1,0 +1,48 @@
+#include "server/net/frame_order.h"
+
+#include <algorithm>
+#include <set>
+
+namespace obliq::net {
+
+std::chrono::steady_clock::duration period_of(double rate_hz) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(1 / rate_hz));
+}
+
+Order take_orders(std::vector<Demand>& demands, const RadarSettings& settings,
+                  std::chrono::steady_clock::time_point now) {
+  Order order;
+  std::set<StreamChoice> choices;
+  std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings)));
+  for (Demand& demand : demands) {
+    const auto period = period_of(demand.rate_hz);
+    // A tenth of a period early is on time: the radar's clock is not exact.
+    if (now + period / 10 < demand.due) continue;
+    demand.due = std::max(demand.due + period, now);
+    const auto window =
+        wire::cut_window(demand.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
+                         static_cast<std::uint32_t>(settings.range_bins));
+    if (!window) continue;
+    order.takers.push_back(demand.watch_id);
+    choices.insert(demand.choice);
+    if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
+    for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
+         azimuth += window->azimuth.step)
+      wedges[static_cast<std::size_t>(azimuth) / kWedgeAzimuthBins] = true;
+  }
+  order.choices.assign(choices.begin(), choices.end());
+  for (std::size_t i = 0; i < wedges.size(); ++i) {
+    if (!wedges[i]) continue;
+    const int first = static_cast<int>(i) * kWedgeAzimuthBins;
+    const int count = std::min(kWedgeAzimuthBins, settings.azimuth_bins - first);
+    if (i > 0 && wedges[i - 1]) {
+      order.azimuths.back().count += count;
+    } else {
+      order.azimuths.push_back({first, count});
+    }
+  }
+  return order;
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,35 @@
+#pragma once
+// What a radar's next frame must hold, from what its watchers ask for.
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "server/net/stream_choice.h"
+#include "server/radar/render.h"
+
+namespace obliq::net {
+
+std::chrono::steady_clock::duration period_of(double rate_hz);
+
+/// What one subscription asks of its radar.
+struct Demand {
+  std::uint64_t watch_id = 0;  ///< never used again
+  double rate_hz = 0;
+  StreamChoice choice;
+  bool lossless = false;                      ///< its frames may be late, but none is left out
+  std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
+};
+
+/// What of a frame must be rendered for some of those who ask.
+struct Order {
+  std::vector<std::uint64_t> takers;
+  std::vector<StreamChoice> choices;  ///< different ones
+  bool states = false;
+  std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
+};
+
+/// The demands that are due. Those whose window has no bin in the frame as it is now get nothing.
+Order take_orders(std::vector<Demand>& demands, const RadarSettings& settings,
+                  std::chrono::steady_clock::time_point now);
+
+}  // namespace obliq::net
