@@ -109,7 +109,10 @@ void RenderThread::set_demand(std::size_t radar, std::vector<Demand> demands) {
   if (rate_hz > 0) {
     task.due = std::min(task.due, now + period_of(rate_hz));
   }
-  if (rate_hz == 0) task.stop.request_stop();
+  if (rate_hz == 0) {
+    task.stop.request_stop();
+    task.held_up_since = Clock::time_point::max();  // nobody waits
+  }
   task.rate_hz = rate_hz;
   task.demands = std::move(demands);
   ++changes_;
