@@ -38,6 +38,7 @@ bool is_of_scene(std::string_view key) {
 std::string scene_text(SceneConfig config) {
   const SceneConfig defaults;
   config.server = defaults.server;
+  config.stream = defaults.stream;
   config.http = defaults.http;
   config.log = defaults.log;
   config.threads = defaults.threads;
