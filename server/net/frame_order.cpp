@@ -10,16 +10,30 @@ std::chrono::steady_clock::duration period_of(double rate_hz) {
       std::chrono::duration<double>(1 / rate_hz));
 }
 
-Order take_orders(std::vector<Demand>& demands, const RadarSettings& settings,
-                  std::chrono::steady_clock::time_point now) {
-  Order order;
-  std::set<StreamChoice> choices;
-  std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings)));
+std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now) {
+  std::vector<Demand> taken;
   for (Demand& demand : demands) {
     const auto period = period_of(demand.rate_hz);
     // A tenth of a period early is on time: the radar's clock is not exact.
     if (now + period / 10 < demand.due) continue;
+    taken.push_back(demand);
     demand.due = std::max(demand.due + period, now);
+  }
+  return taken;
+}
+
+void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands) {
+  for (const Demand& one : taken) {
+    const auto at = std::ranges::find(demands, one.watch_id, &Demand::watch_id);
+    if (at != demands.end()) at->due = one.due;
+  }
+}
+
+Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings) {
+  Order order;
+  std::set<StreamChoice> choices;
+  std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings)));
+  for (const Demand& demand : demands) {
     const auto window =
         wire::cut_window(demand.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
                          static_cast<std::uint32_t>(settings.range_bins));

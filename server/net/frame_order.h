@@ -28,8 +28,12 @@ struct Order {
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
 };
 
-/// The demands that are due. Those whose window has no bin in the frame as it is now get nothing.
-Order take_orders(std::vector<Demand>& demands, const RadarSettings& settings,
-                  std::chrono::steady_clock::time_point now);
+/// The demands that are due, as they were; the next date of each is set.
+std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now);
+/// There was no frame after all: they are due again.
+void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
+
+/// What a frame of such settings holds for them. Those whose window has no bin in it get nothing.
+Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings);
 
 }  // namespace obliq::net

@@ -218,31 +218,37 @@ bool RenderThread::is_held_up(std::size_t index, Clock::time_point now, Clock::t
   return false;
 }
 
+FrameIdentity RenderThread::identity_of(LiveTask& task, std::uint64_t frame_id, const Order& order,
+                                        const LiveView& view) {
+  FrameIdentity identity;
+  identity.stream_id = task.stream_id;
+  identity.frame_id = frame_id;
+  identity.choices = order.choices;
+  identity.pose_received_ns = view.pose_received_ns;
+  identity.frames_skipped = std::exchange(task.skipped, 0);
+  identity.meter = task.frames->meter();
+  return identity;
+}
+
 void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& lock) {
   LiveTask& task = live_[index];
   const auto now = Clock::now();
   // Never catch up: a frame that could not be rendered in time is not rendered later.
   task.due = std::max(task.due + period_of(task.rate_hz), now);
   const auto view = task.view;
-  const Order order = take_orders(task.demands, view->settings->settings, now);
-  if (order.takers.empty()) return;
+  const std::vector<Demand> due = take_due(task.demands, now);
+  if (due.empty()) return;
   task.stop = std::stop_source();
   const std::stop_token stop = task.stop.get_token();
-  FrameIdentity identity;
-  identity.stream_id = task.stream_id;
-  identity.frame_id = ++task.last_frame;
-  identity.choices = order.choices;
-  identity.pose_received_ns = view->pose_received_ns;
-  identity.frames_skipped = std::exchange(task.skipped, 0);
-  identity.meter = task.frames->meter();
-  LiveFramePtr frame = task.frames->open(identity.frame_id, order.takers);
+  const std::uint64_t frame_id = ++task.last_frame;
   lock.unlock();
 
+  LiveFramePtr frame;
   const auto send = [&](std::vector<BlockPtr> blocks) {
     events_.on_live_blocks(index, frame, std::move(blocks));
   };
   std::vector<FieldError> errors;
-  FrameEncoder encoder(identity, task.sequence);  // sequence: this thread alone uses it
+  std::optional<FrameEncoder> encoder;
   bool begun = false;
   bool nothing_new = false;
   try {
@@ -252,8 +258,11 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
     if (plan.frame) {
       wire::FrameDescriptor descriptor;
       plan.frame->describe(task.name, descriptor);
-      descriptor.set_frame_id(identity.frame_id);
+      descriptor.set_frame_id(frame_id);
       const SettingsPtr made_with = plan.settings ? plan.settings : view->settings;
+      const Order order = order_of(due, made_with->settings);
+      frame = task.frames->open(frame_id, order.takers);
+      encoder.emplace(identity_of(task, frame_id, order, *view), task.sequence);  // this thread's alone
       FrameSum stats(made_with->settings);
       RenderOptions options;
       options.threads = options_.threads;
@@ -264,19 +273,19 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       options.on_wedge = [&](Wedge&& wedge) {
         if (rendered.first_wedge_s == 0) rendered.first_wedge_s = Seconds(Clock::now() - now).count();
         stats.add(wedge);
-        send(encoder.wedge(wedge.index, wedge.bins));
+        send(encoder->wedge(wedge.index, wedge.bins));
       };
       begun = true;
-      send(encoder.begin(descriptor));
+      send(encoder->begin(descriptor));
       const bool finished =
           std::all_of(order.azimuths.begin(), order.azimuths.end(),
                       [&](const AzimuthRange& azimuths) { return plan.frame->render(azimuths, options); });
       if (finished) {
         wire::FrameSummary summary;
         plan.frame->summarise(stats.total(), summary);
-        summary.set_frame_id(identity.frame_id);
+        summary.set_frame_id(frame_id);
         rendered.render_s = Seconds(Clock::now() - now).count();
-        send({encoder.end(summary, rendered.render_s)});
+        send({encoder->end(summary, rendered.render_s)});
         // A pose that stays has no latency: its age grows and says nothing.
         if (view->pose_received_ns > task.shown_pose_ns) {
           rendered.pose_to_end_s = 1e-9 * static_cast<double>(monotonic_ns() - view->pose_received_ns);
@@ -287,18 +296,21 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
         rendered.coverage = summary.coverage();
         events_.on_live_rendered(index, rendered);
       } else {
-        send({encoder.abort("the server has stopped rendering this frame")});
+        send({encoder->abort("the server has stopped rendering this frame")});
       }
     }
   } catch (const std::exception& e) {  // no memory, above all
     errors = failure(e.what());
-    if (begun) send({encoder.abort(e.what())});
+    if (begun) send({encoder->abort(e.what())});
   }
   if (!errors.empty()) events_.on_live_fault(index, view, errors);
   frame.reset();  // its going is heard of under the lock
   lock.lock();
   task.faulty = errors.empty() ? nullptr : view;
-  if (nothing_new) task.due = Clock::now();
+  if (nothing_new) {
+    task.due = Clock::now();
+    give_back(due, task.demands);
+  }
 }
 
 void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& lock) {

@@ -24,6 +24,8 @@
 
 namespace obliq::net {
 
+struct FrameIdentity;
+
 /// How a live radar looks, from the next frame on. Never changes once made.
 struct LiveView {
   SettingsPtr settings;
@@ -129,6 +131,8 @@ class RenderThread {
   void run(const std::stop_token& stop);
   bool choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due);
   bool is_held_up(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
+  static FrameIdentity identity_of(LiveTask& task, std::uint64_t frame_id, const Order& order,
+                                   const LiveView& view);
   void render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
   void render_once(std::size_t index, std::unique_lock<std::mutex>& lock);
   bool begin_once(OnceTask& task);

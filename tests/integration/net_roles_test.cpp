@@ -80,6 +80,20 @@ TEST_F(Roles, ARequestWithoutHelloIsRefusedWhateverTheToken) {
   EXPECT_EQ(peer.error_number(), number(ErrorNumber::handshake_expected));
 }
 
+TEST_F(Roles, OnlyAControllerMayWatchWithoutLossesAndSoSlowARadar) {
+  const TestServer server(options());
+  wire::Subscribe request;
+  request.set_radar("main");
+  request.set_rate_hz(50);
+  request.set_lossless(true);
+  client::Client viewer;
+  ASSERT_TRUE(come(server, kViewer, viewer).ok());
+  EXPECT_EQ(viewer.subscribe(request).number, number(ErrorNumber::role_too_low));
+  client::Client controller;
+  ASSERT_TRUE(come(server, kController, controller).ok());
+  EXPECT_TRUE(controller.subscribe(request).ok());
+}
+
 TEST_F(Roles, AViewerMayLookAndRenderButNotClaim) {
   const TestServer server(options());
   client::Client viewer;
