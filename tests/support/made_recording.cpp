@@ -24,7 +24,7 @@ void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& 
   descriptor.set_frame_id(frame_id);
   descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);
   descriptor.mutable_settings()->set_range_bins(kMadeRanges);
-  add(encoder.begin(descriptor, 2));
+  for (const auto& block : encoder.begin(descriptor)) add(block);
   for (int wedge = 0; wedge < (whole ? 2 : 1); ++wedge) {
     BinBlock bins(wedge * 8, wedge == 0 ? 8 : kMadeAzimuths - 8, kMadeRanges);
     for (int azimuth = 0; azimuth < bins.n_azimuth; ++azimuth) {
