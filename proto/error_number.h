@@ -32,7 +32,7 @@ enum class ErrorNumber : std::uint32_t {
   role_too_low = 108,          ///< the text names the role needed
   over_limit = 109,            ///< the text names the limit
   window_outside_frame = 110,  ///< new settings of the radar leave no bin of a subscription's window
-  replay_only = 125,   ///< the server replays a recording: nothing can be changed or rendered
+  replay_only = 125,           ///< the server replays a recording: nothing can be changed or rendered
 };
 
 }  // namespace obliq::wire
