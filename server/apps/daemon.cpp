@@ -29,6 +29,7 @@
 #include "server/http/pages.h"
 #include "server/http/readiness.h"
 #include "server/log/service_log.h"
+#include "server/modbus/service.h"
 #include "server/net/io_thread.h"
 #include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
@@ -82,7 +83,7 @@ class Daemon {
   void end_reload();
   void open_http();
   void load();
-  void serve(net::ReservedPort port);
+  void serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port);
   Progress progress();
 
   SceneConfig config_;
@@ -112,11 +113,12 @@ void Daemon::run() {
   security_ = server_security(server);
   for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
   net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
+  auto modbus_port = modbus::reserve(config_.modbus);
   if (config_.http.enabled) open_http();
   heed_signals();
   io_.post([this] { keep_pulse(); });
   load();
-  serve(std::move(port));
+  serve(std::move(port), std::move(modbus_port));
   spdlog::info("stopped");
 }
 
@@ -280,13 +282,14 @@ void Daemon::load() {
   metrics_.scene_loaded(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 }
 
-void Daemon::serve(net::ReservedPort port) {
+void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port) {
   net::ServerOptions options = server_options(config_);
   options.security = security_;
   options.on_frame = [this](const std::string& radar, const net::RenderedFrame& frame) {
     metrics_.frame(radar, frame);
   };
   server_.emplace(io_.context(), *renderer_, config_.radars, options, std::move(port));
+  const modbus::Service modbus(config_.modbus, std::move(modbus_port), server_->panel());
   io_.post([this] {
     serving_ = &*server_;
     server_->start([this] {

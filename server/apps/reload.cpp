@@ -41,6 +41,7 @@ std::string scene_text(SceneConfig config) {
   config.stream = defaults.stream;
   config.http = defaults.http;
   config.log = defaults.log;
+  config.modbus = defaults.modbus;
   config.threads = defaults.threads;
   for (RadarConfig& radar : config.radars)
     radar = RadarConfig{.name = radar.name, .settings = {}, .pose = {}};
@@ -57,6 +58,7 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
     if (is_of_scene(key.name) || std::ranges::find(kLive, key.name) != kLive.end()) continue;
     if (load(key, slot(one)) != load(key, slot(other))) keys.emplace_back(key.name);
   }
+  if (running.modbus.allow != wanted.modbus.allow) keys.emplace_back("modbus.allow");
   const auto names = [](const SceneConfig& config) {
     std::string all;
     for (const RadarConfig& radar : config.radars) all += (all.empty() ? "" : ", ") + radar.name;

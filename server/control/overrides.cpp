@@ -118,7 +118,8 @@ std::vector<std::string> keys_for_environment() {
   for (const Parameter& p : parameters()) keys.emplace_back(p.key.name);
   for (const auto& entry : scene_entries()) keys.emplace_back(entry.key.name);
   for (const SpecialKey& special : special_keys())
-    if (special.name.starts_with("terrain.") || special.name.starts_with("frustum."))
+    if (special.name.starts_with("terrain.") || special.name.starts_with("modbus.") ||
+        special.name.starts_with("frustum."))
       keys.emplace_back(special.name);
   return keys;
 }

@@ -106,9 +106,9 @@ std::string scene_pages() {
          "stay as they\nare. One of `terrain.dem` and `terrain.synthetic` is needed. The default of "
          "`earth.radius_factor` is `inf` over\nsynthetic ground.\n\n" +
          std::string(kSceneHeader) + special_rows("terrain.") + rows(scene_entries(), "", SceneConfig{}) +
-         "\n`[[buildings]]`, `[[prisms]]` and `[[surfaces]]` may be repeated:\n\n" + kSceneHeader +
-         special_rows("buildings.") + rows(building_entries(), "buildings.", {}) + special_rows("prisms.") +
-         rows(prism_entries(), "prisms.", {}) + special_rows("surfaces.") +
+         special_rows("modbus.") + "\n`[[buildings]]`, `[[prisms]]` and `[[surfaces]]` may be repeated:\n\n" +
+         kSceneHeader + special_rows("buildings.") + rows(building_entries(), "buildings.", {}) +
+         special_rows("prisms.") + rows(prism_entries(), "prisms.", {}) + special_rows("surfaces.") +
          rows(surface_entries(), "surfaces.", {}) +
          "\n## Materials\n\n`[materials.NAME]` changes a material that ships or adds one:\n\n" +
          kSceneHeader + rows(material_entries(), "materials.NAME.", {}) +
@@ -149,18 +149,22 @@ std::string parameters_markdown() {
       "each with sections of\nits own (`[radar.antenna]`) over the common `[antenna]`, `[frustum]` and "
       "`[bins]`. "
       "An antenna without a position\nstands at the dem's centre, over synthetic ground at 33 N 99.5 W.\n\n"
-      "| key | type | default | allowed | change | message field | meaning |\n"
-      "|---|---|---|---|---|---|---|\n";
+      "| key | type | default | allowed | change | message field | Modbus | meaning |\n"
+      "|---|---|---|---|---|---|---|---|\n";
   for (const Parameter& p : parameters()) {
     const Slot slot = p.slot(defaults);
     const std::string message = p.message == WireMessage::pose ? "Pose." : "RadarSettings.";
     page += "|" + cell(code(p.key.name)) + cell(std::string(type_name(slot))) +
             cell(code(toml_text(load(p.key, slot)))) + cell(allowed_text(p.key, slot)) +
             cell(p.change == Change::live ? "live" : "restart") +
-            cell(code(message + std::string(p.wire_field))) + cell(std::string(p.key.summary)) + "\n";
+            cell(code(message + std::string(p.wire_field))) +
+            cell(p.modbus.address < 0 ? "" : std::to_string(p.modbus.address)) +
+            cell(std::string(p.key.summary)) + "\n";
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";
+  page +=
+      "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) says how it is coded.\n";
   return page + quality_page() + scene_pages();
 }
 

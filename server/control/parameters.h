@@ -18,12 +18,30 @@ enum class Change {
 
 enum class WireMessage { radar_settings, pose };
 
+/// How a value is coded in Modbus registers, the most significant word first.
+enum class ModbusWords {
+  u16,        ///< one register; of a choice: its place in the list; of a boolean: 0 or 1
+  u32,        ///< two registers
+  i32,        ///< two registers, two's complement
+  i64,        ///< four registers, two's complement
+  u64,        ///< four registers
+  f32,        ///< two registers, IEEE 754
+  wavelength  ///< as f32, in metres, of a parameter that is a frequency in GHz
+};
+
+/// Where a parameter stands in the Modbus register map (server/modbus/REGISTERS.md).
+struct ModbusColumn {
+  int address = -1;  ///< of the first register; -1: not in the map
+  ModbusWords words = ModbusWords::u16;
+  double counts_per_unit = 1;  ///< of integers: 1000 for a length in mm
+};
+
 struct Parameter {
   Key key;
   Change change;
   WireMessage message;          ///< which message carries it,
   std::string_view wire_field;  ///< and in which field
-  int modbus_address;           ///< -1: none yet
+  ModbusColumn modbus;
   Slot (*slot)(RadarConfig&);
 };
 

@@ -138,8 +138,11 @@ std::string radars(const SceneConfig& config) {
 
 std::string print_config(const SceneConfig& config) {
   std::string daemon;
-  for (const std::string_view name : daemon_sections())
+  for (const std::string_view name : daemon_sections()) {
     daemon += header(std::string(name)) + section(std::string(name) + ".", config);
+    if (name == "modbus" && !config.modbus.allow.empty())
+      daemon += line("allow", list(config.modbus.allow, toml_string), "Who may connect. [restart]");
+  }
   return "# Scene " + toml_string(config.name) +
          ", complete. Live: changes with the next frame. Restart: read once, at start.\n" + terrain(config) +
          header("earth") + section("earth.", config) + sources(config) + radars(config) + materials(config) +

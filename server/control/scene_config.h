@@ -7,6 +7,7 @@
 #include "server/control/flight_config.h"
 #include "server/control/http_config.h"
 #include "server/control/log_config.h"
+#include "server/control/modbus_config.h"
 #include "server/control/radar_config.h"
 #include "server/control/server_config.h"
 #include "server/control/stream_config.h"
@@ -28,6 +29,7 @@ struct SceneConfig {
   HttpConfig http;
   LogConfig log;
   FlightConfig flight;
+  ModbusConfig modbus;
   AccuracyWish
       accuracy;  ///< what the pixels and the cell size are to be chosen by (server/apps/meet_accuracy.h)
 };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/control/flight_keys.h"
+#include "server/control/modbus_keys.h"
 #include "server/control/operation_keys.h"
 #include "server/control/server_keys.h"
 #include "server/control/stream_keys.h"
@@ -140,6 +141,8 @@ constexpr std::array kSpecial{
     SpecialKey{"terrain.fill_void_m", "\"auto\" or a number 0 to 100000 m", "\"auto\"",
                "Voids no wider than this are filled by interpolation, wider ones are no ground; auto: the "
                "larger of 200 m and three postings of the finest dem."},
+    SpecialKey{"modbus.allow", "a list of addresses and networks, such as \"10.0.0.0/24\"", "[]",
+               "Who may connect to Modbus; empty: anybody who can reach the address."},
     SpecialKey{"frustum.quality", "\"paper\" | \"draft\" | \"standard\" | \"reference\"", "",
                "Sets kind, plates, pixel_columns and pixel_rows."},
     SpecialKey{"frustum.pixels", "a number, or [columns, rows]", "2048",
@@ -162,8 +165,8 @@ constexpr std::array kSpecial{
     SpecialKey{"surfaces.material", "a material's name", "", "What the ground there is made of."},
 };
 
-constexpr std::array<std::string_view, 5> kDaemonSections{
-    "server", "stream", "http", "log", "flight",
+constexpr std::array<std::string_view, 6> kDaemonSections{
+    "server", "stream", "http", "log", "flight", "modbus",
 };
 
 }  // namespace
@@ -177,6 +180,7 @@ std::span<const Entry<SceneConfig>> scene_entries() {
     entries.insert(entries.end(), stream_entries().begin(), stream_entries().end());
     entries.insert(entries.end(), operation_entries().begin(), operation_entries().end());
     entries.insert(entries.end(), flight_entries().begin(), flight_entries().end());
+    entries.insert(entries.end(), modbus_entries().begin(), modbus_entries().end());
     return entries;
   }();
   return all;

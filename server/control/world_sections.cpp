@@ -1,4 +1,5 @@
-// [terrain], [earth], [accuracy], [run], [server], [materials.*], [[buildings]], [[prisms]], [[surfaces]].
+// [terrain], [earth], [accuracy], [run], [server], [modbus], [materials.*], [[buildings]], [[prisms]],
+// [[surfaces]].
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <optional>
 
 #include "server/control/material_library.h"
+#include "server/control/modbus_keys.h"
 #include "server/control/scene_keys.h"
 #include "server/control/scene_sections.h"
 
@@ -212,6 +214,7 @@ void read_scene_entries(SceneReading& reading) {
       SectionReader reader(table, section, reading.complaints);
       read_entries(reader, section + ".", reading.config);
       if (section == "server") resolve_server_paths(table, reading.folder, reading.config.server);
+      if (section == "modbus") read_modbus_access(reader, reading.config.modbus);
       reader.finish();
     });
   }

@@ -31,7 +31,14 @@ struct LiveRadar {
   std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
   std::uint64_t frames = 0;
   double last_render_s = 0;
-  double coverage = 0;  ///< of the newest frame
+  double coverage = 0;  ///< of the newest frame, as are the next two
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+
+  // The operator's, through the panel:
+  bool transmit = true;      ///< off: it is not rendered
+  bool frozen = false;       ///< the render thread keeps the view that it has
+  double rate_limit_hz = 0;  ///< 0: none
 
   LiveView view() const { return {settings.current(), pose, pose_received_ns}; }
 };

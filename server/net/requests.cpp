@@ -125,6 +125,9 @@ void Requests::get_radar(const wire::GetRadar& request) {
   info.set_subscribers(static_cast<std::uint32_t>(radar->watchers.size()));
   info.set_rate_hz(radar->rate_hz);
   info.set_fault(radar->faults.empty() ? "" : radar->faults.front().text());
+  info.set_transmit_off(!radar->transmit);
+  info.set_frozen(radar->frozen);
+  info.set_rate_limit_hz(radar->rate_limit_hz);
   peer_.send(MessageType::radar_info, info);
 }
 
@@ -190,6 +193,9 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_live_bytes(load.live_bytes);
     entry.set_frames_skipped(load.frames_skipped);
     entry.set_fault(radar.faults.empty() ? "" : radar.faults.front().text());
+    entry.set_transmit_off(!radar.transmit);
+    entry.set_frozen(radar.frozen);
+    entry.set_rate_limit_hz(radar.rate_limit_hz);
   }
   peer_.send(MessageType::status, status);
 }

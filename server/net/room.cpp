@@ -194,13 +194,17 @@ void Room::update_demand(LiveRadar& radar) {
   radar.rate_hz = 0;
   std::vector<Demand> demands;
   for (const Watcher& watcher : radar.watchers) {
-    radar.rate_hz = std::max(radar.rate_hz, watcher.demand.rate_hz);
-    demands.push_back(watcher.demand);
+    Demand demand = watcher.demand;
+    if (radar.rate_limit_hz > 0) demand.rate_hz = std::min(demand.rate_hz, radar.rate_limit_hz);
+    radar.rate_hz = std::max(radar.rate_hz, demand.rate_hz);
+    demands.push_back(std::move(demand));
   }
+  if (!radar.transmit) demands.clear();
   render_.set_demand(radar.stream_id - 1, std::move(demands));
 }
 
 void Room::publish_view(LiveRadar& radar) {
+  if (radar.frozen) return;  // what it is to show after the thaw is kept in the radar
   radar.faults.clear();
   render_.set_view(radar.stream_id - 1, radar.view());
 }
@@ -237,6 +241,8 @@ void Room::on_live_rendered(std::size_t index, const RenderedFrame& frame) {
     ++radar.frames;
     radar.last_render_s = frame.render_s;
     radar.coverage = frame.coverage;
+    radar.rays = frame.rays;
+    radar.hits = frame.hits;
     if (options_.on_frame) options_.on_frame(radar.name, frame);
   });
 }
@@ -246,8 +252,9 @@ void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView
   post_([this, index, view, errors] {
     LiveRadar& radar = radars_[index];
     // Its controller may have mended it in the meantime.
-    if (view->settings != radar.settings.current() || view->pose_received_ns != radar.pose_received_ns)
-      return;
+    const bool newest =
+        view->settings == radar.settings.current() && view->pose_received_ns == radar.pose_received_ns;
+    if (!newest && !radar.frozen) return;
     radar.faults = errors;
     const LogFields fields{{"radar", radar.name}};
     for (const FieldError& error : errors)

@@ -55,6 +55,7 @@ class Room : private RenderEvents {
   void taken(Peer& peer, const Block& block);
 
  private:
+  friend class Panel;
   friend class Requests;
 
   LiveRadar* find(const std::string& name);

@@ -9,6 +9,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/log/log_fields.h"
+#include "server/net/panel.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/security.h"
@@ -46,9 +47,10 @@ struct Server::State {
         const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
       : own(std::move(own_context)),
         io(context),
-        room(std::make_shared<Room>(renderer, options, radars, [&context](std::function<void()> work) {
-          asio::post(context, std::move(work));
-        })) {}
+        room(std::make_shared<Room>(
+            renderer, options, radars,
+            [&context](std::function<void()> work) { asio::post(context, std::move(work)); })),
+        panel(*room, [&context](std::function<void()> work) { asio::post(context, std::move(work)); }) {}
 
   void listen(ReservedPort reserved);
   asio::awaitable<void> accept();
@@ -59,6 +61,7 @@ struct Server::State {
   tcp::acceptor acceptor{io};
   asio::steady_timer limit{io};
   std::shared_ptr<Room> room;
+  Panel panel;
   std::string address;
   std::uint64_t last_id = 0;
   bool stopping = false;
@@ -159,6 +162,8 @@ std::uint16_t Server::port() const {
   error_code ignored;
   return state_->acceptor.local_endpoint(ignored).port();
 }
+
+Panel& Server::panel() { return state_->panel; }
 
 std::string Server::address() const { return state_->address; }
 

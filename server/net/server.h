@@ -17,6 +17,8 @@ class io_context;
 
 namespace obliq::net {
 
+class Panel;
+
 /// Listens, and serves live radars to clients. One render thread, and one io thread: the one that calls
 /// run(), or one that others use as well.
 class Server {
@@ -36,6 +38,9 @@ class Server {
 
   std::uint16_t port() const;   ///< the one it listens on, chosen or given
   std::string address() const;  ///< "127.0.0.1:7420"
+
+  /// The operator's side; lives as long as the server.
+  Panel& panel();
 
   /// Serves until stop(). Then no frame is begun any more, begun ones and what waits for clients are finished
   /// within stop_limit_s, clients are told, connections end.

@@ -28,6 +28,8 @@ ALLOWED = {
     "server/net": SERVER_CORE + ["proto", "server/log", "server/control", "server/flight", "server/output"],
     "server/http": SERVER_CORE
     + ["proto", "server/log", "server/control", "server/flight", "server/output", "server/net"],
+    "server/modbus": SERVER_CORE
+    + ["proto", "server/log", "server/control", "server/flight", "server/output", "server/net"],
     "server/apps": ["terrain", "proto", "client", "server"],
     "tests": ["terrain", "proto", "client", "server"],
 }

@@ -58,6 +58,7 @@ class TestServer {
   ~TestServer();
   client::Endpoint endpoint() const { return {"127.0.0.1", server_.port()}; }
   net::Server& server() { return server_; }
+  net::Panel& panel() { return server_.panel(); }
   /// Returns when run() has returned.
   void stop();
 

@@ -1,0 +1,63 @@
+#include "server/control/modbus_keys.h"
+
+#include <array>
+
+#include "server/control/networks.h"
+#include "server/control/section_reader.h"
+
+namespace obliq {
+namespace {
+
+using Scene = SceneConfig;
+const std::array kModbus{
+    Entry<Scene>{{"modbus.enabled", "", {}, {}, "Listen for Modbus/TCP masters."},
+                 [](Scene& c) -> Slot { return &c.modbus.enabled; }},
+    Entry<Scene>{{"modbus.address", "", {}, {}, "Address that Modbus binds to."},
+                 [](Scene& c) -> Slot { return &c.modbus.address; }},
+    Entry<Scene>{{"modbus.port", "", closed(0, 65535), {}, "TCP port of Modbus; 0: any free one."},
+                 [](Scene& c) -> Slot { return &c.modbus.port; }},
+    Entry<Scene>{{"modbus.max_masters", "", closed(1, 8), {}, "Masters served at a time."},
+                 [](Scene& c) -> Slot { return &c.modbus.max_masters; }},
+    Entry<Scene>{{"modbus.idle_timeout_s",
+                  "s",
+                  closed(0.1, 86400),
+                  {},
+                  "A master that asks nothing for so long is disconnected."},
+                 [](Scene& c) -> Slot { return &c.modbus.idle_timeout_s; }},
+    Entry<Scene>{{"modbus.watchdog_s",
+                  "s",
+                  closed(0, 3600),
+                  {},
+                  "A radar is frozen when its console's heartbeat stands still for so long; 0: never."},
+                 [](Scene& c) -> Slot { return &c.modbus.watchdog_s; }},
+    Entry<Scene>{{"modbus.unprotected",
+                  "",
+                  {},
+                  {},
+                  "Allows an address that is not loopback: Modbus has no protection of its own."},
+                 [](Scene& c) -> Slot { return &c.modbus.unprotected; }},
+};
+
+}  // namespace
+
+std::span<const Entry<SceneConfig>> modbus_entries() { return kModbus; }
+
+void read_modbus_access(SectionReader& reader, ModbusConfig& config) {
+  for (const ConfigNode* node : reader.texts("allow")) {
+    const auto& text = std::get<std::string>(node->value);
+    if (is_network(text)) {
+      config.allow.push_back(text);
+    } else {
+      reader.complain(*node, "allow", "an address or a network, such as \"10.0.0.0/24\"");
+    }
+  }
+  if (!config.enabled || is_loopback(config.address)) return;
+  const ConfigNode* address = reader.table().find("address");
+  if (address != nullptr && (!config.unprotected || config.allow.empty())) {
+    reader.complain(*address, "address",
+                    "a loopback address; any other only with modbus.unprotected = true and a list of who may "
+                    "come in modbus.allow, since Modbus has no protection of its own");
+  }
+}
+
+}  // namespace obliq

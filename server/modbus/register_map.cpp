@@ -1,0 +1,172 @@
+#include "server/modbus/register_map.h"
+
+#include <algorithm>
+#include <array>
+
+#include "server/modbus/encoding.h"
+
+namespace obliq::modbus {
+namespace {
+
+using enum ModbusWords;
+using View = StatusView;
+
+template <class Integer>
+double number(Integer value) {
+  return static_cast<double>(value);
+}
+
+/// "OBLQ", as the stream has it (proto/PROTOCOL.md).
+constexpr double kMagic = 0x4F424C51;
+
+const std::array kStatus{
+    StatusRegister{0, u32, 1, "magic", "", "4F42 4C51, \"OBLQ\": this is obliqd.",
+                   [](const View&) { return kMagic; }},
+    StatusRegister{2, u16, 1, "map_version", "",
+                   "1. Another value: the registers below may mean something else.",
+                   [](const View&) { return number(kMapVersion); }},
+    StatusRegister{3, u16, 1, "radars", "", "Radars of this server: unit ids 1 to this.",
+                   [](const View& v) { return number(v.unit.radars); }},
+    StatusRegister{4, u16, 1, "unit_id", "", "The unit id that was asked.",
+                   [](const View& v) { return number(v.unit.unit_id); }},
+    StatusRegister{5, u16, 1, "heartbeat", "",
+                   "Rises about ten times a second, from 65535 to 0; stands still when the server does.",
+                   [](const View& v) { return number(v.radar.heartbeat & 0xFFFF); }},
+    StatusRegister{100, u16, 1, "state", "",
+                   "0 idle (nobody watches), 1 running, 2 transmit off, 3 frozen, 4 fault.",
+                   [](const View& v) { return number(state_of(v)); }},
+    StatusRegister{101, u16, 100, "frame_rate", "Hz", "Frames rendered per second, over the last second.",
+                   [](const View& v) { return v.radar.rate_hz; }},
+    StatusRegister{102, u32, 1e6, "frame_time", "s", "Time that the newest frame took.",
+                   [](const View& v) { return v.radar.frame_time_s; }},
+    StatusRegister{104, u32, 1, "rays", "", "Rays of the newest frame; none with the sweep.",
+                   [](const View& v) { return number(v.radar.rays); }},
+    StatusRegister{106, u32, 1, "hits", "", "Rays of the newest frame that hit something.",
+                   [](const View& v) { return number(v.radar.hits); }},
+    StatusRegister{108, u16, 1, "clients", "", "Clients of the server.",
+                   [](const View& v) { return number(v.radar.clients); }},
+    StatusRegister{109, u16, 1, "watchers", "", "Clients that watch this radar.",
+                   [](const View& v) { return number(v.radar.watchers); }},
+    StatusRegister{110, u32, 1, "frames_dropped", "",
+                   "Frames that the server's clients were too slow for, since start.",
+                   [](const View& v) { return number(v.radar.frames_dropped); }},
+    StatusRegister{112, u16, 1e4, "coverage", "",
+                   "Part of the newest frame's sector and range with known ground, 0 to 1.",
+                   [](const View& v) { return v.radar.coverage; }},
+    StatusRegister{113, u16, 1, "last_error", "", "See Errors; clear faults sets it to 0.",
+                   [](const View& v) { return number(static_cast<int>(last_error_of(v))); }},
+    StatusRegister{114, u16, 1, "last_error_address", "",
+                   "First register of the setpoint that was refused; 65535: none in particular.",
+                   [](const View& v) { return number(v.unit.last_error_address); }},
+    StatusRegister{115, u16, 1, "staged", "", "Setpoints written and not yet applied.",
+                   [](const View& v) { return number(v.unit.staged); }},
+    StatusRegister{116, u32, 1, "frames", "", "Frames rendered since start.",
+                   [](const View& v) { return number(v.radar.frames & 0xFFFFFFFF); }},
+    StatusRegister{118, u32, 1, "settings_version", "", "Rises with every change of the radar's settings.",
+                   [](const View& v) { return number(v.radar.settings_version & 0xFFFFFFFF); }},
+    StatusRegister{120, u32, 1, "uptime", "s", "Since the server's start.",
+                   [](const View& v) { return v.radar.uptime_s; }},
+};
+
+constexpr std::array kFaults{
+    FaultText{Fault::none, "none"},
+    FaultText{Fault::out_of_range, "a setpoint was written with a value out of its limits"},
+    FaultText{Fault::refused, "apply: the staged setpoints do not go together, or not with the terrain"},
+    FaultText{Fault::controlled, "apply: a client of the stream holds control"},
+    FaultText{Fault::no_answer, "apply or a coil: the server did not come to it within a second"},
+    FaultText{Fault::cannot_render, "the radar cannot be rendered as it is set"},
+    FaultText{Fault::watchdog, "the console's heartbeat stood still and the radar was frozen"},
+};
+
+constexpr std::array kCoilTexts{
+    BitText{"transmit", "1: the radar is rendered. 0: it is not, and its watchers get no frames."},
+    BitText{"freeze",
+            "1: frames keep the pose and the settings of this moment; what is set meanwhile shows from the "
+            "thaw on."},
+    BitText{"apply", "Writing 1 puts all staged setpoints into effect, or none. Reads 0."},
+    BitText{"clear_faults", "Writing 1 sets last_error to 0 and has a radar in fault tried again. Reads 0."},
+    BitText{"discard", "Writing 1 forgets the staged setpoints. Reads 0."},
+};
+static_assert(kCoilTexts.size() == kCoils);
+
+const std::array kDiscrete{
+    DiscreteInput{{"ready", "The radar can be rendered and is not in fault."},
+                  [](const View& v) { return state_of(v) != 4; }},
+    DiscreteInput{{"fault", "It cannot be rendered as it is set, or the watchdog has frozen it."},
+                  [](const View& v) { return state_of(v) == 4; }},
+    DiscreteInput{{"stale_pose", "The pose has outlived its stated validity."},
+                  [](const View&) { return false; }},
+    DiscreteInput{{"transmitting", "As the coil."}, [](const View& v) { return v.radar.transmit; }},
+    DiscreteInput{{"frozen", "As the coil, or by the watchdog."},
+                  [](const View& v) { return v.radar.frozen; }},
+    DiscreteInput{{"watchdog_tripped", "The console's heartbeat stood still; clear faults resets it."},
+                  [](const View& v) { return v.unit.watchdog_tripped; }},
+    DiscreteInput{{"controlled", "A client of the stream holds control: apply is answered by busy (06)."},
+                  [](const View& v) { return !v.radar.controller.empty(); }},
+    DiscreteInput{{"staged", "Setpoints are written and not yet applied."},
+                  [](const View& v) { return v.unit.staged > 0; }},
+};
+
+const Setpoint kRate{230,    u16,
+                     100,    "rate_limit_hz",
+                     "Hz",   "Most frames per second, whatever watchers ask for; 0: no limit.",
+                     nullptr};
+
+}  // namespace
+
+int state_of(const StatusView& view) {
+  if (!view.radar.faults.empty() || view.unit.watchdog_tripped) return 4;
+  if (!view.radar.transmit) return 2;
+  if (view.radar.frozen) return 3;
+  return view.radar.watchers > 0 ? 1 : 0;
+}
+
+Fault last_error_of(const StatusView& view) {
+  if (view.unit.last_error != Fault::none) return view.unit.last_error;
+  return view.radar.faults.empty() ? Fault::none : Fault::cannot_render;
+}
+
+std::span<const FaultText> fault_texts() { return kFaults; }
+std::span<const StatusRegister> status_registers() { return kStatus; }
+std::span<const BitText> coil_texts() { return kCoilTexts; }
+std::span<const DiscreteInput> discrete_inputs() { return kDiscrete; }
+
+std::span<const Setpoint> setpoints() {
+  static const auto all = [] {
+    std::vector<Setpoint> list{kRate};
+    for (const Parameter& p : parameters()) {
+      if (p.modbus.address < 0) continue;
+      const bool wavelength = p.modbus.words == ModbusWords::wavelength;
+      list.push_back({p.modbus.address, p.modbus.words, p.modbus.counts_per_unit, p.key.name,
+                      wavelength ? "m" : p.key.unit, p.key.summary, &p});
+    }
+    std::ranges::sort(list, {}, &Setpoint::address);
+    return list;
+  }();
+  return all;
+}
+
+const Setpoint* setpoint_at(int address) {
+  for (const Setpoint& setpoint : setpoints())
+    if (address >= setpoint.address && address < setpoint.address + width(setpoint.words)) return &setpoint;
+  return nullptr;
+}
+
+std::vector<std::uint16_t> encode(const Setpoint& setpoint, const net::PanelStatus& radar) {
+  if (setpoint.parameter != nullptr) return encode(*setpoint.parameter, radar.config);
+  return encode_number(radar.rate_limit_hz, setpoint.words, setpoint.counts_per_unit);
+}
+
+bool decode(const Setpoint& setpoint, std::span<const std::uint16_t> words, net::PanelChange& change) {
+  if (setpoint.parameter == nullptr) {
+    const double rate_hz = words[0] / setpoint.counts_per_unit;
+    change.rate_limit_hz = rate_hz;
+    return rate_hz <= kMostRate_hz;  // a server may allow less, and says so to apply
+  }
+  auto value = decode(*setpoint.parameter, words);
+  if (!value) return false;
+  change.settings.push_back({setpoint.parameter, std::move(*value)});
+  return true;
+}
+
+}  // namespace obliq::modbus

@@ -1,0 +1,181 @@
+#include "server/modbus/service.h"
+
+#include <fcntl.h>
+#include <netdb.h>
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <list>
+#include <system_error>
+#include <thread>
+
+#include "server/control/networks.h"
+#include "server/log/log_fields.h"
+#include "server/modbus/image.h"
+#include "server/modbus/master.h"
+#include "terrain/errors.h"
+
+namespace obliq::modbus {
+namespace {
+
+/// Between looks at the watchdogs and requests for fresh status.
+constexpr int kTick_ms = 100;
+
+std::string system_text() { return std::generic_category().message(errno); }
+
+/// A descriptor that is closed in the end.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  operator int() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+struct Master {
+  std::string address;
+  std::atomic<bool> done = false;
+  std::jthread thread;
+};
+
+std::string host_of(const sockaddr_storage& peer, socklen_t length) {
+  std::array<char, NI_MAXHOST> host{};
+  const auto* address = reinterpret_cast<const sockaddr*>(&peer);
+  if (getnameinfo(address, length, host.data(), host.size(), nullptr, 0, NI_NUMERICHOST) != 0) return "?";
+  return host.data();
+}
+
+}  // namespace
+
+struct Service::State {
+  State(const ModbusConfig& settings, net::ReservedPort reserved, net::Panel& radars)
+      : config(settings),
+        panel(radars),
+        image(radars, settings.watchdog_s),
+        address(reserved.address()),
+        listener(reserved.release()),
+        stop(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    // Not blocking: a connection may be gone again when we come to accept it.
+    if (stop < 0 || fcntl(listener, F_SETFL, O_NONBLOCK) != 0 || listen(listener, SOMAXCONN) != 0)
+      throw InputError("modbus: cannot listen on " + address + ": " + system_text());
+    thread = std::jthread([this] { run(); });
+  }
+
+  ~State() {
+    const std::uint64_t one = 1;
+    while (write(stop, &one, sizeof one) < 0 && errno == EINTR) {
+    }
+    thread.join();
+    masters.clear();  // joins: every one of them sees the stop
+  }
+
+  void run() {
+    for (;;) {
+      pollfd fds[] = {{listener, POLLIN, 0}, {stop, POLLIN, 0}};
+      const int n = poll(fds, 2, kTick_ms);
+      if (n > 0 && fds[1].revents != 0) return;
+      try {
+        std::erase_if(masters, [](const Master& master) { return master.done.load(); });
+        if (n > 0 && fds[0].revents != 0) accept_one();
+        panel.refresh();
+        image.tick(Image::Clock::now());
+      } catch (const std::exception& e) {  // no memory or no thread: who is here is served on
+        spdlog::error("modbus: {}", e.what());
+        poll(nullptr, 0, kTick_ms);
+      }
+    }
+  }
+
+  void accept_one() {
+    sockaddr_storage peer{};
+    socklen_t length = sizeof peer;
+    const int fd = accept4(listener, reinterpret_cast<sockaddr*>(&peer), &length, SOCK_CLOEXEC);
+    if (fd < 0) {
+      if (errno != EINTR && errno != EAGAIN && errno != ECONNABORTED)
+        throw InputError("accept: " + system_text());
+      return;
+    }
+    const std::string host = host_of(peer, length);
+    const LogFields fields{{"client", host}};  // peers can cause these lines in masses
+    const std::string refusal = why_not(host, fd);
+    if (!refusal.empty()) {
+      spdlog::warn("modbus: a master at {} was turned away: {}", host, refusal);
+      close(fd);
+      return;
+    }
+    masters.emplace_back();
+    Master& master = masters.back();
+    master.address = host;
+    try {
+      master.thread = std::jthread([this, fd, &master] {
+        const LogFields of_master{{"client", master.address}};
+        serve_master(fd, stop, config.idle_timeout_s, image);
+        spdlog::info("modbus: the master at {} has left", master.address);
+        master.done = true;
+      });
+    } catch (...) {
+      close(fd);
+      masters.pop_back();
+      throw;
+    }
+    spdlog::info("modbus: a master at {} has come", host);
+  }
+
+  std::string why_not(const std::string& host, int fd) const {
+    if (!config.allow.empty() && !is_within(host, config.allow))
+      return "modbus.allow does not list its address";
+    if (masters.size() >= static_cast<std::size_t>(config.max_masters))
+      return "modbus.max_masters is " + std::to_string(config.max_masters);
+    if (!is_fit_for_libmodbus(fd)) return "the process has too many files and connections open";
+    return {};
+  }
+
+  const ModbusConfig config;
+  net::Panel& panel;
+  Image image;
+  const std::string address;
+  const Descriptor listener;
+  const Descriptor stop;
+  std::list<Master> masters;  ///< of run() alone; a list: masters stay where they are
+  std::jthread thread;
+};
+
+std::optional<net::ReservedPort> reserve(const ModbusConfig& config) {
+  if (!config.enabled) return std::nullopt;
+  return net::ReservedPort(config.address, static_cast<std::uint16_t>(config.port));
+}
+
+Service::Service(const ModbusConfig& config, std::optional<net::ReservedPort> port, net::Panel& panel) {
+  if (!port) return;
+  state_ = std::make_unique<State>(config, std::move(*port), panel);
+  spdlog::info("modbus: on {}, unit ids 1 to {}", state_->address, panel.radars());
+}
+
+Service::~Service() = default;
+
+const std::string& Service::address() const {
+  static const std::string none;
+  return state_ ? state_->address : none;
+}
+
+std::uint16_t Service::port() const {
+  const std::string& text = address();
+  const std::size_t colon = text.rfind(':');
+  return colon == std::string::npos ? std::uint16_t{0}
+                                    : static_cast<std::uint16_t>(std::stoi(text.substr(colon + 1)));
+}
+
+}  // namespace obliq::modbus

@@ -1,0 +1,155 @@
+#include "server/net/panel.h"
+
+#include <spdlog/spdlog.h>
+
+#include <future>
+#include <utility>
+
+#include "server/net/frame_encoder.h"
+#include "server/net/request_checks.h"
+#include "server/net/room.h"
+
+namespace obliq::net {
+namespace {
+
+/// A change on its way to the io thread. Whoever takes it first, the io thread to do it or the caller to give
+/// it up, has it.
+struct Errand {
+  std::atomic<bool> taken = false;
+  std::promise<PanelAnswer> answer;
+
+  bool take() { return !taken.exchange(true); }
+};
+
+}  // namespace
+
+Panel::Panel(Room& room, Post post)
+    : room_(room), post_(std::move(post)), paces_(room.radars_.size()), statuses_(room.radars_.size()) {
+  for (const LiveRadar& radar : room.radars_) names_.push_back(radar.name);
+  publish();
+}
+
+std::shared_ptr<const PanelStatus> Panel::status(std::size_t radar) const {
+  const std::lock_guard lock(mutex_);
+  return statuses_.at(radar);
+}
+
+void Panel::refresh() {
+  if (refreshing_.exchange(true)) return;  // one on its way is enough
+  post_([this] {
+    refreshing_ = false;
+    publish();
+  });
+}
+
+PanelAnswer Panel::change(std::size_t radar, PanelChange change, std::chrono::milliseconds deadline) {
+  const auto errand = std::make_shared<Errand>();
+  std::future<PanelAnswer> answer = errand->answer.get_future();
+  post_([this, errand, radar, change = std::move(change)] {
+    if (errand->take()) errand->answer.set_value(perform(radar, change));
+  });
+  if (answer.wait_for(deadline) != std::future_status::ready && errand->take()) return {};
+  return answer.get();
+}
+
+void Panel::command(std::size_t radar, PanelChange change) {
+  post_([this, radar, change = std::move(change)] { (void)perform(radar, change); });
+}
+
+PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
+  LiveRadar& radar = room_.radars_.at(index);
+  PanelAnswer answer;
+  try {
+    answer = set(radar, change);
+  } catch (const std::exception& e) {  // no memory, above all
+    answer = {PanelVerdict::invalid, {{"radar", e.what(), "a change that there is memory for"}}};
+  }
+  publish();
+  return answer;
+}
+
+PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
+  const bool sets = !change.settings.empty() || change.rate_limit_hz;
+  if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}};
+
+  RadarConfig config{radar.name, radar.settings.current()->settings, radar.pose};
+  bool new_settings = false;
+  bool new_pose = false;
+  std::vector<FieldError> errors;
+  for (const auto& [parameter, value] : change.settings) {
+    if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
+    (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
+  }
+  const double max_rate_hz = room_.options_.max_rate_hz;
+  if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz)) {
+    errors.push_back({"rate_limit_hz", std::to_string(*change.rate_limit_hz),
+                      "0 (none) to " + std::to_string(max_rate_hz)});
+  }
+  if (new_settings || new_pose) append(errors, validate(config));
+  if (new_settings) append(errors, frame_size_faults(config.settings, room_.options_.max_bins));
+  if (errors.empty() && new_pose) errors = room_.renderer_.place(config.pose);
+  if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors)};
+
+  // Nothing is left that can be refused.
+  if (new_settings) (void)radar.settings.set(config.settings);
+  if (new_pose) {
+    radar.pose = config.pose;
+    radar.pose_received_ns = monotonic_ns();
+  }
+  if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
+  if (new_settings || new_pose || change.clear_faults) room_.publish_view(radar);
+  if (new_settings) room_.check_windows(radar);
+  if (change.freeze && *change.freeze != radar.frozen) {
+    radar.frozen = *change.freeze;
+    spdlog::info("radar {}: {}", radar.name, radar.frozen ? "frozen" : "thawed");
+    if (!radar.frozen) room_.publish_view(radar);
+  }
+  if (change.transmit && *change.transmit != radar.transmit) {
+    radar.transmit = *change.transmit;
+    spdlog::info("radar {}: transmit {}", radar.name, radar.transmit ? "on" : "off");
+  }
+  room_.update_demand(radar);
+  return {PanelVerdict::done, {}};
+}
+
+void Panel::publish() {
+  ++heartbeat_;
+  std::vector<std::shared_ptr<const PanelStatus>> fresh;
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    fresh.push_back(std::make_shared<const PanelStatus>(look(i)));
+  const std::lock_guard lock(mutex_);
+  statuses_.swap(fresh);
+}
+
+PanelStatus Panel::look(std::size_t index) {
+  const LiveRadar& radar = room_.radars_[index];
+  const auto now = Clock::now();
+  Pace& pace = paces_[index];
+  const double elapsed_s = std::chrono::duration<double>(now - pace.since).count();
+  if (elapsed_s >= 1) {
+    pace = {now, radar.frames, static_cast<double>(radar.frames - pace.frames) / elapsed_s};
+  }
+  const SettingsPtr settings = radar.settings.current();
+  PanelStatus status;
+  status.config = {radar.name, settings->settings, radar.pose};
+  status.settings_version = settings->version;
+  status.rate_limit_hz = radar.rate_limit_hz;
+  status.transmit = radar.transmit;
+  status.frozen = radar.frozen;
+  if (radar.controller != nullptr) status.controller = radar.controller->name;
+  status.faults = radar.faults;
+  status.clients = static_cast<std::uint32_t>(room_.peers_.size());
+  status.watchers = static_cast<std::uint32_t>(radar.watchers.size());
+  status.rate_hz = pace.rate_hz;
+  status.frames = radar.frames;
+  status.frame_time_s = radar.last_render_s;
+  status.rays = radar.rays;
+  status.hits = radar.hits;
+  status.coverage = radar.coverage;
+  status.frames_dropped = room_.statistics().frames_dropped;
+  status.uptime_s = std::chrono::duration<double>(now - room_.started_).count();
+  status.heartbeat = heartbeat_;
+  return status;
+}
+
+}  // namespace obliq::net

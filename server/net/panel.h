@@ -1,0 +1,114 @@
+#pragma once
+// The operator's side of the room, for control systems that are no clients of the stream (server/modbus).
+// Callers live on threads of their own: what they ask is done on the io thread, what they read is a snapshot.
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/control/parameters.h"
+#include "terrain/errors.h"
+
+namespace obliq::net {
+
+class Room;
+struct LiveRadar;
+
+/// A radar as it was when the io thread last looked.
+struct PanelStatus {
+  RadarConfig config;  ///< name, settings and pose as set; a frozen radar shows an older picture
+  std::uint64_t settings_version = 0;
+  double rate_limit_hz = 0;  ///< 0: none
+  bool transmit = true;
+  bool frozen = false;
+  std::string controller;          ///< the client that holds control; empty: nobody
+  std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
+  std::uint32_t clients = 0;       ///< of the server
+  std::uint32_t watchers = 0;      ///< of this radar
+  double rate_hz = 0;              ///< frames rendered per second, over the last second or so
+  std::uint64_t frames = 0;        ///< rendered since start
+  double frame_time_s = 0;         ///< of the newest frame, plan to last wedge
+  std::uint64_t rays = 0;          ///< of the newest frame
+  std::uint64_t hits = 0;          ///< of the newest frame
+  double coverage = 0;             ///< part of the newest frame's sector and range with known ground, 0 to 1
+  std::uint64_t frames_dropped = 0;  ///< of the server: frames that clients were too slow for
+  double uptime_s = 0;
+  std::uint64_t heartbeat = 0;  ///< counts snapshots: it stands still when the io thread does
+};
+
+/// One change, done as a whole or not at all.
+struct PanelChange {
+  struct Setting {
+    const Parameter* parameter;
+    Value value;
+  };
+  std::vector<Setting> settings;
+  std::optional<double> rate_limit_hz;  ///< 0: none
+  std::optional<bool> transmit;
+  std::optional<bool> freeze;
+  bool clear_faults = false;
+};
+
+enum class PanelVerdict {
+  done,
+  invalid,     ///< values refused: the errors say which
+  controlled,  ///< settings, pose and rate belong to the client that holds control
+  no_answer    ///< the io thread did not come to it in time; nothing was changed, and nothing will be
+};
+
+struct PanelAnswer {
+  PanelVerdict verdict = PanelVerdict::no_answer;
+  std::vector<FieldError> errors;
+};
+
+/// transmit off: the radar is not rendered and its watchers get no frames. freeze: frames go on, of the
+/// settings and the pose that it was frozen with; what is set meanwhile is checked, kept, and shown from the
+/// thaw on.
+class Panel {
+ public:
+  using Post = std::function<void(std::function<void()>)>;
+
+  Panel(Room& room, Post post);
+
+  // From any thread:
+  const std::vector<std::string>& names() const { return names_; }
+  std::size_t radars() const { return names_.size(); }
+  std::shared_ptr<const PanelStatus> status(std::size_t radar) const;
+  /// Asks the io thread for new snapshots; returns at once. Snapshots are also made after every change.
+  void refresh();
+  /// Waits for the answer, at most so long (a change that has been begun is waited for).
+  PanelAnswer change(std::size_t radar, PanelChange change, std::chrono::milliseconds deadline);
+  /// Does not wait.
+  void command(std::size_t radar, PanelChange change);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Pace {  ///< of a radar's frames
+    Clock::time_point since = Clock::now();
+    std::uint64_t frames = 0;
+    double rate_hz = 0;
+  };
+
+  // On the io thread:
+  PanelAnswer perform(std::size_t radar, const PanelChange& change);
+  PanelAnswer set(LiveRadar& radar, const PanelChange& change);
+  void publish();
+  PanelStatus look(std::size_t radar);
+
+  Room& room_;
+  Post post_;
+  std::vector<std::string> names_;
+  std::vector<Pace> paces_;
+  std::uint64_t heartbeat_ = 0;
+  std::atomic<bool> refreshing_ = false;
+
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const PanelStatus>> statuses_;  ///< guarded by mutex_
+};
+
+}  // namespace obliq::net

@@ -1,0 +1,223 @@
+// What the operator's console does to a radar that clients of the stream watch and control.
+#include "proto/obliq.pb.h"
+#include "tests/integration/modbus_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr std::uint16_t kTransmitOff = 2;
+constexpr std::uint16_t kFrozen = 3;
+constexpr std::uint16_t kFault = 4;
+
+/// A client that watches "main".
+struct WatchedServer : ModbusServer {
+  using ModbusServer::ModbusServer;
+
+  void watch() {
+    const client::Status status = client.subscribe("main", 50);
+    ASSERT_TRUE(status.ok()) << status.sentence();
+  }
+  const client::AssembledFrame& next_frame() {
+    frames = std::make_unique<client::FrameAssembler>();
+    const client::Status status = receive_frame(client, *frames);
+    EXPECT_TRUE(status.ok()) << status.sentence();
+    return frames->frame();
+  }
+  wire::RadarInfo info() {
+    wire::RadarInfo info;
+    client::Client asker = connect(server, "asker");
+    EXPECT_TRUE(asker.get_radar("main", info).ok());
+    return info;
+  }
+
+  client::Client client = connect(server);
+  std::unique_ptr<client::FrameAssembler> frames;
+};
+
+TEST(ModbusOperator, WithTransmitOffNothingIsRenderedAndWatchersStay) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  s.watch();
+  s.next_frame();
+  EXPECT_EQ(master.coil(0, false), 0);
+  EXPECT_EQ(master.input(100), kTransmitOff);
+  EXPECT_FALSE(master.coil_is(0));
+  EXPECT_TRUE(s.info().transmit_off());
+  EXPECT_EQ(s.info().subscribers(), 1u);
+  // The frame in hand may still be counted; after the next snapshots no other is.
+  const std::uint16_t beat = master.input(5);
+  EXPECT_TRUE(master.reaches(5, static_cast<std::uint16_t>(beat + 2)));
+  const std::uint64_t frames = s.server.panel().status(0)->frames;
+  const std::uint16_t later = master.input(5);
+  EXPECT_TRUE(master.reaches(5, static_cast<std::uint16_t>(later + 2)));
+  EXPECT_EQ(s.server.panel().status(0)->frames, frames);
+  EXPECT_EQ(master.coil(0, true), 0);
+  s.info();  // what waited is read
+  EXPECT_TRUE(master.reaches(100, 1));
+  EXPECT_FALSE(s.info().transmit_off());
+}
+
+TEST(ModbusOperator, AFrozenRadarKeepsItsPictureUntilTheThaw) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  EXPECT_EQ(master.coil(1, true), 0);
+  EXPECT_EQ(master.input(100), kFrozen);
+  EXPECT_TRUE(s.info().frozen());
+  ASSERT_TRUE(s.client.claim_control("main").ok());
+  wire::Pose pose;
+  pose.set_bearing_deg(90);
+  wire::Ack ack;
+  ASSERT_TRUE(s.client.set_pose("main", pose, ack).ok());
+  s.watch();
+  for (int i = 0; i < 3; ++i) {
+    const client::AssembledFrame& frame = s.next_frame();
+    EXPECT_EQ(frame.descriptor->pose().bearing_deg(), 45);
+    expect_pattern(frame);
+  }
+  EXPECT_EQ(s.info().pose().bearing_deg(), 90);
+  EXPECT_EQ(master.coil(1, false), 0);
+  while (s.next_frame().descriptor->pose().bearing_deg() != 90) {
+  }
+}
+
+TEST(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWork) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  ASSERT_TRUE(s.client.claim_control("main").ok());
+  EXPECT_EQ(master.write(254, {18}), 0);
+  EXPECT_EQ(master.coil(2, true), 6);
+  EXPECT_EQ(master.input(113), 3);
+  EXPECT_TRUE(master.discrete(6));
+  EXPECT_EQ(s.info().settings().azimuth_bins(), 20);
+  EXPECT_EQ(master.coil(0, false), 0);
+  EXPECT_EQ(master.coil(1, true), 0);
+  // Together with an apply that is refused, a coil is not done either.
+  EXPECT_EQ(exception_of(master.ask({15, 0, 0, 0, 3, 1, 0b101})), 6);
+  EXPECT_TRUE(s.info().transmit_off());
+  ASSERT_TRUE(s.client.release_control("main").ok());
+  EXPECT_EQ(exception_of(master.ask({15, 0, 0, 0, 3, 1, 0b101})), 0);
+  EXPECT_FALSE(s.info().transmit_off());
+  EXPECT_EQ(s.info().settings().azimuth_bins(), 18);
+}
+
+TEST(ModbusOperator, TheRatesLimitHoldsForAllWatchers) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  EXPECT_EQ(master.write(230, {250}), 0);  // 2.5 Hz
+  EXPECT_EQ(master.coil(2, true), 0);
+  s.watch();
+  EXPECT_EQ(s.info().rate_hz(), 2.5);
+  EXPECT_EQ(s.info().rate_limit_hz(), 2.5);
+  EXPECT_EQ(master.write(230, {10001}), 3);
+  EXPECT_EQ(master.input(114), 230);
+  EXPECT_EQ(master.write(230, {0}), 0);
+  EXPECT_EQ(master.coil(2, true), 0);
+  EXPECT_EQ(s.info().rate_hz(), 50);
+}
+
+TEST(ModbusOperator, ARadarThatCannotBeRenderedIsInFaultUntilItIsMended) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  EXPECT_EQ(master.write(204, {0, 5000}), 0);  // 5 m, too low for the stand-in's oblique frustum
+  EXPECT_EQ(master.coil(2, true), 0);
+  s.watch();
+  EXPECT_TRUE(master.reaches(100, kFault));
+  EXPECT_EQ(master.input(113), 5);
+  EXPECT_TRUE(master.discrete(1));
+  EXPECT_FALSE(master.discrete(0));
+  EXPECT_EQ(master.write(250, {2}), 0);  // polar
+  EXPECT_EQ(master.coil(2, true), 0);
+  EXPECT_TRUE(master.reaches(100, 1));
+  EXPECT_TRUE(master.discrete(0));
+  EXPECT_EQ(master.input(113), 0);
+}
+
+TEST(ModbusOperator, AConsoleThatDiesHasItsRadarFrozenUntilSomebodyUndoesIt) {
+  ModbusConfig config = modbus_on_any_port();
+  config.watchdog_s = 0.2;
+  WatchedServer s(config);
+  RawMaster watching(s.service.port());
+  const std::uint16_t beat = watching.input(5);
+  EXPECT_TRUE(watching.reaches(5, static_cast<std::uint16_t>(beat + 5)));
+  EXPECT_EQ(watching.input(100), 0);  // no console has beaten yet: no watchdog
+  {
+    RawMaster console(s.service.port());
+    EXPECT_EQ(console.write(300, {1}), 0);
+  }
+  EXPECT_TRUE(watching.reaches(100, kFault));
+  EXPECT_EQ(watching.input(113), 6);
+  EXPECT_TRUE(watching.discrete(5));
+  EXPECT_TRUE(watching.reaches(5, static_cast<std::uint16_t>(watching.input(5) + 2)));
+  EXPECT_TRUE(watching.discrete(4));
+  EXPECT_TRUE(s.info().frozen());
+  // A console that writes the same number again and again is a program that hangs.
+  EXPECT_EQ(watching.write(300, {2}), 0);
+  EXPECT_EQ(watching.coil(3, true), 0);
+  EXPECT_EQ(watching.input(100), kFrozen);
+  int writes = 0;
+  while (watching.input(100) != kFault && ++writes < 10000) {
+    EXPECT_EQ(watching.write(300, {2}), 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(watching.input(100), kFault);
+  EXPECT_EQ(watching.coil(3, true), 0);
+  EXPECT_EQ(watching.coil(1, false), 0);
+  EXPECT_EQ(watching.input(100), 0);
+}
+
+TEST(ModbusOperator, TheOtherRadarIsLeftAlone) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  EXPECT_EQ(master.coil(1, true, 2), 0);
+  EXPECT_EQ(master.input(100, 2), kFrozen);
+  EXPECT_EQ(master.input(100, 1), 0);
+}
+
+TEST(ModbusOperator, NoMoreMastersThanAllowedAndAPlaceThatIsFreeIsGivenAgain) {
+  ModbusConfig config = modbus_on_any_port();
+  config.max_masters = 2;
+  ModbusServer s(config);
+  RawMaster first(s.service.port());
+  EXPECT_EQ(first.input(2), 1);
+  {
+    RawMaster second(s.service.port());
+    EXPECT_EQ(second.input(2), 1);
+    RawMaster third(s.service.port());
+    EXPECT_TRUE(third.ask({4, 0, 2, 0, 1}).empty());
+    EXPECT_EQ(first.input(2), 1);
+  }
+  int tries = 0;
+  while (exception_of(RawMaster(s.service.port()).ask({4, 0, 2, 0, 1})) != 0 && ++tries < 1000)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_LT(tries, 1000);
+}
+
+TEST(ModbusOperator, OnlyListedAddressesMayCome) {
+  ModbusConfig config = modbus_on_any_port();
+  config.allow = {"10.0.0.0/8", "192.0.2.1"};
+  ModbusServer s(config);
+  EXPECT_TRUE(RawMaster(s.service.port()).ask({4, 0, 2, 0, 1}).empty());
+  config.allow.emplace_back("127.0.0.0/8");
+  ModbusServer open(config);
+  EXPECT_EQ(RawMaster(open.service.port()).input(2), 1);
+}
+
+TEST(ModbusOperator, AMasterThatAsksNothingIsDisconnected) {
+  ModbusConfig config = modbus_on_any_port();
+  config.idle_timeout_s = 0.1;
+  ModbusServer s(config);
+  RawMaster master(s.service.port());
+  EXPECT_TRUE(master.receive().empty());
+}
+
+TEST(ModbusOperator, AServerThatHasStoppedAnswersBusyAndChangesNothing) {
+  ModbusServer s;
+  RawMaster master(s.service.port());
+  s.server.stop();
+  EXPECT_EQ(master.coil(0, false), 6);
+  EXPECT_EQ(master.input(113), 4);
+  EXPECT_TRUE(s.server.panel().status(0)->transmit);
+}
+
+}  // namespace
+}  // namespace obliq::test
