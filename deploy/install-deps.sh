@@ -2,7 +2,7 @@
 # Installs the Debian packages that obliq needs, and only those that are missing: a second run touches no
 # network and asks for no rights.
 #
-#   deploy/install-deps.sh [build] [test] [demo]      default: build
+#   deploy/install-deps.sh [build] [test] [fuzz] [demo]      default: build
 set -euo pipefail
 
 build_packages=(
@@ -22,6 +22,7 @@ test_packages=(
   python3 python3-numpy python3-matplotlib python3-pip
   mbpoll openssl curl socat                                    # clients that nobody here wrote
 )
+fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)
 
 die() {
@@ -35,12 +36,13 @@ for group in "$@"; do
   case "$group" in
     build) wanted+=("${build_packages[@]}") ;;
     test) wanted+=("${test_packages[@]}") ;;
+    fuzz) wanted+=("${fuzz_packages[@]}") ;;
     demo) wanted+=("${demo_packages[@]}") ;;
     -h | --help)
       sed -n '2,5s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
-    *) die "unknown group '$group'; allowed: build, test, demo" ;;
+    *) die "unknown group '$group'; allowed: build, test, fuzz, demo" ;;
   esac
 done
 

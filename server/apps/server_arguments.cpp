@@ -103,7 +103,7 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar) {
   Complaints complaints;
   std::vector<std::string> ordered = flags;
-  std::ranges::stable_partition(ordered, [](const std::string& flag) {
+  std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
   });
   std::vector<ConfigNode> per_bin;  // pixels that wait for the bins

@@ -136,8 +136,8 @@ std::vector<std::string> environment() {
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) variables.emplace_back(*variable);
   const std::string quality = variable_name(kQualityKey) + "=";
-  std::ranges::stable_partition(variables,
-                                [&](const std::string& text) { return text.starts_with(quality); });
+  std::stable_partition(variables.begin(), variables.end(),
+                        [&](const std::string& text) { return text.starts_with(quality); });
   return variables;
 }
 
@@ -241,7 +241,7 @@ void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Co
   for (ConfigNode* table : radar_tables(root)) expand_frustum(*table);
   apply_environment(root, complaints);
   std::vector<std::string> ordered = flags;
-  std::ranges::stable_partition(ordered, [](const std::string& flag) {
+  std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return key_of_flag(flag) == kQualityKey;  // first, so that a key of its own wins wherever it stands
   });
   for (const std::string& flag : ordered) apply_flag(root, flag, complaints);
