@@ -103,7 +103,8 @@ Client& Client::operator=(Client&&) noexcept = default;
 Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
   state_->endpoint = endpoint;
   state_->options = options;
-  if (Status status = Connection::open(endpoint, options.connect_timeout, state_->connection); !status.ok()) {
+  if (Status status = Connection::open(endpoint, options.tls, options.connect_timeout, state_->connection);
+      !status.ok()) {
     return status;
   }
   wire::Hello hello;

@@ -24,7 +24,8 @@ namespace obliq::client {
 
 struct ClientOptions {
   std::string name = "client";  ///< shown to others while this client holds control
-  std::string token{};          ///< where the server wants one
+  TlsOptions tls{};
+  std::string token{};  ///< where the server wants one
   Timeout connect_timeout{5000};
   Timeout reply_timeout{30000};
 };

@@ -1,14 +1,18 @@
 #include "client/connection.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "proto/limits.h"
+#include "proto/obliq.pb.h"
 
 namespace obliq::client {
 namespace {
 
 // A server that stops in the middle of a message for this long is taken for dead.
 constexpr Timeout kMessageTimeout{30000};
+// An Error without TLS, see explain_tls_failure.
+constexpr std::uint32_t kLongestFarewellBytes = 4096;
 
 }  // namespace
 
@@ -19,9 +23,35 @@ wire::Bytes Message::bytes() const {
   return all;
 }
 
-Status Connection::open(const Endpoint& endpoint, Timeout timeout, Connection& out) {
+Status Connection::open(const Endpoint& endpoint, const TlsOptions& tls, Timeout timeout, Connection& out) {
   out.sequence_ = 0;
-  return Socket::connect(endpoint, timeout, out.socket_);
+  Status status = Socket::connect(endpoint, timeout, out.socket_);
+  if (!status.ok() || !tls.enabled) return status;
+  status = out.socket_.start_tls(endpoint.host, tls, timeout);
+  if (status.ok()) return status;
+  if (status.outcome == Outcome::untrusted) status = out.explain_tls_failure(std::move(status), timeout);
+  out.close();
+  status.text = endpoint.text() + ": " + status.text;
+  return status;
+}
+
+// A server that does not speak TLS there, or not with this client, says why in an Error of its own.
+Status Connection::explain_tls_failure(Status failure, Timeout timeout) {
+  wire::Bytes said = socket_.give_up_tls();
+  while (said.size() < kLongestFarewellBytes) {
+    wire::MessageView view;
+    const auto status = wire::decode_message(said, kLongestFarewellBytes, view);
+    wire::Error error;
+    if (status == wire::MessageStatus::ok && view.header.type == wire::MessageType::error &&
+        wire::parse_descriptor(view.descriptor, error)) {
+      return Status::from_error(error);
+    }
+    if (status != wire::MessageStatus::need_more) break;
+    std::byte next{};
+    if (!socket_.receive(std::span(&next, 1), timeout).ok()) break;
+    said.push_back(next);
+  }
+  return failure;
 }
 
 Status Connection::send(wire::MessageType type, const google::protobuf::MessageLite& message) {

@@ -23,7 +23,7 @@ struct Message {
 
 class Connection {
  public:
-  static Status open(const Endpoint& endpoint, Timeout timeout, Connection& out);
+  static Status open(const Endpoint& endpoint, const TlsOptions& tls, Timeout timeout, Connection& out);
 
   Status send(wire::MessageType type, const google::protobuf::MessageLite& message);
 
@@ -36,6 +36,7 @@ class Connection {
 
  private:
   Status receive_begun(Message& message);
+  Status explain_tls_failure(Status failure, Timeout timeout);
 
   Socket socket_;
   std::uint64_t sequence_ = 0;

@@ -73,16 +73,18 @@ Status connect_to(const addrinfo& address, Timeout timeout, int& fd) {
 }  // namespace
 
 Socket::~Socket() { close(); }
-Socket::Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+Socket::Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)), tls_(std::move(other.tls_)) {}
 Socket& Socket::operator=(Socket&& other) noexcept {
   if (this != &other) {
     close();
     fd_ = std::exchange(other.fd_, -1);
+    tls_ = std::move(other.tls_);
   }
   return *this;
 }
 
 void Socket::close() {
+  tls_.reset();
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
 }
@@ -119,34 +121,88 @@ Status Socket::wait(short events, Timeout timeout) {
   return Status::failure(Outcome::closed, reason(errno));
 }
 
-Status Socket::wait_readable(Timeout timeout) { return wait(POLLIN, timeout); }
+Status Socket::wait_for(const Progress& progress, Timeout timeout) {
+  switch (progress.kind) {
+    case Progress::Kind::moved:
+      return {};
+    case Progress::Kind::wants_read:
+      return wait(POLLIN, timeout);
+    case Progress::Kind::wants_write:
+      return wait(POLLOUT, timeout);
+    case Progress::Kind::ended:
+      return Status::failure(Outcome::closed, "the server has closed the connection");
+    case Progress::Kind::failed:
+      break;
+  }
+  return Status::failure(Outcome::closed, "the connection to the server is gone: " + progress.reason);
+}
+
+Status Socket::start_tls(const std::string& host, const TlsOptions& options, Timeout timeout) {
+  std::string failure;
+  tls_ = Tls::make(fd_, host, options, failure);
+  if (!tls_) return Status::failure(Outcome::bad_argument, failure);
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    const Progress progress = tls_->shake_hands();
+    if (progress.kind == Progress::Kind::moved) return {};
+    if (progress.kind == Progress::Kind::failed) return Status::failure(Outcome::untrusted, progress.reason);
+    const auto left = std::chrono::ceil<Timeout>(end - std::chrono::steady_clock::now());
+    if (Status status = wait_for(progress, std::max(left, Timeout(0))); !status.ok()) return status;
+  }
+}
+
+std::vector<std::byte> Socket::give_up_tls() {
+  if (!tls_) return {};
+  std::vector<std::byte> first = tls_->first_bytes();
+  tls_.reset();
+  return first;
+}
+
+Status Socket::wait_readable(Timeout timeout) {
+  if (!tls_) return wait(POLLIN, timeout);
+  // What arrives may be TLS's own business: only decrypted bytes count.
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    const Progress progress = tls_->peek();
+    const bool waits =
+        progress.kind == Progress::Kind::wants_read || progress.kind == Progress::Kind::wants_write;
+    if (!waits) return {};  // bytes, or an end that reading will tell
+    const auto left = std::chrono::ceil<Timeout>(end - std::chrono::steady_clock::now());
+    if (Status status = wait_for(progress, std::max(left, Timeout(0))); !status.ok()) return status;
+  }
+}
+
+Progress Socket::write_some(std::span<const std::byte> bytes) {
+  if (tls_) return tls_->write(bytes);
+  const ssize_t n = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  if (n >= 0) return {Progress::Kind::moved, static_cast<std::size_t>(n)};
+  if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) return {Progress::Kind::wants_write};
+  return {Progress::Kind::failed, 0, reason(errno)};
+}
+
+Progress Socket::read_some(std::span<std::byte> bytes) {
+  if (tls_) return tls_->read(bytes);
+  const ssize_t n = ::recv(fd_, bytes.data(), bytes.size(), 0);
+  if (n > 0) return {Progress::Kind::moved, static_cast<std::size_t>(n)};
+  if (n == 0) return {Progress::Kind::ended};
+  if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) return {Progress::Kind::wants_read};
+  return {Progress::Kind::failed, 0, reason(errno)};
+}
 
 Status Socket::send(std::span<const std::byte> bytes, Timeout timeout) {
   while (!bytes.empty()) {
-    const ssize_t n = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (n >= 0) {
-      bytes = bytes.subspan(static_cast<std::size_t>(n));
-    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (Status status = wait(POLLOUT, timeout); !status.ok()) return status;
-    } else if (errno != EINTR) {
-      return Status::failure(Outcome::closed, "the connection to the server is gone: " + reason(errno));
-    }
+    const Progress progress = write_some(bytes);
+    if (Status status = wait_for(progress, timeout); !status.ok()) return status;
+    bytes = bytes.subspan(progress.bytes);
   }
   return {};
 }
 
 Status Socket::receive(std::span<std::byte> bytes, Timeout timeout) {
   while (!bytes.empty()) {
-    const ssize_t n = ::recv(fd_, bytes.data(), bytes.size(), 0);
-    if (n > 0) {
-      bytes = bytes.subspan(static_cast<std::size_t>(n));
-    } else if (n == 0) {
-      return Status::failure(Outcome::closed, "the server has closed the connection");
-    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (Status status = wait(POLLIN, timeout); !status.ok()) return status;
-    } else if (errno != EINTR) {
-      return Status::failure(Outcome::closed, "the connection to the server is gone: " + reason(errno));
-    }
+    const Progress progress = read_some(bytes);
+    if (Status status = wait_for(progress, timeout); !status.ok()) return status;
+    bytes = bytes.subspan(progress.bytes);
   }
   return {};
 }

@@ -1,17 +1,21 @@
 #pragma once
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "client/endpoint.h"
 #include "client/status.h"
+#include "client/tls.h"
 
 namespace obliq::client {
 
 using Timeout = std::chrono::milliseconds;
 
-/// A TCP connection with deadlines: no call blocks for longer than its timeout without progress. One thread
-/// at a time. Closed by the destructor.
+/// A TCP connection, with or without TLS, with deadlines: no call blocks for longer than its timeout without
+/// progress. One thread at a time. Closed by the destructor.
 class Socket {
  public:
   Socket() = default;
@@ -21,6 +25,12 @@ class Socket {
 
   /// Tries each address of the host in turn.
   static Status connect(const Endpoint& endpoint, Timeout timeout, Socket& out);
+
+  /// Before anything is sent: shakes hands with the host, whose certificate must be for that name. Fails with
+  /// `untrusted` when the certificate does not hold or TLS is not spoken there.
+  Status start_tls(const std::string& host, const TlsOptions& options, Timeout timeout);
+  /// After start_tls has failed: goes on without TLS and hands back what the server has said in plain so far.
+  std::vector<std::byte> give_up_tls();
 
   /// Sends all bytes or fails.
   Status send(std::span<const std::byte> bytes, Timeout timeout);
@@ -34,8 +44,13 @@ class Socket {
 
  private:
   Status wait(short events, Timeout timeout);
+  Progress write_some(std::span<const std::byte> bytes);
+  Progress read_some(std::span<std::byte> bytes);
+  /// After progress that moved nothing: waits until there may be some, or says why there will be none.
+  Status wait_for(const Progress& progress, Timeout timeout);
 
   int fd_ = -1;
+  std::unique_ptr<Tls> tls_;  ///< null: plain
 };
 
 }  // namespace obliq::client

@@ -18,6 +18,7 @@ enum class Outcome {
   bad_stream,  ///< what arrived is not the protocol, or damaged
   refused,     ///< the server answered with an Error
   aborted,     ///< a begun frame was ended by FrameAbort
+  untrusted,   ///< the certificate is not for that server, or not to be trusted, or TLS is not spoken there
 };
 
 struct FieldFault {

@@ -1,9 +1,12 @@
 #include "server/apps/server_arguments.h"
 
+#include <sys/stat.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <thread>
 
 #include "proto/obliq.pb.h"
@@ -18,6 +21,8 @@ namespace {
 
 constexpr int kMaxWait_s = 86400;
 constexpr std::chrono::milliseconds kRetryPause{100};
+constexpr int kMostTokenLines = 100;
+constexpr std::size_t kLongestTokenBytes = 256;
 
 /// Whether trying again may help. A server that answers, if only with a refusal, is there.
 bool may_come_up(client::Outcome outcome) {
@@ -45,6 +50,28 @@ void set_parameter(const std::string& name, const ConfigNode& node, RadarConfig&
   if (error) complaints.add(where + ": found " + node.found_text() + "; allowed: " + error->allowed);
 }
 
+/// The first line that is neither empty nor a comment.
+std::string read_token(const std::string& path) {
+  struct stat status {};
+  std::ifstream file(path);
+  if (!file || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    throw InputError("--token-file: " + path + " cannot be read");
+  }
+  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+    std::fprintf(stderr, "obliq: warning: %s may be read by other users: chmod 600\n", path.c_str());
+  }
+  std::string line;
+  for (int i = 0; i < kMostTokenLines && std::getline(file, line); ++i) {
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
+    const std::size_t last = line.find_last_not_of(" \t\r");
+    line = line.substr(first, last - first + 1);
+    if (line.find_first_of(" \t") == std::string::npos && line.size() <= kLongestTokenBytes) return line;
+    break;
+  }
+  throw InputError("--token-file: " + path + ": found no line that is one token");
+}
+
 }  // namespace
 
 void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
@@ -52,6 +79,14 @@ void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
       ->type_name("HOST[:PORT]")
       ->default_val("127.0.0.1:7420");
   app.add_option("--radar", arguments.radar, "Which radar, when the server has several")->type_name("NAME");
+  app.add_flag("--tls", arguments.tls.enabled, "The server speaks TLS");
+  app.add_option("--ca", arguments.tls.ca_file,
+                 "Whom to trust to vouch for the server, instead of whom this machine trusts; with --tls")
+      ->type_name("FILE");
+  app.add_option("--token-file", arguments.token_file,
+                 "A file with the token that the server wants, in its first line; its mode should be 600")
+      ->type_name("FILE")
+      ->envname("OBLIQ_TOKEN_FILE");
   app.add_option("--wait", arguments.wait_s,
                  "Where no server answers yet, as while obliqd loads, try again for so long")
       ->type_name("SECONDS")
@@ -69,11 +104,14 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
     throw InputError("--server: found \"" + arguments.server +
                      "\"; allowed: HOST or HOST:PORT, such as 127.0.0.1:7420");
   }
+  if (!arguments.tls.enabled && !arguments.tls.ca_file.empty()) throw InputError("--ca: allowed with --tls");
+  client::ClientOptions options{.name = name, .tls = arguments.tls};
+  if (!arguments.token_file.empty()) options.token = read_token(arguments.token_file);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(arguments.wait_s);
   client::Client client;
   bool waiting = false;
   for (;;) {
-    client::Status status = client.connect(*endpoint, {.name = name});
+    client::Status status = client.connect(*endpoint, options);
     if (status.ok()) return client;
     if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
       if (waiting) status.text += " (waited " + std::to_string(arguments.wait_s) + " s)";

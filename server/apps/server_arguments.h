@@ -15,10 +15,12 @@ namespace obliq {
 struct ServerArguments {
   std::string server;
   std::string radar;
+  client::TlsOptions tls;
+  std::string token_file;
   int wait_s = 0;  ///< how long to try again while no server answers
 };
 
-/// Adds --server, --radar and --wait. `arguments` must outlive the parsing.
+/// Adds --server, --radar, --tls, --ca, --token-file and --wait. `arguments` must outlive the parsing.
 void add_server_arguments(CLI::App& app, ServerArguments& arguments);
 
 /// Throws InputError unless all went well.

@@ -21,6 +21,11 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.idle_timeout_s = config.server.idle_timeout_s;
   options.dead_after_s = config.server.dead_after_s;
   options.max_bins = config.server.max_bins;
+  options.max_pixels = config.server.max_pixels;
+  options.max_work_queued = config.server.max_work_queued;
+  options.max_memory_mb = config.server.max_memory_mb;
+  options.max_renders_queued = config.server.max_renders_queued;
+  options.max_subscriptions = config.server.max_subscriptions;
   options.queue_frames = config.server.queue_frames;
   options.stop_limit_s = config.server.stop_limit_s;
   options.live_frames = config.stream.live_frames;

@@ -103,6 +103,12 @@ std::vector<MissingPosition> read_radars(SceneReading& reading) {
   if (reading.config.radars.empty() && reading.complaints.empty())
     reading.complaints.add(reading.config.path.string(),
                            {"radar", "an empty list", "at least one [[radar]]"});
+  const int most = reading.config.server.max_radars;
+  if (reading.config.radars.size() > static_cast<std::size_t>(most)) {
+    reading.complaints.add(reading.config.path.string(),
+                           {"radar", std::to_string(reading.config.radars.size()) + " radars",
+                            "at most " + std::to_string(most) + " (server.max_radars)"});
+  }
   return missing;
 }
 

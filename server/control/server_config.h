@@ -21,9 +21,15 @@ struct ServerConfig {
   double heartbeat_s = 10;
   double idle_timeout_s = 0;  ///< 0: never
   double dead_after_s = 60;
-  std::int64_t max_bins = 8192LL * 8192LL;  ///< in one frame
-  double stop_limit_s = 5;                  ///< for begun frames and queues when stopping
-  int queue_frames = 2;                     ///< frames that wait for a slow client; the newest wins
+  std::int64_t max_bins = 8192LL * 8192LL;      ///< in one frame
+  std::int64_t max_pixels = 16384LL * 16384LL;  ///< in one frame
+  std::int64_t max_work_queued = 1'000'000'000;
+  std::int64_t max_memory_mb = 0;  ///< 0: no limit
+  int max_radars = 16;
+  int max_renders_queued = 4;
+  int max_subscriptions = 16;
+  double stop_limit_s = 5;  ///< for begun frames and queues when stopping
+  int queue_frames = 2;     ///< frames that wait for a slow client; the newest wins
 };
 
 }  // namespace obliq

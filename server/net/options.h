@@ -28,8 +28,12 @@ struct ServerOptions {
   int max_renders_queued = 4;  ///< unfinished RenderOnce requests of one client
   int max_subscriptions = 16;  ///< of one client
   double max_rate_hz = 100;
-  std::int64_t max_bins = 8192LL * 8192LL;  ///< of one frame
-  int queue_frames = 2;                     ///< per subscription: the begun one and those that wait
+  std::int64_t max_bins = 8192LL * 8192LL;      ///< of one frame
+  std::int64_t max_pixels = 16384LL * 16384LL;  ///< of one frame
+  /// Pixels and bins of all clients' unfinished RenderOnce requests: here three of the largest frames.
+  std::int64_t max_work_queued = 1'000'000'000;
+  std::int64_t max_memory_mb = 0;  ///< of this process with what a request needs; 0: no limit
+  int queue_frames = 2;            ///< per subscription: the begun one and those that wait
   /// Bytes of live frames that wait for one client; a begun frame that would exceed them is aborted.
   std::size_t queue_bytes = std::size_t{256} << 20;
   /// A RenderOnce frame is rendered in slices of about this many bytes, the next one when the client has

@@ -7,6 +7,7 @@
 
 #include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
+#include "server/net/request_limits.h"
 #include "server/net/room.h"
 
 namespace obliq::net {
@@ -86,7 +87,11 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
                       "0 (none) to " + std::to_string(max_rate_hz)});
   }
   if (new_settings || new_pose) append(errors, validate(config));
-  if (new_settings) append(errors, frame_size_faults(config.settings, room_.options_.max_bins));
+  if (new_settings && errors.empty()) {
+    const FrameCost cost = live_cost(config.settings, wire::kAllPlanes, room_.options_);
+    const auto over = over_limit(config.settings, cost, room_.cost_queued().bytes, room_.options_);
+    if (over) errors.push_back(over->field);
+  }
   if (errors.empty() && new_pose) errors = room_.renderer_.place(config.pose);
   if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors)};
 

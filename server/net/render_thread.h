@@ -19,6 +19,7 @@
 #include "server/net/frame_order.h"
 #include "server/net/frame_renderer.h"
 #include "server/net/live_frames.h"
+#include "server/net/request_limits.h"
 #include "server/net/statistics.h"
 #include "server/net/stream_choice.h"
 
@@ -41,6 +42,7 @@ struct OnceJob {
   std::string radar;  ///< echoed
   LiveView view;
   StreamChoice choice;
+  FrameCost cost;
   std::stop_source stop;                                               ///< requested when its client has gone
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };

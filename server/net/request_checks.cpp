@@ -11,13 +11,6 @@ void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
   errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-std::vector<FieldError> frame_size_faults(const RadarSettings& settings, std::int64_t max_bins) {
-  if (std::int64_t{settings.azimuth_bins} * settings.range_bins <= max_bins) return {};
-  return {{"azimuth_bins x range_bins",
-           std::to_string(settings.azimuth_bins) + " x " + std::to_string(settings.range_bins),
-           "at most " + std::to_string(max_bins) + " bins in one frame"}};
-}
-
 std::vector<FieldError> missing_position(const wire::Pose& pose) {
   std::vector<FieldError> errors;
   const auto demand = [&](bool there, const char* field) {

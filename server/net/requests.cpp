@@ -94,6 +94,10 @@ void Requests::refuse(std::uint64_t request_id, ErrorNumber number, const std::s
   peer_.send(MessageType::error, make_error(request_id, number, text, fields));
 }
 
+void Requests::refuse(std::uint64_t request_id, const OverLimit& over) {
+  refuse(request_id, ErrorNumber::over_limit, over.text, {over.field});
+}
+
 LiveRadar* Requests::radar_of(std::uint64_t request_id, const std::string& name) {
   LiveRadar* radar = room_.find(name);
   if (radar != nullptr) return radar;
@@ -134,11 +138,17 @@ void Requests::get_radar(const wire::GetRadar& request) {
 void Requests::set_settings(const wire::SetSettings& request) {
   LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
   if (radar == nullptr) return;
+  const ServerOptions& options = room_.options();
+  std::optional<OverLimit> over;
   const auto outcome = radar->settings.update([&](RadarSettings& candidate) {
     std::vector<FieldError> errors = merge_message(request.settings(), candidate);
-    append(errors, frame_size_faults(candidate, room_.options().max_bins));
+    if (!errors.empty() || !validate(candidate).empty()) return errors;
+    over = over_limit(candidate, live_cost(candidate, wire::kAllPlanes, options), room_.cost_queued().bytes,
+                      options);
+    if (over) errors.push_back(over->field);
     return errors;
   });
+  if (over) return refuse(request.request_id(), *over);
   if (!outcome.published) {
     return refuse(request.request_id(), ErrorNumber::invalid_value, "settings refused", outcome.errors);
   }

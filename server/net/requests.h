@@ -31,6 +31,7 @@ namespace obliq::net {
 class Peer;
 class Room;
 struct LiveRadar;
+struct OverLimit;
 
 wire::Error make_error(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
                        const std::vector<FieldError>& fields = {}, const std::string& radar = {});
@@ -67,6 +68,7 @@ class Requests {
   /// False after a refusal that says what `action` needs.
   bool demand(Role needed, std::uint64_t request_id, const std::string& action);
   void acknowledge(std::uint64_t request_id, std::uint64_t settings_version = 0);
+  void refuse(std::uint64_t request_id, const OverLimit& over);
   void refuse(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
               const std::vector<FieldError>& fields = {});
   /// The radar, or null after a refusal.

@@ -84,6 +84,10 @@ void Requests::hello(const wire::Hello& request) {
   limits.set_max_subscriptions(static_cast<std::uint32_t>(options.max_subscriptions));
   limits.set_max_rate_hz(options.max_rate_hz);
   limits.set_max_clients_per_address(static_cast<std::uint32_t>(options.max_clients_per_address));
+  limits.set_max_bins(static_cast<std::uint64_t>(options.max_bins));
+  limits.set_max_pixels(static_cast<std::uint64_t>(options.max_pixels));
+  limits.set_max_work_queued(static_cast<std::uint64_t>(options.max_work_queued));
+  limits.set_max_memory_mb(static_cast<std::uint64_t>(options.max_memory_mb));
   limits.set_heartbeat_s(options.heartbeat_s);
   limits.set_idle_timeout_s(options.idle_timeout_s);
   welcome.set_client_name(peer_.name);

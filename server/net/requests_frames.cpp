@@ -7,6 +7,7 @@
 #include "server/control/settings_message.h"
 #include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
+#include "server/net/request_limits.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 
@@ -44,6 +45,10 @@ void Requests::subscribe(const wire::Subscribe& request) {
     return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
   }
   if (wish.lossless && !demand(Role::controller, request.request_id(), "watching without losses")) return;
+  const FrameCost cost = live_cost(settings, wish.choice.planes, options);
+  if (const auto over = over_limit(settings, cost, room_.cost_queued().bytes, options)) {
+    return refuse(request.request_id(), *over);
+  }
   const bool renewed = peer_.outbox.has_lane(radar->stream_id);
   if (!renewed && peer_.subscriptions >= options.max_subscriptions) {
     return refuse(
@@ -81,7 +86,6 @@ void Requests::render_once(const wire::RenderOnce& request) {
   append(errors, merge_message(request.pose(), pose));
   append(errors, validate(settings));
   append(errors, validate(pose));
-  append(errors, frame_size_faults(settings, options.max_bins));
   if (request.radar().size() > kMaxEchoedName) {
     errors.push_back({"radar", std::to_string(request.radar().size()) + " bytes",
                       "a name of at most " + std::to_string(kMaxEchoedName) + " bytes"});
@@ -92,6 +96,13 @@ void Requests::render_once(const wire::RenderOnce& request) {
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
 
+  const FrameCost cost = once_cost(settings, choice.planes, options);
+  const FrameCost queued = room_.cost_queued();
+  if (const auto over = over_limit(settings, cost, queued.bytes, options)) {
+    return refuse(request.request_id(), *over);
+  }
+  if (const auto over = over_queue(cost, queued.work(), options)) return refuse(request.request_id(), *over);
+
   auto job = std::make_shared<OnceJob>();
   job->client_id = peer_.id;
   job->request_id = request.request_id();
@@ -101,6 +112,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   job->view.pose = pose;
   job->view.pose_received_ns = monotonic_ns();
   job->choice = choice;
+  job->cost = cost;
   peer_.jobs.push_back(job);
   peer_.outbox.open_once_lane(job->stream_id, job->request_id, choice, job->queued);
   acknowledge(request.request_id());

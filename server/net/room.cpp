@@ -144,6 +144,18 @@ void Room::finish_job(Peer& peer, std::uint32_t stream_id) {
   std::erase_if(peer.jobs, [&](const OnceJobPtr& job) { return job->stream_id == stream_id; });
 }
 
+FrameCost Room::cost_queued() const {
+  FrameCost sum;
+  for (const auto& peer : peers_) {
+    for (const OnceJobPtr& job : peer->jobs) {
+      sum.pixels += job->cost.pixels;
+      sum.bins += job->cost.bins;
+      sum.bytes += job->cost.bytes;
+    }
+  }
+  return sum;
+}
+
 LiveRadar* Room::find(const std::string& name) {
   const auto at =
       std::find_if(radars_.begin(), radars_.end(), [&](const LiveRadar& r) { return r.name == name; });

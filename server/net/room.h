@@ -69,6 +69,8 @@ class Room : private RenderEvents {
   Peer* peer_of(const OnceJob& job);
   void stopped_if_empty();
   void finish_job(Peer& peer, std::uint32_t stream_id);
+  /// Of all clients' unfinished RenderOnce requests.
+  FrameCost cost_queued() const;
 
   void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;
   void on_live_held_up(std::size_t radar, double since_s) override;

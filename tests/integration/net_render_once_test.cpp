@@ -107,7 +107,8 @@ TEST(RenderOnce, ALargerFrameThanAllowedIsRefused) {
   client::Client client = connect(server);
   wire::RenderOnce request = once_request();
   const client::Status status = client.render_once(request);
-  EXPECT_EQ(status.number, number(ErrorNumber::invalid_value));
+  EXPECT_EQ(status.number, number(ErrorNumber::over_limit));
+  EXPECT_EQ(status.text, "max_bins is 639: the frame has 640");
   EXPECT_NE(status.sentence().find("at most 639 bins"), std::string::npos) << status.sentence();
 }
 

@@ -1,0 +1,112 @@
+#include "server/net/request_limits.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <thread>
+
+#include "server/radar/render.h"
+
+namespace obliq::net {
+namespace {
+
+constexpr std::int64_t kWedgeBytesPerBin = 256;
+
+std::int64_t threads_of(const ServerOptions& options) {
+  return options.render_threads > 0 ? options.render_threads
+                                    : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+}
+
+FrameCost cost_without_bytes(const RadarSettings& settings) {
+  FrameCost cost;
+  // The sweep has no rows: its planes are marched through all range bins.
+  const std::int64_t rows =
+      settings.frustum == FrustumKind::sweep ? settings.range_bins : settings.pixel_rows;
+  cost.pixels = settings.pixel_columns * rows;
+  cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
+  return cost;
+}
+
+std::int64_t plane_bytes(std::int64_t bins, wire::PlaneSet planes) {
+  std::int64_t bytes = 0;
+  for (int plane = 0; plane < wire::kPlanes; ++plane) {
+    const auto kind = static_cast<wire::Plane>(plane);
+    if ((planes & wire::plane_bit(kind)) != 0) bytes += wire::bytes_per_bin(kind) * bins;
+  }
+  return bytes;
+}
+
+std::int64_t wedge_bytes(const RadarSettings& settings, const ServerOptions& options) {
+  return threads_of(options) * kWedgeAzimuthBins * settings.range_bins * kWedgeBytesPerBin;
+}
+
+std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) + " x " + std::to_string(b); }
+
+OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string& what,
+                  const FieldError& field) {
+  return {limit + " is " + std::to_string(most) + ": " + what, field};
+}
+
+}  // namespace
+
+FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
+  FrameCost cost = cost_without_bytes(settings);
+  cost.bytes = wedge_bytes(settings, options) +
+               std::min(plane_bytes(cost.bins, planes), 2 * static_cast<std::int64_t>(options.slice_bytes));
+  return cost;
+}
+
+FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
+  FrameCost cost = cost_without_bytes(settings);
+  cost.bytes = wedge_bytes(settings, options) + plane_bytes(cost.bins, planes) * (options.queue_frames + 1);
+  return cost;
+}
+
+std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCost& cost,
+                                    std::int64_t reserved_bytes, const ServerOptions& options) {
+  if (cost.bins > options.max_bins) {
+    return exceeds("max_bins", options.max_bins, "the frame has " + std::to_string(cost.bins),
+                   {"azimuth_bins x range_bins", product(settings.azimuth_bins, settings.range_bins),
+                    "at most " + std::to_string(options.max_bins) + " bins in one frame"});
+  }
+  if (cost.pixels > options.max_pixels) {
+    return exceeds(
+        "max_pixels", options.max_pixels, "the frame has " + std::to_string(cost.pixels),
+        {settings.frustum == FrustumKind::sweep ? "pixel_columns x range_bins" : "pixel_columns x pixel_rows",
+         product(settings.pixel_columns, cost.pixels / std::max(settings.pixel_columns, 1)),
+         "at most " + std::to_string(options.max_pixels) + " pixels in one frame"});
+  }
+  if (options.max_memory_mb > 0) {
+    const auto megabytes = [](std::int64_t bytes) { return (bytes + 999'999) / 1'000'000; };
+    const std::int64_t have = megabytes(resident_bytes() + reserved_bytes);
+    const std::int64_t need = megabytes(cost.bytes);
+    if (have + need > options.max_memory_mb) {
+      return exceeds("max_memory_mb", options.max_memory_mb,
+                     "the frame needs about " + std::to_string(need) + " MB beside " + std::to_string(have) +
+                         " MB that are in use",
+                     {"azimuth_bins x range_bins", product(settings.azimuth_bins, settings.range_bins),
+                      "a smaller frame, fewer planes, or fewer requests at a time"});
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<OverLimit> over_queue(const FrameCost& cost, std::int64_t work_queued,
+                                    const ServerOptions& options) {
+  if (work_queued + cost.work() <= options.max_work_queued) return std::nullopt;
+  return exceeds("max_work_queued", options.max_work_queued,
+                 "the frame has " + std::to_string(cost.work()) + " pixels and bins, and " +
+                     std::to_string(work_queued) + " of all clients wait already",
+                 {"pixels + bins", std::to_string(cost.work()), "a smaller frame, or later"});
+}
+
+std::int64_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  if (!(file >> total >> resident)) return 0;
+  return resident * ::sysconf(_SC_PAGESIZE);
+}
+
+}  // namespace obliq::net

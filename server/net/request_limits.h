@@ -1,0 +1,46 @@
+#pragma once
+// What a frame asks of the server, held against the operator's limits.
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "proto/plane.h"
+#include "server/net/options.h"
+#include "server/radar/settings.h"
+#include "terrain/errors.h"
+
+namespace obliq::net {
+
+struct FrameCost {
+  std::int64_t pixels = 0;
+  std::int64_t bins = 0;
+  std::int64_t bytes = 0;  ///< an estimate, see below
+
+  /// What max_work_queued counts.
+  std::int64_t work() const { return pixels + bins; }
+};
+
+/// Memory while a frame is rendered and sent: 256 bytes for each bin of the wedges in hand, one a thread
+/// (accumulators, groups of scatterers, profiles), and the encoded planes that wait to be sent. Of a
+/// RenderOnce frame those are at most twice slice_bytes, of a live radar's at most queue_frames + 1 whole
+/// frames. Scene and terrain are not in it: they are resident already.
+FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options);
+FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options);
+
+struct OverLimit {
+  std::string text;  ///< "max_bins is 639: ..."
+  FieldError field;
+};
+
+/// What of max_pixels, max_bins and max_memory_mb such a frame exceeds, if anything. reserved_bytes: of other
+/// requests that are accepted and not finished.
+std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCost& cost,
+                                    std::int64_t reserved_bytes, const ServerOptions& options);
+/// Whether it may wait behind what waits already, of all clients: max_work_queued.
+std::optional<OverLimit> over_queue(const FrameCost& cost, std::int64_t work_queued,
+                                    const ServerOptions& options);
+
+/// Memory of this process that is resident, from /proc/self/statm (proc(5)); 0 where that cannot be read.
+std::int64_t resident_bytes();
+
+}  // namespace obliq::net

@@ -1,0 +1,143 @@
+// obliqd and obliq with TLS and tokens, and what obliqd refuses to start with, end to end.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/integration/daemon.h"
+#include "tests/integration/test_certificate.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr const char* kScene = R"(
+[terrain]
+synthetic = "flat"
+cell_m = 64.0
+[antenna]
+latitude_deg = 33.0
+longitude_deg = -99.5
+[frustum]
+pixels = 32
+[bins]
+azimuth = 8
+range = 16
+[radar]
+r_min_m = 2000.0
+r_max_m = 4000.0
+[server]
+port = 0
+)";
+
+constexpr const char* kAdminToken = "daemon-test-admin-token";
+constexpr const char* kViewerToken = "daemon-test-viewer-token";
+
+class Protection : public testing::Test {
+ protected:
+  std::string secret(const std::string& name, const std::string& text) const {
+    const std::string path = folder.write(name, text);
+    EXPECT_EQ(chmod(path.c_str(), 0600), 0);
+    return path;
+  }
+  Outcome refused(const std::vector<std::string>& settings) const {
+    return run_program(OBLIQD_PROGRAM, with(settings), folder.path());
+  }
+  std::vector<std::string> with(const std::vector<std::string>& settings) const {
+    std::vector<std::string> arguments{"--config", scene};
+    for (const std::string& setting : settings) arguments.insert(arguments.end(), {"--set", setting});
+    return arguments;
+  }
+  Outcome obliq(const std::vector<std::string>& arguments) const {
+    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
+  }
+  static void expect_says(const Outcome& outcome, const std::string& words) {
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", kScene);
+  TestCertificate own = make_certificate(folder.path(), "own");
+  std::string tokens =
+      secret("tokens", std::string("admin ") + kAdminToken + "\nviewer " + kViewerToken + "\n");
+  std::string tls = "server.tls_certificate=\"" + own.certificate.string() + "\"";
+  std::string key = "server.tls_key=\"" + own.key.string() + "\"";
+  std::string guarded = "server.tokens=\"" + tokens + "\"";
+};
+
+TEST_F(Protection, OffLoopbackTheDaemonDoesNotStartWithoutTlsAndTokens) {
+  const std::string everywhere = "server.address=\"0.0.0.0\"";
+  const Outcome bare = refused({everywhere});
+  expect_says(bare, "server.address: found 0.0.0.0");
+  expect_says(bare, "server.tls_certificate, server.tls_key");
+  expect_says(bare, "server.tokens");
+  expect_says(bare, "server.unprotected = true");
+  expect_says(refused({everywhere, tls, key}), "without tokens (server.tokens);");
+  expect_says(refused({everywhere, guarded}), "without TLS (server.tls_certificate, server.tls_key);");
+  for (const auto& settings : {std::vector{everywhere, tls, key, guarded},
+                               std::vector{everywhere, std::string("server.unprotected=true")}}) {
+    const Daemon daemon(with(settings), folder.path());
+    EXPECT_NE(daemon.address(), "") << daemon.log();
+  }
+}
+
+TEST_F(Protection, FilesThatDoNotFitStopTheStartWithTheirNames) {
+  expect_says(refused({tls}), "server.tls_key: found nothing");
+  expect_says(refused({tls, "server.tls_key=\"none.key\""}), "none.key: No such file");
+  EXPECT_EQ(chmod(tokens.c_str(), 0644), 0);
+  expect_says(refused({guarded}), tokens + ": found mode 644");
+  expect_says(refused({"server.max_radars=0"}), "server.max_radars");
+  const std::string two = folder.write("two.toml",
+                                       "[terrain]\nsynthetic = \"flat\"\n[[radar]]\nname = \"a\"\n"
+                                       "[[radar]]\nname = \"b\"\n[server]\nmax_radars = 1\n");
+  expect_says(run_program(OBLIQD_PROGRAM, {"--config", two}, folder.path()),
+              "found 2 radars; allowed: at most 1 (server.max_radars)");
+}
+
+TEST_F(Protection, TheCommandsSpeakTlsAndShowTheirToken) {
+  const Daemon daemon(with({tls, key, guarded}), folder.path());
+  const std::string admin = secret("admin", std::string("# mine\n\n  ") + kAdminToken + " \n");
+  const std::string viewer = secret("viewer", kViewerToken);
+  const std::vector<std::string> server{"--server", daemon.address()};
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), server.begin(), server.end());
+    return obliq(arguments);
+  };
+  const std::string ca = own.certificate;
+  const Outcome plain = run({"status", "--token-file", admin});
+  expect_says(plain, "this server speaks TLS only (obliq: --tls)");
+  expect_says(run({"status", "--tls", "--token-file", admin}), "is not trusted");
+  expect_says(run({"status", "--ca", ca}), "--ca: allowed with --tls");
+  expect_says(run({"status", "--tls", "--ca", folder / "none"}), "no certificate could be read");
+  expect_says(run({"status", "--tls", "--ca", ca}), "this server wants a token (obliq: --token-file)");
+  expect_says(run({"status", "--tls", "--ca", ca, "--token-file", folder / "none"}), "cannot be read");
+  expect_says(run({"pose", "--tls", "--ca", ca, "--token-file", viewer, "--bearing", "90"}),
+              "needs the role controller");
+
+  EXPECT_EQ(run({"status", "--tls", "--ca", ca, "--token-file", viewer}).code, 0);
+  EXPECT_EQ(run({"watch", "--frames", "2", "--rate", "20", "--tls", "--ca", ca, "--token-file", viewer}).code,
+            0);
+  EXPECT_EQ(run({"get", "--out", folder / "frame", "--tls", "--ca", ca, "--token-file", viewer}).code, 0);
+  const Outcome turned = run({"pose", "--tls", "--ca", ca, "--token-file", admin, "--bearing", "90"});
+  EXPECT_EQ(turned.code, 0) << turned.err;
+  setenv("OBLIQ_TOKEN_FILE", viewer.c_str(), 1);
+  const Outcome by_variable = run({"status", "--tls", "--ca", ca});
+  unsetenv("OBLIQ_TOKEN_FILE");
+  EXPECT_EQ(by_variable.code, 0) << by_variable.err;
+
+  EXPECT_EQ(daemon.log().find(kAdminToken), std::string::npos);
+  EXPECT_EQ(daemon.log().find(kViewerToken), std::string::npos);
+}
+
+TEST_F(Protection, RelativePathsCountFromTheSceneFile) {
+  const std::string here =
+      folder.write("here.toml", std::string(kScene) +
+                                    "tokens = \"tokens\"\ntls_certificate = \"own.pem\"\n"
+                                    "tls_key = \"own.key\"\n");
+  const Daemon daemon({"--config", here}, folder.path());
+  EXPECT_NE(daemon.address(), "") << daemon.log();
+}
+
+}  // namespace
+}  // namespace obliq::test

@@ -1,0 +1,336 @@
+// The operator's limits, each refused by its own name, and the silences that end a connection or do not.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "proto/error_number.h"
+#include "proto/obliq.pb.h"
+#include "server/net/exposure.h"
+#include "server/net/request_limits.h"
+#include "server/net/tcp_options.h"
+#include "terrain/errors.h"
+#include "tests/integration/net_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+using client::Outcome;
+using client::Status;
+using wire::ErrorNumber;
+
+constexpr client::Timeout kLong{20000};
+
+std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
+
+/// Refused, with the limit's name and value, and the connection lives on.
+void expect_over(client::Client& client, const Status& status, const std::string& limit) {
+  EXPECT_EQ(status.number, number(ErrorNumber::over_limit)) << status.sentence();
+  EXPECT_EQ(status.text.find(limit + ": "), 0u) << status.text;
+  wire::RadarList list;
+  EXPECT_TRUE(client.list_radars(list).ok());
+}
+
+/// Reads messages until one of that type.
+template <typename Message>
+bool await_message(RawPeer& peer, wire::MessageType type, Message& message) {
+  wire::Bytes received;
+  std::byte one{};
+  while (peer.socket().receive(std::span(&one, 1), kLong).ok()) {
+    received.push_back(one);
+    wire::MessageView view;
+    if (wire::decode_message(received, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok) continue;
+    if (view.header.type == type) return wire::parse_descriptor(view.descriptor, message);
+    received.clear();
+  }
+  return false;
+}
+
+TEST(RequestLimits, TooManyClientsOfOneAddressAreTurnedAwayAndOthersAreNot) {
+  net::ServerOptions options = small_options();
+  options.max_clients_per_address = 2;
+  options.max_clients = 3;
+  const TestServer server(options);
+  const client::Client first = connect(server);
+  client::Client second = connect(server);
+  client::Client third;
+  const Status status = third.connect(server.endpoint());
+  EXPECT_EQ(status.number, number(ErrorNumber::too_many_from_address)) << status.sentence();
+  EXPECT_NE(status.text.find("max_clients_per_address is 2"), std::string::npos) << status.text;
+  // Another address of this machine: Linux connects from 127.0.0.1 to any of 127.0.0.0/8, so the peer must
+  // bind.
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in from{};
+  from.sin_family = AF_INET;
+  from.sin_addr.s_addr = htonl(0x7F000002);  // 127.0.0.2
+  ASSERT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&from), sizeof from), 0);
+  sockaddr_in to = from;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(server.endpoint().port);
+  ASSERT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  const wire::Bytes hello = hello_bytes();
+  ASSERT_EQ(::send(fd, hello.data(), hello.size(), MSG_NOSIGNAL), static_cast<ssize_t>(hello.size()));
+  std::byte head[wire::kHeaderBytes];
+  ASSERT_EQ(::recv(fd, head, sizeof head, MSG_WAITALL), static_cast<ssize_t>(sizeof head));
+  EXPECT_EQ(static_cast<int>(head[6]), static_cast<int>(wire::MessageType::welcome));
+  ::close(fd);
+  // Who leaves makes room.
+  second.close();
+  Status again;
+  do {
+    again = third.connect(server.endpoint());
+  } while (again.number == number(ErrorNumber::too_many_from_address));
+  EXPECT_TRUE(again.ok() || again.number == number(ErrorNumber::too_many_clients)) << again.sentence();
+}
+
+TEST(RequestLimits, ASlowLorisOfOneAddressCannotTakeAllPlaces) {
+  net::ServerOptions options = small_options();
+  options.handshake_timeout_s = 3600;
+  options.max_clients_per_address = 3;
+  options.max_clients = 4;
+  const TestServer server(options);
+  std::vector<RawPeer> silent;
+  for (int i = 0; i < 3; ++i) silent.emplace_back(server);
+  RawPeer fourth(server);
+  EXPECT_EQ(fourth.error_number(), number(ErrorNumber::too_many_from_address))
+      << "one place is left for who comes from elsewhere";
+}
+
+TEST(RequestLimits, AddressesOfOneNetworkAreOneHost) {
+  EXPECT_EQ(net::network_of("192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(net::network_of("::ffff:192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(net::network_of("2001:db8:1:2:3:4:5:6"), net::network_of("2001:db8:1:2::1"));
+  EXPECT_NE(net::network_of("2001:db8:1:2::1"), net::network_of("2001:db8:1:3::1"));
+  EXPECT_EQ(net::network_of("?"), "?");
+}
+
+TEST(RequestLimits, PixelsBinsAndMemoryOfARequestHaveLimitsWithNames) {
+  for (const std::string limit : {"max_bins is 639", "max_pixels is 4095", "max_memory_mb is 1"}) {
+    net::ServerOptions options = small_options();
+    if (limit.starts_with("max_bins")) options.max_bins = 639;
+    if (limit.starts_with("max_pixels")) options.max_pixels = 4095;
+    if (limit.starts_with("max_memory")) options.max_memory_mb = 1;
+    const TestServer server(options);
+    client::Client client = connect(server);
+    wire::RenderOnce once = once_request();  // 640 bins
+    once.mutable_settings()->set_pixel_columns(64);
+    once.mutable_settings()->set_pixel_rows(64);
+    expect_over(client, client.render_once(once), limit);
+    expect_over(client, client.subscribe("main", 10), limit);
+    ASSERT_TRUE(client.claim_control("main").ok());
+    wire::Ack ack;
+    wire::RadarSettings settings;
+    settings.set_gain_db(3);
+    expect_over(client, client.set_settings("main", settings, ack), limit);
+  }
+}
+
+TEST(RequestLimits, AtTheLimitARequestIsServed) {
+  net::ServerOptions options = small_options();
+  options.max_bins = 640;
+  options.max_pixels = 4096;
+  options.max_work_queued = 640 + 4096;
+  options.max_memory_mb = 1 << 20;
+  const TestServer server(options);
+  client::Client client = connect(server);
+  const wire::Limits& limits = client.welcome().limits();
+  EXPECT_EQ(limits.max_bins(), 640u);
+  EXPECT_EQ(limits.max_pixels(), 4096u);
+  EXPECT_EQ(limits.max_work_queued(), 4736u);
+  EXPECT_EQ(limits.max_memory_mb(), 1u << 20);
+  wire::RenderOnce once = once_request();
+  once.mutable_settings()->set_pixel_columns(64);
+  once.mutable_settings()->set_pixel_rows(64);
+  ASSERT_TRUE(client.render_once(once).ok());
+  client::FrameAssembler frames;
+  EXPECT_TRUE(receive_frame(client, frames).ok());
+}
+
+TEST(RequestLimits, ASweepHasItsPlanesTimesItsRangeBinsForPixels) {
+  RadarSettings settings;
+  settings.pixel_columns = 100;
+  settings.pixel_rows = 7;
+  settings.azimuth_bins = 10;
+  settings.range_bins = 30;
+  net::ServerOptions options;
+  EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).pixels, 700);
+  settings.frustum = FrustumKind::sweep;
+  EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).pixels, 3000);
+  EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).work(), 3300);
+}
+
+TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
+  RadarSettings settings;
+  settings.azimuth_bins = 1000;
+  settings.range_bins = 1000;
+  net::ServerOptions options;
+  options.render_threads = 2;
+  const std::int64_t wedges = 2 * 8 * 1000 * 256;
+  // 8 + 8 + 4 + 1 bytes a bin, PROTOCOL.md.
+  EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).bytes, wedges + 21'000'000);
+  options.slice_bytes = 1'000'000;
+  EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).bytes, wedges + 2'000'000);
+  options.queue_frames = 2;
+  EXPECT_EQ(net::live_cost(settings, wire::plane_bit(wire::Plane::power), options).bytes,
+            wedges + 3 * 8'000'000);
+  EXPECT_GT(net::resident_bytes(), 1'000'000);
+}
+
+TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.before_wedge = [&](int) { gate.pass(); };
+  options.max_work_queued = 2 * (640 + 4096);
+  const TestServer server(options);
+  client::Client first = connect(server);
+  client::Client second = connect(server);
+  wire::RenderOnce once = once_request();
+  once.mutable_settings()->set_pixel_columns(64);
+  once.mutable_settings()->set_pixel_rows(64);
+  ASSERT_TRUE(first.render_once(once).ok());
+  ASSERT_TRUE(second.render_once(once).ok());
+  const Status status = second.render_once(once);
+  expect_over(second, status, "max_work_queued is 9472");
+  EXPECT_NE(status.text.find("9472 of all clients wait already"), std::string::npos) << status.text;
+  gate.open();
+  client::FrameAssembler frames;
+  EXPECT_TRUE(receive_frame(second, frames).ok());
+  frames.take();
+  // Its place is free once its frame is on its way.
+  Status again;
+  do {
+    again = second.render_once(once);
+  } while (again.number == number(ErrorNumber::over_limit));
+  EXPECT_TRUE(again.ok()) << again.sentence();
+}
+
+TEST(RequestLimits, AMessageLongerThanAllowedIsRefused) {
+  net::ServerOptions options = small_options();
+  options.max_request_bytes = 1024;
+  const TestServer server(options);
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  wire::GetRadar request;
+  request.set_radar(std::string(2000, 'x'));
+  peer.send(wire::encode_message(wire::MessageType::get_radar, {}, request));
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
+}
+
+TEST(Silence, TheServerSaysThatItIsThereAndTheClientLibraryAnswers) {
+  net::ServerOptions options = small_options();
+  options.heartbeat_s = 0.05;
+  options.idle_timeout_s = 20;
+  const TestServer server(options);
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  for (int i = 0; i < 3; ++i) {
+    wire::Heartbeat heartbeat;
+    ASSERT_TRUE(await_message(peer, wire::MessageType::heartbeat, heartbeat));
+    EXPECT_TRUE(heartbeat.answer_wanted());
+  }
+  // The other way round: asked, the server answers with the same number.
+  wire::Heartbeat asked;
+  asked.set_request_id(77);
+  asked.set_answer_wanted(true);
+  peer.send(wire::encode_message(wire::MessageType::heartbeat, {0, 2, wire::utc_now_ns()}, asked));
+  wire::Heartbeat answer;
+  do {
+    ASSERT_TRUE(await_message(peer, wire::MessageType::heartbeat, answer));
+  } while (answer.request_id() == 0);
+  EXPECT_EQ(answer.request_id(), 77u);
+  EXPECT_FALSE(answer.answer_wanted());
+}
+
+TEST(Silence, AClientThatAnswersHeartbeatsOutlivesTheIdleTimeout) {
+  net::ServerOptions options = small_options();
+  options.heartbeat_s = 0.02;
+  options.idle_timeout_s = 2;  // a hundred chances to answer
+  const TestServer server(options);
+  client::Client client = connect(server);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(4);
+  while (std::chrono::steady_clock::now() < end) {
+    const Status status = client.receive(client::Timeout(100));
+    ASSERT_TRUE(status.ok() || status.outcome == Outcome::timed_out) << status.sentence();
+  }
+  wire::RadarList list;
+  EXPECT_TRUE(client.list_radars(list).ok());
+}
+
+TEST(Silence, AClientThatSaysNothingForTooLongIsClosedWithTheReason) {
+  net::ServerOptions options = small_options();
+  options.idle_timeout_s = 0.2;
+  const TestServer server(options);
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::idle));
+}
+
+TEST(Silence, WithoutAnIdleTimeoutAClientOfOldThatSkipsHeartbeatsStays) {
+  net::ServerOptions options = small_options();
+  options.heartbeat_s = 0.01;
+  const TestServer server(options);
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  for (int i = 0; i < 50; ++i) {
+    wire::Heartbeat heartbeat;
+    ASSERT_TRUE(await_message(peer, wire::MessageType::heartbeat, heartbeat));
+  }
+  wire::ListRadars request;
+  peer.send(wire::encode_message(wire::MessageType::list_radars, {0, 2, wire::utc_now_ns()}, request));
+  wire::RadarList list;
+  EXPECT_TRUE(await_message(peer, wire::MessageType::radar_list, list));
+}
+
+TEST(Silence, TheKernelIsToldWhenToGiveADeadPeerUp) {
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const auto option = [&](int level, int name) {
+    int value = -1;
+    socklen_t size = sizeof value;
+    EXPECT_EQ(::getsockopt(fd, level, name, &value, &size), 0);
+    return value;
+  };
+  for (const double dead_after_s : {60.0, 4.0, 7.3, 0.0, 1e300}) {
+    ASSERT_TRUE(net::watch_for_dead_peer(fd, dead_after_s));
+    EXPECT_EQ(option(SOL_SOCKET, SO_KEEPALIVE), 1);
+    const int idle_s = option(IPPROTO_TCP, TCP_KEEPIDLE);
+    const int probing_s = option(IPPROTO_TCP, TCP_KEEPINTVL) * option(IPPROTO_TCP, TCP_KEEPCNT);
+    const int total_s = option(IPPROTO_TCP, TCP_USER_TIMEOUT) / 1000;
+    EXPECT_EQ(idle_s + probing_s, total_s) << dead_after_s;
+    EXPECT_GE(total_s, net::kMinDeadAfter_s);
+    if (dead_after_s == 60) {
+      EXPECT_EQ(total_s, 60);
+    }
+  }
+  ::close(fd);
+}
+
+TEST(Exposure, OffLoopbackAPortNeedsProtectionOrAPlainWord) {
+  const auto complaint = [](const std::string& address, bool tls, bool tokens,
+                            bool unprotected) -> std::string {
+    try {
+      net::require_protection("server.address", address, {{"TLS", tls}, {"tokens", tokens}},
+                              "server.unprotected", unprotected);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  for (const std::string here : {"127.0.0.1", "127.8.9.10", "::1", "::ffff:127.0.0.1"}) {
+    EXPECT_TRUE(net::is_loopback(here)) << here;
+    EXPECT_EQ(complaint(here, false, false, false), "");
+  }
+  for (const std::string everywhere :
+       {"0.0.0.0", "::", "192.0.2.1", "2001:db8::1", "no such host.invalid", ""}) {
+    EXPECT_FALSE(net::is_loopback(everywhere)) << everywhere;
+    EXPECT_NE(complaint(everywhere, false, false, false).find("without TLS and tokens"), std::string::npos);
+    EXPECT_NE(complaint(everywhere, true, false, false).find("without tokens;"), std::string::npos);
+    EXPECT_NE(complaint(everywhere, false, true, false).find("without TLS;"), std::string::npos);
+    EXPECT_EQ(complaint(everywhere, true, true, false), "");
+    EXPECT_EQ(complaint(everywhere, false, false, true), "");
+  }
+}
+
+}  // namespace
+}  // namespace obliq::test
