@@ -10,6 +10,10 @@
 namespace obliq::client {
 
 using wire::MessageType;
+using Clock = std::chrono::steady_clock;
+
+// Heartbeats that may fail to come before a server is taken for dead: any may be late.
+constexpr int kHeartbeatsMissed = 3;
 
 struct Client::State {
   Connection connection;
@@ -20,6 +24,7 @@ struct Client::State {
   Tap tap;
   wire::Bytes welcome_bytes;
   std::uint64_t last_request = 0;
+  Clock::time_point last_heard;
 
   template <typename Request, typename Reply>
   Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply);
@@ -30,6 +35,7 @@ struct Client::State {
   }
   Status receive(Message& message, Timeout timeout);
   Status dispatch(const Message& message);
+  Status doubt_server(Status status);
 };
 
 namespace {
@@ -70,6 +76,7 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
     if (Status status = receive(message, options.reply_timeout); !status.ok()) {
       return sent.ok() ? status : sent;
     }
+    last_heard = Clock::now();
     if (message.header.type == reply_type) {
       if (!wire::parse_descriptor(message.descriptor(), reply)) return unreadable("answer");
       if (reply.request_id() == last_request) {
@@ -87,6 +94,16 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (Status status = dispatch(message); !status.ok()) return status;
     }
   }
+}
+
+// Nothing has come, nor waits to be read: a server that is there would have sent heartbeats.
+Status Client::State::doubt_server(Status status) {
+  const double patience_s = kHeartbeatsMissed * welcome.limits().heartbeat_s();
+  const std::chrono::duration<double> silence = Clock::now() - last_heard;
+  if (status.outcome != Outcome::timed_out || patience_s <= 0 || silence.count() < patience_s) return status;
+  connection.close();
+  return Status::failure(Outcome::closed, "the server has said nothing for " +
+                                              std::to_string(static_cast<int>(silence.count())) + " s");
 }
 
 Status Client::State::dispatch(const Message& message) {
@@ -212,7 +229,10 @@ Status Client::get_status(wire::Status& status) {
 
 Status Client::receive(Timeout timeout) {
   Message message;
-  if (Status status = state_->receive(message, timeout); !status.ok()) return status;
+  if (Status status = state_->receive(message, timeout); !status.ok()) {
+    return state_->doubt_server(std::move(status));
+  }
+  state_->last_heard = Clock::now();
   if (message.header.type == MessageType::heartbeat) return answer_heartbeat(state_->connection, message);
   return is_frame(message.header.type) ? state_->dispatch(message) : unsolicited(message);
 }

@@ -24,8 +24,8 @@ namespace obliq::client {
 
 struct ClientOptions {
   std::string name = "client";  ///< shown to others while this client holds control
+  std::string token{};          ///< where the server wants one
   TlsOptions tls{};
-  std::string token{};  ///< where the server wants one
   Timeout connect_timeout{5000};
   Timeout reply_timeout{30000};
 };
@@ -69,7 +69,8 @@ class Client {
   Status get_status(wire::Status& status);
 
   /// Waits for one message and hands it to the handler; types that are not known are skipped. timed_out
-  /// leaves the connection usable. An Error that answers no request ends the call with `refused`.
+  /// leaves the connection usable; after three heartbeats that did not come it is closed instead. An Error
+  /// that answers no request ends the call with `refused`.
   Status receive(Timeout timeout);
 
   bool is_open() const;

@@ -63,6 +63,16 @@ Status connect_to(const addrinfo& address, Timeout timeout, int& fd) {
     // Requests are small and each waits for its answer; without this they would wait for one another too.
     const int on = 1;
     (void)::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    // A server whose machine has gone is noticed after a minute, also by a client that only waits (tcp(7)).
+    const int idle_s = 30;
+    const int interval_s = 10;
+    const int probes = 3;
+    const unsigned user_timeout_ms = 60000;
+    (void)::setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+    (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);
+    (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
+    (void)::setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &user_timeout_ms, sizeof user_timeout_ms);
     return {};
   }
   ::close(fd);

@@ -105,7 +105,8 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
                      "\"; allowed: HOST or HOST:PORT, such as 127.0.0.1:7420");
   }
   if (!arguments.tls.enabled && !arguments.tls.ca_file.empty()) throw InputError("--ca: allowed with --tls");
-  client::ClientOptions options{.name = name, .tls = arguments.tls};
+  client::ClientOptions options{.name = name};
+  options.tls = arguments.tls;
   if (!arguments.token_file.empty()) options.token = read_token(arguments.token_file);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(arguments.wait_s);
   client::Client client;

@@ -102,6 +102,18 @@ void Room::check_credentials() {
     if (!peer->credential) continue;
     if (const auto grant = options_.security->grant(*peer->credential)) {
       peer->role = grant->role;
+      for (LiveRadar& radar : radars_) {
+        if (radar.controller != peer.get() || peer->role >= Role::controller) continue;
+        radar.controller = nullptr;
+        spdlog::warn("radar {}: control released, {} is only {} now", radar.name, peer->name,
+                     role_name(peer->role));
+        peer->send(MessageType::error,
+                   make_error(0, ErrorNumber::role_too_low,
+                              "control of radar " + radar.name +
+                                  " needs the role controller; this client's token gives " +
+                                  std::string(role_name(peer->role)) + " now",
+                              {}, radar.name));
+      }
     } else {
       peer->fail(ErrorNumber::token_refused, "the token was withdrawn");
     }

@@ -206,6 +206,23 @@ TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {
   EXPECT_TRUE(again.ok()) << again.sentence();
 }
 
+TEST(RequestLimits, AMessageAByteAtATimeHasTheTimeOfOneMessageNotOfOneByte) {
+  const TestServer server;  // 0.3 s
+  RawPeer peer(server);
+  peer.send(hello_bytes());
+  wire::Welcome welcome;
+  ASSERT_TRUE(await_message(peer, wire::MessageType::welcome, welcome));
+  wire::GetRadar request;
+  request.set_radar(std::string(100000, 'x'));  // at this pace a quarter of an hour
+  const wire::Bytes bytes = wire::encode_message(wire::MessageType::get_radar, {0, 2, 0}, request);
+  bool ended = false;
+  for (std::size_t i = 0; i < 2000 && !ended; ++i) {
+    ended = !peer.socket().send(std::span(bytes).subspan(i, 1), kLong).ok() ||
+            peer.socket().wait_readable(client::Timeout(10)).ok();
+  }
+  EXPECT_TRUE(ended);
+}
+
 TEST(RequestLimits, AMessageLongerThanAllowedIsRefused) {
   net::ServerOptions options = small_options();
   options.max_request_bytes = 1024;
@@ -281,6 +298,41 @@ TEST(Silence, WithoutAnIdleTimeoutAClientOfOldThatSkipsHeartbeatsStays) {
   peer.send(wire::encode_message(wire::MessageType::list_radars, {0, 2, wire::utc_now_ns()}, request));
   wire::RadarList list;
   EXPECT_TRUE(await_message(peer, wire::MessageType::radar_list, list));
+}
+
+TEST(Silence, AServerThatMissesItsHeartbeatsIsTakenForDead) {
+  // Welcomes, promises a heartbeat every 20 ms, and hangs.
+  const int listening = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in here{};
+  here.sin_family = AF_INET;
+  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof here;
+  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
+  ASSERT_EQ(::listen(listening, 1), 0);
+  ASSERT_EQ(::getsockname(listening, reinterpret_cast<sockaddr*>(&here), &size), 0);
+  wire::Welcome welcome;
+  welcome.set_request_id(1);
+  welcome.set_major(wire::kMajorVersion);
+  welcome.mutable_limits()->set_heartbeat_s(0.02);
+  const wire::Bytes bytes = wire::encode_message(wire::MessageType::welcome, {0, 1, 0}, welcome);
+  int accepted = -1;
+  std::thread hung([&] {
+    accepted = ::accept(listening, nullptr, nullptr);
+    (void)!::send(accepted, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  });
+  client::Client client;
+  const Status status = client.connect({"127.0.0.1", ntohs(here.sin_port)}, {.name = "tester"});
+  EXPECT_TRUE(status.ok()) << status.sentence();
+  Status end;
+  do {
+    end = client.receive(client::Timeout(50));
+  } while (end.outcome == Outcome::timed_out);
+  EXPECT_EQ(end.outcome, Outcome::closed);
+  EXPECT_NE(end.text.find("has said nothing"), std::string::npos) << end.text;
+  EXPECT_FALSE(client.is_open());
+  hung.join();
+  ::close(accepted);
+  ::close(listening);
 }
 
 TEST(Silence, TheKernelIsToldWhenToGiveADeadPeerUp) {

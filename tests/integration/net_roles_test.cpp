@@ -218,6 +218,14 @@ TEST_F(Roles, AReloadWithdrawsTokensAndABadFileChangesNothing) {
   EXPECT_TRUE(viewer.claim_control("nose").ok());
   client::Client late;
   EXPECT_FALSE(come(server, kOther, late).ok());
+  // Back to viewer: what it controlled is free again.
+  write("viewer " + std::string(kViewer) + "\nadmin " + kAdmin + "\n");
+  server.server().reload_security();
+  const Status demoted = viewer.receive(client::Timeout(20000));
+  EXPECT_EQ(demoted.number, number(ErrorNumber::role_too_low)) << demoted.sentence();
+  client::Client admin;
+  ASSERT_TRUE(come(server, kAdmin, admin).ok());
+  EXPECT_TRUE(admin.claim_control("nose").ok()) << "without force";
 }
 
 TEST_F(Roles, ATokenFileThatOthersMayReadIsRefused) {
