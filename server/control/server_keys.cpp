@@ -73,7 +73,7 @@ const std::array kServer{
                  [](Scene& c) -> Slot { return &c.server.idle_timeout_s; }},
     Entry<Scene>{{"server.dead_after_s",
                   "s",
-                  closed(4, 86400),
+                  closed(4, 3600),
                   {},
                   "A client whose machine gives no sign of life for so long is dropped."},
                  [](Scene& c) -> Slot { return &c.server.dead_after_s; }},

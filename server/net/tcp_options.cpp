@@ -21,8 +21,8 @@ bool set(int fd, int level, int option, Value value) {
 }  // namespace
 
 bool watch_for_dead_peer(int socket_fd, double dead_after_s) {
-  const int total_s =
-      std::max(kMinDeadAfter_s, static_cast<int>(std::lround(std::min(dead_after_s, 86400.0))));
+  const int total_s = std::max(
+      kMinDeadAfter_s, static_cast<int>(std::lround(std::min<double>(dead_after_s, kMaxDeadAfter_s))));
   const int interval_s = std::max(1, total_s / (2 * kProbes));
   const int idle_s = total_s - kProbes * interval_s;
   // With a user timeout the kernel gives up by that time, not by the count, and so it does with data that is

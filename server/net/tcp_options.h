@@ -4,10 +4,11 @@ namespace obliq::net {
 
 /// A peer that has vanished without closing (its machine lost power, a cable was pulled) is given up after
 /// `dead_after_s` without a sign of life from its machine, whether or not anything waits to be sent to it:
-/// TCP_KEEPIDLE, TCP_KEEPINTVL, TCP_KEEPCNT and TCP_USER_TIMEOUT (tcp(7)). Rounded to whole seconds, at least
-/// kMinDeadAfter_s. False when the system refuses; the connection works without.
+/// TCP_KEEPIDLE, TCP_KEEPINTVL, TCP_KEEPCNT and TCP_USER_TIMEOUT (tcp(7)). Rounded to whole seconds, from
+/// kMinDeadAfter_s to kMaxDeadAfter_s. False when the system refuses; the connection works without.
 bool watch_for_dead_peer(int socket_fd, double dead_after_s);
 
 constexpr int kMinDeadAfter_s = 4;
+constexpr int kMaxDeadAfter_s = 3600;  // Linux takes at most 32767 s for each of its parts
 
 }  // namespace obliq::net
