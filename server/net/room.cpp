@@ -63,6 +63,11 @@ void Room::set_limits(const ServerOptions& options) {
   options_.max_clients_per_address = options.max_clients_per_address;
   options_.max_request_bytes = options.max_request_bytes;
   options_.max_bins = options.max_bins;
+  options_.max_pixels = options.max_pixels;
+  options_.max_work_queued = options.max_work_queued;
+  options_.max_memory_mb = options.max_memory_mb;
+  options_.max_renders_queued = options.max_renders_queued;
+  options_.max_subscriptions = options.max_subscriptions;
   options_.queue_frames = options.queue_frames;
   options_.handshake_timeout_s = options.handshake_timeout_s;
   options_.message_timeout_s = options.message_timeout_s;
