@@ -123,9 +123,10 @@ void Server::State::stop() {
   stopping = true;
   const ServerOptions& options = room->options();
   spdlog::info("stopping: begun frames and queues have {:g} s", options.stop_limit_s);
+  // Who finds the port closed may count on it that no frame is begun any more.
+  room->finish();
   error_code ignored;
   acceptor.close(ignored);
-  room->finish();
   // The last words need their time as well.
   const double frames_s = std::max(0.0, options.stop_limit_s - options.stop_grace_s);
   limit.expires_after(
