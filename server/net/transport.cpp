@@ -116,8 +116,12 @@ void Transport::read(std::span<std::byte> bytes, bool some, Done done) {
 
 void Transport::write(std::span<const std::byte> bytes, Done done) {
   State& s = *state_;
+  // All that is left at once: Asio by itself offers the kernel 64 KiB at a time.
+  const auto all_of_it = [most = bytes.size()](error_code error, std::size_t) {
+    return error ? std::size_t{0} : most;
+  };
   const auto transfer = [&](auto& stream) {
-    asio::async_write(stream, asio::buffer(bytes.data(), bytes.size()),
+    asio::async_write(stream, asio::buffer(bytes.data(), bytes.size()), all_of_it,
                       [done = std::move(done)](error_code error, std::size_t) { done(outcome(error)); });
   };
   s.stream ? transfer(*s.stream) : transfer(s.socket);
