@@ -122,9 +122,10 @@ std::optional<Value> decode(const Parameter& parameter, std::span<const std::uin
   const std::uint64_t bits = join(words);
   switch (parameter.modbus.words) {
     case ModbusWords::u64:
-      return bits;
+      return parameter.key.limits.contains(static_cast<double>(bits)) ? std::optional<Value>(bits)
+                                                                      : std::nullopt;
     case ModbusWords::i64:
-      return static_cast<std::int64_t>(bits);
+      return decode_integer(parameter, static_cast<std::int64_t>(bits));
     case ModbusWords::f32:
       return number_of_float(parameter,
                              static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits))));

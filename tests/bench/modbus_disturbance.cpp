@@ -2,6 +2,8 @@
 // and beside each kind, in turns so that the machine's own load is in all of them.
 //
 //   modbus_disturbance [SECONDS]      per kind; default 10
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -108,4 +110,7 @@ void measure(double seconds) {
 }  // namespace
 }  // namespace obliq::test
 
-int main(int argc, char** argv) { obliq::test::measure(argc > 1 ? std::atof(argv[1]) : 10); }
+int main(int argc, char** argv) {
+  spdlog::set_level(spdlog::level::err);
+  obliq::test::measure(argc > 1 ? std::atof(argv[1]) : 10);
+}

@@ -38,7 +38,8 @@ def tables(page):
 
 class Setpoint:
     def __init__(self, row):
-        self.address, self.type, count, self.name, self.allowed, _ = row
+        self.address, self.type, count, self.name, self.allowed, meaning = row
+        self.step = 8 if "multiple of 8" in meaning else 1
         self.address = int(self.address)
         scale = re.match(r"1e-(\d+)", count)
         self.counts = 10 ** int(scale.group(1)) if scale else 1
@@ -56,7 +57,7 @@ class Setpoint:
             return value + 2 ** 33 + 1  # more than 32 bits hold
         if self.type == "i32":
             return value + 1001
-        return value + 1 if self.counts == 1 else value + 250
+        return value + self.step if self.counts == 1 else value + 250
 
     def out_of_limits(self):
         """Values that must be refused."""
