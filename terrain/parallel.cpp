@@ -1,6 +1,7 @@
 #include "terrain/parallel.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -28,6 +29,10 @@ void for_each_row(int n_rows, const std::function<void(int row)>& work) {
     hand_over(&done);
   });
   take_over(&done);
+}
+
+void on_this_thread_alone(const std::function<void()>& work) {
+  tbb::task_arena(1).execute([&] { work(); });
 }
 
 }  // namespace obliq

@@ -7,4 +7,7 @@ namespace obliq {
 /// then the result does not depend on the number of threads. An exception from work is passed on.
 void for_each_row(int n_rows, const std::function<void(int row)>& work);
 
+/// Calls work(); what it gives to for_each_row is done on the calling thread alone.
+void on_this_thread_alone(const std::function<void()>& work);
+
 }  // namespace obliq

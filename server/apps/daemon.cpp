@@ -272,8 +272,7 @@ void Daemon::load() {
   meet_accuracy(config_, say, progress());
   renderer_.emplace(build_scene(config_, say, progress()), config_.name);
   keeper_ = std::make_unique<SceneKeeper>(
-      config_, renderer_->scene(),
-      [say](const SceneConfig& config, const std::stop_token&) { return build_scene(config, say, {}); },
+      config_, renderer_->scene(), build_scene_behind,
       [this](std::shared_ptr<const Scene> scene) { renderer_->replace(std::move(scene)); });
   for (const RadarConfig& radar : config_.radars) {
     check_radar(*renderer_, radar);
@@ -288,6 +287,8 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
   options.on_frame = [this](const std::string& radar, const net::RenderedFrame& frame) {
     metrics_.frame(radar, frame);
   };
+  options.keeper_state = [this] { return keeper_->state(); };
+  options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
   server_.emplace(io_.context(), *renderer_, config_.radars, options, std::move(port));
   const modbus::Service modbus(config_.modbus, std::move(modbus_port), server_->panel());
   io_.post([this] {

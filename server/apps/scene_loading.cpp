@@ -118,6 +118,14 @@ std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
   return scene;
 }
 
+std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop) {
+  auto world = std::make_shared<const World>(load_world(config.world, [&](std::string_view, double) {
+    if (stop.stop_requested()) throw InputError("given up: the server is stopping");
+  }));
+  // Without progress: nothing may be thrown through Embree, and its part is short.
+  return std::make_shared<const Scene>(world, config.materials, 1);
+}
+
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {
   auto world = std::make_shared<const World>(load_world(config.world, terminal_progress()));
   print_world_report(*world);

@@ -3,6 +3,7 @@
 // terminal. The daemon logs the same report.
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,10 @@ void print_world_report(const World& world);
 std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
                                          const std::function<void(const std::string&)>& say,
                                          const Progress& progress);
+
+/// Loads the same without a word, on the calling thread alone but for Embree's part, for which `threads` of
+/// the configuration is taken as 1. Throws InputError soon after stop is requested.
+std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop);
 
 /// Loads terrain and buildings and prints what was found, one line per note, on stderr.
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);

@@ -20,9 +20,9 @@ namespace obliq {
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
 /// Where a value lives.
-using Slot =
-    std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, FrustumKind*, PlateKind*,
-                 SpeckleKind*, HeightReference*, SyntheticKind*, ScatteringModel*, LogFormat*, LogLevel*>;
+using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, FrustumKind*,
+                          PlateKind*, ScanMode*, SpeckleKind*, HeightReference*, SyntheticKind*,
+                          ScatteringModel*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

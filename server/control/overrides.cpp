@@ -16,7 +16,7 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr std::array<std::string_view, 3> kRadarSections{"antenna", "frustum", "bins"};
+constexpr std::array<std::string_view, 4> kRadarSections{"antenna", "frustum", "bins", "scan"};
 constexpr std::string_view kQualityKey = "frustum.quality";
 
 /// frustum.pixels = 512 or [512, 256] becomes pixel_columns and pixel_rows. What is neither stays, and the

@@ -146,8 +146,8 @@ std::string parameters_markdown() {
       "ones "
       "change with the\nnext frame. `[radar]` is one radar called `main`; `[[radar]]` with a `name` makes "
       "several, "
-      "each with sections of\nits own (`[radar.antenna]`) over the common `[antenna]`, `[frustum]` and "
-      "`[bins]`. "
+      "each with sections of\nits own (`[radar.antenna]`) over the common `[antenna]`, `[frustum]`, `[bins]` "
+      "and `[scan]`. "
       "An antenna without a position\nstands at the dem's centre, over synthetic ground at 33 N 99.5 W.\n\n"
       "| key | type | default | allowed | change | message field | Modbus | meaning |\n"
       "|---|---|---|---|---|---|---|---|\n";

@@ -128,7 +128,7 @@ std::string radars(const SceneConfig& config) {
   std::string text;
   for (const RadarConfig& radar : config.radars) {
     text += list_header("radar") + line("name", toml_string(radar.name)) + parameter_lines("radar.", radar);
-    for (const std::string part : {"antenna", "frustum", "bins"})
+    for (const std::string part : {"antenna", "frustum", "bins", "scan"})
       text += header("radar." + part) + parameter_lines(part + ".", radar);
   }
   return text;

@@ -13,7 +13,7 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr std::array kSubSections{"antenna", "frustum", "bins"};
+constexpr std::array kSubSections{"antenna", "frustum", "bins", "scan"};
 
 /// One radar while it is read: its values, and where each was set.
 struct RadarReading {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "server/control/parameters.h"
+#include "server/radar/render.h"
 
 namespace obliq {
 
@@ -11,6 +12,9 @@ constexpr double kShortestBin_m = 0.001;
 
 /// An azimuth bin narrower than this, 0.7 mm at 40 km, is a mistake as well.
 constexpr double kNarrowestBin_deg = 1e-6;
+
+/// A pass keeps the scene that it began in, and a client waits this long for its first: one turn a minute.
+constexpr double kLongestPass_s = 60;
 
 void check_limits(RadarConfig config, WireMessage message, std::vector<FieldError>& errors) {
   for (const Parameter& parameter : parameters()) {
@@ -43,12 +47,31 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
   }
 }
 
+void check_scan(const RadarSettings& s, std::vector<FieldError>& errors) {
+  if (s.scan_dwell_bins % kWedgeAzimuthBins != 0) {
+    errors.push_back({"scan.dwell_bins", std::to_string(s.scan_dwell_bins),
+                      "a multiple of " + std::to_string(kWedgeAzimuthBins)});
+  }
+  if (s.scan_mode == ScanMode::frame) return;
+  if (s.scan_mode == ScanMode::circular && s.sector_deg != 360) {
+    errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with scan.mode = \"circular\"",
+                      "360, or scan.mode = \"sector\""});
+  }
+  if (s.sector_deg / s.scan_rate_deg_s > kLongestPass_s) {
+    errors.push_back(
+        {"scan.rate_deg_s",
+         toml_number(s.scan_rate_deg_s) + " with radar.sector_deg = " + toml_number(s.sector_deg),
+         "a pass over the sector in at most " + toml_number(kLongestPass_s) + " s"});
+  }
+}
+
 }  // namespace
 
 std::vector<FieldError> validate(const RadarSettings& settings) {
   std::vector<FieldError> errors;
   check_limits({"", settings, {}}, WireMessage::radar_settings, errors);
   check_together(settings, errors);
+  check_scan(settings, errors);
   return errors;
 }
 

@@ -9,6 +9,7 @@
 #include "server/flight/background.h"
 #include "server/scene/scene.h"
 #include "terrain/errors.h"
+#include "terrain/parallel.h"
 
 namespace obliq {
 namespace {
@@ -156,7 +157,7 @@ void SceneKeeper::serve(Request request, const std::stop_token& stop, std::uniqu
   std::shared_ptr<const Scene> scene;
   try {
     check_size(request.config, request.window);
-    scene = build_(aimed_at(request.config, request.window), stop);
+    on_this_thread_alone([&] { scene = build_(aimed_at(request.config, request.window), stop); });
     if (!scene) error = "nothing was built";
   } catch (const std::exception& e) {
     error = e.what();

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/flight/keeper_state.h"
 #include "server/flight/speedometer.h"
 #include "server/flight/window.h"
 
@@ -45,14 +46,7 @@ class SceneKeeper {
   /// Where all radars are now, the first one first. Cheap: called with every pose.
   void poses_changed(std::vector<RadarPlace> radars);
 
-  struct State {
-    bool building = false;
-    std::uint64_t swaps = 0;     ///< windows and reloads that serve or served
-    std::uint64_t failures = 0;  ///< windows and reloads that could not be loaded
-    std::string last_error;      ///< of the newest attempt; empty: it succeeded
-    double last_build_s = 0;
-    SceneWindow window;  ///< of the scene that serves
-  };
+  using State = KeeperState;
   State state() const;
 
  private:

@@ -95,7 +95,7 @@ const std::array kDiscrete{
     DiscreteInput{{"fault", "It cannot be rendered as it is set, or the watchdog has frozen it."},
                   [](const View& v) { return state_of(v) == 4; }},
     DiscreteInput{{"stale_pose", "The pose has outlived its stated validity."},
-                  [](const View&) { return false; }},
+                  [](const View& v) { return v.radar.pose_stale; }},
     DiscreteInput{{"transmitting", "As the coil."}, [](const View& v) { return v.radar.transmit; }},
     DiscreteInput{{"frozen", "As the coil, or by the watchdog."},
                   [](const View& v) { return v.radar.frozen; }},

@@ -108,6 +108,7 @@ BlockPtr FrameEncoder::finish(std::shared_ptr<Block> block, const google::protob
 
 std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descriptor) {
   *echo_->mutable_pose() = descriptor.pose();
+  echo_->set_pose_stale(descriptor.pose_stale());
   echo_->set_settings_version(descriptor.settings_version());
   wire::FrameBegin message;
   message.set_frame_id(identity_.frame_id);

@@ -1,6 +1,7 @@
 #pragma once
 // What the render thread needs of the radar pipeline, as an interface: the network side is tested with a
 // stand-in that needs no scene.
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ class FrameRenderer {
     std::vector<FieldError> errors;
     SettingsPtr settings;  ///< what the frame was really made with; null: what was asked for
   };
+  /// Changes when the scene has: what could not be rendered before may be now.
+  virtual std::uint64_t generation() const { return 0; }
   /// Neither a frame nor errors: nothing new yet, and the time until then has been waited for.
   virtual Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const = 0;
 

@@ -18,19 +18,28 @@ struct Watcher {
 /// A named radar that clients share.
 struct LiveRadar {
   LiveRadar(const RadarConfig& config, std::uint32_t stream)
-      : name(config.name), stream_id(stream), settings(config.settings), pose(config.pose) {}
+      : name(config.name),
+        stream_id(stream),
+        settings(config.settings),
+        pose(config.pose),
+        poses(std::make_shared<PoseTimeLine>(config.pose)) {}
 
   const std::string name;
   const std::uint32_t stream_id;
   SettingsStore settings;
-  PoseSettings pose;
+  PoseSettings pose;  ///< the newest, as it was sent
+  std::shared_ptr<PoseTimeLine> poses;
+  bool pose_has_sim_time = false;
   std::int64_t pose_received_ns = 0;
   Peer* controller = nullptr;
   std::vector<Watcher> watchers;
-  double rate_hz = 0;              ///< the fastest watcher's
-  std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
+  double rate_hz = 0;                                 ///< the fastest watcher's
+  std::vector<FieldError> faults;                     ///< why it cannot be rendered as it is
+  std::chrono::steady_clock::time_point faults_told;  ///< when the watchers heard of them last
+  SettingsPtr faults_settings;                        ///< and for which settings
   std::uint64_t frames = 0;
   double last_render_s = 0;
+  std::uint64_t dwells_missed = 0;  ///< of a scanning antenna
   double coverage = 0;  ///< of the newest frame, as are the next two
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
@@ -40,7 +49,7 @@ struct LiveRadar {
   bool frozen = false;       ///< the render thread keeps the view that it has
   double rate_limit_hz = 0;  ///< 0: none
 
-  LiveView view() const { return {settings.current(), pose, pose_received_ns}; }
+  LiveView view() const { return {settings.current(), pose, pose_received_ns, poses}; }
 };
 
 }  // namespace obliq::net

@@ -4,8 +4,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "proto/limits.h"
+#include "server/flight/keeper_state.h"
 #include "server/net/statistics.h"
 
 namespace obliq::net {
@@ -56,6 +58,11 @@ struct ServerOptions {
 
   int render_threads = 0;                 ///< 0: all cores
   std::function<void(int)> before_wedge;  ///< test hook, see RenderOptions
+  /// Hears where all radars are, the first one first, whenever one has moved or looks further. On the io
+  /// thread; must be quick.
+  std::function<void(std::vector<RadarPlace>)> on_moved;
+  /// What there is to say about scenes loaded while serving; for Status.
+  std::function<KeeperState()> keeper_state;
   /// Hears of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
   std::function<void(const std::string&, const RenderedFrame&)> on_frame;
 };

@@ -97,17 +97,18 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
 
   // Nothing is left that can be refused.
   if (new_settings) (void)radar.settings.set(config.settings);
-  if (new_pose) {
-    radar.pose = config.pose;
-    radar.pose_received_ns = monotonic_ns();
-  }
+  if (new_pose) (void)room_.take_pose(radar, config.pose, false);
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
   if (new_settings || new_pose || change.clear_faults) room_.publish_view(radar);
   if (new_settings) room_.check_windows(radar);
   if (change.freeze && *change.freeze != radar.frozen) {
-    radar.frozen = *change.freeze;
-    spdlog::info("radar {}: {}", radar.name, radar.frozen ? "frozen" : "thawed");
-    if (!radar.frozen) room_.publish_view(radar);
+    spdlog::info("radar {}: {}", radar.name, *change.freeze ? "frozen" : "thawed");
+    if (*change.freeze) {
+      room_.freeze(radar);
+    } else {
+      radar.frozen = false;
+      room_.publish_view(radar);
+    }
   }
   if (change.transmit && *change.transmit != radar.transmit) {
     radar.transmit = *change.transmit;
@@ -141,6 +142,7 @@ PanelStatus Panel::look(std::size_t index) {
   status.rate_limit_hz = radar.rate_limit_hz;
   status.transmit = radar.transmit;
   status.frozen = radar.frozen;
+  status.pose_stale = radar.poses->at(monotonic_ns()).stale;
   if (radar.controller != nullptr) status.controller = radar.controller->name;
   status.faults = radar.faults;
   status.clients = static_cast<std::uint32_t>(room_.peers_.size());

@@ -26,6 +26,7 @@ struct PanelStatus {
   double rate_limit_hz = 0;  ///< 0: none
   bool transmit = true;
   bool frozen = false;
+  bool pose_stale = false;
   std::string controller;          ///< the client that holds control; empty: nobody
   std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
   std::uint32_t clients = 0;       ///< of the server

@@ -16,6 +16,8 @@ using Seconds = std::chrono::duration<double>;
 
 /// How often those who hold a radar up are looked at.
 constexpr std::chrono::milliseconds kReminder{20};
+/// What could not be rendered is looked at again this often: pose or scene may have changed.
+constexpr std::chrono::milliseconds kFaultLook{50};
 
 std::vector<FieldError> failure(const char* what) {
   return {{"frame", what, "a frame that can be rendered with the memory there is"}};
@@ -47,6 +49,16 @@ struct RenderThread::OnceTask {
   int end_azimuth = 0;  ///< of the window
   double render_s = 0;
 };
+
+LiveView LiveView::at(std::int64_t now_ns) const {
+  LiveView view = *this;
+  if (!poses) return view;
+  const PoseAt at = poses->at(now_ns);
+  view.pose = at.pose;
+  view.pose_received_ns = at.received_ns;
+  view.pose_stale = at.stale;
+  return view;
+}
 
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
     : renderer_(renderer), events_(events), options_(std::move(options)) {}
@@ -165,6 +177,12 @@ void RenderThread::run(const std::stop_token& stop) {
   }
 }
 
+bool RenderThread::still_faulty(const LiveTask& task) const {
+  if (!task.faulty || task.faulty_generation != renderer_.generation()) return false;
+  const LiveView view = task.view->at(monotonic_ns());
+  return view.settings == task.faulty->settings && view.pose == task.faulty->pose;
+}
+
 // Live radars and jobs form one ring; the search goes on where it last stopped, so each gets its turn.
 bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due) {
   std::erase_if(once_, [this](const auto& task) {
@@ -175,7 +193,11 @@ bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_poi
     const std::size_t at = (turn_ + i) % n;
     if (at < live_.size()) {
       const LiveTask& task = live_[at];
-      if (finishing_ || task.rate_hz <= 0 || task.faulty == task.view) continue;
+      if (finishing_ || task.rate_hz <= 0) continue;
+      if (still_faulty(task)) {
+        next_due = std::min(next_due, now + kFaultLook);
+        continue;
+      }
       if (task.due > now) {
         next_due = std::min(next_due, task.due);
         continue;
@@ -235,7 +257,8 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
   const auto now = Clock::now();
   // Never catch up: a frame that could not be rendered in time is not rendered later.
   task.due = std::max(task.due + period_of(task.rate_hz), now);
-  const auto view = task.view;
+  const auto view = std::make_shared<const LiveView>(task.view->at(monotonic_ns()));
+  const std::uint64_t generation = renderer_.generation();
   const std::vector<Demand> due = take_due(task.demands, now);
   if (due.empty()) return;
   task.stop = std::stop_source();
@@ -259,6 +282,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       wire::FrameDescriptor descriptor;
       plan.frame->describe(task.name, descriptor);
       descriptor.set_frame_id(frame_id);
+      descriptor.set_pose_stale(view->pose_stale);
       const SettingsPtr made_with = plan.settings ? plan.settings : view->settings;
       const Order order = order_of(due, made_with->settings);
       frame = task.frames->open(frame_id, order.takers);
@@ -307,6 +331,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
   frame.reset();  // its going is heard of under the lock
   lock.lock();
   task.faulty = errors.empty() ? nullptr : view;
+  task.faulty_generation = generation;
   if (nothing_new) {
     task.due = Clock::now();
     give_back(due, task.demands);

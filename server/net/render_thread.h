@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/flight/pose_time_line.h"
 #include "server/net/block.h"
 #include "server/net/frame_lane.h"
 #include "server/net/frame_order.h"
@@ -32,6 +33,11 @@ struct LiveView {
   SettingsPtr settings;
   PoseSettings pose;
   std::int64_t pose_received_ns = 0;
+  std::shared_ptr<const PoseTimeLine> poses;  ///< null: the pose above stays
+  bool pose_stale = false;
+
+  /// The same with the pose of a moment of the server's monotonic clock.
+  LiveView at(std::int64_t now_ns) const;
 };
 
 /// One RenderOnce request.
@@ -118,7 +124,8 @@ class RenderThread {
     std::shared_ptr<LiveFrames> frames;
     std::uint64_t skipped = 0;  ///< since the newest frame
     std::atomic<std::uint64_t> skipped_in_all{0};
-    std::shared_ptr<const LiveView> faulty;  ///< the view that cannot be rendered, if any
+    std::shared_ptr<const LiveView> faulty;  ///< what could not be rendered, if anything
+    std::uint64_t faulty_generation = 0;     ///< of the renderer then
     std::uint64_t last_frame = 0;
     std::int64_t shown_pose_ns = 0;  ///< arrival of the newest pose that a whole frame has shown
     std::uint64_t sequence = 0;
@@ -131,6 +138,7 @@ class RenderThread {
   };
 
   void run(const std::stop_token& stop);
+  bool still_faulty(const LiveTask& task) const;
   bool choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due);
   bool is_held_up(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
   static FrameIdentity identity_of(LiveTask& task, std::uint64_t frame_id, const Order& order,

@@ -132,6 +132,8 @@ void Requests::get_radar(const wire::GetRadar& request) {
   info.set_transmit_off(!radar->transmit);
   info.set_frozen(radar->frozen);
   info.set_rate_limit_hz(radar->rate_limit_hz);
+  info.set_pose_stale(radar->poses->at(monotonic_ns()).stale);
+  info.set_late_poses(radar->poses->late());
   peer_.send(MessageType::radar_info, info);
 }
 
@@ -166,9 +168,7 @@ void Requests::set_pose(const wire::SetPose& request) {
   if (errors.empty()) errors = room_.renderer_.place(pose);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
-  radar->pose = pose;
-  radar->pose_received_ns = monotonic_ns();
-  room_.publish_view(*radar);
+  room_.move(*radar, pose, request.pose().has_sim_time_ns());
   acknowledge(request.request_id(), radar->settings.current()->version);
 }
 
@@ -206,6 +206,16 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_transmit_off(!radar.transmit);
     entry.set_frozen(radar.frozen);
     entry.set_rate_limit_hz(radar.rate_limit_hz);
+    entry.set_pose_stale(radar.poses->at(monotonic_ns()).stale);
+    entry.set_late_poses(radar.poses->late());
+    entry.set_dwells_missed(radar.dwells_missed);
+  }
+  if (room_.options().keeper_state) {
+    const KeeperState state = room_.options().keeper_state();
+    status.set_windows_loaded(state.swaps);
+    status.set_window_loading(state.building);
+    status.set_window_failures(state.failures);
+    status.set_window_error(state.last_error);
   }
   peer_.send(MessageType::status, status);
 }

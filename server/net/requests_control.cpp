@@ -141,6 +141,7 @@ void Requests::claim_control(const wire::ClaimControl& request) {
                   "radar " + radar->name + " is controlled by " + holder->name);
   }
   if (holder == nullptr) spdlog::info("radar {}: controlled by {}", radar->name, peer_.name);
+  if (holder != &peer_) radar->poses->restart();
   radar->controller = &peer_;
   acknowledge(request.request_id(), radar->settings.current()->version);
 }

@@ -8,6 +8,7 @@
 #include "proto/obliq.pb.h"
 #include "server/log/log_fields.h"
 #include "server/net/exposure.h"
+#include "server/net/frame_encoder.h"
 #include "server/net/requests.h"
 #include "server/net/security.h"
 #include "server/net/slow_watchers.h"
@@ -16,6 +17,11 @@ namespace obliq::net {
 
 using wire::ErrorNumber;
 using wire::MessageType;
+
+namespace {
+/// Watchers of a radar that cannot be rendered hear why at most this often.
+constexpr std::chrono::seconds kFaultPause{1};
+}  // namespace
 
 Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars,
            Post post)
@@ -236,6 +242,47 @@ void Room::publish_view(LiveRadar& radar) {
   if (radar.frozen) return;  // what it is to show after the thaw is kept in the radar
   radar.faults.clear();
   render_.set_view(radar.stream_id - 1, radar.view());
+  tell_places();
+}
+
+bool Room::take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
+  const std::int64_t now_ns = monotonic_ns();
+  if (has_sim_time) {
+    if (!radar.poses->add(pose, now_ns)) return false;
+  } else {
+    radar.poses->set(pose, now_ns);
+  }
+  radar.pose = pose;
+  radar.pose_received_ns = now_ns;
+  radar.pose_has_sim_time = has_sim_time;
+  return true;
+}
+
+void Room::freeze(LiveRadar& radar) {
+  LiveView held = radar.view().at(monotonic_ns());
+  held.poses = nullptr;
+  radar.frozen = true;
+  render_.set_view(radar.stream_id - 1, std::move(held));
+}
+
+void Room::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
+  if (!take_pose(radar, pose, has_sim_time)) return;
+  // The render thread reads the time line by itself; only a pose that applies at once has to wake it.
+  if (has_sim_time) {
+    tell_places();
+  } else {
+    publish_view(radar);
+  }
+}
+
+void Room::tell_places() const {
+  if (!options_.on_moved) return;
+  std::vector<RadarPlace> places;
+  for (const LiveRadar& radar : radars_) {
+    places.push_back(
+        {{radar.pose.longitude_deg, radar.pose.latitude_deg}, radar.settings.current()->settings.r_max_m});
+  }
+  options_.on_moved(std::move(places));
 }
 
 void Room::send_fault(LiveRadar& radar, Peer& peer) const {
@@ -272,6 +319,7 @@ void Room::on_live_rendered(std::size_t index, const RenderedFrame& frame) {
     radar.coverage = frame.coverage;
     radar.rays = frame.rays;
     radar.hits = frame.hits;
+    radar.faults.clear();
     if (options_.on_frame) options_.on_frame(radar.name, frame);
   });
 }
@@ -281,10 +329,16 @@ void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView
   post_([this, index, view, errors] {
     LiveRadar& radar = radars_[index];
     // Its controller may have mended it in the meantime.
-    const bool newest =
-        view->settings == radar.settings.current() && view->pose_received_ns == radar.pose_received_ns;
-    if (!newest && !radar.frozen) return;
+    if (!radar.frozen) {
+      if (view->settings != radar.settings.current()) return;
+      if (!radar.pose_has_sim_time && view->pose_received_ns != radar.pose_received_ns) return;
+    }
     radar.faults = errors;
+    // A pose that moves on brings a new fault with every frame.
+    const auto now = Clock::now();
+    if (radar.faults_settings == view->settings && now < radar.faults_told + kFaultPause) return;
+    radar.faults_settings = view->settings;
+    radar.faults_told = now;
     const LogFields fields{{"radar", radar.name}};
     for (const FieldError& error : errors)
       spdlog::warn("radar {}: {}; no frames until its settings or its pose are changed", radar.name,

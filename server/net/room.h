@@ -62,6 +62,13 @@ class Room : private RenderEvents {
   void unsubscribe(LiveRadar& radar, const Peer& peer);
   void update_demand(LiveRadar& radar);
   void publish_view(LiveRadar& radar);
+  /// False: it came late, and was left out.
+  bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// The render thread keeps the settings and the pose of this moment.
+  void freeze(LiveRadar& radar);
+  /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
+  void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  void tell_places() const;
   void send_fault(LiveRadar& radar, Peer& peer) const;
   void watch(LiveRadar& radar, Peer& peer, Demand demand);
   /// Tells those who watch a part of the radar's frame that is no longer there.

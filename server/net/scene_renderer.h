@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -13,6 +14,7 @@ class SceneRenderer : public FrameRenderer {
  public:
   SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);
   std::vector<FieldError> place(const PoseSettings& pose) const override;
+  std::uint64_t generation() const override { return generation_; }
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
 
   // From any thread:
@@ -23,6 +25,7 @@ class SceneRenderer : public FrameRenderer {
   mutable std::mutex mutex_;  ///< guards scene_
   std::shared_ptr<const Scene> scene_;
   std::string scene_name_;
+  std::atomic<std::uint64_t> generation_ = 0;
 };
 
 }  // namespace obliq::net

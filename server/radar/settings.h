@@ -13,6 +13,9 @@ enum class FrustumKind { symmetric, oblique, polar, sweep };
 /// range, as the paper does it.
 enum class PlateKind { spread, nearest };
 enum class SpeckleKind { ground, geometric };
+/// How a live radar's antenna sweeps its sector: all of it at once in each frame, to and fro, or round and
+/// round.
+enum class ScanMode { frame, sector, circular };
 enum class HeightReference { datum, ground, ellipsoid };
 
 /// As in a scene file: "symmetric", "oblique", "polar", "sweep"; "nearest", "spread".
@@ -37,6 +40,9 @@ struct RadarSettings {
   int pixel_rows = 2048;     ///< the sweep has none
   int azimuth_bins = 1024;
   int range_bins = 1024;
+  ScanMode scan_mode = ScanMode::frame;
+  double scan_rate_deg_s = 36;  ///< 6 turns a minute
+  int scan_dwell_bins = 8;      ///< azimuth bins that share a pose: a multiple of kWedgeAzimuthBins
 };
 
 /// Where the antenna is and where its sector's centre points, in the operator's units.
@@ -47,8 +53,11 @@ struct PoseSettings {
   HeightReference height_reference = HeightReference::datum;
   double geoid_undulation_m = 0;  ///< used with HeightReference::ellipsoid only
   double bearing_deg = 0;         ///< centre of the sector, clockwise from the antenna's true north
-  std::int64_t sim_time_ns = 0;   ///< in the controller's clock; the server only echoes it
+  std::int64_t sim_time_ns = 0;   ///< in the controller's clock (server/flight/pose_time_line.h)
   std::uint64_t pose_id = 0;
+  double valid_s = 0;  ///< stale so long after its arrival; 0: never
+
+  bool operator==(const PoseSettings&) const = default;
 };
 
 /// A validated, published set of settings. Never changes; a change is a new snapshot with a new version.

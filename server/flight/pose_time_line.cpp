@@ -1,0 +1,156 @@
+#include "server/flight/pose_time_line.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "terrain/constants.h"
+#include "terrain/frames.h"
+
+namespace obliq {
+namespace {
+
+constexpr std::int64_t kSlew = 10;  ///< the shown time gains or loses at most a 10th
+
+/// Poses that lie so far behind the shown time are of no more use to anyone.
+constexpr std::int64_t kHistory_ns = 2'000'000'000;
+constexpr std::size_t kMostPoses = 4096;
+
+Geodetic place_of(const PoseSettings& pose, double height_m) {
+  return {pose.latitude_deg * kDegree_rad, pose.longitude_deg * kDegree_rad, height_m};
+}
+
+bool same_place(const PoseSettings& a, const PoseSettings& b) {
+  return a.latitude_deg == b.latitude_deg && a.longitude_deg == b.longitude_deg && a.height_m == b.height_m;
+}
+
+}  // namespace
+
+PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u) {
+  if (!(u > 0)) return a;
+  if (u >= 1) return b;
+  PoseSettings p = a;
+  const double turn_deg = std::remainder(b.bearing_deg - a.bearing_deg, 360.0);
+  p.bearing_deg = std::remainder(a.bearing_deg + u * turn_deg, 360.0);
+  if (turn_deg == 0) p.bearing_deg = a.bearing_deg;
+  if (a.height_reference != b.height_reference || same_place(a, b)) return p;
+  const bool over_ground = a.height_reference == HeightReference::ground;
+  // Straight in the tangent frame of a. The scene's world frame bends space by its lift: over the 600 m of
+  // two seconds at 300 m/s the two lines part by 2 mm.
+  const WorldFrame frame(a.latitude_deg * kDegree_rad, a.longitude_deg * kDegree_rad, 1);
+  const glm::dvec3 from = frame.world_from_geodetic(place_of(a, over_ground ? 0 : a.height_m)).m;
+  const glm::dvec3 to = frame.world_from_geodetic(place_of(b, over_ground ? 0 : b.height_m)).m;
+  const Geodetic there = frame.geodetic_from_world({from + u * (to - from)});
+  p.latitude_deg = there.latitude_rad / kDegree_rad;
+  p.longitude_deg = there.longitude_rad / kDegree_rad;
+  p.height_m = over_ground ? a.height_m + u * (b.height_m - a.height_m) : there.height_m;
+  p.geoid_undulation_m = a.geoid_undulation_m + u * (b.geoid_undulation_m - a.geoid_undulation_m);
+  return p;
+}
+
+PoseTimeLine::PoseTimeLine(const PoseSettings& initial) : poses_{{initial, 0}} {}
+
+void PoseTimeLine::begin(const PoseSettings& pose, std::int64_t now_ns) {
+  poses_.assign(1, {pose, now_ns});
+  arrivals_.assign(1, {pose.sim_time_ns - now_ns, 0});
+  late_in_a_row_ = 0;
+}
+
+void PoseTimeLine::set(const PoseSettings& pose, std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  begin(pose, now_ns);
+  timed_ = false;
+}
+
+void PoseTimeLine::restart() {
+  const std::lock_guard lock(mutex_);
+  timed_ = false;
+}
+
+bool PoseTimeLine::add(const PoseSettings& pose, std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  if (!timed_) {
+    begin(pose, now_ns);
+    timed_ = true;
+    return true;
+  }
+  const std::int64_t gap_ns = pose.sim_time_ns - poses_.back().pose.sim_time_ns;
+  if (gap_ns < 0) {
+    ++late_;
+    if (++late_in_a_row_ < kMostLate) return false;
+    begin(pose, now_ns);
+    return true;
+  }
+  late_in_a_row_ = 0;
+  if (gap_ns == 0) {  // the clock stands still, or an earlier word is mended
+    poses_.back() = {pose, now_ns};
+    return true;
+  }
+  if (gap_ns > kJump_ns) {
+    begin(pose, now_ns);
+    return true;
+  }
+  poses_.push_back({pose, now_ns});
+  arrivals_.push_back({pose.sim_time_ns - now_ns, gap_ns});
+  if (arrivals_.size() > kWindow) arrivals_.pop_front();
+  follow_clock(gap_ns);
+  const std::int64_t shown_ns = now_ns + shift_ns_;
+  while (poses_.size() > 2 &&
+         (poses_[1].pose.sim_time_ns < shown_ns - kHistory_ns || poses_.size() > kMostPoses))
+    poses_.pop_front();
+  return true;
+}
+
+void PoseTimeLine::follow_clock(std::int64_t gap_ns) {
+  const auto [least, most] = std::ranges::minmax(arrivals_, {}, &Arrival::offset_ns);
+  const std::int64_t greatest_gap_ns = std::ranges::max(arrivals_, {}, &Arrival::gap_ns).gap_ns;
+  const std::int64_t behind_ns = std::min(greatest_gap_ns + (most.offset_ns - least.offset_ns), kJump_ns);
+  const std::int64_t wanted_ns = most.offset_ns - behind_ns;
+  const std::int64_t off_ns = wanted_ns - shift_ns_;
+  if (poses_.size() == 2 || std::abs(off_ns) > kJump_ns) {
+    shift_ns_ = wanted_ns;
+  } else {
+    shift_ns_ += std::clamp(off_ns, -gap_ns / kSlew, gap_ns / kSlew);
+  }
+}
+
+PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
+  const std::lock_guard lock(mutex_);
+  const Sent& newest = poses_.back();
+  PoseAt result{newest.pose, newest.received_ns, false};
+  const double age_s = static_cast<double>(now_ns - newest.received_ns) * 1e-9;
+  result.stale = newest.received_ns != 0 && newest.pose.valid_s > 0 && age_s > newest.pose.valid_s;
+  if (poses_.size() < 2) return result;
+  const std::int64_t shown_ns = now_ns + shift_ns_;
+  if (shown_ns >= newest.pose.sim_time_ns) return result;
+  const auto after =
+      std::ranges::upper_bound(poses_, shown_ns, {}, [](const Sent& sent) { return sent.pose.sim_time_ns; });
+  result.received_ns = after->received_ns;
+  if (after == poses_.begin()) {
+    result.pose = after->pose;
+    return result;
+  }
+  const PoseSettings& a = std::prev(after)->pose;
+  const PoseSettings& b = after->pose;
+  const double u =
+      static_cast<double>(shown_ns - a.sim_time_ns) / static_cast<double>(b.sim_time_ns - a.sim_time_ns);
+  result.pose = between(a, b, u);
+  result.pose.sim_time_ns = shown_ns;
+  return result;
+}
+
+PoseSettings PoseTimeLine::newest() const {
+  const std::lock_guard lock(mutex_);
+  return poses_.back().pose;
+}
+
+std::int64_t PoseTimeLine::newest_received_ns() const {
+  const std::lock_guard lock(mutex_);
+  return poses_.back().received_ns;
+}
+
+std::uint64_t PoseTimeLine::late() const {
+  const std::lock_guard lock(mutex_);
+  return late_;
+}
+
+}  // namespace obliq

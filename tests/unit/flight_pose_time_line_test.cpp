@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/flight/pose_time_line.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kStart_ns = 7'000'000'000'000;  // the server has been up for a while
+
+PoseSettings pose(std::int64_t sim_ms, double latitude_deg, double bearing_deg = 0, std::uint64_t id = 0) {
+  PoseSettings p;
+  p.latitude_deg = latitude_deg;
+  p.bearing_deg = bearing_deg;
+  p.sim_time_ns = sim_ms * kMs;
+  p.pose_id = id;
+  return p;
+}
+
+std::int64_t server(double ms) { return kStart_ns + static_cast<std::int64_t>(ms * 1e6); }
+
+TEST(PoseTimeLine, APoseWithoutSimTimeAppliesAtOnceAndStays) {
+  PoseTimeLine line(pose(0, 33));
+  EXPECT_EQ(line.at(server(0)).pose.latitude_deg, 33);
+  EXPECT_EQ(line.at(server(0)).received_ns, 0);
+  line.set(pose(0, 34), server(10));
+  EXPECT_EQ(line.at(server(10)).pose.latitude_deg, 34);
+  EXPECT_EQ(line.at(server(1e9)).pose.latitude_deg, 34);
+  EXPECT_EQ(line.at(server(20)).received_ns, server(10));
+}
+
+TEST(PoseTimeLine, SteadyPosesAreShownOneIntervalLateAndJoinedUp) {
+  // 50 Hz, a metre of latitude (1e-5 degrees) a pose; the clocks have nothing to do with each other.
+  PoseTimeLine line(pose(0, 33));
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(
+        line.add(pose(20 * i - 500000, 33 + 1e-5 * i, 0, static_cast<std::uint64_t>(i)), server(20 * i)));
+    if (i == 0) continue;
+    for (const double after_ms : {0.0, 5.0, 10.0, 15.0, 19.9}) {
+      const PoseAt at = line.at(server(20 * i + after_ms));
+      const double shown = i - 1 + after_ms / 20;
+      ASSERT_NEAR(at.pose.latitude_deg, 33 + 1e-5 * shown, 1e-9) << i << " " << after_ms;  // 0.1 mm
+      ASSERT_NEAR(static_cast<double>(at.pose.sim_time_ns), (20 * shown - 500000) * 1e6, 1.0);
+      ASSERT_EQ(at.pose.pose_id, static_cast<std::uint64_t>(i - 1));
+    }
+  }
+}
+
+TEST(PoseTimeLine, PastTheNewestItHoldsAndNeverExtrapolates) {
+  PoseTimeLine line(pose(0, 33));
+  for (int i = 0; i < 10; ++i) line.add(pose(20 * i, 33 + 1e-5 * i), server(20 * i));
+  const double newest_deg = 33 + 1e-5 * 9;
+  EXPECT_LT(line.at(server(190)).pose.latitude_deg, newest_deg);
+  EXPECT_EQ(line.at(server(201)).pose.latitude_deg, newest_deg);
+  EXPECT_EQ(line.at(server(5000)).pose.latitude_deg, newest_deg);
+  EXPECT_EQ(line.at(server(5000)).pose.sim_time_ns, 180 * kMs);
+}
+
+TEST(PoseTimeLine, UnevenDelaysDoNotShakeTheShownPose) {
+  // Delays from 0 to 15 ms in a fixed disorder: what is shown still moves evenly, within the tenth that the
+  // shown time may run fast or slow, and never holds.
+  PoseTimeLine line(pose(0, 33));
+  const int delay_ms[] = {0, 7, 3, 15, 1, 11, 5, 9, 2, 13};
+  double last_deg = 0;
+  for (int i = 0; i < 400; ++i) {
+    line.add(pose(20 * i, 33 + 1e-5 * i), server(20 * i + delay_ms[i % 10]));
+    const double shown_deg = line.at(server(20 * i + 16)).pose.latitude_deg;
+    if (i > 100) {
+      EXPECT_NEAR(shown_deg - last_deg, 1e-5, 0.11e-5) << i;
+    }
+    last_deg = shown_deg;
+  }
+}
+
+TEST(PoseTimeLine, LatePosesAreCountedAndChangeNothing) {
+  PoseTimeLine line(pose(0, 33));
+  EXPECT_TRUE(line.add(pose(1000, 33), server(0)));
+  EXPECT_FALSE(line.add(pose(999, 50), server(1)));
+  EXPECT_EQ(line.late(), 1u);
+  EXPECT_EQ(line.at(server(1e4)).pose.latitude_deg, 33);
+  EXPECT_TRUE(line.add(pose(1000, 34), server(2))) << "the same moment, mended";
+  EXPECT_EQ(line.at(server(1e4)).pose.latitude_deg, 34);
+}
+
+TEST(PoseTimeLine, AClockSetBackBeginsAnewAfterTwoSecondsOfLatePosesOrWithAnotherController) {
+  PoseTimeLine line(pose(0, 33));
+  line.add(pose(1'000'000, 33), server(0));
+  int late = 0;
+  while (!line.add(pose(late, 40), server(late))) ++late;
+  EXPECT_EQ(late + 1, PoseTimeLine::kMostLate);
+  EXPECT_EQ(line.at(server(5000)).pose.latitude_deg, 40);
+  line.add(pose(2'000'000, 41), server(6000));
+  line.restart();
+  EXPECT_TRUE(line.add(pose(5, 42), server(6001)));
+  EXPECT_EQ(line.at(server(6001)).pose.latitude_deg, 42);
+}
+
+TEST(PoseTimeLine, IsStaleOnceTheNewestsValidityIsOver) {
+  PoseTimeLine line(pose(0, 33));
+  PoseSettings p = pose(0, 33);
+  p.valid_s = 0.5;
+  line.add(p, server(0));
+  EXPECT_FALSE(line.at(server(499)).stale);
+  EXPECT_TRUE(line.at(server(501)).stale);
+  p.sim_time_ns = 600 * kMs;
+  line.add(p, server(600));
+  EXPECT_FALSE(line.at(server(1000)).stale);
+  p.valid_s = 0;
+  line.set(p, server(2000));
+  EXPECT_FALSE(line.at(server(1e9)).stale) << "0: for ever";
+}
+
+TEST(PoseTimeLine, ExtremeTimesAreTaken) {
+  PoseTimeLine line(pose(0, 33));
+  PoseSettings p;
+  for (const std::int64_t ns : {-4'000'000'000'000'000'000, std::int64_t{0}, 4'000'000'000'000'000'000}) {
+    p.sim_time_ns = ns;
+    EXPECT_TRUE(line.add(p, server(0)));
+    EXPECT_EQ(line.at(server(1)).pose.sim_time_ns, ns);
+  }
+}
+
+TEST(PoseBetween, TurnsTheShorterWay) {
+  EXPECT_NEAR(between(pose(0, 0, 350), pose(0, 0, 10), 0.25).bearing_deg, -5, 1e-12);
+  EXPECT_NEAR(between(pose(0, 0, 10), pose(0, 0, -10), 0.5).bearing_deg, 0, 1e-12);
+  EXPECT_NEAR(between(pose(0, 0, 170), pose(0, 0, -170), 0.5).bearing_deg, 180, 1e-12);
+}
+
+TEST(PoseBetween, IsStraightInSpace) {
+  PoseSettings a = pose(0, 60);
+  PoseSettings b = pose(0, 60);
+  a.longitude_deg = 179.99;
+  b.longitude_deg = -179.99;  // 1.1 km apart, across the antimeridian
+  const PoseSettings middle = between(a, b, 0.5);
+  EXPECT_NEAR(std::abs(middle.longitude_deg), 180, 1e-9);
+  // A chord of c sinks c^2 / 8 R below the arc: 2 cm; and so a little north of the parallel.
+  const double chord_m = 0.02 * 111195 * 0.5;
+  EXPECT_NEAR(a.height_m - middle.height_m, chord_m * chord_m / 8 / 6371000, 2e-3);
+  EXPECT_EQ(between(a, b, 0).longitude_deg, 179.99);
+  EXPECT_EQ(between(a, b, 1).longitude_deg, -179.99);
+}
+
+TEST(PoseBetween, AnAntennaThatOnlyTurnsStaysWhereItIsBitForBit) {
+  const PoseSettings a = pose(0, 33.123456789, 10);
+  const PoseSettings b = pose(0, 33.123456789, 20);
+  EXPECT_EQ(between(a, b, 0.3).latitude_deg, a.latitude_deg);
+  EXPECT_EQ(between(a, b, 0.3).height_m, a.height_m);
+}
+
+}  // namespace
+}  // namespace obliq::test
