@@ -151,8 +151,30 @@ std::optional<wire::Rectangle> FrameAssembler::place_of(const wire::WedgeBlock& 
   return wire::Rectangle{*azimuth, block.n_azimuth(), *range, block.n_range()};
 }
 
+// Of all planes, in the dwells that the server says were missed; those must not have come.
+std::uint64_t FrameAssembler::values_missed(const wire::FrameEnd& end) {
+  std::uint64_t values = 0;
+  if (end.missed_size() > frame_.n_azimuth) return 0;  // nonsense: spans overlap
+  for (const wire::AzimuthSpan& span : end.missed()) {
+    const auto row = [&](std::uint64_t azimuth) { return window_.azimuth.index_from(azimuth); };
+    const std::uint32_t first = row(span.first_azimuth());
+    const std::uint32_t past = row(std::uint64_t{span.first_azimuth()} + span.n_azimuth());
+    for (std::uint32_t at = first; at < past; ++at) {
+      for (int plane = 0; plane < wire::kPlanes; ++plane) {
+        std::uint32_t& filled = filled_[plane][at];
+        if (!(planes_ & wire::plane_bit(static_cast<wire::Plane>(plane))) || filled != 0) continue;
+        filled = static_cast<std::uint32_t>(frame_.n_range);
+        values += filled;
+      }
+    }
+    frame_.missed.emplace_back(static_cast<int>(span.first_azimuth()), static_cast<int>(span.n_azimuth()));
+  }
+  return values;
+}
+
 Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) {
   if (!is_current(header, end.frame_id())) return {};
+  bins_expected_ -= values_missed(end);
   if (bins_received_ != bins_expected_) {
     return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
   }

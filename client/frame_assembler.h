@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "client/frame_handler.h"
@@ -31,6 +32,8 @@ struct AssembledFrame {
   double render_s = 0;  ///< how long the server took
   std::unique_ptr<wire::FrameDescriptor> descriptor;
   std::unique_ptr<wire::FrameSummary> summary;
+  /// First azimuth bin and number of bins of what a scanning antenna missed: 0 and "not sampled" here.
+  std::vector<std::pair<int, int>> missed;
   std::vector<std::complex<float>> iq;  ///< descriptor.unit
   std::vector<double> power_w;
   std::vector<std::uint32_t> count;
@@ -67,6 +70,7 @@ class FrameAssembler : public FrameHandler {
   Status allocate(std::uint64_t n_azimuth, std::uint64_t n_range);
   std::optional<wire::Rectangle> place_of(const wire::WedgeBlock& block) const;
   std::byte* plane_data(wire::Plane plane);
+  std::uint64_t values_missed(const wire::FrameEnd& end);
 
   wire::PlaneSet planes_;
   std::uint64_t max_bytes_;

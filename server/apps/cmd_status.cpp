@@ -22,6 +22,12 @@ void run(const ServerArguments& arguments) {
               client.welcome().scene_name().c_str(), status.uptime_s(), status.clients(),
               status.clients() == 1 ? "" : "s", static_cast<double>(status.bytes_sent()) * 1e-6,
               status.frames_dropped(), status.renders_queued());
+  if (status.windows_loaded() > 0 || status.window_failures() > 0 || status.window_loading()) {
+    std::printf("terrain: %" PRIu64 " loaded since the start, %" PRIu64 " could not be%s%s%s\n",
+                status.windows_loaded(), status.window_failures(),
+                status.window_loading() ? ", one is being loaded" : "",
+                status.window_error().empty() ? "" : "; the last: ", status.window_error().c_str());
+  }
   for (const wire::RadarStatus& radar : status.radars()) {
     if (!arguments.radar.empty() && radar.radar() != arguments.radar) continue;
     std::printf("%s: settings %" PRIu64 ", controlled by %s, %u watching at %g Hz, %" PRIu64 " frames",
@@ -29,6 +35,9 @@ void run(const ServerArguments& arguments) {
                 radar.controller().empty() ? "nobody" : radar.controller().c_str(), radar.subscribers(),
                 radar.rate_hz(), radar.frames());
     if (radar.frames() > 0) std::printf(", the last in %.1f ms", 1000 * radar.last_render_s());
+    if (radar.pose_stale()) std::printf(", its pose is stale");
+    if (radar.late_poses() > 0) std::printf(", %" PRIu64 " poses came late", radar.late_poses());
+    if (radar.dwells_missed() > 0) std::printf(", %" PRIu64 " dwells missed", radar.dwells_missed());
     if (!radar.fault().empty()) std::printf(", cannot be rendered: %s", radar.fault().c_str());
     std::printf("\n");
   }

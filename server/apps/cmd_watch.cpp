@@ -39,6 +39,7 @@ class TimedFrames : public client::FrameAssembler {
  public:
   client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
     first_wedge_ns_ = 0;
+    scan_ = begin.has_scan() ? std::make_unique<wire::ScanPass>(begin.scan()) : nullptr;
     bytes_ = header.payload_length;
     return FrameAssembler::on_begin(header, begin);
   }
@@ -52,9 +53,10 @@ class TimedFrames : public client::FrameAssembler {
   client::Status on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) override {
     // Between the clocks of two machines: exact on one machine, elsewhere as good as both are set.
     const double underway_ms = milliseconds(wire::utc_now_ns() - header.utc_ns);
-    std::printf("frame %" PRIu64
-                ": rendered in %.1f ms, first wedge after %.1f ms, under way %.1f ms, %.2f MB",
-                end.frame_id(), 1000 * end.render_s(), milliseconds(first_wedge_ns_), underway_ms,
+    std::printf("%s %" PRIu64 ": ", scan_ ? "pass" : "frame", end.frame_id());
+    if (scan_) print_scan(end);
+    std::printf("rendered in %.1f ms, first wedge after %.1f ms, under way %.1f ms, %.2f MB",
+                1000 * end.render_s(), milliseconds(first_wedge_ns_), underway_ms,
                 static_cast<double>(bytes_) * 1e-6);
     if (frame().frames_skipped != 0) std::printf(", %" PRIu64 " skipped before it", frame().frames_skipped);
     if (pose_age_ns_ != 0) std::printf(", pose %.1f ms old", milliseconds(pose_age_ns_));
@@ -69,6 +71,15 @@ class TimedFrames : public client::FrameAssembler {
   }
 
  private:
+  void print_scan(const wire::FrameEnd& end) const {
+    std::uint32_t missed = 0;
+    for (const wire::AzimuthSpan& span : end.missed()) missed += span.n_azimuth();
+    std::printf("%s at %.4g deg/s, ", scan_->clockwise() ? "clockwise" : "counterclockwise",
+                scan_->rate_deg_s());
+    if (missed > 0) std::printf("%u azimuth bins missed, ", missed);
+  }
+
+  std::unique_ptr<wire::ScanPass> scan_;  ///< of a scanning antenna
   std::int64_t first_wedge_ns_ = 0;
   std::int64_t pose_age_ns_ = 0;
   std::uint64_t bytes_ = 0;
@@ -114,11 +125,16 @@ void run(const WatchArguments& arguments) {
 }  // namespace
 
 void add_watch(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("watch", "Watch a server's radar, one line per frame");
+  CLI::App* command = app.add_subcommand(
+      "watch", "Watch a server's radar, one line per frame, or per pass of an antenna that scans");
   auto arguments = std::make_shared<WatchArguments>();
   add_server_arguments(*command, arguments->server);
   add_stream_arguments(*command, arguments->stream);
-  command->add_option("--rate", arguments->rate_hz, "Frames a second")->type_name("HZ")->default_val(1.0);
+  command
+      ->add_option("--rate", arguments->rate_hz,
+                   "Frames a second; an antenna that scans (scan.mode) has its own")
+      ->type_name("HZ")
+      ->default_val(1.0);
   command->add_flag("--lossless", arguments->lossless,
                     "Leave no frame out: the radar waits for this client, who needs the role controller");
   command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")->type_name("N");

@@ -115,6 +115,7 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
   message.set_request_id(identity_.request_id);
   message.set_frames_skipped(identity_.frames_skipped);
   *message.mutable_frame() = descriptor;
+  if (scan_) *message.mutable_scan() = *scan_;
 
   wire::PlaneSet planes = 0;
   std::set<std::pair<Plane, BlockFormat>> wanted;
@@ -222,11 +223,28 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
   }
 }
 
-BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s) {
+void FrameEncoder::set_scan(const wire::ScanPass& scan) { scan_ = std::make_unique<wire::ScanPass>(scan); }
+
+void FrameEncoder::set_dwell(const wire::Pose& pose, std::int64_t pose_received_ns, bool pose_stale,
+                             std::int64_t beam_ns) {
+  *echo_->mutable_pose() = pose;
+  echo_->set_pose_received_ns(pose_received_ns);
+  echo_->set_pose_stale(pose_stale);
+  echo_->set_beam_ns(beam_ns);
+  echo_->set_render_start_ns(monotonic_ns());
+}
+
+BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s,
+                           const std::vector<AzimuthRange>& missed) {
   wire::FrameEnd message;
   message.set_frame_id(identity_.frame_id);
   *message.mutable_summary() = summary;
   message.set_render_s(render_s);
+  for (const AzimuthRange& span : missed) {
+    wire::AzimuthSpan& row = *message.add_missed();
+    row.set_first_azimuth(static_cast<std::uint32_t>(span.first));
+    row.set_n_azimuth(static_cast<std::uint32_t>(span.count));
+  }
   return finish(new_block(MessageType::frame_end), message);
 }
 

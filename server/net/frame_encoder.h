@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "server/net/block.h"
-#include "server/radar/bins.h"
+#include "server/radar/render.h"
 
 namespace obliq::wire {
 class FrameBegin;
 class FrameDescriptor;
 class FrameSummary;
+class Pose;
+class ScanPass;
 class WedgeBlock;
 }  // namespace obliq::wire
 
@@ -36,11 +38,19 @@ class FrameEncoder {
   FrameEncoder(FrameIdentity identity, std::uint64_t& sequence);
   ~FrameEncoder();
 
+  /// Before begin(): the frame is a pass of a scanning antenna.
+  void set_scan(const wire::ScanPass& scan);
+  /// The wedges that follow are of a dwell with a pose of its own.
+  void set_dwell(const wire::Pose& pose, std::int64_t pose_received_ns, bool pose_stale,
+                 std::int64_t beam_ns);
+
   /// One FrameBegin for each window.
   std::vector<BlockPtr> begin(const wire::FrameDescriptor& descriptor);
   /// The planes of a wedge, each cut into blocks of at most wire::kMaxPlaneBytes.
   std::vector<BlockPtr> wedge(int wedge_index, const BinBlock& bins);
-  BlockPtr end(const wire::FrameSummary& summary, double render_s);
+  /// missed: azimuth bins of a pass that were not rendered.
+  BlockPtr end(const wire::FrameSummary& summary, double render_s,
+               const std::vector<AzimuthRange>& missed = {});
   BlockPtr abort(const std::string& reason);
 
  private:
@@ -59,6 +69,7 @@ class FrameEncoder {
   FrameIdentity identity_;
   std::uint64_t& sequence_;
   std::vector<Product> products_;           ///< known from begin() on
+  std::unique_ptr<wire::ScanPass> scan_;    ///< null: all of the sector at once
   std::unique_ptr<wire::WedgeBlock> echo_;  ///< the fields that all blocks of the frame share
   std::vector<std::byte> picked_;           ///< buffers that go from wedge to wedge
   std::vector<std::byte> coded_;

@@ -43,6 +43,10 @@ class FrameRenderer {
   virtual std::uint64_t generation() const { return 0; }
   /// Neither a frame nor errors: nothing new yet, and the time until then has been waited for.
   virtual Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const = 0;
+  /// Another pose of the same pass: in the scene that `frame` was planned in.
+  virtual Plan plan_again(const PlannedFrame&, const SettingsPtr& settings, const PoseSettings& pose) const {
+    return plan(settings, pose);
+  }
 
   /// Why nobody may change anything or have a frame rendered, for a renderer that only repeats; empty: all
   /// may.

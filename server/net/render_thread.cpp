@@ -16,6 +16,8 @@ using Seconds = std::chrono::duration<double>;
 
 /// How often those who hold a radar up are looked at.
 constexpr std::chrono::milliseconds kReminder{20};
+/// A scanning antenna cannot wait long for RenderOnce jobs: a few milliseconds with the sweep.
+constexpr int kWedgesWhileScanning = 8;
 /// What could not be rendered is looked at again this often: pose or scene may have changed.
 constexpr std::chrono::milliseconds kFaultLook{50};
 
@@ -49,16 +51,6 @@ struct RenderThread::OnceTask {
   int end_azimuth = 0;  ///< of the window
   double render_s = 0;
 };
-
-LiveView LiveView::at(std::int64_t now_ns) const {
-  LiveView view = *this;
-  if (!poses) return view;
-  const PoseAt at = poses->at(now_ns);
-  view.pose = at.pose;
-  view.pose_received_ns = at.received_ns;
-  view.pose_stale = at.stale;
-  return view;
-}
 
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
     : renderer_(renderer), events_(events), options_(std::move(options)) {}
@@ -116,7 +108,7 @@ void RenderThread::set_demand(std::size_t radar, std::vector<Demand> demands) {
   }
   const bool wakes = task.rate_hz == 0 && rate_hz > 0;
   // A faster rate, or a first client, does not wait for a date that the old rate set.
-  const auto now = Clock::now();
+  const auto now = clock_now();
   if (wakes) task.due = now;
   if (rate_hz > 0) {
     task.due = std::min(task.due, now + period_of(rate_hz));
@@ -156,9 +148,19 @@ void RenderThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     Choice choice;
     auto next_due = Clock::time_point::max();
-    if (choose(Clock::now(), choice, next_due)) {
+    if (choose(clock_now(), choice, next_due)) {
       if (choice.live) {
-        render_live(choice.index, lock);
+        const LiveTask& task = live_[choice.index];
+        if (!finishing_ && wants_scan(task)) {
+          render_dwell(choice.index, lock);
+        } else if (task.scan) {
+          const bool watched = task.rate_hz > 0;
+          lock.unlock();
+          end_scan(choice.index, watched ? "the radar's settings changed" : "nobody watches any more");
+          lock.lock();
+        } else {
+          render_live(choice.index, lock);
+        }
       } else {
         render_once(choice.index, lock);
       }
@@ -172,15 +174,9 @@ void RenderThread::run(const std::stop_token& stop) {
     if (next_due == Clock::time_point::max()) {
       changed_.wait(lock, stop, woken);
     } else {
-      changed_.wait_until(lock, stop, next_due, woken);
+      changed_.wait_for(lock, stop, next_due - clock_now(), woken);
     }
   }
-}
-
-bool RenderThread::still_faulty(const LiveTask& task) const {
-  if (!task.faulty || task.faulty_generation != renderer_.generation()) return false;
-  const LiveView view = task.view->at(monotonic_ns());
-  return view.settings == task.faulty->settings && view.pose == task.faulty->pose;
 }
 
 // Live radars and jobs form one ring; the search goes on where it last stopped, so each gets its turn.
@@ -189,14 +185,26 @@ bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_poi
     return task->job->stop.stop_requested() || (finishing_ && !task->frame);
   });
   const std::size_t n = live_.size() + once_.size();
+  scanning_ = false;
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t at = (turn_ + i) % n;
     if (at < live_.size()) {
       const LiveTask& task = live_[at];
+      if (task.scan && (finishing_ || !wants_scan(task))) {  // to be ended
+        choice = {true, at};
+        return true;
+      }
       if (finishing_ || task.rate_hz <= 0) continue;
       if (still_faulty(task)) {
         next_due = std::min(next_due, now + kFaultLook);
         continue;
+      }
+      if (wants_scan(task)) {
+        scanning_ = true;
+        if (!scan_is_due(at, now, next_due)) continue;
+        choice = {true, at};
+        turn_ = at + 1;
+        return true;
       }
       if (task.due > now) {
         next_due = std::min(next_due, task.due);
@@ -254,10 +262,10 @@ FrameIdentity RenderThread::identity_of(LiveTask& task, std::uint64_t frame_id, 
 
 void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& lock) {
   LiveTask& task = live_[index];
-  const auto now = Clock::now();
+  const auto now = clock_now();
   // Never catch up: a frame that could not be rendered in time is not rendered later.
   task.due = std::max(task.due + period_of(task.rate_hz), now);
-  const auto view = std::make_shared<const LiveView>(task.view->at(monotonic_ns()));
+  const auto view = std::make_shared<const LiveView>(task.view->at(clock_ns()));
   const std::uint64_t generation = renderer_.generation();
   const std::vector<Demand> due = take_due(task.demands, now);
   if (due.empty()) return;
@@ -295,7 +303,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       options.stop = stop;
       RenderedFrame rendered;
       options.on_wedge = [&](Wedge&& wedge) {
-        if (rendered.first_wedge_s == 0) rendered.first_wedge_s = Seconds(Clock::now() - now).count();
+        if (rendered.first_wedge_s == 0) rendered.first_wedge_s = Seconds(clock_now() - now).count();
         stats.add(wedge);
         send(encoder->wedge(wedge.index, wedge.bins));
       };
@@ -308,11 +316,11 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
         wire::FrameSummary summary;
         plan.frame->summarise(stats.total(), summary);
         summary.set_frame_id(frame_id);
-        rendered.render_s = Seconds(Clock::now() - now).count();
+        rendered.render_s = Seconds(clock_now() - now).count();
         send({encoder->end(summary, rendered.render_s)});
         // A pose that stays has no latency: its age grows and says nothing.
         if (view->pose_received_ns > task.shown_pose_ns) {
-          rendered.pose_to_end_s = 1e-9 * static_cast<double>(monotonic_ns() - view->pose_received_ns);
+          rendered.pose_to_end_s = 1e-9 * static_cast<double>(clock_ns() - view->pose_received_ns);
           task.shown_pose_ns = view->pose_received_ns;  // this thread alone uses it
         }
         rendered.rays = summary.rays();
@@ -333,7 +341,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
   task.faulty = errors.empty() ? nullptr : view;
   task.faulty_generation = generation;
   if (nothing_new) {
-    task.due = Clock::now();
+    task.due = clock_now();
     give_back(due, task.demands);
   }
 }
@@ -388,7 +396,8 @@ bool RenderThread::continue_once(OnceTask& task) {
   }
   const int wedges =
       static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
-  const int count = std::min(wedges * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
+  const int slice = scanning_ ? std::min(wedges, kWedgesWhileScanning) : wedges;
+  const int count = std::min(slice * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
 
   RenderOptions options;
   options.threads = options_.threads;
@@ -401,12 +410,12 @@ bool RenderThread::continue_once(OnceTask& task) {
       task.send(events_, block);
     }
   };
-  const auto start = Clock::now();
+  const auto start = clock_now();
   if (!task.frame->render({task.next_azimuth, count}, options)) {
     task.send(events_, task.encoder->abort("the server has stopped rendering this frame"));
     return false;
   }
-  task.render_s += Seconds(Clock::now() - start).count();
+  task.render_s += Seconds(clock_now() - start).count();
   task.next_azimuth += count;
   if (task.next_azimuth < task.end_azimuth) return true;
   wire::FrameSummary summary;

@@ -14,12 +14,12 @@
 #include <thread>
 #include <vector>
 
-#include "server/flight/pose_time_line.h"
 #include "server/net/block.h"
 #include "server/net/frame_lane.h"
 #include "server/net/frame_order.h"
 #include "server/net/frame_renderer.h"
 #include "server/net/live_frames.h"
+#include "server/net/live_view.h"
 #include "server/net/request_limits.h"
 #include "server/net/statistics.h"
 #include "server/net/stream_choice.h"
@@ -27,18 +27,6 @@
 namespace obliq::net {
 
 struct FrameIdentity;
-
-/// How a live radar looks, from the next frame on. Never changes once made.
-struct LiveView {
-  SettingsPtr settings;
-  PoseSettings pose;
-  std::int64_t pose_received_ns = 0;
-  std::shared_ptr<const PoseTimeLine> poses;  ///< null: the pose above stays
-  bool pose_stale = false;
-
-  /// The same with the pose of a moment of the server's monotonic clock.
-  LiveView at(std::int64_t now_ns) const;
-};
 
 /// One RenderOnce request.
 struct OnceJob {
@@ -77,7 +65,11 @@ struct RenderThreadOptions {
   std::size_t slice_bytes = std::size_t{16} << 20;
   int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
   std::function<void(int)> before_wedge;
+  /// What time it is, for tests; empty: the steady clock. When it has jumped, wake() tells the thread.
+  std::function<std::chrono::steady_clock::time_point()> clock{};
 };
+
+struct Dwell;
 
 class RenderThread {
  public:
@@ -112,6 +104,7 @@ class RenderThread {
  private:
   using Clock = std::chrono::steady_clock;
 
+  struct ScanTask;
   struct LiveTask {
     std::string name;
     std::uint32_t stream_id = 0;
@@ -129,7 +122,8 @@ class RenderThread {
     std::uint64_t last_frame = 0;
     std::int64_t shown_pose_ns = 0;  ///< arrival of the newest pose that a whole frame has shown
     std::uint64_t sequence = 0;
-    std::stop_source stop;  ///< of the frame in hand
+    std::stop_source stop;           ///< of the frame in hand
+    std::shared_ptr<ScanTask> scan;  ///< of a scanning antenna; this thread alone uses it
   };
   struct OnceTask;
   struct Choice {
@@ -143,6 +137,25 @@ class RenderThread {
   bool is_held_up(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
   static FrameIdentity identity_of(LiveTask& task, std::uint64_t frame_id, const Order& order,
                                    const LiveView& view);
+  std::int64_t clock_ns() const;
+  Clock::time_point clock_now() const { return options_.clock ? options_.clock() : Clock::now(); }
+
+  // A scanning antenna (render_scan.cpp):
+  bool wants_scan(const LiveTask& task) const;
+  bool scan_is_due(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
+  void render_dwell(std::size_t index, std::unique_lock<std::mutex>& lock);
+  void leave_out(std::size_t index, const Dwell& dwell);
+  void miss(ScanTask& scan, const Dwell& dwell);
+  void advance(std::size_t index);
+  std::vector<FieldError> begin_pass(std::size_t index, const LiveView& view,
+                                     const std::vector<Demand>& demands);
+  std::vector<FieldError> plan_dwell(ScanTask& scan, const LiveView& view);
+  bool render_azimuths(std::size_t index, const AzimuthRange& azimuths, const LiveView& view,
+                       const std::stop_token& stop);
+  void end_pass(std::size_t index);
+  /// Not under the lock: a frame's going is heard of under it.
+  void end_scan(std::size_t index, const std::string& reason);
+
   void render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
   void render_once(std::size_t index, std::unique_lock<std::mutex>& lock);
   bool begin_once(OnceTask& task);
@@ -158,7 +171,8 @@ class RenderThread {
   std::deque<LiveTask> live_;  ///< a deque: elements stay where they are
   std::deque<std::shared_ptr<OnceTask>> once_;
   bool finishing_ = false;
-  std::size_t turn_ = 0;  ///< where the round begins
+  std::size_t turn_ = 0;   ///< where the round begins
+  bool scanning_ = false;  ///< some antenna scans: slices of other work are short
 
   std::jthread thread_;
 };

@@ -320,6 +320,7 @@ void Room::on_live_rendered(std::size_t index, const RenderedFrame& frame) {
     radar.rays = frame.rays;
     radar.hits = frame.hits;
     radar.faults.clear();
+    radar.dwells_missed += frame.dwells_missed;
     if (options_.on_frame) options_.on_frame(radar.name, frame);
   });
 }
@@ -335,7 +336,7 @@ void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView
     }
     radar.faults = errors;
     // A pose that moves on brings a new fault with every frame.
-    const auto now = Clock::now();
+    const auto now = std::chrono::steady_clock::now();
     if (radar.faults_settings == view->settings && now < radar.faults_told + kFaultPause) return;
     radar.faults_settings = view->settings;
     radar.faults_told = now;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/output/describe_frame.h"
+#include "server/radar/frame_plan.h"
 #include "server/radar/pose.h"
 
 namespace obliq::net {
@@ -10,8 +11,12 @@ namespace {
 
 class PlannedSceneFrame : public PlannedFrame {
  public:
-  PlannedSceneFrame(std::shared_ptr<const FramePlan> plan, std::string scene_name)
-      : plan_(std::move(plan)), scene_name_(std::move(scene_name)) {}
+  PlannedSceneFrame(std::shared_ptr<const Scene> scene, std::shared_ptr<const FramePlan> plan,
+                    std::string scene_name)
+      : scene_(std::move(scene)), plan_(std::move(plan)), scene_name_(std::move(scene_name)) {}
+
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  const FramePlan& plan() const { return *plan_; }
 
   void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
     describe_frame(*plan_, radar, scene_name_, descriptor);
@@ -24,6 +29,7 @@ class PlannedSceneFrame : public PlannedFrame {
   }
 
  private:
+  std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const FramePlan> plan_;
   std::string scene_name_;
 };
@@ -51,15 +57,25 @@ std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
 }
 
 FrameRenderer::Plan SceneRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+  return plan_in(scene(), settings, pose, nullptr);
+}
+
+FrameRenderer::Plan SceneRenderer::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                                              const PoseSettings& pose) const {
+  const auto& before = dynamic_cast<const PlannedSceneFrame&>(frame);
+  return plan_in(before.scene(), settings, pose, &before.plan());
+}
+
+FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, const SettingsPtr& settings,
+                                           const PoseSettings& pose, const FramePlan* before) const {
   Plan result;
-  const auto current = scene();
-  const auto placed = place_antenna(current->world(), pose, result.errors);
+  const auto placed = place_antenna(scene->world(), pose, result.errors);
   if (!placed) return result;
-  PlanResult planned = plan_frame(current, settings, *placed);
+  PlanResult planned = plan_frame(scene, settings, *placed);
   result.errors = std::move(planned.errors);
-  if (planned.plan) {
-    result.frame = std::make_unique<PlannedSceneFrame>(std::move(planned.plan), scene_name_);
-  }
+  if (!planned.plan) return result;
+  if (before != nullptr) planned.plan->add_seen(*before);
+  result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
   return result;
 }
 

@@ -16,12 +16,17 @@ class SceneRenderer : public FrameRenderer {
   std::vector<FieldError> place(const PoseSettings& pose) const override;
   std::uint64_t generation() const override { return generation_; }
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
+  Plan plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                  const PoseSettings& pose) const override;
 
   // From any thread:
   std::shared_ptr<const Scene> scene() const;
   void replace(std::shared_ptr<const Scene> scene);
 
  private:
+  Plan plan_in(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const PoseSettings& pose,
+               const FramePlan* before) const;
+
   mutable std::mutex mutex_;  ///< guards scene_
   std::shared_ptr<const Scene> scene_;
   std::string scene_name_;

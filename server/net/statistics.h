@@ -15,7 +15,8 @@ struct RenderedFrame {
   double pose_to_end_s = -1;
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
-  double coverage = 0;  ///< fraction of the sector that known ground covers
+  double coverage = 0;              ///< fraction of the sector that known ground covers
+  std::uint64_t dwells_missed = 0;  ///< of a pass of a scanning antenna
 };
 
 struct RadarStatistics {

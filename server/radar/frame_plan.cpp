@@ -89,6 +89,11 @@ void FramePlan::sort_buildings_by_azimuth() {
   }
 }
 
+void FramePlan::add_seen(const FramePlan& earlier) const {
+  for (std::uint32_t b = 0; b < seen_.size(); ++b)
+    if (earlier.building_seen(b)) mark_building_seen(b);
+}
+
 std::uint32_t FramePlan::buildings_seen() const {
   std::uint32_t n = 0;
   for (const auto& flag : seen_) n += flag.load(std::memory_order_relaxed);

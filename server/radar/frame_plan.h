@@ -62,6 +62,9 @@ class FramePlan {
     return seen_[building].load(std::memory_order_relaxed) != 0;
   }
   std::uint32_t buildings_seen() const;
+  /// Marks the buildings that an earlier plan in the same scene has seen, so that the dwells of a pass add
+  /// up.
+  void add_seen(const FramePlan& earlier) const;
 
  private:
   friend PlanResult plan_frame(std::shared_ptr<const Scene>, SettingsPtr, const Pose&);

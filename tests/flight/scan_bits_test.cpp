@@ -1,0 +1,120 @@
+// A scanning antenna that flies, over a real scene.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <set>
+#include <thread>
+
+#include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
+#include "server/net/scene_renderer.h"
+#include "tests/integration/render_listener.h"
+#include "tests/support/scenes.h"
+
+namespace obliq::test {
+namespace {
+
+using Time = std::chrono::steady_clock::time_point;
+constexpr std::int64_t kStart_ns = 1'000'000'000'000;
+
+std::shared_ptr<const Scene> town_in_hills() {
+  WorldSpec spec = synthetic_spec(SyntheticKind::hills, 5000, 40);
+  spec.terrain.shape.height_m = 300;
+  PrismSpec prisms;
+  prisms.per_km2 = 30;
+  spec.prisms = {prisms};
+  return make_scene(load_world(spec));
+}
+
+void expect_bits_of_whole_frames(FrustumKind kind) {
+  const auto scene = town_in_hills();
+  const net::SceneRenderer renderer(scene, "town");
+  RadarSettings settings;
+  settings.frustum = kind;
+  settings.sector_deg = 90;
+  settings.r_min_m = 1000;
+  settings.r_max_m = 4000;
+  settings.pixel_columns = settings.pixel_rows = 128;
+  settings.azimuth_bins = 60;  // the last dwell is a short one
+  settings.range_bins = 64;
+  settings.scan_mode = ScanMode::sector;
+  settings.scan_rate_deg_s = 90;
+  settings.scan_dwell_bins = 16;
+
+  PoseSettings pose;
+  pose.latitude_deg = 33;
+  pose.longitude_deg = -99.5;
+  pose.height_m = 900;
+  const auto poses = std::make_shared<PoseTimeLine>(pose);
+  for (int i = 0; i < 6; ++i) {  // 111 m/s north, turning
+    pose.latitude_deg = 33 + 0.00025 * i;
+    pose.bearing_deg = 350 + 7.0 * i;
+    pose.sim_time_ns = i * 250'000'000LL;
+    ASSERT_TRUE(poses->add(pose, kStart_ns));
+  }
+  std::atomic<std::int64_t> now_ns = kStart_ns;
+  std::atomic<int> looks = 0;
+  net::RenderThreadOptions options;
+  options.clock = [&] {
+    ++looks;
+    return Time(std::chrono::nanoseconds(now_ns.load()));
+  };
+  Listener events;
+  net::RenderThread thread(renderer, events, options);
+  thread.add_radar("main", 1, {snapshot(settings), {}, 0, poses});
+  net::Demand demand;
+  demand.watch_id = 1;
+  demand.rate_hz = 1;
+  demand.choice.planes = wire::plane_bit(wire::Plane::iq);
+  thread.set_demand(0, {demand});
+  thread.start();
+  while (looks < 3) std::this_thread::yield();
+  for (double s = 0.05; s < 1; s += 0.05) {
+    now_ns = kStart_ns + static_cast<std::int64_t>(s * 1e9);
+    thread.wake();
+    std::size_t due = 0;  // each of the four dwells has two wedges
+    for (const double middle_bin : {8.0, 24.0, 40.0, 54.0}) due += middle_bin / 60 <= s ? 2 : 0;
+    ASSERT_TRUE(events.wait([&] { return events.wedges.size() >= due; }));
+  }
+  ASSERT_TRUE(events.wait([&] { return !events.ends.empty(); }));
+  thread.end();
+
+  std::set<double> bearings;
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < events.wedges.size(); ++i) {
+    const wire::WedgeBlock& wedge = events.wedges[i];
+    PoseSettings its_pose;
+    ASSERT_TRUE(merge_message(wedge.pose(), its_pose).empty());
+    bearings.insert(its_pose.bearing_deg);
+    std::vector<FieldError> errors;
+    const auto placed = place_antenna(scene->world(), its_pose, errors);
+    ASSERT_TRUE(placed);
+    const Frame whole = render(scene, snapshot(settings), *placed, {0, settings.azimuth_bins});
+    const std::size_t row_bytes = static_cast<std::size_t>(settings.range_bins) * 8;
+    ASSERT_EQ(events.values[i].size(), wedge.n_azimuth() * row_bytes);
+    const auto* expected = reinterpret_cast<const std::byte*>(whole.bins.iq.data());
+    EXPECT_EQ(std::memcmp(events.values[i].data(), expected + wedge.first_azimuth() * row_bytes,
+                          events.values[i].size()),
+              0)
+        << "wedge at azimuth bin " << wedge.first_azimuth();
+    bytes += events.values[i].size();
+  }
+  EXPECT_GE(bearings.size(), 3u) << "the dwells had poses of their own";
+  EXPECT_GT(bytes, 0u);
+}
+
+TEST(ScanBits, EachDwellOfTheSweepIsThatOfAWholeFrameAtItsPose) {
+  expect_bits_of_whole_frames(FrustumKind::sweep);
+}
+
+TEST(ScanBits, EachDwellOfThePolarFrustumIsThatOfAWholeFrameAtItsPose) {
+  expect_bits_of_whole_frames(FrustumKind::polar);
+}
+
+TEST(ScanBits, EachDwellOfTheObliqueFrustumIsThatOfAWholeFrameAtItsPose) {
+  expect_bits_of_whole_frames(FrustumKind::oblique);
+}
+
+}  // namespace
+}  // namespace obliq::test

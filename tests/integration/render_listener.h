@@ -1,0 +1,75 @@
+#pragma once
+// Include proto/obliq.pb.h before.
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "proto/limits.h"
+#include "proto/message_codec.h"
+#include "server/net/render_thread.h"
+
+namespace obliq::test {
+
+/// What the render thread says, decoded.
+class Listener : public net::RenderEvents {
+ public:
+  void on_live_blocks(std::size_t, const net::LiveFramePtr&, std::vector<net::BlockPtr> blocks) override {
+    const std::lock_guard lock(mutex_);
+    for (const net::BlockPtr& block : blocks) take(*block);
+    changed_.notify_all();
+  }
+  void on_live_rendered(std::size_t, const net::RenderedFrame& frame) override {
+    const std::lock_guard lock(mutex_);
+    missed += frame.dwells_missed;
+  }
+  void on_live_held_up(std::size_t, double) override {}
+  void on_live_fault(std::size_t, const std::shared_ptr<const net::LiveView>&,
+                     const std::vector<FieldError>& errors) override {
+    const std::lock_guard lock(mutex_);
+    faults.push_back(errors.front().field);
+    changed_.notify_all();
+  }
+  void on_once_block(const net::OnceJobPtr&, const net::BlockPtr&) override {}
+  void on_once_fault(const net::OnceJobPtr&, const std::vector<FieldError>&) override {}
+
+  template <typename Condition>
+  ::testing::AssertionResult wait(Condition condition) {
+    std::unique_lock lock(mutex_);
+    for (int i = 0; i < 6000; ++i)
+      if (changed_.wait_for(lock, std::chrono::milliseconds(10), condition))
+        return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure()
+           << "not within a minute; " << wedges.size() << " wedges, " << ends.size() << " ends";
+  }
+
+  std::vector<wire::FrameBegin> begins;
+  std::vector<wire::WedgeBlock> wedges;
+  std::vector<wire::Bytes> values;  ///< of each wedge
+  std::vector<wire::FrameEnd> ends;
+  std::vector<wire::FrameAbort> aborts;
+  std::vector<std::string> faults;
+  std::uint64_t missed = 0;
+
+ private:
+  void take(const net::Block& block) {
+    wire::MessageView view;
+    ASSERT_EQ(wire::decode_message(block.bytes, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+    const auto parse = [&](auto& list) {
+      ASSERT_TRUE(wire::parse_descriptor(view.descriptor, list.emplace_back()));
+    };
+    if (block.type == wire::MessageType::frame_begin) parse(begins);
+    if (block.type == wire::MessageType::wedge_block) {
+      parse(wedges);
+      values.emplace_back(view.plane.begin(), view.plane.end());
+    }
+    if (block.type == wire::MessageType::frame_end) parse(ends);
+    if (block.type == wire::MessageType::frame_abort) parse(aborts);
+  }
+  std::mutex mutex_;
+  std::condition_variable changed_;
+};
+
+}  // namespace obliq::test
