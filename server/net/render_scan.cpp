@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
+#include "server/net/once_task.h"
 #include "server/net/scan_task.h"
 
 namespace obliq::net {
@@ -109,7 +110,7 @@ void RenderThread::render_dwell(std::size_t index, std::unique_lock<std::mutex>&
       }
     }
   } catch (const std::exception& e) {  // no memory, above all
-    errors = {{"frame", e.what(), "a frame that can be rendered with the memory there is"}};
+    errors = memory_failure(e.what());
   }
   if (!errors.empty()) {
     end_scan(index, errors.front().text());

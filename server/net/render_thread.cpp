@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <optional>
 #include <utility>
 
 #include "proto/obliq.pb.h"
 #include "server/net/frame_encoder.h"
+#include "server/net/once_task.h"
 
 namespace obliq::net {
 namespace {
@@ -16,41 +16,10 @@ using Seconds = std::chrono::duration<double>;
 
 /// How often those who hold a radar up are looked at.
 constexpr std::chrono::milliseconds kReminder{20};
-/// A scanning antenna cannot wait long for RenderOnce jobs: a few milliseconds with the sweep.
-constexpr int kWedgesWhileScanning = 8;
 /// What could not be rendered is looked at again this often: pose or scene may have changed.
 constexpr std::chrono::milliseconds kFaultLook{50};
 
-std::vector<FieldError> failure(const char* what) {
-  return {{"frame", what, "a frame that can be rendered with the memory there is"}};
-}
-
-/// The part of a job's frame that was asked for; checked when the job was made.
-wire::Window window_of(const OnceJob& job) {
-  const RadarSettings& settings = job.view.settings->settings;
-  return wire::cut_window(job.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
-                          static_cast<std::uint32_t>(settings.range_bins))
-      .value_or(wire::Window{});
-}
-
 }  // namespace
-
-struct RenderThread::OnceTask {
-  /// Counts the block as waiting before anyone can take it.
-  void send(RenderEvents& events, const BlockPtr& block) const {
-    *job->queued += block->bytes.size();
-    events.on_once_block(job, block);
-  }
-
-  OnceJobPtr job;
-  std::unique_ptr<PlannedFrame> frame;
-  std::optional<FrameEncoder> encoder;
-  std::uint64_t sequence = 0;
-  std::optional<FrameSum> stats;
-  int next_azimuth = 0;
-  int end_azimuth = 0;  ///< of the window
-  double render_s = 0;
-};
 
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
     : renderer_(renderer), events_(events), options_(std::move(options)) {}
@@ -332,7 +301,7 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       }
     }
   } catch (const std::exception& e) {  // no memory, above all
-    errors = failure(e.what());
+    errors = memory_failure(e.what());
     if (begun) send({encoder->abort(e.what())});
   }
   if (!errors.empty()) events_.on_live_fault(index, view, errors);
@@ -344,84 +313,6 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
     task.due = clock_now();
     give_back(due, task.demands);
   }
-}
-
-void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& lock) {
-  const std::shared_ptr<OnceTask> task = once_[index];
-  lock.unlock();
-  bool more = false;
-  try {
-    more = (task->frame || begin_once(*task)) && continue_once(*task);
-  } catch (const std::exception& e) {
-    if (task->encoder) {
-      task->send(events_, task->encoder->abort(e.what()));
-    } else {
-      events_.on_once_fault(task->job, failure(e.what()));
-    }
-  }
-  lock.lock();
-  if (!more) std::erase(once_, task);
-}
-
-bool RenderThread::begin_once(OnceTask& task) {
-  const OnceJob& job = *task.job;
-  auto plan = renderer_.plan(job.view.settings, job.view.pose);
-  if (!plan.frame) {
-    events_.on_once_fault(task.job, plan.errors);
-    return false;
-  }
-  task.frame = std::move(plan.frame);
-  wire::FrameDescriptor descriptor;
-  task.frame->describe(job.radar, descriptor);
-  FrameIdentity identity;
-  identity.stream_id = job.stream_id;
-  identity.request_id = job.request_id;
-  identity.choices = {job.choice};
-  identity.pose_received_ns = job.view.pose_received_ns;
-  task.stats.emplace(job.view.settings->settings);
-  task.encoder.emplace(identity, task.sequence);
-  for (const BlockPtr& block : task.encoder->begin(descriptor)) task.send(events_, block);
-  const auto window = window_of(job);
-  task.next_azimuth = static_cast<int>(window.azimuth.first) / kWedgeAzimuthBins * kWedgeAzimuthBins;
-  task.end_azimuth = static_cast<int>(window.azimuth.end());
-  return true;
-}
-
-bool RenderThread::continue_once(OnceTask& task) {
-  const RadarSettings& settings = task.job->view.settings->settings;
-  std::size_t wedge_bytes = 0;
-  for (int plane = 0; plane < wire::kPlanes; ++plane) {
-    wedge_bytes += std::size_t{wire::bytes_per_bin(static_cast<wire::Plane>(plane))} * kWedgeAzimuthBins *
-                   static_cast<std::size_t>(settings.range_bins);
-  }
-  const int wedges =
-      static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
-  const int slice = scanning_ ? std::min(wedges, kWedgesWhileScanning) : wedges;
-  const int count = std::min(slice * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
-
-  RenderOptions options;
-  options.threads = options_.threads;
-  options.states = (task.job->choice.planes & wire::plane_bit(wire::Plane::state)) != 0;
-  options.before_wedge = options_.before_wedge;
-  options.stop = task.job->stop.get_token();
-  options.on_wedge = [&](Wedge&& wedge) {
-    task.stats->add(wedge);
-    for (const BlockPtr& block : task.encoder->wedge(wedge.index, wedge.bins)) {
-      task.send(events_, block);
-    }
-  };
-  const auto start = clock_now();
-  if (!task.frame->render({task.next_azimuth, count}, options)) {
-    task.send(events_, task.encoder->abort("the server has stopped rendering this frame"));
-    return false;
-  }
-  task.render_s += Seconds(clock_now() - start).count();
-  task.next_azimuth += count;
-  if (task.next_azimuth < task.end_azimuth) return true;
-  wire::FrameSummary summary;
-  task.frame->summarise(task.stats->total(), summary);
-  task.send(events_, task.encoder->end(summary, task.render_s));
-  return false;
 }
 
 }  // namespace obliq::net
