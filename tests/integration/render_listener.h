@@ -26,6 +26,7 @@ class Listener : public net::RenderEvents {
     missed += frame.dwells_missed;
   }
   void on_live_held_up(std::size_t, double) override {}
+  void on_finished() override {}
   void on_live_fault(std::size_t, const std::shared_ptr<const net::LiveView>&,
                      const std::vector<FieldError>& errors) override {
     const std::lock_guard lock(mutex_);
