@@ -85,10 +85,11 @@ SceneKeeper::State SceneKeeper::state() const {
   return state_;
 }
 
+double SceneKeeper::lead_s() const { return kLeastLead_s + 2 * state_.last_build_s; }
+
 bool SceneKeeper::window_is_due(Clock::time_point now) const {
   if (now < not_before_) return false;
-  const double lead_s = kLeastLead_s + 2 * state_.last_build_s;
-  return needs_next_window(config_, state_.window, radars_, speed_.speed_m_s(), lead_s);
+  return needs_next_window(config_, state_.window, radars_, speed_.ahead(radars_, lead_s()));
 }
 
 std::optional<SceneKeeper::Request> SceneKeeper::next_request(Clock::time_point now) {
@@ -97,11 +98,12 @@ std::optional<SceneKeeper::Request> SceneKeeper::next_request(Clock::time_point 
     // The new file's window, unless the radars have been moved since the start.
     request->window = window_of(request->config);
     if (!radars_.empty() && request->config.flight.enabled)
-      request->window = next_window(request->config, request->window, radars_);
+      request->window = next_window(request->config, request->window, radars_, radars_);
     return request;
   }
-  if (window_is_due(now)) return Request{config_, next_window(config_, state_.window, radars_), nullptr};
-  return std::nullopt;
+  if (!window_is_due(now)) return std::nullopt;
+  const auto ahead = speed_.ahead(radars_, lead_s());
+  return Request{config_, next_window(config_, state_.window, radars_, ahead), nullptr};
 }
 
 void SceneKeeper::run(const std::stop_token& stop) {

@@ -58,6 +58,7 @@ class SceneKeeper {
   };
 
   void run(const std::stop_token& stop);
+  double lead_s() const;
   bool window_is_due(Clock::time_point now) const;
   std::optional<Request> next_request(Clock::time_point now);
   void serve(Request request, const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
@@ -73,7 +74,7 @@ class SceneKeeper {
   std::shared_ptr<const Scene> scene_;    ///< that serves
   std::shared_ptr<const Scene> retired_;  ///< that served before, while frames still hold it
   std::vector<RadarPlace> radars_;        ///< empty: none heard of
-  Speedometer speed_;                     ///< of the fastest radar
+  Speedometer speed_;
   std::optional<Request> reload_;
   State state_;
   double pause_s_ = 0;            ///< after the last failure

@@ -7,19 +7,21 @@
 
 namespace obliq {
 
-/// How fast the fastest of the radars moves over the ground, from where they are told to be, measured over at
-/// least half a second. For one thread.
+/// How fast radars move over the ground, from where they are told to be, measured over at least half a
+/// second. For one thread.
 class Speedometer {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   void note(std::span<const RadarPlace> radars, Time now);
-  double speed_m_s() const { return speed_m_s_; }
+  /// Where they will be so much later if they go on as they do.
+  std::vector<RadarPlace> ahead(std::span<const RadarPlace> radars, double later_s) const;
 
  private:
   std::vector<RadarPlace> from_;
+  std::vector<RadarPlace> to_;
   Time since_;
-  double speed_m_s_ = 0;
+  double elapsed_s_ = 0;  ///< between the two
 };
 
 }  // namespace obliq

@@ -11,10 +11,10 @@ namespace {
 
 /// The origin moves with a window that is built anyway from this share of reorigin_km on.
 constexpr double kEarlyOrigin = 0.75;
-/// A window is due at the latest when this share of its margin is left, and never with more than the second.
-constexpr double kLatestMargin = 0.5;
-constexpr double kEarliestMargin = 0.75;
-
+/// A window is due when this share of its margin is used up.
+constexpr double kDueMargin = 0.5;
+/// A new one is laid ahead by at most this share: the radar has to be in it all the time.
+constexpr double kMostAhead = 0.6;
 /// Radars of short range get this much more ground, or they would leave it within seconds.
 constexpr double kLeastMargin_m = 1000;
 
@@ -31,10 +31,10 @@ double counted_range_m(const SceneConfig& config, const RadarPlace& radar) {
   return std::min(radar.r_max_m, reach_limit_m(config));
 }
 
-bool covers(const Reach& reach, const LonLat& position, double range_m, double ahead_m) {
+/// Whether the reach holds all that is seen from a place, with a share of the margin left.
+bool covers(const Reach& reach, const LonLat& place, double range_m, double share_left) {
   const double margin_m = reach.radius_m - range_m;
-  const double spare_m = std::clamp(ahead_m, kLatestMargin * margin_m, kEarliestMargin * margin_m);
-  return margin_m > 0 && distance_m(reach.centre, position) + spare_m <= margin_m;
+  return margin_m > 0 && distance_m(reach.centre, place) <= (1 - share_left) * margin_m;
 }
 
 }  // namespace
@@ -61,32 +61,46 @@ SceneConfig aimed_at(const SceneConfig& config, const SceneWindow& window) {
   return aimed;
 }
 
+LonLat towards(const LonLat& from, const LonLat& to, double share) {
+  const double east_deg = std::remainder(to.longitude_deg - from.longitude_deg, 360.0);
+  return {std::remainder(from.longitude_deg + share * east_deg, 360.0),
+          std::clamp(from.latitude_deg + share * (to.latitude_deg - from.latitude_deg), -90.0, 90.0)};
+}
+
 SceneWindow next_window(const SceneConfig& config, const SceneWindow& current,
-                        std::span<const RadarPlace> radars) {
+                        std::span<const RadarPlace> radars, std::span<const RadarPlace> ahead) {
   SceneWindow next = current;
   if (radars.empty()) return next;
   const double reorigin_m = config.flight.reorigin_km * 1000;
   if (distance_m(radars.front().position, current.origin) >= kEarlyOrigin * reorigin_m)
     next.origin = radars.front().position;
   next.reaches.clear();
-  for (const RadarPlace& radar : radars) {
-    const double range_m = counted_range_m(config, radar);
-    next.reaches.push_back({radar.position, std::max(loaded_radius_m(range_m), range_m + kLeastMargin_m)});
+  for (std::size_t i = 0; i < radars.size(); ++i) {
+    const double range_m = counted_range_m(config, radars[i]);
+    const double radius_m = std::max(loaded_radius_m(range_m), range_m + kLeastMargin_m);
+    const LonLat& here = radars[i].position;
+    const LonLat& there = i < ahead.size() ? ahead[i].position : here;
+    const double far_m = distance_m(here, there);
+    const double share = std::min(1.0, kMostAhead * (radius_m - range_m) / std::max(far_m, 1.0));
+    next.reaches.push_back({far_m > 0 ? towards(here, there, share) : here, radius_m});
   }
   return next;
 }
 
 bool needs_next_window(const SceneConfig& config, const SceneWindow& current,
-                       std::span<const RadarPlace> radars, double speed_m_s, double lead_s) {
+                       std::span<const RadarPlace> radars, std::span<const RadarPlace> ahead) {
   if (!config.flight.enabled || radars.empty()) return false;
   if (distance_m(radars.front().position, current.origin) > config.flight.reorigin_km * 1000) return true;
   if (!config.world.terrain.area.empty()) return false;
-  return std::ranges::any_of(radars, [&](const RadarPlace& radar) {
-    const double range_m = counted_range_m(config, radar);
-    return std::ranges::none_of(current.reaches, [&](const Reach& reach) {
-      return covers(reach, radar.position, range_m, speed_m_s * lead_s);
+  const auto uncovered = [&](std::span<const RadarPlace> places, double share_left) {
+    return std::ranges::any_of(places, [&](const RadarPlace& place) {
+      const double range_m = counted_range_m(config, place);
+      return std::ranges::none_of(current.reaches, [&](const Reach& reach) {
+        return covers(reach, place.position, range_m, share_left);
+      });
     });
-  });
+  };
+  return uncovered(radars, 0) || uncovered(ahead.empty() ? radars : ahead, 1 - kDueMargin);
 }
 
 double window_posts(const SceneWindow& window, double cell_m) {

@@ -29,19 +29,22 @@ SceneConfig aimed_at(const SceneConfig& config, const SceneWindow& window);
 
 /// The next window for radars in these places. The origin stays, and with it every post of the grid, until
 /// the first radar is three quarters of reorigin_km away from it; then it is that radar's place. Ranges count
-/// up to flight.max_reach_km, or up to the longest r_max of the configuration.
+/// up to flight.max_reach_km, or up to the longest r_max of the configuration. `ahead`: where the radars will
+/// be when the window has served for a while; the discs lie that way, as far as the margin allows.
 SceneWindow next_window(const SceneConfig& config, const SceneWindow& current,
-                        std::span<const RadarPlace> radars);
+                        std::span<const RadarPlace> radars, std::span<const RadarPlace> ahead);
 
-/// Whether it is time to build the next window: a radar's reach is about to leave the current one, with at
-/// most half of the margin left, or with less left than is flown in `lead_s` at `speed_m_s`; or the first
-/// radar is reorigin_km away from the origin. With a [terrain] area the area stays, and only the origin
-/// moves.
+/// Whether it is time to build the next window: a radar's reach has left the current one, or will have used
+/// up half of the margin when the radar is where `ahead` says; or the first radar is reorigin_km away from
+/// the origin. With a [terrain] area the area stays, and only the origin moves.
 bool needs_next_window(const SceneConfig& config, const SceneWindow& current,
-                       std::span<const RadarPlace> radars, double speed_m_s, double lead_s);
+                       std::span<const RadarPlace> radars, std::span<const RadarPlace> ahead);
 
 /// Posts of the grid over all reaches (an upper bound: elevation models may end before).
 double window_posts(const SceneWindow& window, double cell_m);
+
+/// The place a share of the way from one to the other, in longitude and latitude: for neighbours.
+LonLat towards(const LonLat& from, const LonLat& to, double share);
 
 /// Great-circle distance on a sphere, within 0.6 % of the ellipsoid's.
 double distance_m(const LonLat& a, const LonLat& b);

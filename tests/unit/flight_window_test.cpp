@@ -26,69 +26,82 @@ TEST(FlightWindow, DistanceIsTheGreatCirclesEvenAcrossTheAntimeridian) {
   EXPECT_NEAR(distance_m({10, 60}, {11, 60}), 55595, 10) << "cos 60 degrees, and the great circle is shorter";
 }
 
-TEST(FlightWindow, IsDueWhenHalfOfTheMarginIsUsed) {
-  const SceneConfig config = equator_config(40000);  // margin 10 km
-  const SceneWindow window = window_of(config);
-  const auto due = [&](double km) {
-    const RadarPlace place = east(km, 40000);
-    return needs_next_window(config, window, std::span(&place, 1), 0, 0);
-  };
-  EXPECT_FALSE(due(0));
-  EXPECT_FALSE(due(4.99));
-  EXPECT_TRUE(due(5.01));
-  EXPECT_TRUE(due(-5.01));
+bool due(const SceneConfig& config, const SceneWindow& window, const RadarPlace& here,
+         const RadarPlace& ahead) {
+  return needs_next_window(config, window, std::span(&here, 1), std::span(&ahead, 1));
+}
+bool due(const SceneConfig& config, const RadarPlace& here) {
+  return due(config, window_of(config), here, here);
+}
+SceneWindow next(const SceneConfig& config, const RadarPlace& here, const RadarPlace& ahead) {
+  return next_window(config, window_of(config), std::span(&here, 1), std::span(&ahead, 1));
 }
 
-TEST(FlightWindow, IsDueEarlierForAFastRadarButNeverAtOnceAgain) {
+TEST(FlightWindow, IsDueWhenHalfOfTheMarginIsUsed) {
+  const SceneConfig config = equator_config(40000);  // margin 10 km
+  EXPECT_FALSE(due(config, east(0, 40000)));
+  EXPECT_FALSE(due(config, east(4.99, 40000)));
+  EXPECT_TRUE(due(config, east(5.01, 40000)));
+  EXPECT_TRUE(due(config, east(-5.01, 40000)));
+}
+
+TEST(FlightWindow, IsDueEarlierForAFastRadar) {
   const SceneConfig config = equator_config(40000);
-  const RadarPlace moved = east(3, 40000);
-  EXPECT_FALSE(needs_next_window(config, window_of(config), std::span(&moved, 1), 83, 10));
-  // 7 km of the margin are left: 700 m/s for 11 s eat more.
-  EXPECT_TRUE(needs_next_window(config, window_of(config), std::span(&moved, 1), 700, 11));
-  const RadarPlace still = east(0, 40000);
-  EXPECT_FALSE(needs_next_window(config, window_of(config), std::span(&still, 1), 1e6, 100));
+  EXPECT_FALSE(due(config, window_of(config), east(3, 40000), east(4.5, 40000)));
+  EXPECT_TRUE(due(config, window_of(config), east(3, 40000), east(6, 40000)));
+  EXPECT_FALSE(due(config, window_of(config), east(-8, 40000), east(-2, 40000))) << "it comes back";
 }
 
 TEST(FlightWindow, LeavesNothingToDoOnceItIsBuilt) {
   const SceneConfig config = equator_config(40000);
   for (const double km : {5.5, 16.0, 25.0, 400.0, 20000.0}) {
-    const RadarPlace place = east(km, 40000);
-    const SceneWindow next = next_window(config, window_of(config), std::span(&place, 1));
-    EXPECT_FALSE(needs_next_window(config, next, std::span(&place, 1), 300, 10)) << km;
+    const RadarPlace here = east(km, 40000);
+    EXPECT_FALSE(due(config, next(config, here, here), here, here)) << km;
+    const RadarPlace ahead = east(km + 5, 40000);
+    EXPECT_FALSE(due(config, next(config, here, ahead), here, ahead)) << km;
   }
+}
+
+TEST(FlightWindow, LiesAheadButNotSoFarThatTheRadarIsNotInIt) {
+  const SceneConfig config = equator_config(40000);
+  const RadarPlace here = east(10, 40000);
+  EXPECT_NEAR(next(config, here, east(12, 40000)).reaches[0].centre.longitude_deg, 12 / kDegree_km, 1e-9);
+  EXPECT_NEAR(next(config, here, east(90, 40000)).reaches[0].centre.longitude_deg, 16 / kDegree_km, 1e-4)
+      << "six tenths of the margin";
 }
 
 TEST(FlightWindow, TheOriginStaysUntilThreeQuartersOfTheWayAndThenIsTheFirstRadars) {
   const SceneConfig config = equator_config(40000);
   const RadarPlace near[] = {east(14.9, 40000), east(30, 40000)};
-  EXPECT_EQ(next_window(config, window_of(config), near).origin.longitude_deg, 0);
+  EXPECT_EQ(next_window(config, window_of(config), near, near).origin.longitude_deg, 0);
   const RadarPlace far[] = {east(15.1, 40000), east(30, 40000)};
-  EXPECT_EQ(next_window(config, window_of(config), far).origin.longitude_deg, far[0].position.longitude_deg);
+  EXPECT_EQ(next_window(config, window_of(config), far, far).origin.longitude_deg,
+            far[0].position.longitude_deg);
 }
 
 TEST(FlightWindow, WithAnAreaOnlyTheOriginMoves) {
   SceneConfig config = equator_config(40000);
   config.world.terrain.area = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   const RadarPlace near = east(19.9, 40000);
-  EXPECT_FALSE(needs_next_window(config, window_of(config), std::span(&near, 1), 300, 10));
+  EXPECT_FALSE(due(config, near));
   const RadarPlace far = east(20.1, 40000);
-  EXPECT_TRUE(needs_next_window(config, window_of(config), std::span(&far, 1), 300, 10));
+  EXPECT_TRUE(due(config, far));
 }
 
 TEST(FlightWindow, SwitchedOffIsNeverDue) {
   SceneConfig config = equator_config(40000);
   config.flight.enabled = false;
   const RadarPlace far = east(500, 40000);
-  EXPECT_FALSE(needs_next_window(config, window_of(config), std::span(&far, 1), 300, 10));
+  EXPECT_FALSE(due(config, far));
 }
 
 TEST(FlightWindow, ARangeBeyondTheSceneFilesIsNotFollowedUnlessAllowed) {
   SceneConfig config = equator_config(40000);
   const RadarPlace longer = east(0, 200000);
-  EXPECT_FALSE(needs_next_window(config, window_of(config), std::span(&longer, 1), 0, 0));
+  EXPECT_FALSE(due(config, longer));
   config.flight.max_reach_km = 100;
-  EXPECT_TRUE(needs_next_window(config, window_of(config), std::span(&longer, 1), 0, 0));
-  EXPECT_EQ(next_window(config, window_of(config), std::span(&longer, 1)).reaches[0].radius_m, 125000);
+  EXPECT_TRUE(due(config, longer));
+  EXPECT_EQ(next(config, longer, longer).reaches[0].radius_m, 125000);
 }
 
 TEST(FlightWindow, PostsAreThoseOfTheRectangleAroundAllReaches) {
