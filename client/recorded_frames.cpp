@@ -73,6 +73,7 @@ class RecordedFrames::Collector : public FrameAssembler {
   RecordedFrame take_recorded() {
     RecordedFrame whole = std::exchange(times_, {});
     whole.frame = take();
+    if (whole.frame.descriptor->has_window()) return whole;
     // Each azimuth is in one wedge, whatever order its planes came in.
     for (std::uint32_t i = 0; i < azimuths_.size(); ++i) {
       if (!azimuths_[i].seen) continue;

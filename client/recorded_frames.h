@@ -24,7 +24,7 @@ struct RecordedFrame {
   std::int64_t end_utc_ns = 0;        ///< and its FrameEnd
   std::int64_t first_wedge_ns = 0;    ///< from the start of rendering to the first block
   std::uint64_t bytes = 0;            ///< on the wire
-  std::vector<RecordedWedge> wedges;  ///< in the order in which they came
+  std::vector<RecordedWedge> wedges;  ///< in the order in which they came; none of a frame's window
 };
 
 /// What a recording begins with.

@@ -14,6 +14,7 @@
 #include "server/apps/interrupts.h"
 #include "server/apps/plane_argument.h"
 #include "server/apps/server_arguments.h"
+#include "server/apps/stream_arguments.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -27,7 +28,9 @@ struct RecordArguments {
   double rate_hz = 1;
   std::uint64_t frames = 0;
   double seconds = 0;
+  StreamArguments stream;
   std::string planes;
+  bool lossless = false;
   bool force = false;
 };
 
@@ -52,6 +55,11 @@ class Recorder {
     client::Status status = writer_.write(message.header_bytes(), message.payload);
     if (!status.ok()) return status;
     if (message.header.type == wire::MessageType::frame_end) ++frames_;
+    wire::FrameBegin begin;
+    if (message.header.type == wire::MessageType::frame_begin &&
+        wire::parse_descriptor(message.descriptor(), begin)) {
+      skipped_ += begin.frames_skipped();
+    }
     return status;
   }
   client::Status take(const wire::Bytes& whole) { return writer_.write(whole, {}); }
@@ -59,9 +67,9 @@ class Recorder {
 
   bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
   std::string text(Clock::time_point start) const {
-    char text[96];
-    std::snprintf(text, sizeof text, "%" PRIu64 " frames, %.1f MB, %.1f s", frames_,
-                  static_cast<double>(writer_.bytes()) * 1e-6,
+    char text[128];
+    std::snprintf(text, sizeof text, "%" PRIu64 " frames, %" PRIu64 " left out on the way, %.1f MB, %.1f s",
+                  frames_, skipped_, static_cast<double>(writer_.bytes()) * 1e-6,
                   std::chrono::duration<double>(Clock::now() - start).count());
     return text;
   }
@@ -70,6 +78,7 @@ class Recorder {
   client::RecordingWriter writer_;
   std::uint64_t most_frames_;
   std::uint64_t frames_ = 0;
+  std::uint64_t skipped_ = 0;
 };
 
 /// Receives until there is enough, or something ends it.
@@ -112,7 +121,15 @@ void run(const RecordArguments& arguments) {
   const auto start = Clock::now();
   wire::RadarInfo info;  // how the radar stands, for a recording that is cut before its first frame
   require(client.get_radar(radar, info));
-  require(client.subscribe(radar, arguments.rate_hz, planes));
+  wire::Subscribe request;
+  request.set_radar(radar);
+  request.set_rate_hz(arguments.rate_hz);
+  request.set_lossless(arguments.lossless);
+  ask_for(arguments.stream, request);
+  for (int plane = 0; plane < wire::kPlanes; ++plane) {
+    if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
+  }
+  require(client.subscribe(request));
   client::Status status = receive_all(client, arguments, recorder, radar);
   // A frame that is under way is ended by the server's FrameAbort, so that the recording ends between frames.
   if (status.ok() && !recorder.finished()) status = client.unsubscribe(radar);
@@ -130,6 +147,7 @@ void add_record(CLI::App& app) {
       "record", "Record what a server sends about a radar, byte for byte; Ctrl-C ends it cleanly");
   auto arguments = std::make_shared<RecordArguments>();
   add_server_arguments(*command, arguments->server);
+  add_stream_arguments(*command, arguments->stream);
   command->add_option("--out", arguments->out, "The recording; must not exist yet")
       ->required()
       ->type_name("FILE");
@@ -141,6 +159,8 @@ void add_record(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--planes", arguments->planes, "Only these of iq,power,count,state; without: all")
       ->type_name("NAMES");
+  command->add_flag("--lossless", arguments->lossless,
+                    "Leave no frame out: the radar waits for the disk. Needs the role controller");
   command->add_flag("--force", arguments->force, "Overwrite a file that exists");
   command->callback([arguments] { run(*arguments); });
 }

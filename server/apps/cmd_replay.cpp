@@ -149,6 +149,10 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
         "; allowed: a loopback address, unless --unprotected says that anyone who reaches the port "
         "may watch");
   }
+  if (start.descriptor->has_window()) {
+    throw InputError("--serve: found " + arguments.file +
+                     ", of a part of the bins (--azimuths, --ranges); allowed: a recording of whole frames");
+  }
   net::ServerOptions options;
   options.address = arguments.address;
   options.port = arguments.port;

@@ -130,6 +130,10 @@ std::optional<ReplayRenderer::Due> ReplayRenderer::read_frame() const {
     damaged_ = damaged_ || frames_->damaged();
     if (!frames_->note().empty()) say_(frames_->note());
     if (found == client::RecordedFrames::Found::frame) {
+      if (frame->frame.descriptor->has_window()) {
+        say_("a frame of a part of the bins is left out: whole frames only can be served");
+        continue;
+      }
       const std::int64_t begin_ns = frame->begin_utc_ns;
       return Due{std::move(frame), clock_.due(begin_ns)};
     }

@@ -47,6 +47,16 @@ void write_streams() {
                kMended + made.bytes.substr(message.begin, message.end - message.begin));
   }
   write_seed("framing", "frames", kMended + two.bytes);
+  // Integers, compressed, of a window.
+  net::StreamChoice choice;
+  choice.format = {wire::IqEncoding::ci16_le, wire::Compression::zstd, {{2, 6, 2}, {1, 0, 1}}};
+  test::MadeRecording coded;
+  std::uint64_t sequence_of_coded = 0;
+  test::add_frame(coded, 1, sequence_of_coded, true, "main", 1, {choice});
+  choice.format.window = {};
+  test::add_frame(coded, 2, sequence_of_coded, true, "main", 1, {choice});
+  write_seed("framing", "coded", kMended + coded.bytes);
+  write_seed("recording", "coded", kMended + coded.bytes);
 }
 
 // ---- Requests ----
@@ -87,6 +97,15 @@ void write_requests() {
   auto subscribe = named<wire::Subscribe>("nose");
   subscribe.set_rate_hz(10);
   subscribe.add_planes(wire::POWER);
+  auto part = named<wire::Subscribe>("main");
+  part.set_rate_hz(25);
+  part.set_iq_encoding(wire::CI16_LE);
+  part.set_compression(wire::ZSTD);
+  part.set_lossless(true);
+  part.mutable_window()->set_first_azimuth(8);
+  part.mutable_window()->set_n_azimuth(100);
+  part.mutable_window()->set_azimuth_step(4);
+  part.mutable_window()->set_range_step(2);
   auto once = named<wire::RenderOnce>("main");
   *once.mutable_pose() = pose.pose();
   *once.mutable_settings() = set.settings();
@@ -103,11 +122,37 @@ void write_requests() {
   write_seed("requests", "watch",
              request(MessageType::subscribe, subscribe) + request(MessageType::subscribe, subscribe, true) +
                  request(MessageType::unsubscribe, named<wire::Unsubscribe>("nose")));
+  write_seed("requests", "watch_a_part", request(MessageType::subscribe, part));
   write_seed("requests", "render", request(MessageType::render_once, once));
   write_seed("requests", "ask",
              request(MessageType::list_radars, list) +
                  request(MessageType::get_radar, named<wire::GetRadar>("nose")) +
                  request(MessageType::get_status, status));
+}
+
+// ---- Modbus ----
+
+/// Function and data, for unit 1 in a header that is made right.
+std::string modbus(const std::vector<int>& bytes) {
+  std::string frame{'\1', static_cast<char>(bytes.size())};
+  for (const int byte : bytes) frame += static_cast<char>(byte);
+  return frame;
+}
+
+void write_modbus() {
+  const std::string pose = modbus({16, 0, 204, 0, 2, 4, 0, 0x12, 0x4F, 0x80}) +    // height 1200 m
+                           modbus({16, 0, 210, 0, 2, 4, 0x05, 0x5D, 0x4A, 0x80});  // bearing 90 degrees
+  const std::string apply = modbus({5, 0, 2, 0xFF, 0});
+  write_seed("modbus", "read",
+             modbus({3, 0, 0, 0, 10}) + modbus({4, 0, 200, 0, 60}) + modbus({1, 0, 0, 0, 5}) +
+                 modbus({2, 0, 0, 0, 6}));
+  write_seed("modbus", "pose", pose + apply);
+  write_seed("modbus", "refused", modbus({6, 0, 254, 0xFF, 0xFF}) + modbus({6, 0, 250, 0, 9}) + apply);
+  write_seed("modbus", "coils",
+             modbus({5, 0, 0, 0, 0}) + modbus({15, 0, 0, 0, 5, 1, 0x1B}) + pose + modbus({5, 0, 4, 0xFF, 0}));
+  write_seed("modbus", "others",
+             modbus({22, 0, 230, 0, 0, 0, 5}) + modbus({23, 0, 200, 0, 4, 0, 230, 0, 1, 2, 0, 100}) +
+                 modbus({6, 1, 44, 0, 7}));
 }
 
 // ---- Files that GDAL reads ----
@@ -283,6 +328,7 @@ int main(int argc, char** argv) {
   GDALAllRegister();
   obliq::fuzz::write_streams();
   obliq::fuzz::write_requests();
+  obliq::fuzz::write_modbus();
   obliq::fuzz::write_elevations();
   obliq::fuzz::write_footprints();
   obliq::fuzz::write_configurations();

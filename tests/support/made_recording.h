@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "proto/message_codec.h"
+#include "server/net/stream_choice.h"
 
 namespace obliq::test {
 
@@ -28,9 +29,11 @@ constexpr int kMadeRanges = 3;
 /// The value of a bin's power.
 double made_power(std::uint64_t frame_id, int azimuth, int range);
 
-/// Adds a frame of radar "main"; `whole` false: ended by a FrameAbort after its first wedge.
+/// Adds a frame of radar "main"; `whole` false: ended by a FrameAbort after its first wedge. choices: how its
+/// blocks are made; none: as floats, and all of them.
 void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence, bool whole = true,
-               const std::string& radar = "main", std::uint32_t stream_id = 1);
+               const std::string& radar = "main", std::uint32_t stream_id = 1,
+               const std::vector<net::StreamChoice>& choices = {});
 
 /// Welcome, frame 1, frame 2 (aborted), frame 3, frame 4.
 MadeRecording made_recording();

@@ -172,6 +172,16 @@ TEST(Recording, AFileOfNothingButHeadersEnds) {
   EXPECT_EQ(reader->next(), RecordingReader::Found::end);
 }
 
+TEST(Recording, OfIntegersCompressedGivesTheValuesThatAClientWouldHaveGot) {
+  net::StreamChoice choice;
+  choice.format.iq = wire::IqEncoding::ci16_le;
+  choice.format.compression = wire::Compression::zstd;
+  MadeRecording made;
+  std::uint64_t sequence = 0;
+  add_frame(made, 1, sequence, true, "main", 1, {choice});
+  EXPECT_EQ(replay(made.bytes).frames, std::set<std::uint64_t>{1});  // all planes but I&Q are exact
+}
+
 TEST(Recording, FramesOfOtherRadarsAreCountedAndLeftOut) {
   MadeRecording made;
   std::uint64_t sequence = 0;
