@@ -1,5 +1,6 @@
 #include "terrain/gdal_messages.h"
 
+#include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal.h>
 
@@ -19,7 +20,12 @@ void CPL_STDCALL on_message(CPLErr severity, CPLErrorNum, const char* message) {
 
 GdalMessages::GdalMessages() {
   static std::once_flag registered;
-  std::call_once(registered, [] { GDALAllRegister(); });
+  std::call_once(registered, [] {
+    GDALAllRegister();
+    // Never map a GeoTIFF into memory, whatever the environment says: if the file is cut short meanwhile, the
+    // next look at it is a SIGBUS. (https://gdal.org/drivers/raster/gtiff.html, GTIFF_VIRTUAL_MEM_IO.)
+    CPLSetConfigOption("GTIFF_VIRTUAL_MEM_IO", "NO");
+  });
   CPLPushErrorHandlerEx(on_message, this);
 }
 

@@ -95,19 +95,23 @@ void HttpServer::State::listen() {
 }
 
 asio::awaitable<void> HttpServer::State::accept() {
+  bool in_trouble = false;
   while (!stopping) {
     error_code error;
     tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (stopping) break;
     if (error) {
-      spdlog::error(
-          "HTTP cannot accept a connection: {}; if descriptors have run out, raise their limit "
-          "(ulimit -n, LimitNOFILE=)",
-          error.message());
+      if (!std::exchange(in_trouble, true)) {
+        spdlog::error(
+            "HTTP cannot accept a connection: {}; if descriptors have run out, raise their limit "
+            "(ulimit -n, LimitNOFILE=)",
+            error.message());
+      }
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
     }
+    in_trouble = false;
     if (open.size() >= static_cast<std::size_t>(options.max_connections)) {
       turn_away(std::move(socket));
       continue;

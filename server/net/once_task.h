@@ -1,5 +1,6 @@
 #pragma once
 // What the render thread keeps of a RenderOnce request; see render_once.cpp.
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,8 @@ struct RenderThread::OnceTask {
 };
 
 /// Says that a frame could not be rendered for want of memory, or of another of the machine's means.
-std::vector<FieldError> memory_failure(const std::string& what);
+std::vector<FieldError> memory_failure(const std::exception& failure);
+/// Why in words for clients: std::bad_alloc has none of its own.
+std::string words_of(const std::exception& failure);
 
 }  // namespace obliq::net

@@ -1,6 +1,7 @@
 // RenderOnce requests, slice by slice.
 #include <algorithm>
 #include <exception>
+#include <new>
 
 #include "proto/obliq.pb.h"
 #include "server/net/once_task.h"
@@ -23,8 +24,13 @@ wire::Window window_of(const OnceJob& job) {
 
 }  // namespace
 
-std::vector<FieldError> memory_failure(const std::string& what) {
-  return {{"frame", what, "a frame that can be rendered with the memory there is"}};
+std::string words_of(const std::exception& failure) {
+  return dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ? "there is no memory for it"
+                                                                  : failure.what();
+}
+
+std::vector<FieldError> memory_failure(const std::exception& failure) {
+  return {{"frame", words_of(failure), "a frame that can be rendered with the memory there is"}};
 }
 
 void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& lock) {
@@ -35,9 +41,9 @@ void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& 
     more = (task->frame || begin_once(*task)) && continue_once(*task);
   } catch (const std::exception& e) {
     if (task->encoder) {
-      task->send(events_, task->encoder->abort(e.what()));
+      task->send(events_, task->encoder->abort(words_of(e)));
     } else {
-      events_.on_once_fault(task->job, memory_failure(e.what()));
+      events_.on_once_fault(task->job, memory_failure(e));
     }
   }
   lock.lock();

@@ -110,7 +110,7 @@ void RenderThread::render_dwell(std::size_t index, std::unique_lock<std::mutex>&
       }
     }
   } catch (const std::exception& e) {  // no memory, above all
-    errors = memory_failure(e.what());
+    errors = memory_failure(e);
   }
   if (!errors.empty()) {
     end_scan(index, errors.front().text());

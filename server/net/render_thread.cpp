@@ -301,8 +301,8 @@ void RenderThread::render_live(std::size_t index, std::unique_lock<std::mutex>& 
       }
     }
   } catch (const std::exception& e) {  // no memory, above all
-    errors = memory_failure(e.what());
-    if (begun) send({encoder->abort(e.what())});
+    errors = memory_failure(e);
+    if (begun) send({encoder->abort(words_of(e))});
   }
   if (!errors.empty()) events_.on_live_fault(index, view, errors);
   frame.reset();  // its going is heard of under the lock

@@ -54,6 +54,7 @@ struct Server::State {
 
   void listen(ReservedPort reserved);
   asio::awaitable<void> accept();
+  void admit(tcp::socket socket);
   void stop();
 
   std::unique_ptr<asio::io_context> own;  ///< null: another thread runs it
@@ -81,41 +82,56 @@ void Server::State::listen(ReservedPort reserved) {
 }
 
 asio::awaitable<void> Server::State::accept() {
+  bool in_trouble = false;
   while (!stopping) {
     error_code error;
     tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (stopping) break;
-    if (error) {
-      // Out of descriptors, above all: those who are here are served on, newcomers wait.
-      spdlog::error(
-          "cannot accept a connection: {}; if descriptors have run out, raise their limit (ulimit -n, "
-          "LimitNOFILE=)",
-          error.message());
+    std::string trouble = error ? error.message() : std::string();
+    if (!error) {
+      try {
+        admit(std::move(socket));
+      } catch (const std::exception& e) {  // no memory: this one goes, and later ones may find some
+        trouble = e.what();
+      }
+    }
+    if (!trouble.empty()) {
+      // Those who are here are served on, newcomers wait.
+      if (!in_trouble) {
+        spdlog::error(
+            "cannot accept a connection: {}; if descriptors have run out, raise their limit (ulimit -n, "
+            "LimitNOFILE=)",
+            trouble);
+      }
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      continue;
+    } else if (in_trouble) {
+      spdlog::info("connections are accepted again");
     }
-    const ServerOptions& options = room->options();
-    const auto peer = socket.remote_endpoint(error);
-    if (error) continue;  // gone already
-    const std::string host = peer.address().to_string();
-    if (room->is_full()) {
-      turn_away(std::move(socket), host, wire::ErrorNumber::too_many_clients,
-                "too many clients: max_clients is " + std::to_string(options.max_clients));
-      continue;
-    }
-    if (room->clients_from(host) >= options.max_clients_per_address) {
-      turn_away(std::move(socket), host, wire::ErrorNumber::too_many_from_address,
-                "too many clients from " + host + ": max_clients_per_address is " +
-                    std::to_string(options.max_clients_per_address));
-      continue;
-    }
-    const int fd = socket.release(error);
-    if (error) continue;
-    watch_for_dead_peer(fd, options.dead_after_s);
-    start_session(io, std::make_unique<Transport>(io, fd, peer.address().is_v6(), options.security->tls()),
-                  ++last_id, room);
+    in_trouble = !trouble.empty();
   }
+}
+
+void Server::State::admit(tcp::socket socket) {
+  error_code error;
+  const ServerOptions& options = room->options();
+  const auto peer = socket.remote_endpoint(error);
+  if (error) return;  // gone already
+  const std::string host = peer.address().to_string();
+  if (room->is_full()) {
+    return turn_away(std::move(socket), host, wire::ErrorNumber::too_many_clients,
+                     "too many clients: max_clients is " + std::to_string(options.max_clients));
+  }
+  if (room->clients_from(host) >= options.max_clients_per_address) {
+    return turn_away(std::move(socket), host, wire::ErrorNumber::too_many_from_address,
+                     "too many clients from " + host + ": max_clients_per_address is " +
+                         std::to_string(options.max_clients_per_address));
+  }
+  const int fd = socket.release(error);
+  if (error) return;
+  watch_for_dead_peer(fd, options.dead_after_s);
+  start_session(io, std::make_unique<Transport>(io, fd, peer.address().is_v6(), options.security->tls()),
+                ++last_id, room);
 }
 
 void Server::State::stop() {

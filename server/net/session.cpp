@@ -31,6 +31,10 @@ constexpr std::size_t kMaxAnswersWaiting = 256;
 // How a TLS client begins: a handshake record of version 3.x (RFC 8446 section 5.1).
 constexpr std::byte kTlsRecord[] = {std::byte{22}, std::byte{3}};
 
+// A deadline that is noticed so late shows that this process stood still (stopped, frozen, swapped out), not
+// the peer: what came meanwhile has not been read, so the time begins anew.
+constexpr Clock::duration kStoodStill = std::chrono::milliseconds(500);
+
 Clock::duration seconds(double s) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
 }
@@ -135,10 +139,13 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   template <typename Action>
   void arm(asio::steady_timer& timer, double after_s, Action action) {
     timer.expires_after(seconds(after_s));
-    timer.async_wait([weak = weak_from_this(), &timer, action](error_code error) {
+    timer.async_wait([weak = weak_from_this(), &timer, after_s, action](error_code error) {
       const auto self = weak.lock();
+      const auto now = Clock::now();
       // A timer that has gone off may still be disarmed before its handler runs.
-      if (!error && self && timer.expiry() <= Clock::now()) action(*self);
+      if (error || !self || timer.expiry() > now) return;
+      if (now - timer.expiry() > kStoodStill) return self->arm(timer, after_s, action);
+      action(*self);
     });
   }
   static void disarm(asio::steady_timer& timer) { timer.expires_at(Clock::time_point::max()); }
@@ -310,6 +317,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       silence_.expires_at(std::min(beat, patience_ends));
       error_code cancelled;
       co_await silence_.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
+      if (Clock::now() - silence_.expiry() > kStoodStill) last_read_ = Clock::now();
     }
   }
 

@@ -1,0 +1,340 @@
+// Faults of the machine under a running obliqd: elevation files that change, no memory, no descriptors, a
+// process that stands still. Whoever watches loses nothing.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <future>
+#include <thread>
+
+#include "client/client.h"
+#include "client/frame_assembler.h"
+#include "proto/error_number.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/daemon.h"
+#include "tests/unit/terrain_files.h"
+
+namespace obliq::test {
+namespace {
+
+using client::FrameAssembler;
+
+constexpr client::Timeout kLong{20000};  // reached only when something is broken
+
+std::string scene_text(const std::string& terrain, const std::string& more = "") {
+  return "[terrain]\ncell_m = 64.0\n" + terrain + R"(
+[antenna]
+latitude_deg = 33.0
+longitude_deg = -99.5
+height_m = 1500.0
+[radar]
+r_min_m = 2000.0
+r_max_m = 9000.0
+[frustum]
+pixels = 256
+[bins]
+azimuth = 180
+range = 128
+[server]
+port = 0
+)" + more;
+}
+
+constexpr const char* kRidge = "synthetic = \"ridge\"\nshape = { distance_m = 5000.0 }\n";
+
+/// Watches a radar.
+class Watcher {
+ public:
+  Watcher(const Daemon& daemon, double rate_hz) : daemon_(daemon) {
+    const client::Status status = client.connect(*client::parse_endpoint(daemon.address()));
+    EXPECT_TRUE(status.ok()) << status.sentence() << "\n" << daemon.log();
+    client.set_handler(&frames);
+    EXPECT_TRUE(client.subscribe("main", rate_hz).ok());
+  }
+  /// Empty, with a failure, when the client is dropped.
+  std::vector<double> next_frame() {
+    while (frames.state() != FrameAssembler::State::complete) {
+      const client::Status status = client.receive(kLong);
+      if (frames.state() == FrameAssembler::State::aborted) (void)frames.take();
+      if (status.outcome == client::Outcome::refused && status.number >= 100) {
+        refusals.push_back(status);
+        continue;
+      }
+      if (!status.ok()) {
+        ADD_FAILURE() << status.sentence() << "\n" << daemon_.log();
+        return {};
+      }
+    }
+    return frames.take().power_w;
+  }
+
+  client::Client client;
+  FrameAssembler frames;
+  std::vector<client::Status> refusals;  ///< Errors that concern the radar
+
+ private:
+  const Daemon& daemon_;
+};
+
+class Faults : public testing::Test {
+ protected:
+  Outcome obliq(const std::vector<std::string>& arguments) const {
+    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
+  }
+
+  TestFolder folder;
+};
+
+// ---- Elevation files that change ----
+
+/// About 20 km around the antenna in pixels of half a second: 16 MB without compression.
+std::string write_elevation(const Folder& files, const std::string& name, double height_m) {
+  RasterPlan plan =
+      around(-99.5, 33, [height_m](double x, double) { return height_m + 100 * std::sin(500 * x); });
+  constexpr int kSide = 2000;
+  constexpr double kPixel_deg = 1.0 / 7200;
+  plan.columns = plan.rows = kSide;
+  plan.geotransform = {-99.5 - kSide * kPixel_deg / 2, kPixel_deg, 0,
+                       33 + kSide * kPixel_deg / 2,    0,          -kPixel_deg};
+  return write_raster(files, name, plan);
+}
+
+bool holds_open(pid_t pid, const std::string& path) {
+  std::error_code ignored;
+  for (const auto& entry :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd", ignored)) {
+    if (std::filesystem::read_symlink(entry.path(), ignored) == path) return true;
+  }
+  return false;
+}
+
+// With the file mapped instead of read (GTIFF_VIRTUAL_MEM_IO heeded) the daemon dies of SIGBUS.
+TEST_F(Faults, AnElevationFileThatIsCutShortWhileItIsReadIsAClearErrorNeverACrash) {
+  const Folder files;
+  setenv("GTIFF_VIRTUAL_MEM_IO", "YES", 1);  // a line of it in the environment must not endanger a service
+  int refused = 0;
+  for (int delay_ms = 0; delay_ms < 40; delay_ms += 8) {
+    const std::string dem = write_elevation(files, "dem.tif", 300);
+    const std::string scene = folder.write("scene.toml", scene_text("dem = \"" + dem + "\"\n"));
+    Daemon daemon({"--config", scene}, folder.path(), "loading terrain");
+    while (!holds_open(daemon.pid(), dem) && daemon.log().find("terrain: ") == std::string::npos) {
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+    std::filesystem::resize_file(dem, 4096);
+    const auto settled = [&] {
+      siginfo_t info{};
+      return daemon.log().find("ready: ") != std::string::npos ||
+             (waitid(P_PID, static_cast<id_t>(daemon.pid()), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+              info.si_pid != 0);
+    };
+    while (!settled()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const bool ready = daemon.log().find("ready: ") != std::string::npos;
+    if (ready) daemon.send_signal(SIGTERM);
+    const int code = daemon.wait();
+    if (ready) {
+      EXPECT_EQ(code, 0) << daemon.log();
+    } else {
+      ++refused;
+      EXPECT_EQ(code, 1) << daemon.log();
+      EXPECT_NE(daemon.log().find(dem), std::string::npos) << daemon.log();
+    }
+  }
+  unsetenv("GTIFF_VIRTUAL_MEM_IO");
+  EXPECT_GT(refused, 0) << "the file was never cut while it was being read: the test needs a larger one";
+}
+
+TEST_F(Faults, OnceLoadedAnElevationFileMayBeCutOverwrittenOrRemoved) {
+  const Folder files;
+  const std::string dem = write_elevation(files, "dem.tif", 300);
+  const std::string scene = folder.write("scene.toml", scene_text("dem = \"" + dem + "\"\n"));
+  const Daemon daemon({"--config", scene}, folder.path());
+  Watcher watcher(daemon, 50);
+  const auto before = watcher.next_frame();
+  ASSERT_FALSE(before.empty());
+  const auto unchanged = [&](const char* what) {
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(watcher.next_frame() == before) << what;
+    const Outcome got = obliq({"get", "--server", daemon.address(), "--out", folder / "got"});
+    EXPECT_EQ(got.code, 0) << what << ": " << got.err;
+  };
+  EXPECT_FALSE(holds_open(daemon.pid(), dem));
+  EXPECT_EQ(text_of("/proc/" + std::to_string(daemon.pid()) + "/maps").find(dem), std::string::npos);
+  std::filesystem::resize_file(dem, 4096);
+  unchanged("cut");
+  std::ofstream(dem, std::ios::binary) << std::string(1 << 20, 'x');
+  unchanged("overwritten");
+  // What it says when it is to be loaded anew: the old scene goes on.
+  daemon.send_signal(SIGHUP);
+  folder.write("scene.toml", scene_text("dem = \"" + dem + "\"\ndefault_material = \"water\"\n"));
+  while (daemon.log().find("send SIGHUP again") == std::string::npos &&
+         daemon.log().find("reload refused") == std::string::npos &&
+         daemon.log().find("the scene is the same") == std::string::npos) {
+    ASSERT_FALSE(watcher.next_frame().empty());
+  }
+  unchanged("reload refused");
+  std::filesystem::remove(dem);
+  unchanged("removed");
+}
+
+// ---- No memory ----
+
+std::uint64_t address_space_bytes(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
+  std::uint64_t pages = 0;
+  file >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+void allow_more_memory(pid_t pid, std::uint64_t bytes) {
+  const rlim_t most = address_space_bytes(pid) + bytes;
+  const rlimit limit{most, RLIM_INFINITY};
+  ASSERT_EQ(prlimit(pid, RLIMIT_AS, &limit, nullptr), 0);
+}
+
+void make_huge(wire::RadarSettings& settings) {
+  settings.set_azimuth_bins(8192);
+  settings.set_range_bins(8192);
+  settings.set_pixel_columns(16384);
+  settings.set_pixel_rows(16384);
+}
+
+/// Takes what comes without keeping it.
+class Discard : public client::FrameHandler {
+ public:
+  client::Status on_abort(const wire::FrameHeader&, const wire::FrameAbort& abort) override {
+    return client::Status::failure(client::Outcome::aborted, abort.reason());
+  }
+  client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override {
+    return client::Status::failure(client::Outcome::aborted, "the frame was rendered");
+  }
+};
+
+std::string refusal_of_huge_frame(const Daemon& daemon) {
+  client::Client guest;
+  Discard discard;
+  guest.set_handler(&discard);
+  client::Status status = guest.connect(*client::parse_endpoint(daemon.address()));
+  wire::RadarInfo info;
+  if (status.ok()) status = guest.get_radar("main", info);
+  wire::RenderOnce request;
+  request.set_radar("main");
+  *request.mutable_settings() = info.settings();
+  *request.mutable_pose() = info.pose();
+  make_huge(*request.mutable_settings());
+  if (status.ok()) status = guest.render_once(request);
+  while (status.ok()) status = guest.receive(kLong);
+  return status.sentence();
+}
+
+TEST_F(Faults, AFrameForWhichThereIsNoMemoryIsRefusedAndOthersAreServedOn) {
+  const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge))}, folder.path());
+  Watcher watcher(daemon, 50);
+  const auto before = watcher.next_frame();
+  for (const std::uint64_t more : {64u << 20, 4u << 20, 1u << 20, 0u}) {
+    allow_more_memory(daemon.pid(), more);
+    EXPECT_NE(refusal_of_huge_frame(daemon).find("memory"), std::string::npos) << more;
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(watcher.next_frame() == before) << more;
+  }
+  const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
+  ASSERT_EQ(prlimit(daemon.pid(), RLIMIT_AS, &none, nullptr), 0);
+  EXPECT_EQ(obliq({"get", "--server", daemon.address(), "--out", folder / "got"}).code, 0);
+}
+
+TEST_F(Faults, SettingsForWhichThereIsNoMemoryAreAFaultUntilSmallerOnesCome) {
+  const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge))}, folder.path());
+  Watcher watcher(daemon, 50);
+  const auto before = watcher.next_frame();
+  client::Client controller;
+  ASSERT_TRUE(controller.connect(*client::parse_endpoint(daemon.address())).ok());
+  ASSERT_TRUE(controller.claim_control("main").ok());
+  wire::RadarInfo info;
+  ASSERT_TRUE(controller.get_radar("main", info).ok());
+  wire::RadarSettings huge = info.settings();
+  make_huge(huge);
+  allow_more_memory(daemon.pid(), 16 << 20);
+  wire::Ack ack;
+  const client::Status set = controller.set_settings("main", huge, ack);
+  if (set.ok()) {  // else it was refused at once, which is as well
+    while (watcher.refusals.empty()) {
+      const client::Status status = watcher.client.receive(kLong);
+      if (watcher.frames.state() != FrameAssembler::State::receiving) (void)watcher.frames.take();
+      if (status.outcome == client::Outcome::refused) {
+        watcher.refusals.push_back(status);
+      } else {
+        ASSERT_TRUE(status.ok()) << status.sentence();
+      }
+    }
+    EXPECT_NE(watcher.refusals[0].sentence().find("memory"), std::string::npos)
+        << watcher.refusals[0].sentence();
+    ASSERT_TRUE(controller.set_settings("main", info.settings(), ack).ok());
+  }
+  EXPECT_TRUE(watcher.next_frame() == before);
+}
+
+// ---- No descriptors ----
+
+std::size_t open_descriptors(pid_t pid) {
+  std::size_t n = 0;
+  for ([[maybe_unused]] const auto& entry :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
+    ++n;
+  }
+  return n;
+}
+
+TEST_F(Faults, WithoutDescriptorsNewcomersWaitAndOthersAreServedOn) {
+  const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge))}, folder.path());
+  Watcher watcher(daemon, 50);
+  const auto before = watcher.next_frame();
+  constexpr std::size_t kSpare = 2;
+  const rlimit few{open_descriptors(daemon.pid()) + kSpare, 4096};
+  ASSERT_EQ(prlimit(daemon.pid(), RLIMIT_NOFILE, &few, nullptr), 0);
+  std::vector<client::Client> guests(kSpare);
+  for (client::Client& guest : guests) {
+    ASSERT_TRUE(guest.connect(*client::parse_endpoint(daemon.address())).ok()) << daemon.log();
+  }
+  auto waiting = std::async(std::launch::async, [&] {
+    client::Client newcomer;
+    return newcomer.connect(*client::parse_endpoint(daemon.address()));
+  });
+  while (daemon.log().find("LimitNOFILE") == std::string::npos) {
+    ASSERT_TRUE(watcher.next_frame() == before);
+  }
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(watcher.next_frame() == before);
+  guests.clear();
+  EXPECT_TRUE(waiting.get().ok()) << "there are descriptors again";
+  const std::string log = daemon.log();
+  const std::size_t said = log.find("LimitNOFILE");
+  EXPECT_EQ(log.find("LimitNOFILE", said + 1), std::string::npos) << "one line, not five a second:\n" << log;
+}
+
+// ---- A process that stands still ----
+
+// Fails when a deadline that ran out while the daemon stood still is held against a client.
+TEST_F(Faults, ClientsArePunishedForTheirOwnSilenceNotForTheDaemons) {
+  const std::string patience =
+      "stall_timeout_s = 1.0\nmessage_timeout_s = 1.0\nidle_timeout_s = 1.5\nheartbeat_s = 0.5\n";
+  const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge, patience)), "--set",
+                       "bins.azimuth=1024", "--set", "bins.range=2048"},
+                      folder.path());
+  std::vector<std::unique_ptr<Watcher>> watchers;
+  for (int i = 0; i < 4; ++i) watchers.push_back(std::make_unique<Watcher>(daemon, 50));
+  for (int round = 0; round < 3; ++round) {
+    for (auto& watcher : watchers) {
+      while (watcher->frames.state() != FrameAssembler::State::receiving) {
+        ASSERT_TRUE(watcher->client.receive(kLong).ok()) << daemon.log();
+        if (watcher->frames.state() == FrameAssembler::State::complete) (void)watcher->frames.take();
+      }
+    }
+    daemon.send_signal(SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::seconds(3));  // longer than any patience above
+    daemon.send_signal(SIGCONT);
+    for (auto& watcher : watchers) ASSERT_FALSE(watcher->next_frame().empty()) << round;
+  }
+}
+
+}  // namespace
+}  // namespace obliq::test
