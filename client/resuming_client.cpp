@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proto/error_number.h"
+#include "proto/obliq.pb.h"
 
 namespace obliq::client {
 
@@ -71,6 +72,13 @@ void ResumingClient::forget(const std::string& name) {
 
 Status ResumingClient::claim_control(const std::string& radar) {
   return hold("control of " + radar, [radar](Client& client) { return client.claim_control(radar); });
+}
+
+Status ResumingClient::subscribe(const wire::Subscribe& request) {
+  return hold("frames of " + request.radar(), [request](Client& client) {
+    wire::Subscribe again = request;
+    return client.subscribe(again);
+  });
 }
 
 Status ResumingClient::subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes) {

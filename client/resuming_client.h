@@ -37,6 +37,7 @@ class ResumingClient {
   void forget(const std::string& name);
   Status claim_control(const std::string& radar);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
+  Status subscribe(const wire::Subscribe& request);
 
   /// As Client::receive. Where the connection is lost, or has been, it blocks until all that is held has been
   /// asked for again, and returns ok; or until patience ends, and returns how it was lost.

@@ -21,6 +21,7 @@ test_packages=(
   clang clang-format ccache
   python3 python3-numpy python3-matplotlib python3-pip
   mbpoll openssl curl socat                                    # clients that nobody here wrote
+  libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
 )
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)

@@ -13,6 +13,7 @@
 #include "server/apps/commands.h"
 #include "server/apps/interrupts.h"
 #include "server/apps/plane_argument.h"
+#include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
 #include "terrain/errors.h"
@@ -32,6 +33,7 @@ struct RecordArguments {
   std::string planes;
   bool lossless = false;
   bool force = false;
+  int reconnect_s = 0;
 };
 
 // Between looks at the clock and at signals.
@@ -82,8 +84,8 @@ class Recorder {
 };
 
 /// Receives until there is enough, or something ends it.
-client::Status receive_all(client::Client& client, const RecordArguments& arguments, const Recorder& recorder,
-                           const std::string& radar) {
+client::Status receive_all(client::ResumingClient& client, const RecordArguments& arguments,
+                           const Recorder& recorder, const std::string& radar) {
   const auto start = Clock::now();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   auto shown = start;
@@ -112,15 +114,20 @@ void run(const RecordArguments& arguments) {
   heed_interrupts();
   // A file that may grow no further is reported as such, not by the signal's default, which is to die.
   (void)std::signal(SIGXFSZ, SIG_IGN);
-  client::Client client = connect_to_server(arguments.server, "obliq record");
-  const std::string radar = choose_remote_radar(client, arguments.server);
+  client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
+  resume.give_up = interrupted;
+  client::ResumingClient client(connect_to_server(arguments.server, "obliq record"), resume);
+  const std::string radar = choose_remote_radar(client.client(), arguments.server);
   Recorder recorder(arguments.out, arguments.force, arguments.frames);
-  require(recorder.take(client.welcome_bytes()));
-  client.set_tap([&recorder](const client::Message& message) { return recorder.take(message); });
+  require(recorder.take(client.client().welcome_bytes()));
+  client.client().set_tap([&recorder](const client::Message& message) { return recorder.take(message); });
 
   const auto start = Clock::now();
-  wire::RadarInfo info;  // how the radar stands, for a recording that is cut before its first frame
-  require(client.get_radar(radar, info));
+  // How the radar stands, for a recording that is cut before its first frame.
+  require(client.hold("state of " + radar, [radar](client::Client& to) {
+    wire::RadarInfo info;
+    return to.get_radar(radar, info);
+  }));
   wire::Subscribe request;
   request.set_radar(radar);
   request.set_rate_hz(arguments.rate_hz);
@@ -132,8 +139,9 @@ void run(const RecordArguments& arguments) {
   require(client.subscribe(request));
   client::Status status = receive_all(client, arguments, recorder, radar);
   // A frame that is under way is ended by the server's FrameAbort, so that the recording ends between frames.
-  if (status.ok() && !recorder.finished()) status = client.unsubscribe(radar);
-  client.close();
+  if (status.ok() && !recorder.finished()) status = client.client().unsubscribe(radar);
+  if (interrupted() && !client.client().is_open()) status = {};  // while it was to be taken up again
+  client.client().close();
   const client::Status closed = recorder.close();
   std::printf("%s: radar %s, %s\n", arguments.out.c_str(), radar.c_str(), recorder.text(start).c_str());
   require(status);
@@ -161,6 +169,7 @@ void add_record(CLI::App& app) {
       ->type_name("NAMES");
   command->add_flag("--lossless", arguments->lossless,
                     "Leave no frame out: the radar waits for the disk. Needs the role controller");
+  add_reconnect_argument(*command, arguments->reconnect_s);
   command->add_flag("--force", arguments->force, "Overwrite a file that exists");
   command->callback([arguments] { run(*arguments); });
 }

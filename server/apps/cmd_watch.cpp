@@ -102,10 +102,7 @@ void run(const WatchArguments& arguments) {
   request.set_rate_hz(arguments.rate_hz);
   request.set_lossless(arguments.lossless);
   ask_for(arguments.stream, request);
-  require(client.hold("frames of " + radar, [request](client::Client& to) {
-    wire::Subscribe again = request;
-    return to.subscribe(again);
-  }));
+  require(client.subscribe(request));
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
     if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <future>
 #include <optional>
+#include <sstream>
 #include <thread>
 
 #include "client/frame_assembler.h"
@@ -145,6 +146,36 @@ TEST_F(Restart, WatchGoesOnAfterAStopInGoodOrder) {
   const Outcome outcome = watch.get();
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("connected again, "), std::string::npos) << outcome.err;
+}
+
+// The frame that the kill cuts is incomplete in the file, every other one is whole and the same.
+TEST_F(Restart, ARecordingGoesOnInTheSameFile) {
+  std::filesystem::create_directories(folder / "record");
+  const std::string file = folder / "main.obliq";
+  auto record = std::async(std::launch::async, [&, server = daemon->address()] {
+    return run_program(OBLIQ_PROGRAM,
+                       {"record", "--server", server, "--rate", "50", "--frames", "40", "--out", file},
+                       folder / "record");
+  });
+  const auto recorded = [&] {
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(file, none);
+    return none ? 0 : bytes;
+  };
+  while (recorded() < 5'000'000 &&
+         record.wait_for(std::chrono::milliseconds(5)) != std::future_status::ready) {
+  }
+  kill_nine();
+  start_again();
+  const Outcome outcome = record.get();
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("connected again, "), std::string::npos) << outcome.err;
+  const Outcome replayed = run_program(OBLIQ_PROGRAM, {"replay", file, "--speed", "max"}, folder.path());
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  int frames = 0;
+  std::istringstream lines(replayed.out);
+  for (std::string line; std::getline(lines, line);) frames += line.rfind("frame ", 0) == 0;
+  EXPECT_EQ(frames, 40) << replayed.out << replayed.err;
 }
 
 TEST_F(Restart, PatienceEndsWithHowItWasLost) {

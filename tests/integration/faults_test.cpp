@@ -23,6 +23,12 @@ namespace {
 
 using client::FrameAssembler;
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
 constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
 std::string scene_text(const std::string& terrain, const std::string& more = "") {
@@ -230,6 +236,7 @@ std::string refusal_of_huge_frame(const Daemon& daemon) {
 }
 
 TEST_F(Faults, AFrameForWhichThereIsNoMemoryIsRefusedAndOthersAreServedOn) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer ends the process when there is no memory";
   const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge))}, folder.path());
   Watcher watcher(daemon, 50);
   const auto before = watcher.next_frame();
@@ -244,6 +251,7 @@ TEST_F(Faults, AFrameForWhichThereIsNoMemoryIsRefusedAndOthersAreServedOn) {
 }
 
 TEST_F(Faults, SettingsForWhichThereIsNoMemoryAreAFaultUntilSmallerOnesCome) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer ends the process when there is no memory";
   const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge))}, folder.path());
   Watcher watcher(daemon, 50);
   const auto before = watcher.next_frame();
@@ -309,6 +317,40 @@ TEST_F(Faults, WithoutDescriptorsNewcomersWaitAndOthersAreServedOn) {
   const std::string log = daemon.log();
   const std::size_t said = log.find("LimitNOFILE");
   EXPECT_EQ(log.find("LimitNOFILE", said + 1), std::string::npos) << "one line, not five a second:\n" << log;
+}
+
+// ---- A wall clock that jumps ----
+
+// Fails when any deadline or frame's date is taken from the wall clock: a day forward ends patience with
+// every client, a day back makes the next frame wait for a day.
+TEST_F(Faults, AWallClockThatJumpsByADayNeitherStallsFramesNorDropsClients) {
+  // Debian's package libfaketime (https://github.com/wolfcw/libfaketime); the monotonic clock is left alone,
+  // as setting a machine's clock leaves it alone.
+  const std::string library = LIBRARY_FOLDER "/faketime/libfaketimeMT.so.1";
+  if (kSanitized) GTEST_SKIP() << "a sanitizer's runtime must be the first library, libfaketime too";
+  if (!std::filesystem::exists(library)) GTEST_SKIP() << library << " is not installed (package libfaketime)";
+  const std::string offset = folder.write("offset", "+0\n");
+  const std::vector<std::pair<const char*, std::string>> environment = {
+      {"LD_PRELOAD", library},
+      {"FAKETIME_TIMESTAMP_FILE", offset},
+      {"FAKETIME_NO_CACHE", "1"},
+      {"FAKETIME_DONT_FAKE_MONOTONIC", "1"}};
+  const std::string patience = "idle_timeout_s = 20.0\nheartbeat_s = 1.0\nhandshake_timeout_s = 20.0\n";
+  const std::string scene = folder.write("scene.toml", scene_text(kRidge, patience));
+  for (const auto& [name, value] : environment) setenv(name, value.c_str(), 1);
+  const Daemon daemon({"--config", scene}, folder.path());
+  for (const auto& [name, value] : environment) unsetenv(name);
+  Watcher watcher(daemon, 50);
+  const auto before = watcher.next_frame();
+  const std::string date = daemon.log().substr(0, daemon.log().find(' '));
+  for (const char* jump : {"+1d", "-1d", "+0", "-30d"}) {
+    folder.write("offset", std::string(jump) + "\n");
+    for (int i = 0; i < 50; ++i) ASSERT_TRUE(watcher.next_frame() == before) << jump;
+    const Watcher newcomer(daemon, 1);
+  }
+  const std::string log = daemon.log();
+  EXPECT_NE(log.substr(log.rfind("[obliqd]", log.size()) - 27, date.size()), date) << "the clock did jump:\n"
+                                                                                   << log;
 }
 
 // ---- A process that stands still ----
