@@ -66,7 +66,9 @@ void add_health(CLI::App& app) {
       ->take_all();
   command->add_flag("--ready", arguments->ready,
                     "Ask whether it serves already (/readyz), not only whether it runs");
-  command->add_option("--timeout", arguments->timeout_s, "Seconds for the answer")->capture_default_str();
+  command->add_option("--timeout", arguments->timeout_s, "Seconds for the answer")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -40,6 +40,9 @@
 namespace obliq {
 namespace {
 
+/// Between the end of the service's own limit and the end of the process.
+constexpr double kLastWords_s = 0.5;
+
 namespace asio = boost::asio;
 
 /// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
@@ -58,6 +61,7 @@ class Daemon {
   Daemon(SceneConfig config, SceneArguments arguments)
       : config_(std::move(config)),
         arguments_(std::move(arguments)),
+        at_start_(config_),
         in_file_(config_),
         metrics_(build_info()) {
     on_log_line([this](const std::string& level) { metrics_.log_line(level); });
@@ -76,6 +80,7 @@ class Daemon {
   void heed_signals();
   void wait_for_signal();
   void on_signal();
+  static void end_by(double limit_s);
   void keep_pulse();
   void begin_reload();
   void read_again();
@@ -88,8 +93,9 @@ class Daemon {
 
   SceneConfig config_;
   SceneArguments arguments_;
-  SceneConfig in_file_;    ///< as last taken over, before [accuracy] chose its pixels; the io thread's
-  std::string signature_;  ///< of the scene that serves; the io thread's
+  const SceneConfig at_start_;  ///< what needs a restart to change is still as it was then
+  SceneConfig in_file_;         ///< as last taken over, before [accuracy] chose its pixels; the io thread's
+  std::string signature_;       ///< of the scene that serves; the io thread's
   std::string serving_text_;
   std::shared_ptr<net::Security> security_;
   http::Readiness readiness_;
@@ -168,8 +174,8 @@ void Daemon::read_again() {
 }
 
 void Daemon::take_over(const SceneConfig& wanted, SceneConfig to_build) {
-  for (const std::string& key : keys_for_restart(in_file_, wanted))
-    spdlog::warn("reload: {} has changed in the file; restart obliqd to apply it", key);
+  for (const std::string& key : keys_for_restart(at_start_, wanted))
+    spdlog::warn("reload: {} differs from what runs; restart obliqd to apply it", key);
   open_log(wanted.log);
   server_->set_limits(server_options(wanted));
   in_file_ = wanted;
@@ -198,6 +204,17 @@ void Daemon::end_reload() {
   if (reload_wanted_) begin_reload();
 }
 
+// What cannot be interrupted (a wedge that takes minutes, Embree's build of a new scene) must not hold the
+// end up: by then every client has been told, and nothing is left that a longer life would save.
+void Daemon::end_by(double limit_s) {
+  std::thread([limit_s] {
+    std::this_thread::sleep_for(std::chrono::duration<double>(limit_s));
+    spdlog::warn("stopped at server.stop_limit_s with work unfinished, which is given up");
+    spdlog::default_logger()->flush();
+    _exit(0);
+  }).detach();
+}
+
 void Daemon::on_signal() {
   if (serving_ == nullptr) {
     spdlog::info("stopping while loading");
@@ -207,6 +224,7 @@ void Daemon::on_signal() {
   readiness_.stopping();
   service_manager::stopping();
   signals_.clear();  // a second Ctrl-C ends the process
+  end_by(in_file_.server.stop_limit_s + kLastWords_s);
   server_->stop();
 }
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 4> kSceneSections{"terrain.", "earth.", "accuracy.", "flight."};
 
 /// What else changes while the daemon runs.
-constexpr std::array<std::string_view, 13> kLive{"log.format",
+constexpr std::array<std::string_view, 18> kLive{"log.format",
                                                  "log.level",
                                                  "server.max_clients",
                                                  "server.max_clients_per_address",
@@ -27,6 +27,11 @@ constexpr std::array<std::string_view, 13> kLive{"log.format",
                                                  "server.heartbeat_s",
                                                  "server.idle_timeout_s",
                                                  "server.max_bins",
+                                                 "server.max_pixels",
+                                                 "server.max_work_queued",
+                                                 "server.max_memory_mb",
+                                                 "server.max_renders_queued",
+                                                 "server.max_subscriptions",
                                                  "server.stop_limit_s",
                                                  "server.queue_frames"};
 

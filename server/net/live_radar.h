@@ -13,6 +13,7 @@ namespace obliq::net {
 struct Watcher {
   Peer* peer = nullptr;
   Demand demand;
+  bool window_lost = false;  ///< it has been told that its window lies outside the frame
 };
 
 /// A named radar that clients share.
@@ -40,7 +41,7 @@ struct LiveRadar {
   std::uint64_t frames = 0;
   double last_render_s = 0;
   std::uint64_t dwells_missed = 0;  ///< of a scanning antenna
-  double coverage = 0;  ///< of the newest frame, as are the next two
+  double coverage = 0;              ///< of the newest frame, as are the next two
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
 

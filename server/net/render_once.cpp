@@ -14,6 +14,9 @@ using Seconds = std::chrono::duration<double>;
 /// A scanning antenna cannot wait long for RenderOnce jobs: a few milliseconds with the sweep.
 constexpr int kWedgesWhileScanning = 8;
 
+/// Pixels of a slice, so that live radars get their turn within a second or so: the paper's frame.
+constexpr std::int64_t kSlicePixels = 2048LL * 2048LL;
+
 /// The part of a job's frame that was asked for; checked when the job was made.
 wire::Window window_of(const OnceJob& job) {
   const RadarSettings& settings = job.view.settings->settings;
@@ -83,7 +86,11 @@ bool RenderThread::continue_once(OnceTask& task) {
   }
   const int wedges =
       static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
-  const int slice = scanning_ ? std::min(wedges, kWedgesWhileScanning) : wedges;
+  const std::int64_t wedge_pixels =
+      std::max<std::int64_t>(1, std::int64_t{settings.pixel_columns} * settings.pixel_rows *
+                                    kWedgeAzimuthBins / settings.azimuth_bins);
+  const int by_work = static_cast<int>(std::clamp<std::int64_t>(kSlicePixels / wedge_pixels, 1, 1 << 16));
+  const int slice = scanning_ ? std::min(wedges, kWedgesWhileScanning) : std::min(wedges, by_work);
   const int count = std::min(slice * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
 
   RenderOptions options;

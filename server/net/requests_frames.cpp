@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/control/key.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/net/frame_encoder.h"
@@ -20,6 +21,9 @@ namespace {
 /// RenderOnce names no radar of ours: the name is only echoed, and this is room enough.
 constexpr std::size_t kMaxEchoedName = 256;
 
+/// Of a subscription: a frame in a quarter of an hour. Far rarer ones would overflow the clock.
+constexpr double kLeastRate_hz = 0.001;
+
 }  // namespace
 
 void Requests::subscribe(const wire::Subscribe& request) {
@@ -28,9 +32,9 @@ void Requests::subscribe(const wire::Subscribe& request) {
   const ServerOptions& options = room_.options();
   std::vector<FieldError> errors;
   const double rate_hz = request.rate_hz();
-  if (!(rate_hz > 0 && rate_hz <= options.max_rate_hz)) {
-    errors.push_back(
-        {"rate_hz", std::to_string(rate_hz), "above 0, at most " + std::to_string(options.max_rate_hz)});
+  if (!(rate_hz >= kLeastRate_hz && rate_hz <= options.max_rate_hz)) {
+    errors.push_back({"rate_hz", toml_number(rate_hz),
+                      toml_number(kLeastRate_hz) + " to " + toml_number(options.max_rate_hz)});
   }
   const RadarSettings& settings = radar->settings.current()->settings;
   Demand wish;

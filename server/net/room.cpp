@@ -204,9 +204,9 @@ void Room::watch(LiveRadar& radar, Peer& peer, Demand demand) {
   update_demand(radar);
 }
 
-void Room::check_windows(const LiveRadar& radar) const {
+void Room::check_windows(LiveRadar& radar) const {
   const RadarSettings& settings = radar.settings.current()->settings;
-  for (const Watcher& watcher : radar.watchers) {
+  for (Watcher& watcher : radar.watchers) {
     const wire::Window& window = watcher.demand.choice.format.window;
     std::vector<FieldError> errors;
     if (window.azimuth.first >= static_cast<std::uint32_t>(settings.azimuth_bins)) {
@@ -217,7 +217,8 @@ void Room::check_windows(const LiveRadar& radar) const {
       errors.push_back({"window.first_range", std::to_string(window.range.first),
                         "below " + std::to_string(settings.range_bins)});
     }
-    if (errors.empty()) continue;
+    const bool told = std::exchange(watcher.window_lost, !errors.empty());
+    if (errors.empty() || told) continue;
     watcher.peer->send(MessageType::error,
                        make_error(0, ErrorNumber::window_outside_frame,
                                   "radar " + radar.name + " no longer has the bins of this subscription",

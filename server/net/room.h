@@ -72,7 +72,7 @@ class Room : private RenderEvents {
   void send_fault(LiveRadar& radar, Peer& peer) const;
   void watch(LiveRadar& radar, Peer& peer, Demand demand);
   /// Tells those who watch a part of the radar's frame that is no longer there.
-  void check_windows(const LiveRadar& radar) const;
+  void check_windows(LiveRadar& radar) const;
   Peer* peer_of(const OnceJob& job);
   void stopped_if_empty();
   void finish_job(Peer& peer, std::uint32_t stream_id);

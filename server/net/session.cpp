@@ -27,6 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 // More answers than this waiting to be written: requests are not read any further until some have been.
 constexpr std::size_t kMaxAnswersWaiting = 256;
+// More messages than this waiting, its answers and what others' doings make us tell it: it is not reading.
+constexpr std::size_t kMaxControlWaiting = 4 * kMaxAnswersWaiting;
 
 // How a TLS client begins: a handshake record of version 3.x (RFC 8446 section 5.1).
 constexpr std::byte kTlsRecord[] = {std::byte{22}, std::byte{3}};
@@ -83,6 +85,10 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
 
   void send(MessageType type, const google::protobuf::MessageLite& message) override {
     if (closed_) return;
+    if (outbox.control_size() > kMaxControlWaiting) {
+      spdlog::warn("{}: does not read what it is told; connection closed", name);
+      return close();
+    }
     outbox.push_control(wire::encode_message(type, {0, ++sequence_, wire::utc_now_ns()}, message));
     kick();
   }

@@ -100,10 +100,10 @@ TokenFile TokenFile::read(const std::filesystem::path& path) {
 }
 
 void TokenFile::add(std::string_view line, const std::string& where) {
-  line = line.substr(0, line.find('#'));
   const auto next_word = [&line] {
     const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!line.empty() && is_space(line.front())) line.remove_prefix(1);
+    if (line.starts_with('#')) line = {};  // a comment; within a word it is part of it
     std::size_t length = 0;
     while (length < line.size() && !is_space(line[length])) ++length;
     const std::string_view word = line.substr(0, length);

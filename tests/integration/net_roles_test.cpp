@@ -23,7 +23,7 @@ using wire::ErrorNumber;
 constexpr const char* kViewer = "viewer-token-0123456789";
 constexpr const char* kController = "controller-token-0123456789";
 constexpr const char* kOther = "other-controller-0123456789";
-constexpr const char* kAdmin = "admin-token-0123456789";
+constexpr const char* kAdmin = "admin-token#0123456789";
 
 std::string all_tokens() {
   return std::string("# who may do what\n\nviewer ") + kViewer + "\ncontroller\t" + kController +

@@ -244,7 +244,7 @@ TEST(Server, UnsubscribingEndsTheFrames) {
 TEST(Server, ImpossibleRatesAndPlanesAreRefused) {
   const TestServer server;
   client::Client client = connect(server);
-  for (const double rate_hz : {0.0, -1.0, 1e9, std::nan(""), HUGE_VAL}) {
+  for (const double rate_hz : {0.0, -1.0, 1e-300, 1e-6, 1e9, std::nan(""), HUGE_VAL}) {
     EXPECT_EQ(client.subscribe("main", rate_hz).number, number(ErrorNumber::invalid_value)) << rate_hz;
   }
 }
