@@ -74,7 +74,7 @@ std::optional<T> convert(const Key& key, const Value& value) {
 
 }  // namespace
 
-bool Limits::contains(double x) const {
+bool Limits::contains(long double x) const {
   return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
 }
 
@@ -98,7 +98,7 @@ std::optional<FieldError> check(const Key& key, const Slot& slot) {
         } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
           return true;
         } else {
-          return key.limits.contains(static_cast<double>(*place));
+          return key.limits.contains(static_cast<long double>(*place));
         }
       },
       slot);

@@ -31,7 +31,7 @@ struct Limits {
   bool low_open = true;
   bool high_open = true;
 
-  bool contains(double x) const;
+  bool contains(long double x) const;  ///< wide enough for every 64-bit integer
 };
 constexpr Limits closed(double low, double high) { return {low, high, false, false}; }
 constexpr Limits above(double low, double high) { return {low, high, true, false}; }

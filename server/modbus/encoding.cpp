@@ -68,7 +68,7 @@ std::optional<Value> decode_integer(const Parameter& parameter, std::int64_t cou
   // 35.1234567.
   if (is_real(parameter))
     return number(parameter, static_cast<double>(count) / parameter.modbus.counts_per_unit);
-  if (!parameter.key.limits.contains(static_cast<double>(count))) return std::nullopt;
+  if (!parameter.key.limits.contains(static_cast<long double>(count))) return std::nullopt;
   return count;
 }
 
@@ -122,8 +122,8 @@ std::optional<Value> decode(const Parameter& parameter, std::span<const std::uin
   const std::uint64_t bits = join(words);
   switch (parameter.modbus.words) {
     case ModbusWords::u64:
-      return parameter.key.limits.contains(static_cast<double>(bits)) ? std::optional<Value>(bits)
-                                                                      : std::nullopt;
+      return parameter.key.limits.contains(static_cast<long double>(bits)) ? std::optional<Value>(bits)
+                                                                           : std::nullopt;
     case ModbusWords::i64:
       return decode_integer(parameter, static_cast<std::int64_t>(bits));
     case ModbusWords::f32:

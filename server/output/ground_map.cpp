@@ -92,7 +92,8 @@ void check_described(const wire::FrameDescriptor& d) {
                      "; allowed: a number from 0");
   const double sector_deg = d.azimuth_width_deg() * d.settings().azimuth_bins();
   // Where every n-th bin stands for n, the last may reach around to the first.
-  const double past_the_last_deg = d.azimuth_width_deg() * (d.settings().azimuth_bins() > 1 ? 1 : 0);
+  const bool stepped = d.has_window() && d.window().azimuth_step() > 1 && d.settings().azimuth_bins() > 1;
+  const double past_the_last_deg = stepped ? d.azimuth_width_deg() : 0;
   if (!(sector_deg - past_the_last_deg < 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
     throw InputError("frame descriptor: found a sector of " + std::to_string(sector_deg) + " degrees from " +
                      std::to_string(d.azimuth_start_deg()) + "; allowed: at most 360 degrees from a bearing");

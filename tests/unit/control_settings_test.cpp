@@ -17,10 +17,26 @@ namespace {
 /// Settings that differ from the defaults in every field.
 RadarConfig unlike_defaults() {
   RadarConfig c;
-  c.settings = {
-      35, 60, 100, 9000, 5, 30, true, SpeckleKind::geometric, -9, FrustumKind::polar, PlateKind::nearest,
-      3,  4,  5,   6};
-  c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -(1LL << 62), ~0ULL};
+  c.settings = {35,
+                60,
+                100,
+                9000,
+                5,
+                30,
+                true,
+                SpeckleKind::geometric,
+                -9,
+                FrustumKind::polar,
+                PlateKind::nearest,
+                3,
+                4,
+                5,
+                6,
+                ScanMode::sector,
+                7,
+                16};
+  c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -4'000'000'000'000'000'000,
+            ~0ULL,  2.5};
   return c;
 }
 
