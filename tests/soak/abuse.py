@@ -54,14 +54,16 @@ def huge_message(ports, stop):
 
 def vanish(watch, stop):
     """A watcher that is killed while frames are under way."""
-    with subprocess.Popen(watch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+    with subprocess.Popen(watch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                          start_new_session=True) as process:
         stop.wait(random.uniform(0.2, 3))
         process.kill()
 
 
 def stall(watch, stop):
     """A watcher that stops reading for longer than the server waits, and is then killed."""
-    with subprocess.Popen(watch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+    with subprocess.Popen(watch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                          start_new_session=True) as process:
         stop.wait(1)
         process.send_signal(signal.SIGSTOP)
         stop.wait(random.uniform(2, 12))

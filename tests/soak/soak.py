@@ -37,6 +37,7 @@ class Soak:
         self.bin, self.out = os.path.abspath(arguments.bin), os.path.abspath(arguments.out)
         self.seconds = arguments.hours * 3600
         self.stop = threading.Event()
+        self.interrupted = False
         self.faults, self.notes, self.rows = [], [], []
         self.watchers = {}
         self.visits = {}
@@ -52,7 +53,9 @@ class Soak:
 
     def spawn(self, name, words):
         with open(self.log(name), "wb") as log:
-            return subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+            # A session of their own: a Ctrl-C is for the soak, which ends them in good order.
+            return subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                    start_new_session=True)
 
     def start_daemon(self):
         scenes = os.path.join(ROOT, "deploy/scenes")
@@ -105,7 +108,7 @@ class Soak:
 
     def visit(self, name, words):
         """A guest who behaves: must succeed."""
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        done = subprocess.run(words, capture_output=True, text=True, check=False, start_new_session=True)
         self.visits[name] = self.visits.get(name, 0) + 1
         if done.returncode != 0 and len(self.faults) < 20:
             self.faults.append(f"{name}: exit code {done.returncode}: {(done.stderr or done.stdout).strip()[-300:]}")
@@ -151,7 +154,7 @@ class Soak:
         with open(os.path.join(self.out, "soak.csv"), "w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, FIELDS)
             table.writeheader()
-            while time.monotonic() - start < self.seconds:
+            while time.monotonic() - start < self.seconds and not self.interrupted:
                 time.sleep(min(SAMPLE_S, max(0.1, start + self.seconds - time.monotonic())))
                 if self.daemon.poll() is not None:
                     self.faults.append(f"obliqd has ended, exit code {self.daemon.returncode}")
@@ -170,8 +173,11 @@ class Soak:
                 self.faults.append(f"{name} has ended, exit code {watcher.returncode}: {self.text(name)[-300:]}")
             watcher.terminate()
             watcher.wait()
+        if self.interrupted:
+            self.flyer.kill()
+            self.notes.append(f"interrupted after {self.rows[-1]['t_s'] if self.rows else 0:.0f} s")
         try:
-            if self.flyer.wait(timeout=30) != 0:
+            if self.flyer.wait(timeout=30) != 0 and not self.interrupted:
                 self.faults.append("the controller: " + self.text("fly").strip()[-300:])
         except subprocess.TimeoutExpired:
             self.flyer.kill()
@@ -245,7 +251,8 @@ class Soak:
                 self.notes.append(f"{field}: median {statistics.median(values):.1f}, worst minute {max(values):.1f}")
         self.notes.append("visits: " + ", ".join(f"{n} {name}" for name, n in sorted(self.visits.items())))
         lines = self.notes + [f"FAULT: {fault}" for fault in self.faults]
-        lines.append("FAILED" if self.faults else f"PASSED: {self.seconds / 3600:g} h")
+        lines.append("FAILED" if self.faults else "PASSED, interrupted" if self.interrupted else
+                     f"PASSED: {self.seconds / 3600:g} h")
         with open(os.path.join(self.out, "verdict.txt"), "w", encoding="utf-8") as file:
             file.write("\n".join(lines) + "\n")
         return 1 if self.faults else 0
@@ -257,6 +264,12 @@ def main():
     parser.add_argument("--hours", type=float, required=True)
     parser.add_argument("--out", required=True)
     soak = Soak(parser.parse_args())
+
+    def interrupt(_number, _frame):
+        soak.interrupted = True
+
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
     try:
         soak.run()
     finally:
