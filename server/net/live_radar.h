@@ -13,6 +13,8 @@ namespace obliq::net {
 struct Watcher {
   Peer* peer = nullptr;
   Demand demand;
+  std::uint64_t accused_frame = 0;                  ///< the oldest frame when it was last found too slow,
+  std::chrono::steady_clock::time_point accused{};  ///< and since when
   bool window_lost = false;  ///< it has been told that its window lies outside the frame
 };
 

@@ -18,6 +18,10 @@ struct HeldFrame {
   bool lossless = false;  ///< for one of them
 };
 
+/// Between an offence and its consequence: when this process stood still (stopped, swapped out), those who
+/// read have taken the frame by then.
+constexpr double kLastChance_s = 0.5;
+
 double seconds_since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
 }
@@ -79,10 +83,16 @@ void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
   }
   const auto& [oldest, frame] = *frames.begin();
   std::vector<std::pair<Peer*, std::string>> offenders;  // who fails may stop watching at once
-  for (const Watcher* watcher : frame.holders) {
+  for (Watcher* watcher : frame.holders) {
     const FrameLane* lane = watcher->peer->outbox.lane(radar.stream_id);
     std::string reason = lane == nullptr ? "" : offence(*lane, oldest, options);
-    if (!reason.empty()) offenders.emplace_back(watcher->peer, std::move(reason));
+    if (reason.empty()) continue;
+    if (watcher->accused_frame != oldest) {
+      watcher->accused_frame = oldest;
+      watcher->accused = Clock::now();
+    }
+    if (seconds_since(watcher->accused) > kLastChance_s)
+      offenders.emplace_back(watcher->peer, std::move(reason));
   }
   for (const auto& [peer, reason] : offenders) peer->fail(wire::ErrorNumber::reads_too_slowly, reason);
 }

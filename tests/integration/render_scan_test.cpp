@@ -128,7 +128,7 @@ TEST_F(ScanTest, WhatTheBeamHasPassedLongAgoIsSaidToBeMissed) {
   EXPECT_EQ(end.missed(0).first_azimuth(), 8u);
   EXPECT_EQ(end.missed(0).n_azimuth(), 32u);
   EXPECT_EQ(events_.wedges.size(), 4u);
-  EXPECT_EQ(events_.missed, 4u);
+  EXPECT_TRUE(events_.wait([&] { return events_.missed == 4; }));
 
   // Late by more than a pass: what was begun has ended, the next pass begins where the beam is.
   advance_to(3.57);
