@@ -151,14 +151,17 @@ std::optional<wire::Rectangle> FrameAssembler::place_of(const wire::WedgeBlock& 
   return wire::Rectangle{*azimuth, block.n_azimuth(), *range, block.n_range()};
 }
 
-// Of all planes, in the dwells that the server says were missed; those must not have come.
-std::uint64_t FrameAssembler::values_missed(const wire::FrameEnd& end) {
+// Of all planes, in the dwells that the server says were missed; those must not have come. Nothing when they
+// are more than the frame has, which would cost the square of their number.
+std::optional<std::uint64_t> FrameAssembler::values_missed(const wire::FrameEnd& end) {
   std::uint64_t values = 0;
-  if (end.missed_size() > frame_.n_azimuth) return 0;  // nonsense: spans overlap
+  std::uint64_t rows = 0;
   for (const wire::AzimuthSpan& span : end.missed()) {
     const auto row = [&](std::uint64_t azimuth) { return window_.azimuth.index_from(azimuth); };
     const std::uint32_t first = row(span.first_azimuth());
     const std::uint32_t past = row(std::uint64_t{span.first_azimuth()} + span.n_azimuth());
+    rows += past - first;
+    if (rows > static_cast<std::uint64_t>(frame_.n_azimuth)) return std::nullopt;
     for (std::uint32_t at = first; at < past; ++at) {
       for (int plane = 0; plane < wire::kPlanes; ++plane) {
         std::uint32_t& filled = filled_[plane][at];
@@ -174,7 +177,9 @@ std::uint64_t FrameAssembler::values_missed(const wire::FrameEnd& end) {
 
 Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) {
   if (!is_current(header, end.frame_id())) return {};
-  bins_expected_ -= values_missed(end);
+  const auto missed = values_missed(end);
+  if (!missed) return bad("the frame's end says that more azimuth bins were missed than the frame has");
+  bins_expected_ -= *missed;
   if (bins_received_ != bins_expected_) {
     return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
   }

@@ -70,7 +70,7 @@ class FrameAssembler : public FrameHandler {
   Status allocate(std::uint64_t n_azimuth, std::uint64_t n_range);
   std::optional<wire::Rectangle> place_of(const wire::WedgeBlock& block) const;
   std::byte* plane_data(wire::Plane plane);
-  std::uint64_t values_missed(const wire::FrameEnd& end);
+  std::optional<std::uint64_t> values_missed(const wire::FrameEnd& end);
 
   wire::PlaneSet planes_;
   std::uint64_t max_bytes_;

@@ -76,8 +76,10 @@ class RecordedFrames::Collector : public FrameAssembler {
     if (whole.frame.descriptor->has_window()) return whole;
     // Each azimuth is in one wedge, whatever order its planes came in.
     for (std::uint32_t i = 0; i < azimuths_.size(); ++i) {
-      if (!azimuths_[i].seen) continue;
-      if (i == 0 || !azimuths_[i - 1].seen || azimuths_[i].wedge != azimuths_[i - 1].wedge) {
+      // What a scanning antenna missed is known at the end.
+      if (!azimuths_[i].seen) azimuths_[i].utc_ns = whole.end_utc_ns;
+      if (i == 0 || azimuths_[i].seen != azimuths_[i - 1].seen ||
+          azimuths_[i].wedge != azimuths_[i - 1].wedge) {
         whole.wedges.push_back({azimuths_[i].wedge, i, 0, azimuths_[i].utc_ns});
       }
       RecordedWedge& wedge = whole.wedges.back();
@@ -192,9 +194,18 @@ std::string RecordedFrames::frame_in_hand() const {
 // True when the caller is to hear of it.
 bool RecordedFrames::take_message(RecordedFrame& frame, Found& found) {
   const wire::MessageView& message = reader_->message();
+  found = Found::note;
+  if (message.header.type == MessageType::welcome) {
+    // Another connection, whose streams may have other numbers: nothing of the last one follows.
+    const std::string lost = frame_in_hand();
+    collector_ = std::make_unique<Collector>(radar_, planes_, max_bytes_, others_);
+    if (!lost.empty()) {
+      note_ = "at offset " + std::to_string(reader_->offset()) + ": the connection was lost there" + lost;
+    }
+    return !lost.empty();
+  }
   if (!is_frame(message.header.type)) return false;
   const Status status = dispatch_frame(message.header, message.descriptor, message.plane, *collector_);
-  found = Found::note;
   if (!status.ok()) {
     note_ = "at offset " + std::to_string(reader_->offset()) + ": " + status.text + frame_in_hand();
     collector_ = std::make_unique<Collector>(radar_, planes_, max_bytes_, others_);

@@ -10,7 +10,7 @@
 
 namespace obliq::client {
 
-/// When a wedge was sent: its last block's time.
+/// When a wedge was sent: its last block's time. Of azimuths that a scanning antenna missed: the frame's end.
 struct RecordedWedge {
   std::uint32_t index = 0;
   std::uint32_t first_azimuth = 0;

@@ -139,6 +139,8 @@ RadarConfig radar_of(const client::RecordingStart& start, const std::string& pat
                              merge_message(start.descriptor->pose(), radar.pose)}) {
     if (!errors.empty()) throw InputError(path + ": its radar: " + errors.front().text());
   }
+  // Its beam has swept: the passes come out of the recording.
+  radar.settings.scan_mode = ScanMode::frame;
   return radar;
 }
 

@@ -175,6 +175,7 @@ net::FrameRenderer::Plan ReplayRenderer::plan(const SettingsPtr& settings, const
   RadarSettings as_recorded = settings->settings;
   plan.errors = merge_message(newest->frame->frame.descriptor->settings(), as_recorded);
   if (!plan.errors.empty()) return plan;
+  as_recorded.scan_mode = ScanMode::frame;
   plan.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{as_recorded, settings->version});
   plan.frame = std::make_unique<ReplayedFrame>(std::move(newest->frame), newest->at, clock_);
   return plan;

@@ -162,6 +162,7 @@ std::string read_and_remove(const std::string& path) {
   text << std::ifstream(path, std::ios::binary).rdbuf();
   std::filesystem::remove_all(path);
   std::filesystem::remove(path + ".aux.xml");
+  std::filesystem::remove(std::filesystem::path(path).replace_extension("prj"));
   return text.str();
 }
 

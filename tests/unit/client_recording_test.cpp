@@ -12,6 +12,7 @@
 #include "client/recording_writer.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
+#include "server/net/frame_encoder.h"
 #include "tests/support/made_recording.h"
 
 namespace obliq::test {
@@ -180,6 +181,46 @@ TEST(Recording, OfIntegersCompressedGivesTheValuesThatAClientWouldHaveGot) {
   std::uint64_t sequence = 0;
   add_frame(made, 1, sequence, true, "main", 1, {choice});
   EXPECT_EQ(replay(made.bytes).frames, std::set<std::uint64_t>{1});  // all planes but I&Q are exact
+}
+
+TEST(Recording, AConnectionThatWasTakenUpAgainLosesTheFrameInHandAndNoOther) {
+  MadeRecording made = made_recording();
+  const MadeMessage end = made.messages.back();
+  made.bytes.resize(end.begin);  // frame 4 has no end
+  made.messages.pop_back();
+  const MadeMessage welcome = made.messages.front();
+  made.bytes += made.bytes.substr(welcome.begin, welcome.end - welcome.begin);
+  std::uint64_t sequence = 0;
+  add_frame(made, 1, sequence, true, "main", 5);  // the server has begun anew, with other numbers
+  add_frame(made, 2, sequence, true, "main", 5);
+  const Replayed replayed = replay(made.bytes);
+  EXPECT_EQ(replayed.frames, (std::set<std::uint64_t>{1, 2, 3}));
+  EXPECT_NE(replayed.notes.back().find("connection was lost there; frame 4 is incomplete"), std::string::npos)
+      << replayed.notes.back();
+  EXPECT_FALSE(replayed.cut);
+}
+
+TEST(Recording, WhatAScanningAntennaMissedIsAWedgeAtThePassesEnd) {
+  MadeRecording made;
+  std::uint64_t sequence = 0;
+  net::FrameEncoder encoder({.stream_id = 1, .frame_id = 1}, sequence);
+  const auto add = [&](const net::BlockPtr& block) { made.add(block->bytes, block->type, 1); };
+  wire::FrameDescriptor descriptor;
+  descriptor.set_radar("main");
+  descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);
+  descriptor.mutable_settings()->set_range_bins(kMadeRanges);
+  for (const auto& block : encoder.begin(descriptor)) add(block);
+  for (const auto& block : encoder.wedge(0, BinBlock(0, 8, kMadeRanges))) add(block);
+  add(encoder.end({}, 0.001, {{8, kMadeAzimuths - 8}}));
+
+  RecordedFrames frames(reader_of(made.bytes), "main", wire::kAllPlanes);
+  client::RecordedFrame pass;
+  ASSERT_EQ(frames.next(pass), RecordedFrames::Found::frame) << frames.note();
+  ASSERT_EQ(pass.wedges.size(), 2u);
+  EXPECT_EQ(pass.wedges[0].n_azimuth, 8u);
+  EXPECT_EQ(pass.wedges[1].first_azimuth, 8u);
+  EXPECT_EQ(pass.wedges[1].n_azimuth, static_cast<std::uint32_t>(kMadeAzimuths - 8));
+  EXPECT_EQ(pass.wedges[1].utc_ns, pass.end_utc_ns);
 }
 
 TEST(Recording, FramesOfOtherRadarsAreCountedAndLeftOut) {
