@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 namespace obliq::test {
 namespace {
@@ -24,8 +25,8 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
   const pid_t pid = fork();
   if (pid != 0) return pid;
   // In the child: only calls that are safe after a fork of a process with threads.
-  const int out_fd = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  const int err_fd = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int out_fd = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0600);
+  const int err_fd = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0600);
   dup2(out_fd, STDOUT_FILENO);
   dup2(err_fd, STDERR_FILENO);
   execv(program.c_str(), argv.data());
@@ -33,6 +34,17 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
 }
 
 int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status); }
+
+int wait_for(pid_t& pid) {
+  int status = 0;
+  waitpid(std::exchange(pid, -1), &status, 0);
+  return exit_code(status);
+}
+
+bool has_ended(pid_t pid) {
+  siginfo_t info{};
+  return waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+}
 
 }  // namespace
 
@@ -44,10 +56,39 @@ std::string text_of(const std::filesystem::path& file) {
 
 Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
                     const std::filesystem::path& folder) {
-  const pid_t pid = start(program, arguments, folder / "out", folder / "err");
-  int status = 0;
-  waitpid(pid, &status, 0);
-  return {exit_code(status), text_of(folder / "out"), text_of(folder / "err")};
+  pid_t pid = start(program, arguments, folder / "out", folder / "err");
+  const int code = wait_for(pid);
+  return {code, text_of(folder / "out"), text_of(folder / "err")};
+}
+
+Running::Running(const std::vector<std::string>& arguments, std::filesystem::path log)
+    : log_(std::move(log)), pid_(start(OBLIQ_PROGRAM, arguments, log_, log_)) {}
+
+Running::~Running() {
+  if (pid_ > 0) (void)end(SIGKILL);
+}
+
+int Running::wait() { return wait_for(pid_); }
+
+int Running::end(int signal) {
+  kill(pid_, signal);
+  return wait();
+}
+
+bool Running::has_ended() const { return test::has_ended(pid_); }
+
+std::string Running::log() const { return text_of(log_); }
+
+std::string Running::await(const std::string& before) const {
+  for (;;) {
+    const bool ended = has_ended();
+    const std::string text = log();
+    const std::size_t at = text.find(before);
+    const std::size_t end = at == std::string::npos ? at : text.find('\n', at);
+    if (end != std::string::npos) return text.substr(at + before.size(), end - at - before.size());
+    if (ended) return {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 }
 
 Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
@@ -69,9 +110,7 @@ Daemon::Daemon(const std::vector<std::string>& arguments, const std::filesystem:
       address_ = text.substr(at + on.size(), end - at - on.size());
       return;
     }
-    siginfo_t info{};
-    if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0)
-      return;
+    if (has_ended(pid_)) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }
@@ -86,12 +125,7 @@ std::string Daemon::log() const { return text_of(log_); }
 
 void Daemon::send_signal(int signal) const { kill(pid_, signal); }
 
-int Daemon::wait() {
-  int status = 0;
-  waitpid(pid_, &status, 0);
-  pid_ = -1;
-  return exit_code(status);
-}
+int Daemon::wait() { return wait_for(pid_); }
 
 TestFolder::TestFolder()
     : path_(std::filesystem::path(testing::TempDir()) /
@@ -107,6 +141,14 @@ TestFolder::~TestFolder() {
 std::string TestFolder::write(const std::string& name, const std::string& text) const {
   std::ofstream(path_ / name, std::ios::binary) << text;
   return path_ / name;
+}
+
+std::string text_of(const SmallScene& scene) {
+  return "[terrain]\ncell_m = 64.0\n" + scene.terrain + "[antenna]\nheight_m = 1500.0\n" + scene.antenna +
+         "[frustum]\npixels = " + std::to_string(scene.pixels) +
+         "\n[bins]\nazimuth = " + std::to_string(scene.azimuth_bins) +
+         "\nrange = " + std::to_string(scene.range_bins) + "\n" + scene.radars +
+         "[http]\nport = 0\n[server]\nport = 0\n" + scene.server;
 }
 
 }  // namespace obliq::test

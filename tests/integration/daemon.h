@@ -18,6 +18,28 @@ struct Outcome {
 Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
                     const std::filesystem::path& folder);
 
+/// `obliq` in the background. Killed, if it still runs, by the destructor.
+class Running {
+ public:
+  /// Both its outputs go to `log`.
+  Running(const std::vector<std::string>& arguments, std::filesystem::path log);
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  /// Its exit code; negative: killed by that signal.
+  int wait();
+  int end(int signal);
+  bool has_ended() const;
+  std::string log() const;
+  /// What follows `before` in its output, as soon as there is a line with it; empty when it ends before.
+  std::string await(const std::string& before) const;
+
+ private:
+  std::filesystem::path log_;
+  pid_t pid_ = -1;
+};
+
 /// An obliqd in the background. Killed, if it still runs, by the destructor.
 class Daemon {
  public:
@@ -56,5 +78,33 @@ class TestFolder {
 };
 
 std::string text_of(const std::filesystem::path& file);
+
+constexpr const char* kFlat = "synthetic = \"flat\"\n";
+constexpr const char* kRidge = "synthetic = \"ridge\"\nshape = { distance_m = 5000.0 }\n";
+constexpr const char* kOneRadar = "[radar]\nr_min_m = 2000.0\nr_max_m = 9000.0\n";
+constexpr const char* kTwoRadars = R"([[radar]]
+name = "main"
+sector_deg = 60.0
+r_min_m = 2000.0
+r_max_m = 9000.0
+[[radar]]
+name = "nose"
+sector_deg = 90.0
+r_min_m = 2000.0
+r_max_m = 9000.0
+)";
+
+/// A scene that is small enough for any machine, and what those of the tests differ in.
+struct SmallScene {
+  std::string terrain = kRidge;    ///< lines of [terrain], further tables behind them
+  std::string antenna = {};        ///< further lines of [antenna]
+  std::string radars = kOneRadar;  ///< tables
+  int pixels = 64;
+  int azimuth_bins = 36;
+  int range_bins = 32;
+  std::string server = {};  ///< further lines of [server], further tables behind them
+};
+/// As a scene file has it.
+std::string text_of(const SmallScene& scene);
 
 }  // namespace obliq::test

@@ -13,23 +13,7 @@
 namespace obliq::test {
 namespace {
 
-constexpr const char* kScene = R"(
-[terrain]
-synthetic = "ridge"
-cell_m = 64.0
-[antenna]
-height_m = 1500.0
-[radar]
-r_min_m = 2000.0
-r_max_m = 9000.0
-[frustum]
-pixels = 64
-[bins]
-azimuth = 36
-range = 32
-[server]
-port = 0
-)";
+const std::string kScene = text_of(SmallScene{.terrain = "synthetic = \"ridge\"\n"});
 
 class DaemonHttpTest : public testing::Test {
  protected:

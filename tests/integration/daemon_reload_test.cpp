@@ -15,28 +15,12 @@ using client::FrameAssembler;
 
 constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
-/// A scene of which some lines differ.
-std::string scene_text(const std::string& terrain, const std::string& more = "") {
-  return "[terrain]\ncell_m = 64.0\n" + terrain + R"(
-[antenna]
-height_m = 1500.0
-[radar]
-r_min_m = 2000.0
-r_max_m = 9000.0
-[frustum]
-pixels = 64
-[bins]
-azimuth = 36
-range = 32
-[http]
-port = 0
-[server]
-port = 0
-)" + more;
-}
+constexpr const char* kHighRidge =
+    "synthetic = \"ridge\"\nshape = { distance_m = 5000.0, height_m = 900.0 }\n";
 
-constexpr const char* kFlat = "synthetic = \"flat\"\n";
-constexpr const char* kRidge = "synthetic = \"ridge\"\nshape = { distance_m = 5000.0, height_m = 900.0 }\n";
+std::string scene_text(const std::string& terrain, const std::string& more = "") {
+  return text_of(SmallScene{.terrain = terrain, .server = more});
+}
 
 class DaemonReload : public testing::Test {
  protected:
@@ -74,7 +58,7 @@ class DaemonReload : public testing::Test {
 TEST_F(DaemonReload, TheNewGroundShowsAndTheClientStays) {
   const std::vector<double> flat = next_frame();
   ASSERT_FALSE(flat.empty());
-  folder.write("scene.toml", scene_text(kRidge));
+  folder.write("scene.toml", scene_text(kHighRidge));
   daemon.send_signal(SIGHUP);
   ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
   (void)next_frame();  // one that had begun before
@@ -99,7 +83,7 @@ TEST_F(DaemonReload, ABrokenFileChangesNothingAndTheLogSaysWhy) {
   EXPECT_NE(daemon.log().find("server.max_clients: found -3"), std::string::npos) << daemon.log();
   EXPECT_EQ(next_frame(), before);
   // And when it is mended, the next signal is heeded.
-  folder.write("scene.toml", scene_text(kRidge));
+  folder.write("scene.toml", scene_text(kHighRidge));
   daemon.send_signal(SIGHUP);
   ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
 }
@@ -132,7 +116,7 @@ TEST_F(DaemonReload, LimitsChangeAtOnceAndPortsAreNamedAsNeedingARestart) {
 
 TEST_F(DaemonReload, ManySignalsAreSurvived) {
   for (int i = 0; i < 50; ++i) {
-    folder.write("scene.toml", scene_text(i % 2 == 0 ? kRidge : kFlat));
+    folder.write("scene.toml", scene_text(i % 2 == 0 ? kHighRidge : kFlat));
     daemon.send_signal(SIGHUP);
     ASSERT_FALSE(next_frame().empty());
   }

@@ -15,38 +15,10 @@ namespace obliq::test {
 namespace {
 
 /// Small, with shadow behind the ridge and buildings on it; two radars.
-constexpr const char* kScene = R"(
-[terrain]
-synthetic = "ridge"
-shape = { distance_m = 5000.0 }
-cell_m = 64.0
-[[prisms]]
-per_km2 = 0.5
-[antenna]
-latitude_deg = 33.0
-longitude_deg = -99.5
-height_m = 1500.0
-bearing_deg = 20.0
-[frustum]
-pixels = 64
-[bins]
-azimuth = 36
-range = 32
-[server]
-port = 0
-[http]
-port = 0
-[[radar]]
-name = "main"
-sector_deg = 60.0
-r_min_m = 2000.0
-r_max_m = 9000.0
-[[radar]]
-name = "nose"
-sector_deg = 90.0
-r_min_m = 2000.0
-r_max_m = 9000.0
-)";
+const std::string kScene =
+    text_of(SmallScene{.terrain = std::string(kRidge) + "[[prisms]]\nper_km2 = 0.5\n",
+                       .antenna = "latitude_deg = 33.0\nlongitude_deg = -99.5\nbearing_deg = 20.0\n",
+                       .radars = kTwoRadars});
 
 class DaemonTest : public testing::Test {
  protected:

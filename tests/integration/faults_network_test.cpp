@@ -27,30 +27,14 @@ using wire::MessageType;
 constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
 // As short as the configuration allows: 4 s without a sign of life.
-constexpr const char* kScene = R"(
-[terrain]
-synthetic = "ridge"
-shape = { distance_m = 5000.0 }
-cell_m = 64.0
-[antenna]
-height_m = 1500.0
-[radar]
-r_min_m = 2000.0
-r_max_m = 9000.0
-[frustum]
-pixels = 256
-[bins]
-azimuth = 180
-range = 128
-[server]
-port = 0
-address = "0.0.0.0"
+const std::string kScene =
+    text_of(SmallScene{.pixels = 256, .azimuth_bins = 180, .range_bins = 128, .server = R"(address = "0.0.0.0"
 unprotected = true
 dead_after_s = 4.0
 heartbeat_s = 1.0
 stall_timeout_s = 600.0
 idle_timeout_s = 0.0
-)";
+)"});
 
 bool run(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
 

@@ -21,26 +21,7 @@ using client::FrameAssembler;
 
 constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
-constexpr const char* kScene = R"(
-[terrain]
-synthetic = "ridge"
-shape = { distance_m = 5000.0 }
-cell_m = 64.0
-[antenna]
-height_m = 1500.0
-[radar]
-r_min_m = 2000.0
-r_max_m = 9000.0
-[frustum]
-pixels = 512
-[bins]
-azimuth = 360
-range = 256
-[server]
-port = 0
-[http]
-port = 0
-)";
+const std::string kScene = text_of(SmallScene{.pixels = 512, .azimuth_bins = 360, .range_bins = 256});
 
 class Restart : public testing::Test {
  protected:

@@ -32,25 +32,13 @@ constexpr bool kSanitized = false;
 constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
 std::string scene_text(const std::string& terrain, const std::string& more = "") {
-  return "[terrain]\ncell_m = 64.0\n" + terrain + R"(
-[antenna]
-latitude_deg = 33.0
-longitude_deg = -99.5
-height_m = 1500.0
-[radar]
-r_min_m = 2000.0
-r_max_m = 9000.0
-[frustum]
-pixels = 256
-[bins]
-azimuth = 180
-range = 128
-[server]
-port = 0
-)" + more;
+  return text_of(SmallScene{.terrain = terrain,
+                            .antenna = "latitude_deg = 33.0\nlongitude_deg = -99.5\n",
+                            .pixels = 256,
+                            .azimuth_bins = 180,
+                            .range_bins = 128,
+                            .server = more});
 }
-
-constexpr const char* kRidge = "synthetic = \"ridge\"\nshape = { distance_m = 5000.0 }\n";
 
 /// Watches a radar.
 class Watcher {

@@ -1,0 +1,57 @@
+#pragma once
+// obliq record and obliq replay against a real obliqd.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <thread>
+
+#include "client/recorded_frames.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/daemon.h"
+
+namespace obliq::test {
+
+class RecordTest : public testing::Test {
+ protected:
+  Outcome obliq(const std::vector<std::string>& arguments) const {
+    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
+  }
+  std::vector<std::string> record(const std::string& address, std::vector<std::string> more) const {
+    std::vector<std::string> all = {"record", "--server", address, "--radar", "main", "--rate", "50"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  /// Waits until the file has so many bytes, or the recorder has ended.
+  static void await_size(const std::filesystem::path& file, std::uintmax_t bytes, const Running& recorder) {
+    std::error_code none;
+    while (!recorder.has_ended()) {
+      const auto size = std::filesystem::file_size(file, none);
+      if (!none && size >= bytes) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write(
+      "scene.toml",
+      text_of(SmallScene{.antenna = "latitude_deg = 33.0\nlongitude_deg = -99.5\nbearing_deg = 20.0\n",
+                         .radars = kTwoRadars}));
+  std::string file = folder / "main.obliq";
+};
+
+/// All frames of a recording by number.
+inline std::map<std::uint64_t, client::AssembledFrame> frames_of(const std::string& file) {
+  std::map<std::uint64_t, client::AssembledFrame> all;
+  std::unique_ptr<client::RecordingReader> reader;
+  EXPECT_TRUE(client::RecordingReader::open(file, reader).ok());
+  client::RecordedFrames frames(std::move(reader), "main", wire::kAllPlanes);
+  client::RecordedFrame recorded;
+  for (auto found = frames.next(recorded); found != client::RecordedFrames::Found::end;
+       found = frames.next(recorded)) {
+    if (found != client::RecordedFrames::Found::frame) continue;
+    all[recorded.frame.descriptor->frame_id()] = std::move(recorded.frame);
+  }
+  return all;
+}
+
+}  // namespace obliq::test

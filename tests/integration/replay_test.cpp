@@ -1,0 +1,157 @@
+// obliq replay: files and a server out of a recording.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "client/client.h"
+#include "proto/error_number.h"
+#include "tests/integration/record_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+constexpr client::Timeout kLong{60000};  // reached only when something is broken
+
+TEST_F(RecordTest, ReplayWritesTheFilesOfTheRadarThatWasRecordedBitForBit) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  const Outcome recorded = obliq(record(daemon.address(), {"--out", file, "--frames", "3"}));
+  ASSERT_EQ(recorded.code, 0) << recorded.err;
+  EXPECT_NE(recorded.out.find("radar main, 3 frames"), std::string::npos) << recorded.out;
+
+  const Outcome replayed = obliq({"replay", file, "--speed", "max", "--out", folder / "replayed"});
+  ASSERT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_EQ(replayed.err, "");
+  EXPECT_NE(replayed.out.find("3 frames, "), std::string::npos) << replayed.out;
+  EXPECT_NE(replayed.out.find(std::to_string(std::filesystem::file_size(file)) + " bytes, nothing left over"),
+            std::string::npos)
+      << replayed.out;
+  ASSERT_EQ(obliq({"render", scene, "--radar", "main", "--out", folder / "rendered"}).code, 0);
+  for (const char* name :
+       {"bins.npy", "power.npy", "count.npy", "state.npy", "ground_map.png", "ground_map.tif"}) {
+    EXPECT_TRUE(text_of(folder / "rendered" / name) == text_of(folder / "replayed" / name)) << name;
+  }
+}
+
+TEST_F(RecordTest, ReplayServesTheFramesToAClientBitForBitAndRefusesWhatOnlyARadarCan) {
+  {
+    const Daemon daemon({"--config", scene}, folder.path());
+    ASSERT_EQ(obliq(record(daemon.address(), {"--out", file, "--frames", "4"})).code, 0);
+  }
+  auto expected = frames_of(file);
+  ASSERT_EQ(expected.size(), 4u);
+
+  Running replay({"replay", file, "--serve", "--port", "0"}, folder / "replay.log");
+  const std::string address = replay.await(" on ");
+  ASSERT_NE(address, "") << replay.log();
+  client::Client client;
+  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok());
+  ASSERT_EQ(client.welcome().radars_size(), 1);
+  EXPECT_EQ(client.welcome().radars(0), "main");
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().azimuth_bins(), 36);
+  EXPECT_EQ(info.pose().bearing_deg(), 20);
+
+  const auto only = static_cast<std::uint32_t>(wire::ErrorNumber::replay_only);
+  wire::Ack ack;
+  wire::RenderOnce once;
+  once.mutable_pose()->set_latitude_deg(33);
+  EXPECT_EQ(client.claim_control("main").number, only);
+  EXPECT_EQ(client.set_settings("main", {}, ack).number, only);
+  EXPECT_EQ(client.set_pose("main", {}, ack).number, only);
+  const client::Status refused = client.render_once(once);
+  EXPECT_EQ(refused.number, only);
+  EXPECT_NE(refused.text.find("replays a recording"), std::string::npos) << refused.text;
+
+  client::FrameAssembler frames;
+  client.set_handler(&frames);
+  ASSERT_TRUE(client.subscribe("main", 100).ok());
+  std::size_t seen = 0;
+  client::Status status;
+  while ((status = client.receive(kLong)).ok()) {
+    if (frames.state() == client::FrameAssembler::State::aborted) (void)frames.take();
+    if (frames.state() != client::FrameAssembler::State::complete) continue;
+    const client::AssembledFrame got = frames.take();
+    ++seen;
+    // A machine that is busy may leave frames out, as with a radar; those that come are the recorded ones.
+    const auto at = std::find_if(expected.begin(), expected.end(), [&](const auto& one) {
+      return one.second.power_w == got.power_w && one.second.iq == got.iq;
+    });
+    ASSERT_NE(at, expected.end());
+    EXPECT_EQ(got.count, at->second.count);
+    EXPECT_EQ(got.state, at->second.state);
+    EXPECT_EQ(got.descriptor->pose().SerializeAsString(), at->second.descriptor->pose().SerializeAsString());
+  }
+  EXPECT_GE(seen, 1u);
+  // The recording's end is the server's.
+  EXPECT_EQ(status.number, static_cast<std::uint32_t>(wire::ErrorNumber::server_stopping)) << status.text;
+  EXPECT_EQ(replay.wait(), 0) << replay.log();
+}
+
+/// Keeps whether a FrameBegin spoke of a pass.
+class Passes : public client::FrameAssembler {
+ public:
+  client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
+    scans = scans || begin.has_scan();
+    return FrameAssembler::on_begin(header, begin);
+  }
+  bool scans = false;
+};
+
+TEST_F(RecordTest, ThePassesOfAScanningAntennaAreServedAsFramesBitForBit) {
+  folder.write("scene.toml", text_of(SmallScene{.server = "[scan]\nmode = \"sector\"\nrate_deg_s = 240.0\n"
+                                                          "dwell_bins = 8\n"}));
+  {
+    const Daemon daemon({"--config", scene}, folder.path());
+    const Outcome recorded = obliq(record(daemon.address(), {"--out", file, "--frames", "3"}));
+    ASSERT_EQ(recorded.code, 0) << recorded.err;
+  }
+  const auto expected = frames_of(file);
+  ASSERT_EQ(expected.size(), 3u);
+  Running replay({"replay", file, "--serve", "--port", "0"}, folder / "replay.log");
+  const std::string address = replay.await(" on ");
+  client::Client client;
+  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok()) << replay.log();
+  Passes passes;
+  client.set_handler(&passes);
+  ASSERT_TRUE(client.subscribe("main", 100).ok());
+  std::size_t seen = 0;
+  while (client.receive(kLong).ok()) {
+    if (passes.state() == client::FrameAssembler::State::aborted) (void)passes.take();
+    if (passes.state() != client::FrameAssembler::State::complete) continue;
+    const client::AssembledFrame got = passes.take();
+    ++seen;
+    // The poses are the same, and so are the values, but for what a busy machine may have missed.
+    EXPECT_TRUE(std::any_of(expected.begin(), expected.end(), [&](const auto& one) {
+      return one.second.power_w == got.power_w && one.second.state == got.state;
+    }));
+  }
+  EXPECT_GE(seen, 1u);
+  EXPECT_FALSE(passes.scans);
+  EXPECT_EQ(replay.wait(), 0) << replay.log();
+}
+
+TEST_F(RecordTest, PlanesThatWereNotRecordedAreNotServed) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  ASSERT_EQ(obliq(record(daemon.address(), {"--out", file, "--frames", "1", "--planes", "iq,state"})).code,
+            0);
+  Running replay({"replay", file, "--serve", "--port", "0", "--loop"}, folder / "replay.log");
+  const std::string address = replay.await(" on ");
+  client::Client client;
+  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok()) << replay.log();
+  const client::Status refused = client.subscribe("main", 10);
+  ASSERT_EQ(refused.fields.size(), 1u) << refused.text;
+  EXPECT_EQ(refused.fields[0].allowed, "iq, state");
+  const auto planes =
+      static_cast<wire::PlaneSet>(wire::plane_bit(wire::Plane::iq) | wire::plane_bit(wire::Plane::state));
+  client::FrameAssembler frames(planes);
+  client.set_handler(&frames);
+  ASSERT_TRUE(client.subscribe("main", 10, planes).ok());
+  while (frames.state() != client::FrameAssembler::State::complete) ASSERT_TRUE(client.receive(kLong).ok());
+  EXPECT_EQ(replay.end(SIGTERM), 0) << replay.log();
+}
+
+}  // namespace
+}  // namespace obliq::test
