@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Taken off the nearest distance, so that rounding never puts a wall in front of it.
-constexpr double kNearSlack_m = 1e-3;
+/// Taken off the nearest distance and added to the farthest, so that rounding never puts a wall beyond them.
+constexpr double kSlack_m = 1e-3;
 
 /// Square of the distance from the origin to the segment a-b.
 double distance2(const glm::dvec2& a, const glm::dvec2& b) {
@@ -44,12 +44,14 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
   // The outline runs counter-clockwise: a wall a -> b faces the antenna when the antenna is on its right.
   const auto faces = [](const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x < 0; };
   double nearest2 = HUGE_VAL;
+  double farthest2 = 0;
   double bearing = 0;
   glm::dvec2 last = corner(n - 1);
   for (std::uint32_t k = 0; k < n; ++k) {
     const glm::dvec2 here = corner(k);
     const glm::dvec2 next = corner(k + 1);
     nearest2 = std::min(nearest2, distance2(here, next));
+    farthest2 = std::max(farthest2, here.x * here.x + here.y * here.y);
     const double at = bearing_of(here.x, here.y);
     bearing = k == 0 ? at : bearing + std::remainder(at - bearing, 2 * kPi);
     if (k == 0) silhouette.from_rad = silhouette.to_rad = bearing;
@@ -62,7 +64,8 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
   const double closing = bearing + std::remainder(bearing_of(first.x, first.y) - bearing, 2 * kPi);
   const bool around =
       std::abs(closing - bearing_of(first.x, first.y)) > kPi || silhouette.to_rad - silhouette.from_rad > kPi;
-  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kNearSlack_m);
+  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kSlack_m);
+  silhouette.far_m = std::sqrt(farthest2) + kSlack_m;
   if (around) {
     silhouette.from_rad = -kPi;
     silhouette.to_rad = kPi;

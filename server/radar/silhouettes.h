@@ -11,6 +11,7 @@ namespace obliq {
 struct Silhouette {
   std::uint32_t building = 0;
   double near_m = 0;  ///< nothing of the building is nearer (ground distance)
+  double far_m = 0;   ///< nor farther
   double from_rad = 0;
   double to_rad = 0;  ///< from_rad < to_rad; may lie beyond half a turn, so that the two never wrap
   std::vector<double> corners_rad;  ///< between walls of which at least one faces the antenna, rising;

@@ -63,6 +63,9 @@ void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
       Obstacle obstacle;
       obstacle.building = s.building;
       obstacle.near_m = s.near_m;
+      obstacle.far_m = s.far_m;
+      obstacle.roof_m = static_cast<double>(plan_.scene().world().buildings.list[s.building].roof_y_m) -
+                        plan_.sector().antenna_m.y;
       obstacle.ticks = {std::max<std::int64_t>(0, tick(s.from_rad)), std::min(kTicks, tick(s.to_rad))};
       if (!(tick(s.to_rad) >= 0 && obstacle.ticks.from < kTicks)) continue;
       obstacle.ticks.to = std::max(obstacle.ticks.to, obstacle.ticks.from + 1);
@@ -96,8 +99,10 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
   spans_.clear();
   for (std::size_t k = 0; k < n_obstacles; ++k) {
     const Obstacle& o = obstacles_[k];
-    if (centre >= o.ticks.from && centre <= o.ticks.to)
-      footprint_spans(world.buildings, o.building, antenna.x, antenna.z, bearing.sin, bearing.cos, spans_);
+    if (!(centre >= o.ticks.from && centre <= o.ticks.to)) continue;
+    // Seen from above, most roofs that end before the plane begins lie below the ground's horizon.
+    if (o.far_m <= from_m && horizon.hides(o.roof_m > 0 ? o.near_m : o.far_m, o.roof_m)) continue;
+    footprint_spans(world.buildings, o.building, antenna.x, antenna.z, bearing.sin, bearing.cos, spans_);
   }
   for (const FootprintSpan& span : spans_) {
     if (!(span.near_m < from_m)) continue;

@@ -50,6 +50,8 @@ class SweepColumn {
   struct Obstacle {
     std::uint32_t building;
     double near_m;
+    double far_m;
+    double roof_m;  // above the antenna
     TickRange ticks;
     std::vector<std::int64_t> cuts;  // from, corners, to
   };

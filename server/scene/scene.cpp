@@ -13,6 +13,7 @@ Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials
     : world_(std::move(world)),
       materials_(std::move(materials)),
       tiles_(world_->grid),
+      fine_tiles_(world_->grid, TileBounds::kFineCells),
       building_index_(*world_) {
   std::size_t highest = 0;
   for (std::uint8_t id : world_->surface_material) highest = std::max<std::size_t>(highest, id);

@@ -38,6 +38,7 @@ class Scene {
   const std::vector<Material>& materials() const { return materials_; }
   const EmbreeTracer& tracer() const { return *tracer_; }
   const TileBounds& tiles() const { return tiles_; }
+  const TileBounds& fine_tiles() const { return fine_tiles_; }
   const BuildingIndex& building_index() const { return building_index_; }
   const SceneStats& stats() const { return stats_; }
 
@@ -45,6 +46,7 @@ class Scene {
   std::shared_ptr<const World> world_;
   std::vector<Material> materials_;
   TileBounds tiles_;
+  TileBounds fine_tiles_;
   BuildingIndex building_index_;
   std::unique_ptr<EmbreeTracer> tracer_;
   SceneStats stats_;

@@ -5,19 +5,21 @@
 
 namespace obliq {
 
-/// Lowest and highest known node of each 32 x 32-cell tile of a grid (tiles share their border nodes), so
-/// that a frame can bound its sector without touching every post.
+/// Lowest and highest known node of each square tile of a grid (tiles share their border nodes), so that a
+/// frame can bound its ground without touching every post.
 class TileBounds {
  public:
-  static constexpr int kCells = 32;
+  static constexpr int kCells = 32;     ///< a side, unless told
+  static constexpr int kFineCells = 8;  ///< of the tiles within them
 
   struct Tile {
     float lowest_m;   ///< world y; +infinity when nothing in the tile is known
     float highest_m;  ///< world y; -infinity when nothing in the tile is known
   };
 
-  explicit TileBounds(const HeightGrid& grid);
+  explicit TileBounds(const HeightGrid& grid, int cells = kCells);
 
+  int cells() const { return cells_; }
   int tiles_x() const { return tiles_x_; }
   int tiles_z() const { return tiles_z_; }
   const Tile& tile(int ti, int tj) const {
@@ -28,6 +30,7 @@ class TileBounds {
   double lowest_m() const { return lowest_m_; }
 
  private:
+  int cells_;
   double lowest_m_;
   int tiles_x_;
   int tiles_z_;
