@@ -54,6 +54,9 @@ class GroundWalk {
 
   /// Where the walk stands: the first distance that no visit has had.
   double at_m() const { return d_; }
+  /// The cell that it stands in.
+  int cell_i() const { return i_; }
+  int cell_j() const { return j_; }
   /// Walks at least through cells that begin at last_start_m.
   void reach(double last_start_m) { last_start_m_ = std::max(last_start_m_, last_start_m); }
   /// Where the plane leaves the grid, or to_m.

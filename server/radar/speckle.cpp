@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "server/radar/exact_math.h"
+#include "server/radar/lane_kernels.h"
 #include "terrain/hash.h"
 
 namespace obliq {
@@ -13,6 +14,16 @@ namespace {
 
 /// Cells of 1 mm at least, so that cell numbers fit 32 bits within 2,000 km.
 constexpr int kFinestLevel = -10;
+
+/// What the hash takes of a ground cell besides its place.
+std::uint32_t kind_of(const Scatterer& s) {
+  return static_cast<std::uint32_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material;
+}
+
+/// 2^level.
+double side_of(const Scatterer& s) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
+}
 
 /// floor(log2 r), from the exponent bits.
 int octave_of(double slant_range_m) {
@@ -52,14 +63,12 @@ std::uint64_t SpeckleField::hash(const Scatterer& s) const {
   if (s.face != kNoFace) return mix64(seed_ ^ world_.buildings.faces[s.face].identity);
   const std::uint64_t place = static_cast<std::uint64_t>(static_cast<std::uint32_t>(s.x_cell)) << 32 |
                               static_cast<std::uint32_t>(s.z_cell);
-  const std::uint64_t kind =
-      static_cast<std::uint64_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material;
-  return mix64(mix64(seed_ ^ place) ^ kind);
+  return mix64(mix64(seed_ ^ place) ^ kind_of(s));
 }
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
   if (s.face != kNoFace) return world_.buildings.faces[s.face].centre_m;
-  const double side = std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);  // 2^level
+  const double side = side_of(s);
   const double x = (s.x_cell + 0.5) * side;
   const double z = (s.z_cell + 0.5) * side;
   const double y = world_.grid.height_at_m(x, z);
@@ -80,6 +89,24 @@ std::complex<double> SpeckleField::response(const Scatterer& s) const {
           ? 1.0
           : std::sqrt(-log_of_positive((static_cast<double>(h & 0xffffffffull) + 0.5) * 0x1p-32));
   return {modulus * at.cos, modulus * at.sin};
+}
+
+void SpeckleField::respond(const Scatterer* scatterers, SpeckleBlock& block) const {
+  for (int k = 0; k < block.n; ++k) {
+    const Scatterer& s = scatterers[k];
+    block.x_cell[k] = s.x_cell;
+    block.z_cell[k] = s.z_cell;
+    block.kind[k] = kind_of(s);
+    block.side_m[k] = side_of(s);
+  }
+  lane_kernels().speckle(
+      {lane_grid(world_.grid), antenna_m_.x, antenna_m_.y, antenna_m_.z, wavelength_m_, seed_}, block);
+  for (int k = 0; k < block.n; ++k) {
+    if (scatterers[k].face == kNoFace && !std::isnan(block.re[k])) continue;
+    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(scatterers[k]);
+    block.re[k] = voltage.real();
+    block.im[k] = voltage.imag();
+  }
 }
 
 }  // namespace obliq

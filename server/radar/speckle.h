@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "server/radar/speckle_lanes.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/hash.h"
 #include "terrain/world.h"
@@ -36,6 +37,10 @@ class SpeckleField {
 
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for ground, unit modulus for a face.
   std::complex<double> response(const Scatterer& scatterer) const;
+
+  /// sqrt(power) response of block.n scatterers of power block.power_w, the same to the bit, left in block.re
+  /// and block.im. What else is in the block is written over.
+  void respond(const Scatterer* scatterers, SpeckleBlock& block) const;
 
   std::uint64_t hash(const Scatterer& scatterer) const;
 

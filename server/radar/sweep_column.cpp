@@ -29,9 +29,7 @@ SweepColumn::SweepColumn(const FramePlan& plan, int azimuth_bin, double start_ra
     : plan_(plan),
       azimuth_bin_(azimuth_bin),
       start_rad_(start_rad),
-      tick_rad_(width_rad / static_cast<double>(kTicks)),
-      base_(plan.scene().world(), plan.sector().antenna_m, world_bearing(start_rad + 0.5 * width_rad), 0,
-            plan.sector().r_max_m, {}, {}) {}
+      tick_rad_(width_rad / static_cast<double>(kTicks)) {}
 
 SinCos SweepColumn::world_bearing(double offset_rad) const {
   const SinCos offset = sincos_turns(offset_rad / (2 * kPi));
@@ -39,8 +37,8 @@ SinCos SweepColumn::world_bearing(double offset_rad) const {
   return {d.x, d.z};
 }
 
-PlaneShare SweepColumn::share_of(TickRange ticks, const SweepPlane& plane) const {
-  return {azimuth_bin_, offset_rad(ticks), static_cast<double>(ticks.size()) * tick_rad_, plane.bearing()};
+PlaneShare SweepColumn::share_of(TickRange ticks, SinCos bearing) const {
+  return {azimuth_bin_, offset_rad(ticks), static_cast<double>(ticks.size()) * tick_rad_, bearing};
 }
 
 void SweepColumn::start(const std::vector<Silhouette>& silhouettes, PieceSampler& sampler) {
@@ -224,7 +222,7 @@ void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, Piec
     void visible(const VisiblePiece& piece) { sampler.visible(piece); }
     bool full() const { return plane.out_of_shadow(); }
   } sink{sampler, strand.plane};
-  sampler.set(share_of(strand.ticks, strand.plane));
+  sampler.set(share_of(strand.ticks, strand.plane.bearing()));
   strand.plane.advance(to_m, sink, last);
 }
 
@@ -234,31 +232,27 @@ void SweepColumn::finish(const Strand& strand, double at_m) {
 
 void SweepColumn::plan_base() {
   ++planes_;
-  changes_.clear();
+  struct Change {
+    double at_m;
+    std::int64_t ticks;
+  };
+  std::vector<Change> changes;
   for (const StrandRecord& strand : records_) {
-    changes_.push_back({strand.from_m, -strand.ticks.size()});
-    if (strand.to_m < kInfinity) changes_.push_back({strand.to_m, strand.ticks.size()});
+    changes.push_back({strand.from_m, -strand.ticks.size()});
+    if (strand.to_m < kInfinity) changes.push_back({strand.to_m, strand.ticks.size()});
   }
-  std::sort(changes_.begin(), changes_.end(), [](const Change& a, const Change& b) {
+  std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
     return a.at_m != b.at_m ? a.at_m < b.at_m : a.ticks < b.ticks;
   });
-}
-
-bool SweepColumn::continue_base(PieceSampler& sampler) {
-  struct Sink {
-    PieceSampler& sampler;
-    void visible(const VisiblePiece& piece) { sampler.visible(piece); }
-    bool full() const { return sampler.full(); }
-  } sink{sampler};
-  sampler.set(share_of({0, kTicks}, base_));
-  while (true) {
-    while (next_change_ < changes_.size() && changes_[next_change_].at_m <= base_.at_m())
-      base_ticks_ += changes_[next_change_++].ticks;
-    if (base_.done()) return false;
-    sampler.set_width(static_cast<double>(base_ticks_) * tick_rad_);
-    base_.advance(next_change_ < changes_.size() ? changes_[next_change_].at_m : kInfinity, sink);
-    if (sampler.full()) return true;
+  base_.plane = share_of({0, kTicks}, world_bearing(offset_rad({0, kTicks})));
+  std::int64_t ticks = kTicks;
+  for (const Change& change : changes) {
+    base_.to_m.push_back(change.at_m);
+    base_.width_rad.push_back(static_cast<double>(ticks) * tick_rad_);
+    ticks += change.ticks;
   }
+  base_.to_m.push_back(kInfinity);
+  base_.width_rad.push_back(static_cast<double>(ticks) * tick_rad_);
 }
 
 }  // namespace obliq

@@ -12,6 +12,7 @@
 
 #include "server/radar/piece_sampler.h"
 #include "server/radar/silhouettes.h"
+#include "server/radar/sweep_ground.h"
 
 namespace obliq {
 
@@ -36,12 +37,11 @@ class SweepColumn {
   /// `start_rad` is the column's left edge, an offset from the sector's centre.
   SweepColumn(const FramePlan& plan, int azimuth_bin, double start_rad, double width_rad);
 
-  /// Marches the strands of all buildings and leaves the base plane ready. `silhouettes`: of the buildings
-  /// that may overlap the column.
+  /// Marches the strands of all buildings and leaves what the base plane stands for. `silhouettes`: of the
+  /// buildings that may overlap the column.
   void start(const std::vector<Silhouette>& silhouettes, PieceSampler& sampler);
 
-  /// Marches the base plane until the sampler is full; false when it has come to its end.
-  bool continue_base(PieceSampler& sampler);
+  const GroundShare& base() const { return base_; }
 
   int planes() const { return planes_; }
   const std::vector<StrandRecord>& strands() const { return records_; }
@@ -60,10 +60,6 @@ class SweepColumn {
     double from_m;
     SweepPlane plane;
   };
-  struct Change {
-    double at_m;
-    std::int64_t ticks;  // added to what the base plane stands for
-  };
 
   void find_obstacles(const std::vector<Silhouette>& silhouettes);
   void add_obstacle(std::size_t index, PieceSampler& sampler);
@@ -80,7 +76,7 @@ class SweepColumn {
     return start_rad_ + 0.5 * static_cast<double>(ticks.from + ticks.to) * tick_rad_;
   }
   SinCos world_bearing(double offset_rad) const;
-  PlaneShare share_of(TickRange ticks, const SweepPlane& plane) const;
+  PlaneShare share_of(TickRange ticks, SinCos bearing) const;
 
   const FramePlan& plan_;
   int azimuth_bin_;
@@ -90,10 +86,7 @@ class SweepColumn {
   std::vector<Obstacle> obstacles_;
   std::vector<Strand> active_;  // disjoint, by bearing
   std::vector<StrandRecord> records_;
-  SweepPlane base_;
-  std::vector<Change> changes_;
-  std::size_t next_change_ = 0;
-  std::int64_t base_ticks_ = kTicks;
+  GroundShare base_;
   std::vector<FootprintSpan> spans_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/radar/sweep_column.h"
+
 namespace obliq {
 
 int sweep_columns_per_bin(const RadarSettings& settings) {
@@ -11,40 +13,55 @@ int sweep_columns_per_bin(const RadarSettings& settings) {
 SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
       range_(range),
-      columns_per_bin_(sweep_columns_per_bin(plan.settings())),
-      columns_(plan.extent().any ? range.count * columns_per_bin_ : 0),
-      sampler_(plan) {}
-
-void SweepSamples::begin_column() {
-  const int within = column_ % columns_per_bin_;
-  const int bin = range_.first + column_ / columns_per_bin_;
-  if (within == 0) {
-    silhouettes_.clear();
-    for (const std::uint32_t b : plan_.buildings_in(bin))
-      silhouettes_.push_back(silhouette_of(plan_.scene().world().buildings, plan_.sector(), b));
+      columns_per_bin_(plan.extent().any ? sweep_columns_per_bin(plan.settings()) : 0),
+      first_(range.first),
+      sampler_(plan),
+      ground_(plan) {
+  for (int bin = range.first; bin < range.first + range.count; ++bin) {
+    std::vector<Silhouette>& here = silhouettes_.emplace_back();
+    for (const std::uint32_t b : plan.buildings_in(bin))
+      here.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
   }
-  const BinGrid& bins = plan_.bins();
-  const double width_rad = bins.azimuth_width_rad / columns_per_bin_;
-  current_ = std::make_unique<SweepColumn>(
-      plan_, bin, bins.azimuth_edge_rad(bin + static_cast<double>(within) / columns_per_bin_), width_rad);
-  current_->start(silhouettes_, sampler_);
 }
 
 bool SweepSamples::next(SampleBatch& samples, FrameStats& stats) {
   sampler_.begin(samples);
-  const std::uint64_t before = sampler_.samples();
   while (!sampler_.full()) {
-    if (!current_) {
-      if (column_ == columns_) break;
-      begin_column();
-    } else if (!current_->continue_base(sampler_)) {
-      stats.rays += static_cast<std::uint64_t>(current_->planes());
-      current_.reset();
-      ++column_;
+    if (marching_) {
+      if (ground_.next(sampler_, samples)) break;
+      marching_ = false;
+      next_columns();
+    } else if (first_ >= range_.first + range_.count || columns_per_bin_ == 0) {
+      break;
+    } else if (const int bin = first_ + static_cast<int>(shares_.size()); bin < end_of_group()) {
+      add_column(bin, stats);
+    } else {
+      ground_.start(std::move(shares_));
+      shares_.clear();
+      marching_ = true;
     }
   }
-  stats.hits += sampler_.samples() - before;
+  stats.hits += static_cast<std::uint64_t>(samples.n);
   return samples.n > 0;
+}
+
+int SweepSamples::end_of_group() const {
+  return std::min(first_ + SweepGround::kMost, range_.first + range_.count);
+}
+
+void SweepSamples::next_columns() {
+  if (++within_ < columns_per_bin_) return;
+  within_ = 0;
+  first_ += SweepGround::kMost;
+}
+
+void SweepSamples::add_column(int bin, FrameStats& stats) {
+  const BinGrid& bins = plan_.bins();
+  SweepColumn column(plan_, bin, bins.azimuth_edge_rad(bin + static_cast<double>(within_) / columns_per_bin_),
+                     bins.azimuth_width_rad / columns_per_bin_);
+  column.start(silhouettes_[static_cast<std::size_t>(bin - range_.first)], sampler_);
+  stats.rays += static_cast<std::uint64_t>(column.planes());
+  shares_.push_back(column.base());
 }
 
 }  // namespace obliq

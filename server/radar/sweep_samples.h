@@ -1,31 +1,36 @@
 #pragma once
-#include <memory>
 #include <vector>
 
 #include "server/radar/sample_source.h"
-#include "server/radar/sweep_column.h"
+#include "server/radar/silhouettes.h"
+#include "server/radar/sweep_ground.h"
 
 namespace obliq {
 
 /// The sweep: no rays; vertical planes marched outwards, each visible piece of surface one sample or more. An
 /// azimuth bin is divided into columns of equal width, as many as make at least `pixel_columns` in the
-/// sector; a column lies in one bin.
+/// sector; a column lies in one bin. Columns that stand at the same place in their bins go together: first
+/// the buildings of one after the other, then the ground of all of them side by side.
 class SweepSamples : public SampleSource {
  public:
   SweepSamples(const FramePlan& plan, AzimuthRange range);
   bool next(SampleBatch& samples, FrameStats& stats) override;
 
  private:
-  void begin_column();
+  int end_of_group() const;
+  void next_columns();
+  void add_column(int bin, FrameStats& stats);
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  int columns_per_bin_;
-  int columns_;     // in the wedge; none where no ground is known
-  int column_ = 0;  // within the wedge
-  std::vector<Silhouette> silhouettes_;
+  int columns_per_bin_;                               // none where no ground is known
+  int first_;                                         // bin of those that go together
+  int within_ = 0;                                    // their columns' place in the bin
+  std::vector<std::vector<Silhouette>> silhouettes_;  // [range.count]
   PieceSampler sampler_;
-  std::unique_ptr<SweepColumn> current_;
+  SweepGround ground_;
+  std::vector<GroundShare> shares_;  // of the columns whose buildings are done
+  bool marching_ = false;
 };
 
 /// Columns that the sweep cuts an azimuth bin into.

@@ -130,8 +130,19 @@ void WedgeBins::grow_table() {
 }
 
 void WedgeBins::write(BinBlock& block) {
-  for (const Group& group : groups_)
-    voltage_[group.bin] += std::sqrt(group.power_w) * speckle_.response(group.scatterer);
+  Scatterer scatterers[SpeckleBlock::kMost];
+  SpeckleBlock responses{};
+  for (std::size_t first = 0; first < groups_.size(); first += SpeckleBlock::kMost) {
+    responses.n = static_cast<int>(std::min<std::size_t>(SpeckleBlock::kMost, groups_.size() - first));
+    const Group* const group = groups_.data() + first;
+    for (int k = 0; k < responses.n; ++k) {
+      scatterers[k] = group[k].scatterer;
+      responses.power_w[k] = group[k].power_w;
+    }
+    speckle_.respond(scatterers, responses);
+    for (int k = 0; k < responses.n; ++k)
+      voltage_[group[k].bin] += std::complex<double>(responses.re[k], responses.im[k]);
+  }
   groups_.clear();
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
     block.iq[bin] = std::complex<float>(voltage_[bin]);

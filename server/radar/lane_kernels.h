@@ -1,0 +1,41 @@
+#pragma once
+// The inner loops that exist once for each instruction set. All sets give the same bits.
+#include <vector>
+
+#include "server/radar/ground_lanes.h"
+#include "server/radar/piece_lanes.h"
+#include "server/radar/speckle_lanes.h"
+#include "terrain/height_grid.h"
+
+namespace obliq {
+
+struct LaneKernels {
+  const char* name;
+  SpeckleKernel speckle;
+  GroundKernel march_ground;
+  PieceKernel cut_ground;
+};
+
+/// Those of the widest set that this machine has.
+const LaneKernels& lane_kernels();
+
+/// Of all the sets that this machine has, the narrowest first.
+const std::vector<LaneKernels>& all_lane_kernels();
+
+inline LaneGrid lane_grid(const HeightGrid& grid) {
+  return {grid.y_m.data(), grid.nx, grid.nz, grid.x0_m, grid.z0_m, grid.cell_m};
+}
+
+/// Compiled with x86-64-v2, -v3 and -v4.
+#define OBLIQ_DECLARE_LANES(isa)                                                    \
+  namespace isa {                                                                   \
+  void speckle_lanes(const SpeckleGround&, SpeckleBlock&);                          \
+  bool march_ground(const GroundScene&, GroundLanes&, GroundPieces&);               \
+  int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&); \
+  }
+OBLIQ_DECLARE_LANES(sse)
+OBLIQ_DECLARE_LANES(avx2)
+OBLIQ_DECLARE_LANES(avx512)
+#undef OBLIQ_DECLARE_LANES
+
+}  // namespace obliq

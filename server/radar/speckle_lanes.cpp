@@ -1,0 +1,62 @@
+// SpeckleField::response for eight ground cells at a time, to the bit.
+#include "server/radar/speckle_lanes.h"
+
+#include "server/radar/lanes.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+/// HeightGrid::height_at_m; NaN off the grid or over unknown ground.
+OBLIQ_LANES Lanes height_at(const LaneGrid& grid, Lanes x, Lanes z) {
+  const Lanes u = (x - grid.x0_m) / grid.cell_m;
+  const Lanes v = (z - grid.z0_m) / grid.cell_m;
+  const double last_u = grid.nx - 1;
+  const double last_v = grid.nz - 1;
+  const LaneFlags on_grid = (u >= 0.0) & (v >= 0.0) & (u <= last_u) & (v <= last_v);
+  const Lanes low_u = floor_of(select(on_grid, u, Lanes{}));
+  const Lanes low_v = floor_of(select(on_grid, v, Lanes{}));
+  const Lanes i = select(low_u > last_u - 1, all_lanes(last_u - 1), low_u);
+  const Lanes j = select(low_v > last_v - 1, all_lanes(last_v - 1), low_v);
+  const LaneBits at = integers_of(j * static_cast<double>(grid.nx) + i);
+  const LaneBits above = at + static_cast<std::uint64_t>(grid.nx);
+  const Lanes y00 = gather(grid.y_m, at);
+  const Lanes y10 = gather(grid.y_m, at + 1);
+  const Lanes y01 = gather(grid.y_m, above);
+  const Lanes y11 = gather(grid.y_m, above + 1);
+  const Lanes s = u - i;
+  const Lanes t = v - j;
+  const Lanes lower = y00 + s * (y10 - y00) + t * (y01 - y00);
+  const Lanes upper = y11 + (1.0 - s) * (y01 - y11) + (1.0 - t) * (y10 - y11);
+  const Lanes all_four = (y00 + y10) + (y01 + y11);
+  return select(on_grid & (all_four == all_four), select(s + t <= 1.0, lower, upper),
+                all_lanes(__builtin_nan("")));
+}
+
+}  // namespace
+
+void speckle_lanes(const SpeckleGround& ground, SpeckleBlock& block) {
+  for (int k = 0; k < block.n; k += kLanes) {
+    const Lanes side = load_lanes(block.side_m + k);
+    const Lanes x = (load_lanes(block.x_cell + k) + 0.5) * side;
+    const Lanes z = (load_lanes(block.z_cell + k) + 0.5) * side;
+    const Lanes dx = x - ground.antenna_x_m;
+    const Lanes dy = height_at(ground.grid, x, z) - ground.antenna_y_m;
+    const Lanes dz = z - ground.antenna_z_m;
+    const Lanes range = sqrt_of(dx * dx + dy * dy + dz * dz);
+
+    const auto* const x_bits = reinterpret_cast<const std::uint32_t*>(block.x_cell + k);
+    const auto* const z_bits = reinterpret_cast<const std::uint32_t*>(block.z_cell + k);
+    const LaneBits place = (load_bits(x_bits) << 32) | load_bits(z_bits);
+    const LaneBits hash = mix64(mix64(place ^ ground.seed) ^ load_bits(block.kind + k));
+
+    const Lanes own_turns = doubles_of(hash >> 32) * 0x1p-32;
+    const Lanes round_trips = 2.0 * range / ground.wavelength_m;
+    const SinCosLanes at = sincos_turns(own_turns - (round_trips - floor_of(round_trips)));
+    const Lanes modulus = sqrt_of(-log_of_positive((doubles_of(hash & 0xffffffffull) + 0.5) * 0x1p-32));
+    const Lanes amplitude = sqrt_of(load_lanes(block.power_w + k));
+    store_lanes(block.re + k, amplitude * (modulus * at.cos));
+    store_lanes(block.im + k, amplitude * (modulus * at.sin));
+  }
+}
+
+}  // namespace obliq::OBLIQ_ISA

@@ -1,0 +1,156 @@
+// The inner loops that are compiled for several instruction sets give the bits of the plain code, each of
+// them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <vector>
+
+#include "server/radar/lane_kernels.h"
+#include "server/radar/speckle.h"
+#include "server/radar/sweep_ground.h"
+#include "terrain/hash.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+/// Hills with a void in them, and cells on, beside and over their edges.
+class SpeckleLanes : public testing::Test {
+ protected:
+  SpeckleLanes() {
+    HeightGrid& grid = world_.grid;
+    for (int j = 40; j < 60; ++j)
+      for (int i = 30; i < 90; ++i) grid.y_m[grid.index(i, j)] = std::numeric_limits<float>::quiet_NaN();
+    for (std::uint64_t k = 0; k < SpeckleBlock::kMost - 3; ++k) {
+      const auto along = [&](std::uint64_t axis, double first, double last) {
+        return first +
+               (last - first) * (1.1 * unit_from_hash(hash_cell(axis, static_cast<int>(k), 0)) - 0.05);
+      };
+      cells_.push_back(field_.scatterer(1000 + 50.0 * static_cast<double>(k),
+                                        along(1, grid.x0_m, grid.x1_m()), along(2, grid.z0_m, grid.z1_m()),
+                                        kNoFace, static_cast<std::uint8_t>(k % 3)));
+      block_.power_w[k] = along(3, 1e-12, 1e-9) + 1e-9;
+    }
+    block_.n = static_cast<int>(cells_.size());
+  }
+
+  World world_ = load_world(test::synthetic_spec(SyntheticKind::hills, 5000, 50));
+  SpeckleField field_{world_, {10, 1500, -20}, 0.03, 32, 2e-3, 1};
+  std::vector<Scatterer> cells_;
+  SpeckleBlock block_{};
+};
+
+TEST_F(SpeckleLanes, GiveTheBitsOfOneCellAtATime) {
+  field_.respond(cells_.data(), block_);
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const std::complex<double> one = std::sqrt(block_.power_w[k]) * field_.response(cells_[k]);
+    EXPECT_EQ(block_.re[k], one.real()) << k;
+    EXPECT_EQ(block_.im[k], one.imag()) << k;
+  }
+}
+
+TEST_F(SpeckleLanes, AreTheSameInEveryInstructionSet) {
+  field_.respond(cells_.data(), block_);  // fills in what the kernels read
+  const SpeckleGround ground{lane_grid(world_.grid), 10, 1500, -20, 0.03, mix64(1)};
+  int unknown = 0;
+  for (const LaneKernels& kernels : all_lane_kernels()) {
+    SpeckleBlock found = block_;
+    kernels.speckle(ground, found);
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      if (std::isnan(found.re[k])) {
+        ++unknown;
+        continue;
+      }
+      EXPECT_EQ(found.re[k], block_.re[k]) << kernels.name << ' ' << k;
+      EXPECT_EQ(found.im[k], block_.im[k]) << kernels.name << ' ' << k;
+    }
+  }
+  EXPECT_GT(unknown, 0);
+  EXPECT_LT(unknown, static_cast<int>(all_lane_kernels().size() * cells_.size() / 2));
+}
+
+/// One sample as numbers, to compare.
+using Sample = std::vector<double>;
+
+/// Samples by plane, in their order. `each(batch)` fills batches until it returns false.
+template <class Each>
+std::vector<std::vector<Sample>> samples_of(std::size_t planes, const Each& each) {
+  std::vector<std::vector<Sample>> found(planes);
+  const auto batch = std::make_unique<SampleBatch>();
+  for (bool more = true; more;) {
+    more = each(*batch);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k)
+      found[static_cast<std::size_t>(batch->azimuth_bin[k])].push_back(
+          {batch->slant_range_m[k], batch->solid_angle_sr[k], batch->cos_incidence[k],
+           batch->azimuth_offset_rad[k], batch->sin_elevation[k], batch->x_m[k], batch->z_m[k],
+           static_cast<double>(batch->face[k]), static_cast<double>(batch->material[k])});
+  }
+  return found;
+}
+
+/// A plane marched by itself.
+struct OnePlane {
+  PieceSampler& sampler;
+  void visible(const VisiblePiece& piece) { sampler.visible(piece); }
+  bool full() const { return sampler.full(); }
+};
+
+TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
+  std::size_t compared = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    test::RandomScene random = test::random_scene(seed);
+    random.settings.frustum = FrustumKind::sweep;
+    const auto scene = test::make_scene(std::move(random.world), std::vector<Material>(8));
+    const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
+    const Sector& sector = plan->sector();
+    // Planes all round, five to eight of them, whose widths change on the way, to none and back.
+    std::vector<GroundShare> shares;
+    for (std::size_t p = 0; p < 5 + seed % 4; ++p) {
+      const double turn = static_cast<double>(p) / 7 + 0.01 * static_cast<double>(seed);
+      GroundShare share;
+      share.plane = {static_cast<std::int32_t>(p), 0.1 * static_cast<double>(p), 1, sincos_turns(turn)};
+      const double step = 0.3 * sector.r_max_m * unit_from_hash(hash_cell(4, static_cast<int>(seed), p));
+      share.to_m = {step, 1.5 * step, 2 * step, HUGE_VAL};
+      share.width_rad = {1, 0, 0.5, 0.25};
+      shares.push_back(share);
+    }
+    std::vector<std::vector<Sample>> expected;
+    for (const GroundShare& share : shares) {
+      SweepPlane plane(scene->world(), sector.antenna_m, share.plane.bearing, 0, sector.r_max_m, {}, {});
+      PieceSampler sampler(*plan);
+      sampler.set(share.plane);
+      OnePlane sink{sampler};
+      std::size_t part = 0;
+      expected.push_back(samples_of(shares.size(), [&](SampleBatch& batch) {
+        sampler.begin(batch);
+        while (!sampler.full()) {
+          while (share.to_m[part] <= plane.at_m()) ++part;
+          if (plane.done()) break;
+          sampler.set_width(share.width_rad[part]);
+          plane.advance(share.to_m[part], sink);
+        }
+        return batch.n > 0;
+      })[static_cast<std::size_t>(share.plane.azimuth_bin)]);
+      compared += expected.back().size();
+    }
+    for (const LaneKernels& kernels : all_lane_kernels()) {
+      SweepGround ground(*plan, kernels);
+      ground.start(shares);
+      PieceSampler sampler(*plan);
+      EXPECT_EQ(samples_of(shares.size(),
+                           [&](SampleBatch& batch) {
+                             sampler.begin(batch);
+                             return ground.next(sampler, batch) || sampler.anything_waiting();
+                           }),
+                expected)
+          << kernels.name << ' ' << random.text;
+    }
+  }
+  EXPECT_GT(compared, 100000u);
+}
+
+}  // namespace
+}  // namespace obliq
