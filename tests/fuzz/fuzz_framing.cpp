@@ -1,7 +1,5 @@
 // Bytes as they come from a socket: headers, whole messages, every message's protobuf part, frames put
-// together. First byte: bit 0 puts the CRCs right.
-#include <google/protobuf/stubs/logging.h>
-
+// together.
 #include "client/frame_assembler.h"
 #include "client/frame_dispatch.h"
 #include "proto/limits.h"
@@ -12,6 +10,7 @@
 namespace obliq {
 namespace {
 
+const fuzz::QuietProtobuf kQuiet;
 constexpr std::uint64_t kMostFrameBytes = 1u << 20;
 
 template <typename... Messages>
@@ -44,18 +43,9 @@ void check_header(const wire::FrameHeader& header, std::span<const std::byte> by
 }  // namespace
 }  // namespace obliq
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  google::protobuf::SetLogHandler(nullptr);  // it would print each message that does not parse
-  return 0;
-}
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace obliq;
-  fuzz::Input input(data, size);
-  const bool mend = (input.u8() & 1) != 0;
-  const auto given = input.rest();
-  wire::Bytes bytes(given.begin(), given.end());
-  if (mend) fuzz::mend_crcs(bytes);
+  const wire::Bytes bytes = fuzz::stream_of(data, size);
 
   client::FrameAssembler frames(wire::kAllPlanes, kMostFrameBytes);
   std::span<const std::byte> left(bytes);

@@ -1,6 +1,4 @@
-// A recording's bytes. First byte: bit 0 puts the CRCs right.
-#include <google/protobuf/stubs/logging.h>
-
+// A recording's bytes.
 #include <sstream>
 #include <string>
 
@@ -11,6 +9,7 @@
 namespace obliq {
 namespace {
 
+const fuzz::QuietProtobuf kQuiet;
 constexpr std::uint64_t kMostFrameBytes = 1u << 20;
 
 std::unique_ptr<client::RecordingReader> reader_of(const std::string& bytes) {
@@ -35,18 +34,9 @@ void check(const client::RecordedFrame& recorded) {
 }  // namespace
 }  // namespace obliq
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  google::protobuf::SetLogHandler(nullptr);  // it would print each message that does not parse
-  return 0;
-}
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace obliq;
-  fuzz::Input input(data, size);
-  const bool mend = (input.u8() & 1) != 0;
-  const auto given = input.rest();
-  wire::Bytes raw(given.begin(), given.end());
-  if (mend) fuzz::mend_crcs(raw);
+  const wire::Bytes raw = fuzz::stream_of(data, size);
   const std::string bytes(reinterpret_cast<const char*>(raw.data()), raw.size());
 
   // Every byte is in a message, in damage, or left over.

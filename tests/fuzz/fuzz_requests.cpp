@@ -1,7 +1,6 @@
 // Every message that a client may send, through the room that answers them, without sockets and without a
 // scene. The input is requests: a byte (bit 7: of the second client), the type, two bytes of length, and that
 // much protobuf.
-#include <google/protobuf/stubs/logging.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -100,7 +99,7 @@ void run(fuzz::Input input) {
 }  // namespace obliq::net
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  google::protobuf::SetLogHandler(nullptr);  // it would print each message that does not parse
+  const obliq::fuzz::QuietProtobuf quiet;
   spdlog::set_level(spdlog::level::off);
   return 0;
 }

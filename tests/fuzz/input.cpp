@@ -1,5 +1,7 @@
 #include "tests/fuzz/input.h"
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstdio>
 #include <cstdlib>
 
@@ -7,6 +9,17 @@
 #include "proto/limits.h"
 
 namespace obliq::fuzz {
+
+QuietProtobuf::QuietProtobuf() { google::protobuf::SetLogHandler(nullptr); }
+
+std::vector<std::byte> stream_of(const std::uint8_t* data, std::size_t size) {
+  Input input(data, size);
+  const bool mend = (input.u8() & 1) != 0;
+  const auto given = input.rest();
+  std::vector<std::byte> bytes(given.begin(), given.end());
+  if (mend) mend_crcs(bytes);
+  return bytes;
+}
 
 void mend_crcs(std::vector<std::byte>& bytes) {
   std::span<std::byte> left(bytes);

@@ -35,6 +35,14 @@ class Input {
   std::span<const std::uint8_t> left_;
 };
 
+/// A stream's bytes. First byte: bit 0 puts the CRCs right; the messages follow.
+std::vector<std::byte> stream_of(const std::uint8_t* data, std::size_t size);
+
+/// From its construction on protobuf does not print each message that does not parse.
+struct QuietProtobuf {
+  QuietProtobuf();
+};
+
 /// Gives every message in `bytes` that lies there whole the CRC that belongs to it; what is no message stays.
 void mend_crcs(std::vector<std::byte>& bytes);
 
