@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "server/apps/commands.h"
+#include "server/apps/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/explain/explain.h"
@@ -53,7 +54,7 @@ void add_explain(CLI::App& app) {
   command->add_option("--out", arguments->out, "Folder for explain.md and explain.csv (made if missing)")
       ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
-      ->check(CLI::Range(0, 1024));
+      ->check(whole_number_from(0, 1024));
   command->callback([arguments] {
     if (const auto config = open_scene(arguments->scene)) run(*config, *arguments);
   });

@@ -4,6 +4,7 @@
 
 #include "server/apps/commands.h"
 #include "server/apps/frontier_run.h"
+#include "server/apps/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "terrain/errors.h"
@@ -47,31 +48,31 @@ void add_frontier(CLI::App& app) {
       ->add_option("--azimuths", options.azimuths,
                    "Azimuth bins to compare with the truth, in wedges spread evenly over the sector; 0: all. "
                    "Times are always of whole frames")
-      ->check(CLI::Range(0, 8192));
+      ->check(whole_number_from(0, 8192));
   command
       ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
       ->delimiter(',')
-      ->check(CLI::Range(1, 16384));
+      ->check(whole_number_from(1, 16384));
   command
       ->add_option("--cells", options.range.cells_m,
                    "Cell sizes in metres beside the scene's own; the truth takes the finest. Without: "
                    "twice and four times the scene's")
       ->delimiter(',')
-      ->check(CLI::Range(0.03125, 10000.0));
+      ->check(number_from(0.03125, 10000));
   command->add_option("--repeats", options.repeats, "Timed frames for each sampling")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_number_from(1, 1000));
   command->add_option("--threads", options.threads, "Threads; 0: as the scene file says")
-      ->check(CLI::Range(0, 1024));
+      ->check(whole_number_from(0, 1024));
   command->add_option("--truth-planes", options.truth_planes, "Planes in each azimuth bin to begin with")
-      ->check(CLI::Range(1, 65536));
+      ->check(whole_number_from(1, 65536));
   command
       ->add_option("--truth-planes-limit", options.most_truth_planes,
                    "Most planes in each azimuth bin, however far the truth is from a tenth of the errors")
-      ->check(CLI::Range(1, 65536));
+      ->check(whole_number_from(1, 65536));
   command->add_option("--truth-step", options.truth_step_m, "Longest step of the truth to begin with, m")
-      ->check(CLI::Range(0.001, 1000.0));
+      ->check(number_from(0.001, 1000));
   command->add_option("--stop-after", options.stop_after, "Stop after that many samplings; 0: do all")
-      ->check(CLI::Range(0, 100000));
+      ->check(whole_number_from(0, 100000));
   command->add_flag("--restart", options.restart, "Throw away what an earlier run left in the folder");
   command->callback([arguments, command] {
     const auto config = open_scene(arguments->scene);

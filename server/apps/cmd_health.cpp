@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/apps/commands.h"
+#include "server/apps/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/control/scene_file.h"
 #include "server/http/http_client.h"
@@ -67,7 +68,7 @@ void add_health(CLI::App& app) {
   command->add_flag("--ready", arguments->ready,
                     "Ask whether it serves already (/readyz), not only whether it runs");
   command->add_option("--timeout", arguments->timeout_s, "Seconds for the answer")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(number_from(0.1, 3600))
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });
 }

@@ -7,16 +7,19 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "client/frame_dispatch.h"
 #include "client/recording_writer.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/interrupts.h"
+#include "server/apps/number_option.h"
 #include "server/apps/plane_argument.h"
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
-#include "terrain/errors.h"
 
 namespace obliq {
 namespace {
@@ -38,23 +41,44 @@ struct RecordArguments {
 
 // Between looks at the clock and at signals.
 constexpr client::Timeout kPatience{100};
+constexpr double kMostSeconds = 1e9;
 constexpr Clock::duration kProgressPause = std::chrono::milliseconds(250);
 // Errors below this number end the connection, those above concern a radar that may recover.
 constexpr std::uint32_t kFirstErrorOfRadar = 100;
 
-/// Writes what arrives, and counts frames on the way.
+// What a server says before it sends frames is a handful of messages.
+constexpr std::size_t kMostHeld = 64;
+
+/// Writes what arrives, and counts frames on the way. What comes before the subscription is acknowledged is
+/// held back, so that one that is refused leaves no file behind, and an older file as it was.
 class Recorder {
  public:
-  Recorder(const std::string& path, bool force, std::uint64_t most_frames) : most_frames_(most_frames) {
-    const client::Status status = writer_.open(path, force);
-    if (status.ok()) return;
-    const bool exists = !force && access(path.c_str(), F_OK) == 0;
-    throw InputError("--out: " + status.text + (exists ? "; --force overwrites it" : ""));
+  Recorder(std::string path, bool force, std::uint64_t most_frames)
+      : path_(std::move(path)), force_(force), most_frames_(most_frames) {}
+
+  client::Status begin() {
+    if (begun_) return {};
+    begun_ = true;
+    client::Status status = writer_.open(path_, force_);
+    if (!status.ok()) {
+      const bool exists = !force_ && access(path_.c_str(), F_OK) == 0;
+      status.text = "--out: " + status.text + (exists ? "; --force overwrites it" : "");
+    }
+    for (auto message = held_.begin(); status.ok() && message != held_.end(); ++message) {
+      status = writer_.write(*message, {});
+    }
+    held_.clear();
+    return status;
   }
 
   client::Status take(const client::Message& message) {
     if (finished()) return {};
-    client::Status status = writer_.write(message.header_bytes(), message.payload);
+    if (!begun_ && !client::is_frame(message.header.type) && held_.size() < kMostHeld) {
+      held_.push_back(message.bytes());
+      return {};
+    }
+    client::Status status = begin();
+    if (status.ok()) status = writer_.write(message.header_bytes(), message.payload);
     if (!status.ok()) return status;
     if (message.header.type == wire::MessageType::frame_end) ++frames_;
     wire::FrameBegin begin;
@@ -64,7 +88,7 @@ class Recorder {
     }
     return status;
   }
-  client::Status take(const wire::Bytes& whole) { return writer_.write(whole, {}); }
+  void take_welcome(const wire::Bytes& whole) { held_.push_back(whole); }
   client::Status close() { return writer_.close(); }
 
   bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
@@ -78,6 +102,10 @@ class Recorder {
 
  private:
   client::RecordingWriter writer_;
+  std::string path_;
+  bool force_;
+  bool begun_ = false;
+  std::vector<wire::Bytes> held_;
   std::uint64_t most_frames_;
   std::uint64_t frames_ = 0;
   std::uint64_t skipped_ = 0;
@@ -119,7 +147,7 @@ void run(const RecordArguments& arguments) {
   client::ResumingClient client(connect_to_server(arguments.server, "obliq record"), resume);
   const std::string radar = choose_remote_radar(client.client(), arguments.server);
   Recorder recorder(arguments.out, arguments.force, arguments.frames);
-  require(recorder.take(client.client().welcome_bytes()));
+  recorder.take_welcome(client.client().welcome_bytes());
   client.client().set_tap([&recorder](const client::Message& message) { return recorder.take(message); });
 
   const auto start = Clock::now();
@@ -137,6 +165,7 @@ void run(const RecordArguments& arguments) {
     if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
   }
   require(client.subscribe(request));
+  require(recorder.begin());
   client::Status status = receive_all(client, arguments, recorder, radar);
   // A frame that is under way is ended by the server's FrameAbort, so that the recording ends between frames.
   if (status.ok() && !recorder.finished()) status = client.client().unsubscribe(radar);
@@ -159,12 +188,16 @@ void add_record(CLI::App& app) {
   command->add_option("--out", arguments->out, "The recording; must not exist yet")
       ->required()
       ->type_name("FILE");
-  command->add_option("--rate", arguments->rate_hz, "Frames a second")->type_name("HZ")->default_val(1.0);
+  command->add_option("--rate", arguments->rate_hz, "Frames a second")
+      ->type_name("HZ")
+      ->default_val(1.0)
+      ->check(a_rate());
   command->add_option("--frames", arguments->frames, "Stop after so many whole frames; 0: go on")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(a_count());
   command->add_option("--seconds", arguments->seconds, "Stop after so long; 0: go on")
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from(0, kMostSeconds));
   command->add_option("--planes", arguments->planes, "Only these of iq,power,count,state; without: all")
       ->type_name("NAMES");
   command->add_flag("--lossless", arguments->lossless,

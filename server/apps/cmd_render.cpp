@@ -8,6 +8,7 @@
 #include "server/apps/commands.h"
 #include "server/apps/frame_report.h"
 #include "server/apps/meet_accuracy.h"
+#include "server/apps/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/output/describe_frame.h"
@@ -114,7 +115,7 @@ void add_render(CLI::App& app) {
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
   command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
   command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
-      ->check(CLI::Range(0, 1024));
+      ->check(whole_number_from(0, 1024));
   command->callback([arguments] {
     auto config = open_scene(arguments->scene);
     if (!config) return;

@@ -8,6 +8,7 @@
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/number_option.h"
 #include "server/apps/received_bins.h"
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
@@ -131,10 +132,13 @@ void add_watch(CLI::App& app) {
       ->add_option("--rate", arguments->rate_hz,
                    "Frames a second; an antenna that scans (scan.mode) has its own")
       ->type_name("HZ")
-      ->default_val(1.0);
+      ->default_val(1.0)
+      ->check(a_rate());
   command->add_flag("--lossless", arguments->lossless,
                     "Leave no frame out: the radar waits for this client, who needs the role controller");
-  command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")->type_name("N");
+  command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")
+      ->type_name("N")
+      ->check(a_count());
   command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
       ->type_name("DIR");
   add_reconnect_argument(*command, arguments->reconnect_s);

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdio>
 
+#include "server/apps/number_option.h"
+
 namespace obliq {
 namespace {
 
@@ -18,7 +20,7 @@ void add_reconnect_argument(CLI::App& app, int& patience_s) {
                  "When the connection is lost, try for so long to take it up again; 0: end at once")
       ->type_name("SECONDS")
       ->default_val(kPatience_s)
-      ->check(CLI::Range(0, kMaxPatience_s));
+      ->check(whole_number_from(0, kMaxPatience_s));
 }
 
 client::ResumeOptions reconnecting(int patience_s) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/number_option.h"
 #include "server/control/complaints.h"
 #include "server/control/config_tree.h"
 #include "server/control/parameters.h"
@@ -91,7 +92,7 @@ void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
                  "Where no server answers yet, as while obliqd loads, try again for so long")
       ->type_name("SECONDS")
       ->default_val(0)
-      ->check(CLI::Range(0, kMaxWait_s));
+      ->check(whole_number_from(0, kMaxWait_s));
 }
 
 void require(const client::Status& status) {

@@ -115,5 +115,18 @@ TEST_F(RecordTest, WhatIsWrongWithARecordingIsSaidInALine) {
       << outcome.err;
 }
 
+TEST_F(RecordTest, ASubscriptionThatIsRefusedLeavesNoFileAndAnOlderOneAsItWas) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  Outcome outcome = obliq(record(daemon.address(), {"--out", file, "--azimuths", "36:"}));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("window.first_azimuth"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(file));
+  outcome = obliq(record(daemon.address(), {"--out", file, "--frames", "1"}));
+  EXPECT_EQ(outcome.code, 0) << "the retry: " << outcome.err;
+  const std::string whole = text_of(file);
+  EXPECT_EQ(obliq(record(daemon.address(), {"--out", file, "--force", "--azimuths", "36:"})).code, 1);
+  EXPECT_TRUE(text_of(file) == whole);
+}
+
 }  // namespace
 }  // namespace obliq::test
