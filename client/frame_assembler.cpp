@@ -15,6 +15,18 @@ static_assert(std::endian::native == std::endian::little, "plane data is copied 
 
 namespace {
 
+// Planes of this size are allocated at once.
+constexpr std::uint64_t kSmall_bytes = 1 << 20;
+// Larger ones when this part of their values has arrived: an eighth is copied twice, and memory is at most
+// nine times what came.
+constexpr std::uint64_t kPartThatArrives = 8;
+// A pass that brought less than this part of its values and missed the others is given up.
+constexpr std::uint64_t kLeastPartOfPass = 64;
+// Above any radar's limits. No product below can overflow, and what is kept for each azimuth bin from the
+// frame's beginning is less than a megabyte.
+constexpr int kMostAzimuths = 1 << 14;
+constexpr int kMostRanges = 1 << 24;
+
 Status bad(std::string text) { return Status::failure(Outcome::bad_stream, std::move(text)); }
 
 }  // namespace
@@ -32,44 +44,73 @@ bool FrameAssembler::is_current(const wire::FrameHeader& header, std::uint64_t f
   return state_ == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
 }
 
-Status FrameAssembler::allocate(std::uint64_t n_azimuth, std::uint64_t n_range) {
-  std::uint64_t bytes = 0;
+Status FrameAssembler::expect(std::uint64_t n_azimuth, std::uint64_t n_range) {
+  bytes_expected_ = 0;
   bins_expected_ = 0;
   for (int i = 0; i < wire::kPlanes; ++i) {
     const auto plane = static_cast<wire::Plane>(i);
     if (!(planes_ & wire::plane_bit(plane))) continue;
-    bytes += n_azimuth * n_range * wire::bytes_per_bin(plane);
+    bytes_expected_ += n_azimuth * n_range * wire::bytes_per_bin(plane);
     bins_expected_ += n_azimuth * n_range;
   }
-  if (bytes > max_bytes_) {
-    return bad("the frame needs " + std::to_string(bytes) + " bytes; allowed: at most " +
+  if (bytes_expected_ > max_bytes_) {
+    return bad("the frame needs " + std::to_string(bytes_expected_) + " bytes; allowed: at most " +
                std::to_string(max_bytes_));
   }
-  const auto wanted = [&](wire::Plane plane) {
-    return planes_ & wire::plane_bit(plane) ? static_cast<std::size_t>(n_azimuth * n_range) : 0;
-  };
-  try {
-    frame_.iq.assign(wanted(wire::Plane::iq), {});
-    frame_.power_w.assign(wanted(wire::Plane::power), 0.0);
-    frame_.count.assign(wanted(wire::Plane::count), 0);
-    frame_.state.assign(wanted(wire::Plane::state), 0);
-    for (auto& filled : filled_) filled.assign(static_cast<std::size_t>(n_azimuth), 0);
-  } catch (const std::bad_alloc&) {
-    return bad("there is no memory for a frame of " + std::to_string(bytes) + " bytes");
-  }
+  for (auto& filled : filled_) filled.assign(static_cast<std::size_t>(n_azimuth), 0);
   frame_.n_azimuth = static_cast<int>(n_azimuth);
   frame_.n_range = static_cast<int>(n_range);
+  early_.clear();
+  allocated_ = false;
+  bins_received_ = 0;
+  bytes_received_ = 0;
   return {};
+}
+
+bool FrameAssembler::has_arrived(std::uint64_t part) const {
+  return bytes_expected_ <= kSmall_bytes || bytes_received_ >= bytes_expected_ / part;
+}
+
+Status FrameAssembler::no_memory() const {
+  return bad("there is no memory for a frame of " + std::to_string(bytes_expected_) + " bytes");
+}
+
+// May throw bad_alloc.
+void FrameAssembler::allocate() {
+  const std::size_t bins =
+      static_cast<std::size_t>(frame_.n_azimuth) * static_cast<std::size_t>(frame_.n_range);
+  const auto wanted = [&](wire::Plane plane) { return planes_ & wire::plane_bit(plane) ? bins : 0; };
+  frame_.iq.assign(wanted(wire::Plane::iq), {});
+  frame_.power_w.assign(wanted(wire::Plane::power), 0.0);
+  frame_.count.assign(wanted(wire::Plane::count), 0);
+  frame_.state.assign(wanted(wire::Plane::state), 0);
+  allocated_ = true;
+  for (const Early& early : std::exchange(early_, {})) keep(early.plane, early.place, early.values);
+}
+
+// A block's values to their place, or aside. May throw bad_alloc.
+void FrameAssembler::keep(wire::Plane plane, const wire::Rectangle& place,
+                          std::span<const std::byte> values) {
+  if (values.empty()) return;
+  if (!allocated_) {
+    early_.push_back({plane, place, {values.begin(), values.end()}});
+    return;
+  }
+  const std::size_t bin_bytes = wire::bytes_per_bin(plane);
+  const std::size_t row_bytes = place.n_range * bin_bytes;
+  const auto n_range = static_cast<std::size_t>(frame_.n_range);
+  for (std::size_t row = 0; row < place.n_azimuth; ++row) {
+    const std::size_t bin = (place.first_azimuth + row) * n_range + place.first_range;
+    std::memcpy(plane_data(plane) + bin * bin_bytes, values.data() + row * row_bytes, row_bytes);
+  }
 }
 
 Status FrameAssembler::on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) {
   if (state_ == State::receiving && header.stream_id != stream_id_) return {};
   if (state_ == State::receiving) return bad("a frame began before the one before it ended");
   const wire::RadarSettings& settings = begin.frame().settings();
-  // Far above any radar's limits, and no product below can overflow.
-  constexpr int kMostBins = 1 << 24;
-  if (settings.azimuth_bins() < 1 || settings.azimuth_bins() > kMostBins || settings.range_bins() < 1 ||
-      settings.range_bins() > kMostBins) {
+  if (settings.azimuth_bins() < 1 || settings.azimuth_bins() > kMostAzimuths || settings.range_bins() < 1 ||
+      settings.range_bins() > kMostRanges) {
     return bad("a frame of " + std::to_string(settings.azimuth_bins()) + " x " +
                std::to_string(settings.range_bins()) + " bins cannot be");
   }
@@ -79,13 +120,12 @@ Status FrameAssembler::on_begin(const wire::FrameHeader& header, const wire::Fra
   if (!window) return bad("a frame of a window without bins");
   window_ = *window;
   frame_ = {};
-  if (Status status = allocate(window_.azimuth.kept(), window_.range.kept()); !status.ok()) return status;
+  if (Status status = expect(window_.azimuth.kept(), window_.range.kept()); !status.ok()) return status;
   frame_.frames_skipped = begin.frames_skipped();
   frame_.request_id = begin.request_id();
   frame_.descriptor = std::make_unique<wire::FrameDescriptor>(begin.frame());
   stream_id_ = header.stream_id;
   frame_id_ = begin.frame_id();
-  bins_received_ = 0;
   abort_reason_.clear();
   state_ = State::receiving;
   return {};
@@ -117,20 +157,20 @@ Status FrameAssembler::on_block(const wire::FrameHeader& header, const wire::Wed
   const auto values = wire::plain_values(block, payload, scratch_);
   if (!values) return bad("a compressed data block is damaged");
 
-  const auto n_range = static_cast<std::size_t>(frame_.n_range);
-  const std::size_t bin_bytes = wire::bytes_per_bin(plane);
-  const std::size_t row_bytes = block.n_range() * bin_bytes;
   auto& filled = filled_[static_cast<int>(plane)];
   for (std::size_t row = 0; row < block.n_azimuth(); ++row) {
-    const std::size_t azimuth = place->first_azimuth + row;
-    std::uint32_t& so_far = filled[azimuth];
+    std::uint32_t& so_far = filled[place->first_azimuth + row];
     if (so_far != place->first_range) return bad("a data block overlaps another or leaves a gap");
     so_far += block.n_range();
-    if (row_bytes == 0) continue;
-    std::memcpy(plane_data(plane) + (azimuth * n_range + place->first_range) * bin_bytes,
-                values->data() + row * row_bytes, row_bytes);
   }
   bins_received_ += std::uint64_t{block.n_azimuth()} * block.n_range();
+  bytes_received_ += values->size();
+  try {
+    if (!allocated_ && has_arrived(kPartThatArrives)) allocate();
+    keep(plane, *place, *values);
+  } catch (const std::bad_alloc&) {
+    return no_memory();
+  }
   return {};
 }
 
@@ -183,6 +223,18 @@ Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::Frame
   if (bins_received_ != bins_expected_) {
     return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
   }
+  if (!allocated_) {  // as where nearly all of a pass was missed
+    if (!has_arrived(kLeastPartOfPass)) {
+      abort_reason_ = "the scanning antenna missed nearly all of it";
+      state_ = State::aborted;
+      return {};
+    }
+    try {
+      allocate();
+    } catch (const std::bad_alloc&) {
+      return no_memory();
+    }
+  }
   frame_.summary = std::make_unique<wire::FrameSummary>(end.summary());
   frame_.render_s = end.render_s();
   state_ = State::complete;
@@ -206,6 +258,7 @@ double FrameAssembler::fraction() const {
 
 AssembledFrame FrameAssembler::take() {
   state_ = State::idle;
+  early_.clear();
   return std::exchange(frame_, {});
 }
 

@@ -42,11 +42,13 @@ struct AssembledFrame {
 
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin
 /// of every plane arrives exactly once. Frames of other streams are ignored while one is being received.
+/// Planes are allocated when a part of their values has arrived: memory follows what comes, not what is
+/// claimed.
 class FrameAssembler : public FrameHandler {
  public:
   enum class State { idle, receiving, complete, aborted };
 
-  /// max_bytes: a frame whose planes need more is refused before it is allocated.
+  /// max_bytes: a frame whose planes need more is refused.
   explicit FrameAssembler(wire::PlaneSet planes = wire::kAllPlanes,
                           std::uint64_t max_bytes = std::uint64_t{8} << 30);
   ~FrameAssembler() override;
@@ -61,13 +63,18 @@ class FrameAssembler : public FrameHandler {
   const std::string& abort_reason() const { return abort_reason_; }
   /// How much of the frame has arrived, 0 to 1.
   double fraction() const;
+  /// Its planes may be empty until it is complete.
   const AssembledFrame& frame() const { return frame_; }
   /// Moves the complete frame out; the assembler is idle again.
   AssembledFrame take();
 
  private:
   bool is_current(const wire::FrameHeader& header, std::uint64_t frame_id) const;
-  Status allocate(std::uint64_t n_azimuth, std::uint64_t n_range);
+  Status expect(std::uint64_t n_azimuth, std::uint64_t n_range);
+  bool has_arrived(std::uint64_t part) const;
+  Status no_memory() const;
+  void allocate();
+  void keep(wire::Plane plane, const wire::Rectangle& place, std::span<const std::byte> values);
   std::optional<wire::Rectangle> place_of(const wire::WedgeBlock& block) const;
   std::byte* plane_data(wire::Plane plane);
   std::optional<std::uint64_t> values_missed(const wire::FrameEnd& end);
@@ -79,7 +86,17 @@ class FrameAssembler : public FrameHandler {
   std::uint64_t frame_id_ = 0;
   std::string abort_reason_;
   AssembledFrame frame_;
-  wire::Window window_;                               ///< of the frame, cut to it
+  wire::Window window_;  ///< of the frame, cut to it
+  /// Values that came before the planes were allocated.
+  struct Early {
+    wire::Plane plane;
+    wire::Rectangle place;
+    std::vector<std::byte> values;
+  };
+  std::vector<Early> early_;
+  bool allocated_ = false;
+  std::uint64_t bytes_received_ = 0;  ///< over all planes
+  std::uint64_t bytes_expected_ = 0;
   std::vector<std::byte> scratch_;                    ///< for decoding
   std::vector<std::uint32_t> filled_[wire::kPlanes];  ///< [n_azimuth], range bins that have arrived
   std::uint64_t bins_received_ = 0;                   ///< over all planes

@@ -11,18 +11,31 @@ namespace obliq::client {
 
 using wire::MessageType;
 
-RecordingStart::RecordingStart() = default;
-RecordingStart::~RecordingStart() = default;
-RecordingStart::RecordingStart(RecordingStart&&) noexcept = default;
-RecordingStart& RecordingStart::operator=(RecordingStart&&) noexcept = default;
+std::string RecordingLosses::text() const {
+  const auto counted = [](std::uint64_t n, const char* what) {
+    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+  };
+  std::string text = counted(frames, "frame") + " lost";
+  if (damages > 0) text += ", damaged in " + counted(damages, "place");
+  return text;
+}
+
+const RecordingLosses& more_of(const RecordingLosses& a, const RecordingLosses& b) {
+  return a.frames + a.damages < b.frames + b.damages ? b : a;
+}
 
 // ---- One frame at a time ----
 
 /// Assembles the frames of one radar and keeps their times. What is of another radar is counted.
 class RecordedFrames::Collector : public FrameAssembler {
  public:
-  Collector(const std::string& radar, wire::PlaneSet planes, std::uint64_t max_bytes, std::uint64_t& others)
-      : FrameAssembler(planes, max_bytes), radar_(radar), planes_(planes), others_(others) {}
+  Collector(const RecordedFrames& frames, Seen& seen, RecordingLosses& losses, std::uint64_t& others)
+      : FrameAssembler(frames.planes_, frames.max_bytes_),
+        radar_(frames.radar_),
+        planes_(frames.planes_),
+        seen_(seen),
+        losses_(losses),
+        others_(others) {}
 
   Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
     if (begin.frame().radar() != radar_) {
@@ -30,9 +43,7 @@ class RecordedFrames::Collector : public FrameAssembler {
       return {};
     }
     if (state() == State::receiving && header.stream_id != stream_id_) return {};
-    if (begin.frame().has_window()) {
-      return Status::failure(Outcome::bad_stream, "a part of a frame; allowed: whole frames");
-    }
+    seen_ = {header.stream_id, begin.frame_id()};
     const Status status = FrameAssembler::on_begin(header, begin);
     if (!status.ok()) return status;
     stream_id_ = header.stream_id;
@@ -45,7 +56,7 @@ class RecordedFrames::Collector : public FrameAssembler {
   }
   Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
                   std::span<const std::byte> values) override {
-    if (!is_mine(header, block.frame_id())) return {};
+    if (!is_mine(header, block.frame_id())) return orphan(header, block.frame_id());
     const Status status = FrameAssembler::on_block(header, block, values);
     if (!status.ok()) return status;
     times_.bytes += size_of(header);
@@ -62,11 +73,14 @@ class RecordedFrames::Collector : public FrameAssembler {
     return status;
   }
   Status on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) override {
-    if (is_mine(header, end.frame_id())) {
-      times_.end_utc_ns = header.utc_ns;
-      times_.bytes += size_of(header);
-    }
+    if (!is_mine(header, end.frame_id())) return orphan(header, end.frame_id());
+    times_.end_utc_ns = header.utc_ns;
+    times_.bytes += size_of(header);
     return FrameAssembler::on_end(header, end);
+  }
+  Status on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) override {
+    if (!is_mine(header, abort.frame_id())) return orphan(header, abort.frame_id());
+    return FrameAssembler::on_abort(header, abort);
   }
 
   std::uint64_t frame_id() const { return frame_id_; }
@@ -99,76 +113,31 @@ class RecordedFrames::Collector : public FrameAssembler {
   bool is_mine(const wire::FrameHeader& header, std::uint64_t frame_id) const {
     return state() == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
   }
+  // What is of no frame in hand: of a stream that is the radar's, the first of a frame whose FrameBegin is
+  // missing is told.
+  Status orphan(const wire::FrameHeader& header, std::uint64_t frame_id) {
+    if (state() == State::receiving || seen_.stream_id != header.stream_id || seen_.frame_id == frame_id) {
+      return {};
+    }
+    seen_.frame_id = frame_id;
+    ++losses_.frames;
+    return Status::failure(Outcome::bad_stream,
+                           "frame " + std::to_string(frame_id) + " is lost, its beginning is missing");
+  }
   static std::uint64_t size_of(const wire::FrameHeader& header) {
     return std::uint64_t{header.header_length} + header.payload_length;
   }
 
   const std::string& radar_;
   const wire::PlaneSet planes_;
+  Seen& seen_;
+  RecordingLosses& losses_;
   std::uint64_t& others_;
   std::uint32_t stream_id_ = 0;
   std::uint64_t frame_id_ = 0;
   RecordedFrame times_;
   std::vector<Azimuth> azimuths_;  ///< [n_azimuth]
 };
-
-namespace {
-
-/// Hears the first frame of a radar, just enough to know its planes.
-class FirstFrame : public FrameHandler {
- public:
-  FirstFrame(const std::string& radar, RecordingStart& start) : radar_(radar), start_(start) {}
-
-  Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
-    if (start_.descriptor || (!radar_.empty() && begin.frame().radar() != radar_)) return {};
-    start_.radar = begin.frame().radar();
-    start_.utc_ns = header.utc_ns;
-    start_.descriptor = std::make_unique<wire::FrameDescriptor>(begin.frame());
-    stream_id_ = header.stream_id;
-    return {};
-  }
-  Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
-                  std::span<const std::byte>) override {
-    const auto plane = wire::plane_from_number(block.plane());
-    if (start_.descriptor && header.stream_id == stream_id_ && plane) {
-      start_.planes = static_cast<wire::PlaneSet>(start_.planes | wire::plane_bit(*plane));
-    }
-    return {};
-  }
-  Status on_end(const wire::FrameHeader& header, const wire::FrameEnd&) override {
-    done_ = start_.descriptor && header.stream_id == stream_id_;
-    return {};
-  }
-  bool done() const { return done_; }
-
- private:
-  const std::string& radar_;
-  RecordingStart& start_;
-  std::uint32_t stream_id_ = 0;
-  bool done_ = false;
-};
-
-}  // namespace
-
-Status read_start(RecordingReader& reader, const std::string& radar, RecordingStart& start) {
-  FirstFrame first(radar, start);
-  for (;;) {
-    const auto found = reader.next();
-    if (found == RecordingReader::Found::end || first.done()) break;
-    if (found != RecordingReader::Found::message) continue;
-    const wire::MessageView& message = reader.message();
-    (void)dispatch_frame(message.header, message.descriptor, message.plane, first).ok();
-  }
-  if (start.descriptor) return {};
-  std::string text = "no frame ";
-  if (!radar.empty()) text += "of radar \"" + radar + "\" ";
-  return Status::failure(
-      Outcome::bad_stream,
-      text + "begins in it; it has " + std::to_string(reader.messages()) + " whole messages" +
-          (reader.fault().bytes == 0
-               ? ""
-               : ", and " + std::to_string(reader.fault().bytes) + " bytes behind them that are none"));
-}
 
 // ---- All frames ----
 
@@ -178,7 +147,7 @@ RecordedFrames::RecordedFrames(std::unique_ptr<RecordingReader> reader, std::str
       radar_(std::move(radar)),
       planes_(planes),
       max_bytes_(max_bytes),
-      collector_(std::make_unique<Collector>(radar_, planes_, max_bytes_, others_)) {}
+      collector_(std::make_unique<Collector>(*this, seen_, losses_, others_)) {}
 RecordedFrames::~RecordedFrames() = default;
 
 std::uint64_t RecordedFrames::frames_of_others() const { return others_; }
@@ -191,32 +160,43 @@ std::string RecordedFrames::frame_in_hand() const {
          " % of it arrived";
 }
 
+// The frame in hand will not be whole; its sentence.
+std::string RecordedFrames::lose() {
+  const std::string text = frame_in_hand();
+  if (!text.empty()) ++losses_.frames;
+  collector_ = std::make_unique<Collector>(*this, seen_, losses_, others_);
+  return text;
+}
+
 // True when the caller is to hear of it.
 bool RecordedFrames::take_message(RecordedFrame& frame, Found& found) {
   const wire::MessageView& message = reader_->message();
+  const auto dispatch = [&] {
+    return dispatch_frame(message.header, message.descriptor, message.plane, *collector_);
+  };
+  const std::string at = "at offset " + std::to_string(reader_->offset()) + ": ";
   found = Found::note;
   if (message.header.type == MessageType::welcome) {
     // Another connection, whose streams may have other numbers: nothing of the last one follows.
-    const std::string lost = frame_in_hand();
-    collector_ = std::make_unique<Collector>(radar_, planes_, max_bytes_, others_);
-    if (!lost.empty()) {
-      note_ = "at offset " + std::to_string(reader_->offset()) + ": the connection was lost there" + lost;
-    }
+    const std::string lost = lose();
+    seen_ = {};
+    if (!lost.empty()) note_ = at + "the connection was lost there" + lost;
     return !lost.empty();
   }
   if (!is_frame(message.header.type)) return false;
-  const Status status = dispatch_frame(message.header, message.descriptor, message.plane, *collector_);
+  const std::uint64_t lost_before = losses_.frames;
+  const Status status = dispatch();
   if (!status.ok()) {
-    note_ = "at offset " + std::to_string(reader_->offset()) + ": " + status.text + frame_in_hand();
-    collector_ = std::make_unique<Collector>(radar_, planes_, max_bytes_, others_);
+    note_ = at + status.text + lose();
     // A frame whose end is missing does not cost the one behind it.
-    if (message.header.type == MessageType::frame_begin) {
-      (void)dispatch_frame(message.header, message.descriptor, message.plane, *collector_).ok();
-    }
+    const bool begins = message.header.type == MessageType::frame_begin;
+    if (begins && !dispatch().ok()) ++losses_.frames;
+    if (!begins && losses_.frames == lost_before) ++losses_.damages;  // of nobody knows which frame
     return true;
   }
   if (collector_->state() == FrameAssembler::State::aborted) {
     note_ = "frame " + std::to_string(collector_->frame_id()) + ": aborted, " + collector_->abort_reason();
+    ++aborted_;
     (void)collector_->take();
     return true;
   }
@@ -235,11 +215,10 @@ RecordedFrames::Found RecordedFrames::next(RecordedFrame& frame) {
         break;
       case RecordingReader::Found::damage: {
         const RecordingFault& fault = reader_->fault();
-        ++damages_;
+        ++losses_.damages;
+        // A block of the frame in hand may be among what was skipped.
         note_ = "damaged at offset " + std::to_string(fault.offset) + ": " + fault.reason + "; " +
-                std::to_string(fault.bytes) + " bytes skipped" + frame_in_hand();
-        // A block of it may be among what was skipped.
-        collector_ = std::make_unique<Collector>(radar_, planes_, max_bytes_, others_);
+                std::to_string(fault.bytes) + " bytes skipped" + lose();
         return Found::note;
       }
       case RecordingReader::Found::end: {

@@ -2,6 +2,7 @@
 // The frames of a recording, one after the other, and what is wrong with it in sentences.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,17 @@ struct RecordingStart {
   std::unique_ptr<wire::FrameDescriptor> descriptor;
 };
 
+/// What is missing in a recording, but for the frame that its end cut.
+struct RecordingLosses {
+  std::uint64_t frames = 0;   ///< that began, or of which something came, and are not whole
+  std::uint64_t damages = 0;  ///< places where bytes are no message
+
+  bool any() const { return frames > 0 || damages > 0; }
+  std::string text() const;
+};
+/// Of the same recording, read twice and perhaps not to its end.
+const RecordingLosses& more_of(const RecordingLosses& a, const RecordingLosses& b);
+
 /// Reads as far as the first frame's end. `radar` empty: whichever comes first. bad_stream when no frame of
 /// it begins.
 Status read_start(RecordingReader& reader, const std::string& radar, RecordingStart& start);
@@ -59,7 +71,9 @@ class RecordedFrames {
   Found next(RecordedFrame& frame);
   const std::string& note() const { return note_; }
 
-  bool damaged() const { return damages_ > 0; }
+  const RecordingLosses& losses() const { return losses_; }
+  /// Frames that the server ended by a FrameAbort.
+  std::uint64_t aborted() const { return aborted_; }
   bool cut() const { return cut_; }
   std::uint64_t frames_of_others() const;
   const RecordingReader& reader() const { return *reader_; }
@@ -67,7 +81,14 @@ class RecordedFrames {
  private:
   class Collector;
 
+  /// Where a frame of the radar was last seen, whole or not.
+  struct Seen {
+    std::optional<std::uint32_t> stream_id;  ///< of this connection
+    std::uint64_t frame_id = 0;
+  };
+
   std::string frame_in_hand() const;
+  std::string lose();
   bool take_message(RecordedFrame& frame, Found& found);
 
   std::unique_ptr<RecordingReader> reader_;
@@ -76,7 +97,9 @@ class RecordedFrames {
   std::uint64_t max_bytes_;
   std::unique_ptr<Collector> collector_;
   std::string note_;
-  std::uint64_t damages_ = 0;
+  RecordingLosses losses_;
+  Seen seen_;
+  std::uint64_t aborted_ = 0;
   std::uint64_t others_ = 0;
   bool cut_ = false;
 };

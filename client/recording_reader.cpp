@@ -4,8 +4,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "proto/limits.h"
 
@@ -45,6 +47,22 @@ std::string reason_of(MessageStatus status, const wire::FrameHeader& header) {
   return "?";
 }
 
+const char* name_of(std::filesystem::file_type kind) {
+  switch (kind) {
+    case std::filesystem::file_type::directory:
+      return "a folder";
+    case std::filesystem::file_type::fifo:
+      return "a pipe";
+    case std::filesystem::file_type::socket:
+      return "a socket";
+    case std::filesystem::file_type::character:
+    case std::filesystem::file_type::block:
+      return "a device";
+    default:
+      return "what is no file";
+  }
+}
+
 }  // namespace
 
 RecordingReader::RecordingReader(std::unique_ptr<std::istream> in)
@@ -52,6 +70,14 @@ RecordingReader::RecordingReader(std::unique_ptr<std::istream> in)
 RecordingReader::~RecordingReader() = default;
 
 Status RecordingReader::open(const std::string& path, std::unique_ptr<RecordingReader>& out) {
+  // A replay reads it more than once, and would wait for ever for the writer of a pipe.
+  std::error_code error;
+  const auto kind = std::filesystem::status(path, error).type();
+  if (std::filesystem::exists(std::filesystem::file_status(kind)) &&
+      kind != std::filesystem::file_type::regular) {
+    return Status::failure(Outcome::bad_argument,
+                           path + ": found " + name_of(kind) + "; allowed: a file that `obliq record` wrote");
+  }
   errno = 0;
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
   if (!*file) {
@@ -115,9 +141,11 @@ RecordingReader::Found RecordingReader::skip_damage(MessageStatus status) {
   if (!found) drop(end_ - begin_);
   fault_.bytes = offset_ - fault_.offset;
   if (found) return Found::damage;
-  if (read_failed_) fault_.reason = "the file cannot be read any further";
-  const bool cut = status == MessageStatus::need_more || read_failed_;
-  return cut ? Found::end : Found::damage;
+  if (std::exchange(read_failed_, false)) {
+    fault_.reason = "the file cannot be read any further";
+    return Found::damage;
+  }
+  return status == MessageStatus::need_more ? Found::end : Found::damage;
 }
 
 // Drops at least one byte, and all before the next whole message. False when there is none.

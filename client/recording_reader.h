@@ -24,7 +24,7 @@ class RecordingReader {
   explicit RecordingReader(std::unique_ptr<std::istream> in);
   ~RecordingReader();
 
-  /// bad_argument when the file cannot be opened.
+  /// bad_argument when the file cannot be opened, or is a folder, a device, a pipe.
   static Status open(const std::string& path, std::unique_ptr<RecordingReader>& out);
 
   enum class Found {

@@ -12,6 +12,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/interrupts.h"
+#include "server/apps/number_option.h"
 #include "server/apps/received_bins.h"
 #include "server/apps/replay_renderer.h"
 #include "server/apps/server_arguments.h"
@@ -66,8 +67,8 @@ client::RecordingStart start_of(const ReplayArguments& arguments) {
   return start;
 }
 
-[[noreturn]] void refuse_damaged(const std::string& path) {
-  throw InputError(path + ": is damaged; what could be read has been replayed");
+void report(const client::RecordingLosses& losses, const std::string& path) {
+  if (losses.any()) throw PartlyDone(path + ": " + losses.text() + "; what is whole has been replayed");
 }
 
 // ---- To the terminal and to files ----
@@ -82,12 +83,15 @@ void print_frame(const client::RecordedFrame& recorded, std::int64_t start_ns) {
   std::fflush(stdout);
 }
 
-/// What the file ended with, in a line: also that nothing is missing is said.
+/// What the file held, in a line: also that nothing is missing is said.
 std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
   const client::RecordingReader& reader = frames.reader();
   std::string line = std::to_string(shown) + " frames, " + std::to_string(reader.messages()) +
                      " whole messages, " + std::to_string(reader.offset()) + " bytes";
-  if (!frames.cut() && !frames.damaged()) line += ", nothing left over";
+  if (frames.aborted() > 0) line += ", " + std::to_string(frames.aborted()) + " aborted";
+  if (frames.losses().any()) line += ", " + frames.losses().text();
+  if (frames.cut()) line += ", the end is cut";
+  if (!frames.cut() && !frames.losses().any()) line += ", nothing left over";
   return line;
 }
 
@@ -96,7 +100,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
   ReplayClock clock(speed);
   std::uint64_t shown = 0;
   bool enough = false;
-  bool damaged = false;
+  client::RecordingLosses losses;
   do {
     RecordedFrames frames(open_recording(arguments.file), start.radar, start.planes);
     auto found = RecordedFrames::Found::note;
@@ -115,7 +119,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
       enough = arguments.frames != 0 && ++shown >= arguments.frames;
       if (arguments.frames == 0) ++shown;
     }
-    damaged = damaged || frames.damaged();
+    losses = client::more_of(losses, frames.losses());
     if (!enough) std::printf("%s: %s\n", arguments.file.c_str(), end_line(frames, shown).c_str());
     if (frames.frames_of_others() > 0 && !arguments.loop) {
       warn(std::to_string(frames.frames_of_others()) + " frames of other radars than " + start.radar +
@@ -124,7 +128,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
     if (shown == before) break;  // nothing to loop over
     clock.begin_again();
   } while (arguments.loop && !enough);
-  if (damaged) refuse_damaged(arguments.file);
+  report(losses, arguments.file);
 }
 
 // ---- To clients ----
@@ -174,7 +178,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
   while (!ended && !interrupted()) std::this_thread::sleep_for(kPatience);
   server.stop();  // when clients have taken what waits for them
   io.join();
-  if (renderer.damaged()) refuse_damaged(arguments.file);
+  report(renderer.losses(), arguments.file);
 }
 
 void run(const ReplayArguments& arguments) {
@@ -193,6 +197,9 @@ void run(const ReplayArguments& arguments) {
 void add_replay(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("replay", "Replay a recording: a line per frame, files, or a server for any client");
+  command->footer(
+      "Exit code: 0 all frames replayed (of a recording that was cut, those before the cut), 1 nothing could "
+      "be replayed, 2 frames were lost or the file is damaged, and what is whole has been replayed.");
   auto arguments = std::make_shared<ReplayArguments>();
   command->add_option("file", arguments->file, "What `obliq record` wrote")->required()->type_name("FILE");
   command->add_option("--radar", arguments->radar, "Which radar; without: that of the first frame")
@@ -203,8 +210,9 @@ void add_replay(CLI::App& app) {
           "Times the original speed, or max: without waiting. Pauses of more than 5 minutes are cut to that")
       ->type_name("FACTOR")
       ->default_val("1");
-  CLI::Option* frames =
-      command->add_option("--frames", arguments->frames, "Stop after so many; 0: all")->type_name("N");
+  CLI::Option* frames = command->add_option("--frames", arguments->frames, "Stop after so many; 0: all")
+                            ->type_name("N")
+                            ->check(a_count());
   CLI::Option* out =
       command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
           ->type_name("DIR");
@@ -216,7 +224,8 @@ void add_replay(CLI::App& app) {
   command->add_option("--port", arguments->port, "With --serve; 0: any free one")
       ->needs(serve)
       ->type_name("N")
-      ->default_val(wire::kDefaultPort);
+      ->default_val(wire::kDefaultPort)
+      ->check(whole_number_from(0, std::numeric_limits<std::uint16_t>::max()));
   command->add_option("--address", arguments->address, "With --serve: where to listen")
       ->needs(serve)
       ->type_name("HOST")

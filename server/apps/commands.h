@@ -3,11 +3,19 @@
 // application and sets a callback that does the work. To add one: its file in CMakeLists.txt, its line here,
 // its line in the list of obliq.cpp. A command reports an operator's mistake by throwing InputError.
 
+#include <stdexcept>
+
 namespace CLI {
 class App;
 }
 
 namespace obliq {
+
+/// A command has done what it could, and says what is missing: exit code 2.
+class PartlyDone : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 void add_render(CLI::App& app);      ///< one frame to files
 void add_frontier(CLI::App& app);    ///< time and error of every sampling

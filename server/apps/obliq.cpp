@@ -15,11 +15,14 @@ constexpr auto kCommands = {
     obliq::add_status, obliq::add_health,   obliq::add_parameters,
 };
 
+constexpr int kFailed = 1;
+constexpr int kPartlyDone = 2;
+
 /// One line for each thing that is wrong (a scene file may have several).
-int complain(std::string what) {
+int complain(std::string what, int code = kFailed) {
   for (std::size_t at = 0; (at = what.find('\n', at)) != std::string::npos;) what.insert(++at, "obliq: ");
   std::cerr << "obliq: " << what << '\n';
-  return 1;
+  return code;
 }
 
 }  // namespace
@@ -43,6 +46,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version arrive here too
     return complain(std::string(e.what()) + " (`obliq --help` lists what there is)");
+  } catch (const obliq::PartlyDone& e) {
+    return complain(e.what(), kPartlyDone);
   } catch (const std::exception& e) {  // InputError above all; a bad_alloc deserves its line as well
     return complain(e.what());
   }

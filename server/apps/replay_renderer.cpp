@@ -108,9 +108,9 @@ std::vector<FieldError> ReplayRenderer::place(const PoseSettings&) const {
   return {{"pose", "a pose", "none: " + fixed()}};
 }
 
-bool ReplayRenderer::damaged() const {
+client::RecordingLosses ReplayRenderer::losses() const {
   const std::lock_guard lock(mutex_);
-  return damaged_;
+  return losses_;
 }
 
 // The next whole frame, or nothing at the recording's end.
@@ -127,7 +127,7 @@ std::optional<ReplayRenderer::Due> ReplayRenderer::read_frame() const {
     }
     auto frame = std::make_shared<client::RecordedFrame>();
     const auto found = frames_->next(*frame);
-    damaged_ = damaged_ || frames_->damaged();
+    losses_ = client::more_of(losses_, frames_->losses());
     if (!frames_->note().empty()) say_(frames_->note());
     if (found == client::RecordedFrames::Found::frame) {
       if (frame->frame.descriptor->has_window()) {

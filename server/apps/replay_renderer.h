@@ -32,8 +32,8 @@ class ReplayRenderer : public net::FrameRenderer {
   std::string fixed() const override;
   wire::PlaneSet planes() const override { return start_.planes; }
 
-  /// Whether the recording was damaged somewhere.
-  bool damaged() const;
+  /// What is missing in the recording, as far as it has been read.
+  client::RecordingLosses losses() const;
 
  private:
   struct Due {
@@ -54,7 +54,7 @@ class ReplayRenderer : public net::FrameRenderer {
   mutable std::optional<Due> next_;
   mutable std::uint64_t version_ = 0;
   mutable bool over_ = false;
-  mutable bool damaged_ = false;
+  mutable client::RecordingLosses losses_;
 };
 
 }  // namespace obliq

@@ -85,13 +85,16 @@ TEST_F(RecordTest, WhatIsWrongWithARecordingIsSaidInALine) {
   std::string wrong = whole;
   wrong[wrong.size() / 4] = static_cast<char>(wrong[wrong.size() / 4] ^ 1);
   outcome = obliq({"replay", folder.write("wrong.obliq", wrong), "--speed", "max"});
-  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.code, 2);
   EXPECT_TRUE(std::regex_search(
       outcome.err,
       std::regex("warning: damaged at offset [0-9]+: CRC mismatch; [0-9]+ bytes skipped; frame [0-9]+ is "
                  "incomplete")))
       << outcome.err;
-  EXPECT_NE(outcome.err.find("is damaged; what could be read has been replayed"), std::string::npos);
+  EXPECT_NE(outcome.err.find(": 1 frame lost, damaged in 1 place; what is whole has been replayed"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(outcome.out.find("nothing left over"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("frame "), std::string::npos) << "the other frame is shown";
 
   outcome = obliq({"replay", scene});

@@ -1,5 +1,7 @@
 // obliq replay: files and a server out of a recording.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -7,6 +9,7 @@
 #include "client/client.h"
 #include "proto/error_number.h"
 #include "tests/integration/record_fixture.h"
+#include "tests/support/made_recording.h"
 
 namespace obliq::test {
 namespace {
@@ -133,6 +136,15 @@ TEST_F(RecordTest, ThePassesOfAScanningAntennaAreServedAsFramesBitForBit) {
   EXPECT_EQ(replay.wait(), 0) << replay.log();
 }
 
+TEST_F(RecordTest, ARecordingOfAPartOfTheBinsIsReplayedToFiles) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  ASSERT_EQ(obliq(record(daemon.address(), {"--out", file, "--frames", "1", "--azimuths", "8:24"})).code, 0);
+  const Outcome replayed = obliq({"replay", file, "--speed", "max", "--out", folder / "part"});
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_NE(replayed.out.find(", nothing left over"), std::string::npos) << replayed.out << replayed.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "part" / "power.npy"));
+}
+
 TEST_F(RecordTest, PlanesThatWereNotRecordedAreNotServed) {
   const Daemon daemon({"--config", scene}, folder.path());
   ASSERT_EQ(obliq(record(daemon.address(), {"--out", file, "--frames", "1", "--planes", "iq,state"})).code,
@@ -151,6 +163,83 @@ TEST_F(RecordTest, PlanesThatWereNotRecordedAreNotServed) {
   ASSERT_TRUE(client.subscribe("main", 10, planes).ok());
   while (frames.state() != client::FrameAssembler::State::complete) ASSERT_TRUE(client.receive(kLong).ok());
   EXPECT_EQ(replay.end(SIGTERM), 0) << replay.log();
+}
+
+/// A recording of `frames` frames, made without a server.
+std::string made(int frames) {
+  MadeRecording recording;
+  std::uint64_t sequence = 0;
+  for (int id = 1; id <= frames; ++id) {
+    add_frame(recording, static_cast<std::uint64_t>(id), sequence);
+  }
+  return recording.bytes;
+}
+
+/// Two frames in whole messages, but the FrameEnd of the first is not there.
+std::string made_with_a_gap() {
+  MadeRecording recording;
+  std::uint64_t sequence = 0;
+  add_frame(recording, 1, sequence);
+  recording.bytes.resize(recording.messages.back().begin);
+  add_frame(recording, 2, sequence);
+  return recording.bytes;
+}
+
+TEST_F(RecordTest, FramesThatAreLostAreCountedAndReplayedAroundWithAnExitCodeOfTheirOwn) {
+  const std::string gapped = folder.write("gap.obliq", made_with_a_gap());
+  Outcome outcome = obliq({"replay", gapped, "--speed", "max"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("frame 1 is incomplete"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("obliq: " + gapped + ": 1 frame lost; what is whole has been replayed\n"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.out.find(" bytes, 1 frame lost\n"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("nothing left over"), std::string::npos) << outcome.out;
+
+  const std::string cut = folder.write("cut.obliq", made(2).substr(0, made(2).size() - 1));
+  outcome = obliq({"replay", cut, "--speed", "max"});
+  EXPECT_EQ(outcome.code, 0) << "a recorder that was killed loses its last frame and no other";
+  EXPECT_NE(outcome.out.find("1 frames, "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find(", the end is cut\n"), std::string::npos) << outcome.out;
+
+  const Outcome help = obliq({"replay", "--help"});
+  EXPECT_NE(help.out.find("Exit code: 0 all frames replayed"), std::string::npos) << help.out;
+}
+
+TEST_F(RecordTest, AServedRecordingThatLostFramesEndsWithThatExitCodeToo) {
+  Running replay({"replay", folder.write("gap.obliq", made_with_a_gap()), "--serve", "--port", "0"},
+                 folder / "replay.log");
+  client::Client client;
+  const std::string address = replay.await(" on ");
+  ASSERT_NE(address, "") << replay.log();
+  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok());
+  ASSERT_TRUE(client.subscribe("main", 100).ok());
+  while (client.receive(kLong).ok()) {
+  }
+  EXPECT_EQ(replay.wait(), 2) << replay.log();
+  EXPECT_NE(replay.log().find("1 frame lost"), std::string::npos) << replay.log();
+}
+
+TEST_F(RecordTest, WhatIsNoRecordingIsNamed) {
+  const std::string empty = folder.write("empty.obliq", "");
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string allowed = "; allowed: a file that `obliq record` wrote\n";
+  for (const auto& [path, said] : std::vector<std::pair<std::string, std::string>>{
+           {empty, ": it is empty, so no frame begins in it"},
+           {folder.path(), ": found a folder" + allowed},
+           {pipe, ": found a pipe" + allowed},
+           {"/dev/full", ": found a device" + allowed},
+           {"/dev/null", ": found a device" + allowed},
+           {folder / "none.obliq", ": cannot be read: No such file or directory\n"}}) {
+    const Outcome outcome = obliq({"replay", path});
+    EXPECT_EQ(outcome.code, 1) << path;
+    EXPECT_EQ(outcome.err.find("obliq: " + path + said), 0u) << outcome.err;
+    EXPECT_EQ(outcome.out, "") << path;
+  }
+  if (geteuid() == 0) return;  // who may read everything
+  std::filesystem::permissions(empty, std::filesystem::perms::none);
+  EXPECT_EQ(obliq({"replay", empty}).err, "obliq: " + empty + ": cannot be read: Permission denied\n");
 }
 
 }  // namespace

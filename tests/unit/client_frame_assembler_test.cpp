@@ -1,6 +1,8 @@
 // What the client's assembler makes of frames that claim more than they bring.
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "proto/obliq.pb.h"
 #include "tests/unit/encoder_fixture.h"
 
@@ -9,22 +11,77 @@ namespace {
 
 using client::FrameAssembler;
 
-/// A pass of 24 x 32 bins of which the first wedge comes.
+/// A pass of which the first wedges come.
 struct Pass {
-  explicit Pass(const StreamChoice& choice = {}) {
+  explicit Pass(int n_azimuth = 24, int n_range = 32, int wedges = 1, const StreamChoice& choice = {}) {
     encoder = std::make_unique<FrameEncoder>(
         FrameIdentity{.stream_id = 9, .frame_id = 4, .choices = {choice}}, sequence);
-    EXPECT_TRUE(feed(frames, *encoder->begin(descriptor(24, 32)).front()).ok());
-    for (const BlockPtr& block : encoder->wedge(0, filled(0, 8, 32))) EXPECT_TRUE(feed(frames, *block).ok());
+    EXPECT_TRUE(feed(frames, *encoder->begin(descriptor(n_azimuth, n_range)).front()).ok());
+    for (int wedge = 0; wedge < wedges; ++wedge) add(wedge, n_range);
   }
-  client::Status end(const std::vector<AzimuthRange>& missed) {
+  void add(int wedge, int n_range) {
+    for (const BlockPtr& block : encoder->wedge(wedge, filled(8 * wedge, 8, n_range))) {
+      const client::Status status = feed(frames, *block);
+      EXPECT_TRUE(status.ok()) << status.sentence();
+    }
+  }
+  client::Status end(const std::vector<AzimuthRange>& missed = {}) {
     return feed(frames, *encoder->end({}, 0, missed));
+  }
+  std::size_t bytes_allocated() const {
+    const client::AssembledFrame& frame = frames.frame();
+    return frame.iq.capacity() * sizeof frame.iq[0] + frame.power_w.capacity() * sizeof frame.power_w[0] +
+           frame.count.capacity() * sizeof frame.count[0] + frame.state.capacity();
   }
 
   std::uint64_t sequence = 0;
   std::unique_ptr<FrameEncoder> encoder;
   FrameAssembler frames;
 };
+
+TEST(FrameAssembler, WhatAFrameClaimsIsNotAllocatedUntilAPartOfItHasCome) {
+  Pass claims(8192, 8192, 0);  // 1.4 GB
+  EXPECT_EQ(claims.bytes_allocated(), 0u);
+  claims.add(1023, 8192);  // also not when the last bins come first
+  EXPECT_EQ(claims.bytes_allocated(), 0u);
+}
+
+TEST(FrameAssembler, ALargeFrameIsWholeWhateverCameBeforeItWasAllocated) {
+  constexpr int kWedges = 16;
+  constexpr int kRanges = 4096;
+  Pass large(8 * kWedges, kRanges, 0);  // 11 MB
+  for (int i = 0; i < kWedges; ++i) {
+    EXPECT_EQ(large.bytes_allocated() > 0, i >= 2) << i << " of " << kWedges << " wedges have come";
+    large.add((i * 5 + 3) % kWedges, kRanges);
+  }
+  ASSERT_TRUE(large.end().ok());
+  const BinBlock whole = filled(0, 8 * kWedges, kRanges);
+  EXPECT_TRUE(large.frames.frame().iq == whole.iq);
+  EXPECT_TRUE(large.frames.frame().power_w == whole.power_w);
+  EXPECT_TRUE(large.frames.frame().count == whole.count);
+  EXPECT_TRUE(large.frames.frame().state == whole.state);
+}
+
+TEST(FrameAssembler, OfALargePassAFewPerCentAreEnoughAndLessIsGivenUp) {
+  Pass some(1024, 1024, 3);
+  ASSERT_TRUE(some.end({{24, 1000}}).ok());
+  EXPECT_EQ(some.frames.state(), FrameAssembler::State::complete);
+  EXPECT_EQ(some.frames.frame().power_w.size(), std::size_t{1024} * 1024);
+  Pass least(1024, 1024, 1);
+  ASSERT_TRUE(least.end({{8, 1016}}).ok());
+  EXPECT_EQ(least.frames.state(), FrameAssembler::State::aborted);
+  EXPECT_EQ(least.frames.abort_reason(), "the scanning antenna missed nearly all of it");
+  EXPECT_EQ(least.bytes_allocated(), 0u);
+}
+
+TEST(FrameAssembler, MoreAzimuthBinsThanAnyRadarHasAreRefused) {
+  for (const int n : {1 << 14, (1 << 14) + 1}) {
+    FrameAssembler frames;
+    wire::FrameBegin begin;
+    *begin.mutable_frame() = descriptor(n, 1);
+    EXPECT_EQ(frames.on_begin({}, begin).ok(), n == 1 << 14) << n;
+  }
+}
 
 TEST(FrameAssembler, WhatAPassMissedIsNotSampled) {
   Pass pass;
@@ -50,7 +107,7 @@ TEST(FrameAssembler, APassCannotMissMoreThanItHas) {
 TEST(FrameAssembler, AWindowMayBeNarrowerThanThePassHasGaps) {
   StreamChoice choice;
   choice.format.window = {{4, 1, 1}, {}};
-  Pass pass(choice);
+  Pass pass(24, 32, 1, choice);
   EXPECT_TRUE(pass.end({{8, 1}, {16, 1}}).ok());
 }
 

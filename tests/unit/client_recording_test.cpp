@@ -1,15 +1,10 @@
 // Recordings that are whole, cut at every byte and damaged at every byte.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 
 #include "client/recorded_frames.h"
-#include "client/recording_writer.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/net/frame_encoder.h"
@@ -29,7 +24,8 @@ std::unique_ptr<RecordingReader> reader_of(const std::string& bytes) {
 struct Replayed {
   std::set<std::uint64_t> frames;
   std::vector<std::string> notes;
-  bool damaged = false;
+  client::RecordingLosses losses;
+  std::uint64_t aborted = 0;
   bool cut = false;
 };
 
@@ -62,7 +58,8 @@ Replayed replay(const std::string& bytes) {
       replayed.frames.insert(recorded.frame.descriptor->frame_id());
     }
     if (found != RecordedFrames::Found::end) continue;
-    replayed.damaged = frames.damaged();
+    replayed.losses = frames.losses();
+    replayed.aborted = frames.aborted();
     replayed.cut = frames.cut();
     return replayed;
   }
@@ -72,7 +69,8 @@ TEST(Recording, AWholeOneGivesItsFramesAndNamesTheOneThatWasAborted) {
   const Replayed replayed = replay(made_recording().bytes);
   EXPECT_EQ(replayed.frames, (std::set<std::uint64_t>{1, 3, 4}));
   EXPECT_EQ(replayed.notes, std::vector<std::string>{"frame 2: aborted, made to end"});
-  EXPECT_FALSE(replayed.damaged);
+  EXPECT_FALSE(replayed.losses.any());
+  EXPECT_EQ(replayed.aborted, 1u);
   EXPECT_FALSE(replayed.cut);
 }
 
@@ -104,7 +102,7 @@ TEST(Recording, CutAtAnyByteGivesEveryWholeMessageAndSaysWhatIsLeftOver) {
 
     const Replayed replayed = replay(bytes);
     ASSERT_EQ(replayed.frames, whole_frames) << cut;
-    ASSERT_FALSE(replayed.damaged) << cut;
+    ASSERT_FALSE(replayed.losses.any()) << cut << ": how a recorder that is killed ends is no loss";
     ASSERT_EQ(replayed.cut, cut > whole_bytes || in_hand != 0) << cut;
     if (!replayed.cut) continue;
     const std::string& said = replayed.notes.back();
@@ -140,7 +138,13 @@ TEST(Recording, OneWrongByteAnywhereCostsItsMessageAndNothingElse) {
 
         std::set<std::uint64_t> whole{1, 3, 4};
         whole.erase(hit.frame_id);
-        ASSERT_EQ(replay(bytes).frames, whole) << at;
+        const Replayed replayed = replay(bytes);
+        ASSERT_EQ(replayed.frames, whole) << at;
+        ASSERT_TRUE(replayed.losses.any() || replayed.cut) << at;
+        // One, whichever of its messages was hit.
+        if (hit.frame_id == 3) {
+          ASSERT_EQ(replayed.losses.text(), "1 frame lost, damaged in 1 place") << at;
+        }
       }
     }
   }
@@ -153,7 +157,7 @@ TEST(Recording, WhatAPowerFailureLeavesBehindIsNamedAndSkipped) {
   add_frame(made, 7, sequence);
   const Replayed replayed = replay(made.bytes);
   EXPECT_EQ(replayed.frames, (std::set<std::uint64_t>{1, 3, 4, 7}));
-  EXPECT_TRUE(replayed.damaged);
+  EXPECT_EQ(replayed.losses.text(), "0 frames lost, damaged in 1 place");
   EXPECT_NE(replayed.notes.back().find("5000000 bytes skipped"), std::string::npos) << replayed.notes.back();
 }
 
@@ -197,7 +201,53 @@ TEST(Recording, AConnectionThatWasTakenUpAgainLosesTheFrameInHandAndNoOther) {
   EXPECT_EQ(replayed.frames, (std::set<std::uint64_t>{1, 2, 3}));
   EXPECT_NE(replayed.notes.back().find("connection was lost there; frame 4 is incomplete"), std::string::npos)
       << replayed.notes.back();
+  EXPECT_EQ(replayed.losses.text(), "1 frame lost");
   EXPECT_FALSE(replayed.cut);
+}
+
+TEST(Recording, AFrameThatIsTooLargeIsLostAndCountedOnce) {
+  const MadeRecording made = made_recording();
+  RecordedFrames frames(reader_of(made.bytes), "main", wire::kAllPlanes, kMadeAzimuths * kMadeRanges);
+  client::RecordedFrame recorded;
+  std::vector<std::string> notes;
+  while (frames.next(recorded) != RecordedFrames::Found::end) notes.push_back(frames.note());
+  ASSERT_EQ(notes.size(), 4u);
+  EXPECT_NE(notes[0].find("bytes; allowed: at most"), std::string::npos) << notes[0];
+  EXPECT_EQ(frames.losses().text(), "4 frames lost");
+}
+
+TEST(Recording, OfAPartOfTheBinsIsReplayed) {
+  net::StreamChoice choice;
+  choice.format.window = {{2, 6, 2}, {1, 0, 1}};
+  MadeRecording made;
+  std::uint64_t sequence = 0;
+  add_frame(made, 1, sequence, true, "main", 1, {choice});
+  RecordedFrames frames(reader_of(made.bytes), "main", wire::kAllPlanes);
+  client::RecordedFrame recorded;
+  ASSERT_EQ(frames.next(recorded), RecordedFrames::Found::frame) << frames.note();
+  EXPECT_EQ(recorded.frame.n_azimuth, 3);
+  ASSERT_EQ(recorded.frame.power_w.size(), 3u * (kMadeRanges - 1));
+  EXPECT_EQ(recorded.frame.power_w[0], made_power(1, 2, 1));
+  EXPECT_TRUE(recorded.wedges.empty());
+}
+
+/// A disk that fails in the middle of a file.
+class FailingDisk : public std::stringbuf {
+ public:
+  using std::stringbuf::stringbuf;
+  std::streamsize xsgetn(char* to, std::streamsize n) override {
+    const std::streamsize got = std::stringbuf::xsgetn(to, n);
+    if (got < n) throw std::ios_base::failure("made to fail");
+    return got;
+  }
+};
+
+TEST(Recording, AFileThatCannotBeReadAnyFurtherIsNotTakenForOneThatWasCut) {
+  FailingDisk disk(made_recording().bytes);
+  RecordingReader reader(std::make_unique<std::istream>(&disk));
+  ASSERT_EQ(reader.next(), RecordingReader::Found::damage);
+  EXPECT_EQ(reader.fault().reason, "the file cannot be read any further");
+  EXPECT_EQ(reader.next(), RecordingReader::Found::end);
 }
 
 TEST(Recording, WhatAScanningAntennaMissedIsAWedgeAtThePassesEnd) {
@@ -247,76 +297,6 @@ TEST(Recording, FramesOfOtherRadarsAreCountedAndLeftOut) {
   EXPECT_EQ(none.outcome, client::Outcome::ok) << "a start that is known stays";
   client::RecordingStart nothing;
   EXPECT_EQ(client::read_start(*reader_of(made.bytes), "tail", nothing).outcome, client::Outcome::bad_stream);
-}
-
-class RecordingFile : public testing::Test {
- protected:
-  RecordingFile()
-      : path_(std::filesystem::path(testing::TempDir()) /
-              ("recording_" + std::to_string(getpid()) + "_" +
-               testing::UnitTest::GetInstance()->current_test_info()->name())) {}
-  ~RecordingFile() override { std::filesystem::remove(path_); }
-
-  std::string text() const {
-    std::stringstream all;
-    all << std::ifstream(path_, std::ios::binary).rdbuf();
-    return all.str();
-  }
-  std::filesystem::path path_;
-};
-
-client::Status write_messages(client::RecordingWriter& writer, const MadeRecording& made,
-                              std::size_t& whole) {
-  whole = 0;
-  for (const MadeMessage& message : made.messages) {
-    const auto bytes =
-        std::as_bytes(std::span(made.bytes)).subspan(message.begin, message.end - message.begin);
-    client::Status status = writer.write(bytes.first(wire::kHeaderBytes), bytes.subspan(wire::kHeaderBytes));
-    if (!status.ok()) return status;
-    whole = message.end;
-  }
-  return {};
-}
-
-TEST_F(RecordingFile, IsWhatArrivedByteForByteAndIsNotOverwrittenUnasked) {
-  const MadeRecording made = made_recording();
-  client::RecordingWriter writer;
-  ASSERT_TRUE(writer.open(path_, false).ok());
-  std::size_t whole = 0;
-  ASSERT_TRUE(write_messages(writer, made, whole).ok());
-  EXPECT_TRUE(text() == made.bytes) << "also before it is closed";
-  ASSERT_TRUE(writer.close().ok());
-  client::RecordingWriter second;
-  EXPECT_EQ(second.open(path_, false).outcome, client::Outcome::bad_argument);
-  EXPECT_TRUE(text() == made.bytes);
-  ASSERT_TRUE(second.open(path_, true).ok());
-  EXPECT_EQ(text(), "");
-}
-
-TEST_F(RecordingFile, ThatMayGrowNoFurtherEndsWithItsLastWholeMessage) {
-  const MadeRecording made = made_recording();
-  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  for (const std::size_t limit :
-       {std::size_t{1}, std::size_t{300}, made.bytes.size() / 2, made.bytes.size() - 1}) {
-    rlimit tight = before;
-    tight.rlim_cur = limit;
-    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
-    client::RecordingWriter writer;
-    std::size_t whole = 0;
-    const client::Status opened = writer.open(path_, true);
-    const client::Status status = write_messages(writer, made, whole);
-    const client::Status after = writer.write(std::as_bytes(std::span(made.bytes)).first(1), {});
-    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
-    ASSERT_TRUE(opened.ok());
-    EXPECT_EQ(status.outcome, client::Outcome::bad_argument) << limit;
-    EXPECT_NE(status.text.find(std::to_string(whole) + " bytes of whole messages"), std::string::npos)
-        << status.text;
-    EXPECT_FALSE(after.ok()) << "nothing is written behind a gap";
-    EXPECT_TRUE(text() == made.bytes.substr(0, whole)) << limit;
-  }
-  (void)std::signal(SIGXFSZ, ignored);
 }
 
 }  // namespace
