@@ -112,7 +112,8 @@ Status FrameAssembler::on_begin(const wire::FrameHeader& header, const wire::Fra
   if (settings.azimuth_bins() < 1 || settings.azimuth_bins() > kMostAzimuths || settings.range_bins() < 1 ||
       settings.range_bins() > kMostRanges) {
     return bad("a frame of " + std::to_string(settings.azimuth_bins()) + " x " +
-               std::to_string(settings.range_bins()) + " bins cannot be");
+               std::to_string(settings.range_bins()) + " bins; allowed: 1 to " +
+               std::to_string(kMostAzimuths) + " x 1 to " + std::to_string(kMostRanges));
   }
   const auto window = wire::cut_window(wire::read_window(begin.frame().window()),
                                        static_cast<std::uint32_t>(settings.azimuth_bins()),

@@ -236,23 +236,26 @@ TEST(CommandFailures, AFrameThatTheServerGivesUp) {
 }
 
 TEST(CommandFailures, AFrameOfImpossibleSize) {
-  expect_failure(
-      "get",
-      [](MessageType type, std::uint64_t id) {
-        if (type == MessageType::hello) return welcome(id);
-        if (type == MessageType::get_radar) {
-          wire::RadarInfo info;
-          info.set_request_id(id);
-          return wire::encode_message(MessageType::radar_info, {}, info);
-        }
-        wire::FrameBegin begin;
-        begin.mutable_frame()->mutable_settings()->set_azimuth_bins(1 << 20);
-        begin.mutable_frame()->mutable_settings()->set_range_bins(1 << 20);
-        wire::Bytes answer = acknowledged(id);
-        append(answer, wire::encode_message(MessageType::frame_begin, {1, 1, 0}, begin));
-        return answer;
-      },
-      "bytes; allowed: at most");
+  for (const auto& [azimuths, said] : {std::pair{1 << 14, "bytes; allowed: at most"},
+                                       std::pair{1 << 20, "bins; allowed: 1 to 16384 x 1 to 16777216"}}) {
+    expect_failure(
+        "get",
+        [azimuths = azimuths](MessageType type, std::uint64_t id) {
+          if (type == MessageType::hello) return welcome(id);
+          if (type == MessageType::get_radar) {
+            wire::RadarInfo info;
+            info.set_request_id(id);
+            return wire::encode_message(MessageType::radar_info, {}, info);
+          }
+          wire::FrameBegin begin;
+          begin.mutable_frame()->mutable_settings()->set_azimuth_bins(azimuths);
+          begin.mutable_frame()->mutable_settings()->set_range_bins(1 << 20);
+          wire::Bytes answer = acknowledged(id);
+          append(answer, wire::encode_message(MessageType::frame_begin, {1, 1, 0}, begin));
+          return answer;
+        },
+        said);
+  }
 }
 
 }  // namespace
