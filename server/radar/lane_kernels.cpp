@@ -4,13 +4,16 @@
 
 namespace obliq {
 
+#define OBLIQ_LANE_KERNELS(isa)                                                                             \
+  LaneKernels {                                                                                             \
+#isa, isa::speckle_lanes, isa::march_ground, isa::cut_ground, isa::place_samples, isa::merge_scatterers \
+  }
+
 const std::vector<LaneKernels>& all_lane_kernels() {
   static const std::vector<LaneKernels> kernels = [] {
-    std::vector<LaneKernels> here{{"sse", sse::speckle_lanes, sse::march_ground, sse::cut_ground}};
-    if (has_isa(TracerIsa::avx2))
-      here.push_back({"avx2", avx2::speckle_lanes, avx2::march_ground, avx2::cut_ground});
-    if (has_isa(TracerIsa::avx512))
-      here.push_back({"avx512", avx512::speckle_lanes, avx512::march_ground, avx512::cut_ground});
+    std::vector<LaneKernels> here{OBLIQ_LANE_KERNELS(sse)};
+    if (has_isa(TracerIsa::avx2)) here.push_back(OBLIQ_LANE_KERNELS(avx2));
+    if (has_isa(TracerIsa::avx512)) here.push_back(OBLIQ_LANE_KERNELS(avx512));
     return here;
   }();
   return kernels;

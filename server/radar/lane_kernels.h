@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "server/radar/ground_lanes.h"
+#include "server/radar/merge_lanes.h"
 #include "server/radar/piece_lanes.h"
+#include "server/radar/place_lanes.h"
 #include "server/radar/speckle_lanes.h"
 #include "terrain/height_grid.h"
 
@@ -14,6 +16,8 @@ struct LaneKernels {
   SpeckleKernel speckle;
   GroundKernel march_ground;
   PieceKernel cut_ground;
+  PlaceKernel place;
+  MergeKernel merge;
 };
 
 /// Those of the widest set that this machine has.
@@ -27,11 +31,13 @@ inline LaneGrid lane_grid(const HeightGrid& grid) {
 }
 
 /// Compiled with x86-64-v2, -v3 and -v4.
-#define OBLIQ_DECLARE_LANES(isa)                                                    \
-  namespace isa {                                                                   \
-  void speckle_lanes(const SpeckleGround&, SpeckleBlock&);                          \
-  bool march_ground(const GroundScene&, GroundLanes&, GroundPieces&);               \
-  int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&); \
+#define OBLIQ_DECLARE_LANES(isa)                                                                           \
+  namespace isa {                                                                                          \
+  void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                           \
+  bool march_ground(const GroundScene&, GroundLanes&, GroundPieces&);                                      \
+  int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);                        \
+  void place_samples(const SwathCells&, int, const double*, const double*, const double*, PlacedSamples&); \
+  std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                           \
   }
 OBLIQ_DECLARE_LANES(sse)
 OBLIQ_DECLARE_LANES(avx2)

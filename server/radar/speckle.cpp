@@ -15,11 +15,6 @@ namespace {
 /// Cells of 1 mm at least, so that cell numbers fit 32 bits within 2,000 km.
 constexpr int kFinestLevel = -10;
 
-/// What the hash takes of a ground cell besides its place.
-std::uint32_t kind_of(const Scatterer& s) {
-  return static_cast<std::uint32_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material;
-}
-
 /// 2^level.
 double side_of(const Scatterer& s) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
@@ -61,9 +56,8 @@ Scatterer SpeckleField::scatterer(double slant_range_m, double x_m, double z_m, 
 
 std::uint64_t SpeckleField::hash(const Scatterer& s) const {
   if (s.face != kNoFace) return mix64(seed_ ^ world_.buildings.faces[s.face].identity);
-  const std::uint64_t place = static_cast<std::uint64_t>(static_cast<std::uint32_t>(s.x_cell)) << 32 |
-                              static_cast<std::uint32_t>(s.z_cell);
-  return mix64(mix64(seed_ ^ place) ^ kind_of(s));
+  const ScattererKey key(s);
+  return mix64(mix64(seed_ ^ key.place) ^ (key.kind & 0xffffffffull));
 }
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
@@ -91,22 +85,21 @@ std::complex<double> SpeckleField::response(const Scatterer& s) const {
   return {modulus * at.cos, modulus * at.sin};
 }
 
-void SpeckleField::respond(const Scatterer* scatterers, SpeckleBlock& block) const {
-  for (int k = 0; k < block.n; ++k) {
-    const Scatterer& s = scatterers[k];
-    block.x_cell[k] = s.x_cell;
-    block.z_cell[k] = s.z_cell;
-    block.kind[k] = kind_of(s);
-    block.side_m[k] = side_of(s);
-  }
+void SpeckleField::respond(const SpeckleBlock& block) const {
   lane_kernels().speckle(
       {lane_grid(world_.grid), antenna_m_.x, antenna_m_.y, antenna_m_.z, wavelength_m_, seed_}, block);
   for (int k = 0; k < block.n; ++k) {
-    if (scatterers[k].face == kNoFace && !std::isnan(block.re[k])) continue;
-    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(scatterers[k]);
+    const ScattererKey key(block.place[k], block.kind[k]);
+    if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;
+    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(key.scatterer());
     block.re[k] = voltage.real();
     block.im[k] = voltage.imag();
   }
+}
+
+void SpeckleField::describe_cells(SwathCells& cells) const {
+  std::copy(std::begin(cells_per_m_), std::end(cells_per_m_), cells.cells_per_m);
+  std::copy(std::begin(level_of_octave_), std::end(level_of_octave_), cells.level);
 }
 
 }  // namespace obliq

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "server/radar/place_lanes.h"
 #include "server/radar/speckle_lanes.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/hash.h"
@@ -24,6 +25,27 @@ struct Scatterer {
   bool operator==(const Scatterer&) const = default;
 };
 
+/// A scatterer in two numbers, equal when the scatterers are.
+struct ScattererKey {
+  std::uint64_t place;  ///< x_cell, z_cell: 32 bits each
+  std::uint64_t kind;   ///< face: 32 bits, level: 16 of the next 24, material: 8
+
+  explicit ScattererKey(std::uint64_t place_bits, std::uint64_t kind_bits)
+      : place(place_bits), kind(kind_bits) {}
+  explicit ScattererKey(const Scatterer& s)
+      : place(static_cast<std::uint64_t>(static_cast<std::uint32_t>(s.x_cell)) << 32 |
+              static_cast<std::uint32_t>(s.z_cell)),
+        kind(static_cast<std::uint64_t>(s.face) << 32 |
+             static_cast<std::uint32_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material) {}
+  std::uint32_t face() const { return static_cast<std::uint32_t>(kind >> 32); }
+  Scatterer scatterer() const {
+    return {static_cast<std::int32_t>(static_cast<std::uint32_t>(place >> 32)),
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(place)), face(),
+            static_cast<std::int16_t>(static_cast<std::uint16_t>(kind >> 8)),
+            static_cast<std::uint8_t>(kind)};
+  }
+};
+
 /// Amplitude and phase of scatterers for one frame geometry. Immutable.
 class SpeckleField {
  public:
@@ -38,9 +60,11 @@ class SpeckleField {
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for ground, unit modulus for a face.
   std::complex<double> response(const Scatterer& scatterer) const;
 
-  /// sqrt(power) response of block.n scatterers of power block.power_w, the same to the bit, left in block.re
-  /// and block.im. What else is in the block is written over.
-  void respond(const Scatterer* scatterers, SpeckleBlock& block) const;
+  /// sqrt(power) response of the block's scatterers, the same to the bit.
+  void respond(const SpeckleBlock& block) const;
+
+  /// The ground cells by octave of slant range, in `cells`.
+  void describe_cells(SwathCells& cells) const;
 
   std::uint64_t hash(const Scatterer& scatterer) const;
 

@@ -34,21 +34,23 @@ OBLIQ_LANES Lanes height_at(const LaneGrid& grid, Lanes x, Lanes z) {
 
 }  // namespace
 
-void speckle_lanes(const SpeckleGround& ground, SpeckleBlock& block) {
+void speckle_lanes(const SpeckleGround& ground, const SpeckleBlock& block) {
   for (int k = 0; k < block.n; k += kLanes) {
-    const Lanes side = load_lanes(block.side_m + k);
-    const Lanes x = (load_lanes(block.x_cell + k) + 0.5) * side;
-    const Lanes z = (load_lanes(block.z_cell + k) + 0.5) * side;
+    // Cell numbers are 32-bit integers of either sign: counted from the least one they are whole numbers.
+    const LaneBits place = load_bits(block.place + k);
+    const LaneBits kind = load_bits(block.kind + k) & 0xffffffffull;
+    const Lanes x_cell = doubles_of((place >> 32) ^ 0x80000000ull) - 0x1p31;
+    const Lanes z_cell = doubles_of((place & 0xffffffffull) ^ 0x80000000ull) - 0x1p31;
+    const LaneBits level = ((kind >> 8) & 0xffff) ^ 0x8000;
+    const Lanes side = lanes_of((level + (1023 - 0x8000)) << 52);
+    const Lanes x = (x_cell + 0.5) * side;
+    const Lanes z = (z_cell + 0.5) * side;
     const Lanes dx = x - ground.antenna_x_m;
     const Lanes dy = height_at(ground.grid, x, z) - ground.antenna_y_m;
     const Lanes dz = z - ground.antenna_z_m;
     const Lanes range = sqrt_of(dx * dx + dy * dy + dz * dz);
 
-    const auto* const x_bits = reinterpret_cast<const std::uint32_t*>(block.x_cell + k);
-    const auto* const z_bits = reinterpret_cast<const std::uint32_t*>(block.z_cell + k);
-    const LaneBits place = (load_bits(x_bits) << 32) | load_bits(z_bits);
-    const LaneBits hash = mix64(mix64(place ^ ground.seed) ^ load_bits(block.kind + k));
-
+    const LaneBits hash = mix64(mix64(place ^ ground.seed) ^ kind);
     const Lanes own_turns = doubles_of(hash >> 32) * 0x1p-32;
     const Lanes round_trips = 2.0 * range / ground.wavelength_m;
     const SinCosLanes at = sincos_turns(own_turns - (round_trips - floor_of(round_trips)));

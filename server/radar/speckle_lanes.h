@@ -13,21 +13,18 @@ struct SpeckleGround {
   std::uint64_t seed;
 };
 
-/// Ground cells, and what they answer with.
+/// Scatterers as keys (ScattererKey), and what they answer with. The arrays are read and written up to a
+/// multiple of 8.
 struct SpeckleBlock {
-  static constexpr int kMost = 256;
-  int n = 0;
-  std::int32_t x_cell[kMost];  ///< these five go in
-  std::int32_t z_cell[kMost];
-  std::uint32_t kind[kMost];  ///< level and material, as the hash takes them
-  double side_m[kMost];
-  double power_w[kMost];
-  double
-      re[kMost];  ///< these come out: sqrt(power) response; NaN where the cell's centre has no known ground
-  double im[kMost];
+  int n;
+  const std::uint64_t* place;
+  const std::uint64_t* kind;
+  const double* power_w;
+  double* re;  ///< sqrt(power) response, as if all were ground; NaN where a cell's centre has no known ground
+  double* im;
 };
 
 /// The same bits whatever the instruction set.
-using SpeckleKernel = void (*)(const SpeckleGround&, SpeckleBlock&);
+using SpeckleKernel = void (*)(const SpeckleGround&, const SpeckleBlock&);
 
 }  // namespace obliq

@@ -6,6 +6,7 @@
 
 #include "server/radar/antenna_pattern.h"
 #include "server/radar/exact_math.h"
+#include "server/radar/lane_kernels.h"
 
 namespace obliq {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 /// The shortest wavelength that is allowed. The radar equation is one of the far field: nearer than this it
 /// means nothing, and at 0, an antenna against a wall, it divides by it.
 constexpr double kNearest_m = 1e-3;
+
+static_assert(PlacedSamples::kMost == kBatch);
 
 }  // namespace
 
@@ -22,6 +25,12 @@ WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, c
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
   range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
+  const BinGrid& bins = plan.bins();
+  cells_.n_range = bins.n_range;
+  cells_.r_min_m = bins.r_min_m;
+  cells_.r_max_m = bins.r_max_m;
+  cells_.range_spacing_m = bins.range_spacing_m;
+  speckle.describe_cells(cells_);
   restart(range);
 }
 
@@ -32,34 +41,34 @@ void WedgeBins::restart(AzimuthRange range) {
   power_w_.assign(n, 0);
   count_.assign(n, 0);
   voltage_.assign(n, 0);
-  groups_.clear();
   if (plan_.settings().speckle == SpeckleKind::geometric) return;
-  chains_.assign(n, {});
-  entered_ = 0;
-  table_.assign(std::max(table_.size(), std::size_t{1} << 13), 0);
+  sums_.resize(static_cast<std::size_t>(range.count));
+  for (ScattererSums& sums : sums_) sums.restart(plan_.bins().n_range);
 }
 
 std::uint64_t WedgeBins::add(const SampleBatch& samples) {
-  const BinGrid& bins = plan_.bins();
+  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
   const AntennaPattern pattern(plan_.settings().gain_db);
   const bool normalise = plan_.settings().range_normalisation;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
+  lane_kernels().place(cells_, samples.n, samples.slant_range_m.data(), samples.x_m.data(),
+                       samples.z_m.data(), placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
-    const int range_bin = bins.range_bin(r);
-    if (range_bin < 0 || r < kNearest_m) continue;
+    const int range_bin = placed_.range_bin[k];
+    if (range_bin == PlacedSamples::kOutside || r < kNearest_m) continue;
     if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
       continue;
-    const double r2 = r * r;
+    const double r2 = placed_.range2_m2[k];
     const double sigma = scattering_.cross_section_m2(samples.material[k], samples.solid_angle_sr[k] * r2,
                                                       samples.cos_incidence[k]);
     // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
     const double gain = pattern.power_gain(samples.azimuth_offset_rad[k], samples.sin_elevation[k]);
     const double power = range_constant_ * gain * gain * sigma / (normalise ? 1.0 : r2 * r2);
-    const auto bin =
-        static_cast<std::uint32_t>((samples.azimuth_bin[k] - range_.first) * bins.n_range + range_bin);
+    const auto azimuth = static_cast<std::size_t>(samples.azimuth_bin[k] - range_.first);
+    const std::size_t bin = azimuth * n_range + static_cast<std::size_t>(range_bin);
     power_w_[bin] += power;
     ++count_[bin];
     ++binned;
@@ -71,79 +80,38 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
       const double amplitude = std::sqrt(power);
       voltage_[bin] += std::complex<double>(amplitude * at.cos, amplitude * at.sin);
     } else {
-      add_to_group(
-          speckle_.scatterer(r, samples.x_m[k], samples.z_m[k], samples.face[k], samples.material[k]), bin,
-          power);
+      const std::uint64_t kind = static_cast<std::uint64_t>(samples.face[k]) << 32 | samples.material[k];
+      sums_[azimuth].add(static_cast<std::uint32_t>(range_bin),
+                         samples.face[k] == kNoFace ? ScattererKey(placed_.cell[k], kind | placed_.level[k])
+                                                    : ScattererKey(0, kind),
+                         power);
     }
   }
   return binned;
 }
 
-void WedgeBins::add_to_group(const Scatterer& scatterer, std::uint32_t bin, double power_w) {
-  // Most bins have a handful of scatterers: their list is searched, the latest first. Only the groups of bins
-  // with many are in the table as well.
-  Chain& chain = chains_[bin];
-  if (chain.length < kLongChain) {
-    for (std::uint32_t at = chain.last; at != 0; at = groups_[at - 1].previous) {
-      if (groups_[at - 1].scatterer != scatterer) continue;
-      groups_[at - 1].power_w += power_w;
-      return;
-    }
-  } else {
-    const std::size_t mask = table_.size() - 1;
-    for (std::size_t slot = slot_of(scatterer, bin); table_[slot] != 0; slot = (slot + 1) & mask) {
-      Group& group = groups_[table_[slot] - 1];
-      if (group.bin != bin || group.scatterer != scatterer) continue;
-      group.power_w += power_w;
-      return;
+/// Adds up the scatterers' voltages.
+void WedgeBins::add_speckle() {
+  constexpr std::size_t kBlock = 512;
+  double re[kBlock + ScattererLists::kSpare];
+  double im[kBlock + ScattererLists::kSpare];
+  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
+  for (std::size_t azimuth = 0; azimuth < sums_.size(); ++azimuth) {
+    ScattererSums& sums = sums_[azimuth];
+    sums.merge();
+    std::complex<double>* const voltage = voltage_.data() + azimuth * n_range;
+    for (std::size_t first = 0; first < sums.size(); first += kBlock) {
+      const std::size_t n = std::min(kBlock, sums.size() - first);
+      speckle_.respond({static_cast<int>(n), sums.places() + first, sums.kinds() + first,
+                        sums.powers_w() + first, re, im});
+      for (std::size_t k = 0; k < n; ++k)
+        voltage[sums.range_bin(first + k)] += std::complex<double>(re[k], im[k]);
     }
   }
-  groups_.push_back({scatterer, bin, chain.last, power_w});
-  chain.last = static_cast<std::uint32_t>(groups_.size());
-  ++chain.length;
-  if (chain.length > kLongChain) enter(chain.last);
-  if (chain.length != kLongChain) return;
-  for (std::uint32_t at = chain.last; at != 0; at = groups_[at - 1].previous) enter(at);
-}
-
-std::size_t WedgeBins::slot_of(const Scatterer& scatterer, std::uint32_t bin) const {
-  return static_cast<std::size_t>(speckle_.hash(scatterer) + bin * 0x9e3779b97f4a7c15ull) &
-         (table_.size() - 1);
-}
-
-/// Enters a group, by its number + 1, into the table.
-void WedgeBins::enter(std::uint32_t group) {
-  if (2 * (entered_ + 1) > table_.size()) grow_table();
-  ++entered_;
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = slot_of(groups_[group - 1].scatterer, groups_[group - 1].bin);
-  while (table_[slot] != 0) slot = (slot + 1) & mask;
-  table_[slot] = group;
-}
-
-void WedgeBins::grow_table() {
-  const std::vector<std::uint32_t> entries = std::move(table_);
-  table_.assign(2 * entries.size(), 0);
-  entered_ = 0;
-  for (const std::uint32_t group : entries)
-    if (group != 0) enter(group);
 }
 
 void WedgeBins::write(BinBlock& block) {
-  Scatterer scatterers[SpeckleBlock::kMost];
-  SpeckleBlock responses{};
-  for (std::size_t first = 0; first < groups_.size(); first += SpeckleBlock::kMost) {
-    responses.n = static_cast<int>(std::min<std::size_t>(SpeckleBlock::kMost, groups_.size() - first));
-    const Group* const group = groups_.data() + first;
-    for (int k = 0; k < responses.n; ++k) {
-      scatterers[k] = group[k].scatterer;
-      responses.power_w[k] = group[k].power_w;
-    }
-    speckle_.respond(scatterers, responses);
-    for (int k = 0; k < responses.n; ++k)
-      voltage_[group[k].bin] += std::complex<double>(responses.re[k], responses.im[k]);
-  }
-  groups_.clear();
+  if (plan_.settings().speckle == SpeckleKind::ground) add_speckle();
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
     block.iq[bin] = std::complex<float>(voltage_[bin]);
     block.power_w[bin] = power_w_[bin];

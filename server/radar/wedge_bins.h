@@ -6,6 +6,7 @@
 #include "server/radar/batches.h"
 #include "server/radar/bins.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/scatterer_sums.h"
 #include "server/radar/scattering.h"
 #include "server/radar/speckle.h"
 
@@ -29,25 +30,7 @@ class WedgeBins {
   void write(BinBlock& block);
 
  private:
-  /// Power that one scatterer gave to one bin: P_bc.
-  struct Group {
-    Scatterer scatterer;
-    std::uint32_t bin;
-    std::uint32_t previous;  // number + 1 of the bin's group before this one, 0 none
-    double power_w;
-  };
-
-  void add_to_group(const Scatterer& scatterer, std::uint32_t bin, double power_w);
-  std::size_t slot_of(const Scatterer& scatterer, std::uint32_t bin) const;
-  void enter(std::uint32_t group);
-  void grow_table();
-
-  /// The groups of a bin, linked from the last one back.
-  struct Chain {
-    std::uint32_t last = 0;  // number + 1, 0 none
-    std::uint32_t length = 0;
-  };
-  static constexpr std::uint32_t kLongChain = 16;
+  void add_speckle();
 
   const FramePlan& plan_;
   const ScatteringTable& scattering_;
@@ -58,10 +41,9 @@ class WedgeBins {
   std::vector<double> power_w_;
   std::vector<std::uint32_t> count_;
   std::vector<std::complex<double>> voltage_;
-  std::vector<Group> groups_;         // ground speckle only, in order of first appearance
-  std::vector<Chain> chains_;         // per bin
-  std::vector<std::uint32_t> table_;  // open addressing, bins with long chains: group number + 1, 0 empty
-  std::size_t entered_ = 0;           // groups in the table
+  std::vector<ScattererSums> sums_;  // [range.count], ground speckle only
+  SwathCells cells_;
+  PlacedSamples placed_;
 };
 
 }  // namespace obliq

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
+#include <tuple>
 #include <vector>
 
 #include "server/radar/lane_kernels.h"
+#include "server/radar/scatterer_sums.h"
 #include "server/radar/speckle.h"
 #include "server/radar/sweep_ground.h"
 #include "terrain/hash.h"
@@ -20,11 +23,13 @@ namespace {
 /// Hills with a void in them, and cells on, beside and over their edges.
 class SpeckleLanes : public testing::Test {
  protected:
+  static constexpr int kCells = 253;
+
   SpeckleLanes() {
     HeightGrid& grid = world_.grid;
     for (int j = 40; j < 60; ++j)
       for (int i = 30; i < 90; ++i) grid.y_m[grid.index(i, j)] = std::numeric_limits<float>::quiet_NaN();
-    for (std::uint64_t k = 0; k < SpeckleBlock::kMost - 3; ++k) {
+    for (std::size_t k = 0; k < kCells; ++k) {
       const auto along = [&](std::uint64_t axis, double first, double last) {
         return first +
                (last - first) * (1.1 * unit_from_hash(hash_cell(axis, static_cast<int>(k), 0)) - 0.05);
@@ -32,44 +37,127 @@ class SpeckleLanes : public testing::Test {
       cells_.push_back(field_.scatterer(1000 + 50.0 * static_cast<double>(k),
                                         along(1, grid.x0_m, grid.x1_m()), along(2, grid.z0_m, grid.z1_m()),
                                         kNoFace, static_cast<std::uint8_t>(k % 3)));
-      block_.power_w[k] = along(3, 1e-12, 1e-9) + 1e-9;
+      place_.push_back(ScattererKey(cells_.back()).place);
+      kind_.push_back(ScattererKey(cells_.back()).kind);
+      power_w_.push_back(along(3, 1e-12, 1e-9) + 1e-9);
     }
-    block_.n = static_cast<int>(cells_.size());
+    place_.resize(kCells + 8);
+    kind_.resize(kCells + 8);
+    power_w_.resize(kCells + 8);
+  }
+
+  struct Answer {
+    std::vector<double> re = std::vector<double>(kCells + 8);
+    std::vector<double> im = std::vector<double>(kCells + 8);
+  };
+  SpeckleBlock block(Answer& answer) const {
+    return {kCells, place_.data(), kind_.data(), power_w_.data(), answer.re.data(), answer.im.data()};
   }
 
   World world_ = load_world(test::synthetic_spec(SyntheticKind::hills, 5000, 50));
   SpeckleField field_{world_, {10, 1500, -20}, 0.03, 32, 2e-3, 1};
   std::vector<Scatterer> cells_;
-  SpeckleBlock block_{};
+  std::vector<std::uint64_t> place_;
+  std::vector<std::uint64_t> kind_;
+  std::vector<double> power_w_;
 };
 
 TEST_F(SpeckleLanes, GiveTheBitsOfOneCellAtATime) {
-  field_.respond(cells_.data(), block_);
+  Answer found;
+  field_.respond(block(found));
   for (std::size_t k = 0; k < cells_.size(); ++k) {
-    const std::complex<double> one = std::sqrt(block_.power_w[k]) * field_.response(cells_[k]);
-    EXPECT_EQ(block_.re[k], one.real()) << k;
-    EXPECT_EQ(block_.im[k], one.imag()) << k;
+    const std::complex<double> one = std::sqrt(power_w_[k]) * field_.response(cells_[k]);
+    EXPECT_EQ(found.re[k], one.real()) << k;
+    EXPECT_EQ(found.im[k], one.imag()) << k;
   }
 }
 
 TEST_F(SpeckleLanes, AreTheSameInEveryInstructionSet) {
-  field_.respond(cells_.data(), block_);  // fills in what the kernels read
+  Answer expected;
+  field_.respond(block(expected));
   const SpeckleGround ground{lane_grid(world_.grid), 10, 1500, -20, 0.03, mix64(1)};
   int unknown = 0;
   for (const LaneKernels& kernels : all_lane_kernels()) {
-    SpeckleBlock found = block_;
-    kernels.speckle(ground, found);
+    Answer found;
+    kernels.speckle(ground, block(found));
     for (std::size_t k = 0; k < cells_.size(); ++k) {
       if (std::isnan(found.re[k])) {
         ++unknown;
         continue;
       }
-      EXPECT_EQ(found.re[k], block_.re[k]) << kernels.name << ' ' << k;
-      EXPECT_EQ(found.im[k], block_.im[k]) << kernels.name << ' ' << k;
+      EXPECT_EQ(found.re[k], expected.re[k]) << kernels.name << ' ' << k;
+      EXPECT_EQ(found.im[k], expected.im[k]) << kernels.name << ' ' << k;
     }
   }
   EXPECT_GT(unknown, 0);
   EXPECT_LT(unknown, static_cast<int>(all_lane_kernels().size() * cells_.size() / 2));
+}
+
+/// A scatterer of a bin, in order of its first sample, and its power.
+using Sum = std::tuple<std::uint32_t, std::uint64_t, std::uint64_t, double>;
+
+std::vector<Sum> plain_sums(const std::vector<Sum>& samples, std::uint32_t n_range) {
+  std::vector<Sum> sums;
+  for (std::uint32_t bin = 0; bin < n_range; ++bin) {
+    std::map<std::pair<std::uint64_t, std::uint64_t>, std::size_t> at;
+    for (const auto& [in, place, kind, power] : samples) {
+      if (in != bin) continue;
+      const auto [found, fresh] = at.try_emplace({place, kind}, sums.size());
+      if (fresh) sums.emplace_back(bin, place, kind, 0.0);
+      std::get<3>(sums[found->second]) += power;
+    }
+  }
+  return sums;
+}
+
+TEST(ScattererSums, AddUpEachScattererOfABinInTheOrderOfItsSamples) {
+  // A handful, bins of more than eight scatterers, bins that are sorted, and more than there is room for.
+  for (const auto& [n, n_range, n_places] :
+       {std::tuple{0, 4u, 1u}, {5, 3u, 2u}, {400, 8u, 40u}, {2000, 2u, 3u}, {60000, 3u, 9000u}}) {
+    ScattererSums sums;
+    for (int round = 0; round < 2; ++round) {  // the second one in the memory of the first
+      sums.restart(static_cast<int>(n_range));
+      std::vector<Sum> samples;
+      for (int k = 0; k < n; ++k) {
+        const std::uint64_t hash = hash_cell(5, k, round);
+        samples.emplace_back(hash % n_range, hash / 8 % n_places, hash >> 62, unit_from_hash(hash));
+        const auto& [bin, place, kind, power] = samples.back();
+        sums.add(bin, ScattererKey(place, kind), power);
+      }
+      sums.merge();
+      std::vector<Sum> found;
+      for (std::size_t k = 0; k < sums.size(); ++k)
+        found.emplace_back(sums.range_bin(k), sums.places()[k], sums.kinds()[k], sums.powers_w()[k]);
+      EXPECT_EQ(found, plain_sums(samples, n_range)) << n;
+    }
+  }
+}
+
+TEST(ScattererSums, AreTheSameInEveryInstructionSet) {
+  constexpr std::uint32_t kSamples = 200;
+  std::vector<std::uint32_t> end{60, 60, 61, 200};
+  std::vector<std::uint64_t> place(kSamples + ScattererLists::kSpare), kind(place);
+  std::vector<double> power(place.size());
+  for (std::uint32_t k = 0; k < kSamples; ++k) {
+    const std::uint64_t hash = hash_cell(6, k, 0);
+    place[k] = hash % 23;
+    kind[k] = hash >> 63;
+    power[k] = unit_from_hash(hash);
+  }
+  std::vector<std::vector<Sum>> found;
+  for (const LaneKernels& kernels : all_lane_kernels()) {
+    std::vector<std::uint32_t> bin(place.size());
+    std::vector<std::uint64_t> sum_place(place.size()), sum_kind(place.size());
+    std::vector<double> sum_power(place.size());
+    ScattererLists lists{end.data(),      place.data(),     kind.data(),
+                         power.data(),    bin.data(),       sum_place.data(),
+                         sum_kind.data(), sum_power.data(), 0};
+    EXPECT_EQ(kernels.merge(lists, 0, 4), 4u);
+    std::vector<Sum>& sums = found.emplace_back();
+    for (std::uint32_t k = 0; k < lists.n; ++k)
+      sums.emplace_back(bin[k], sum_place[k], sum_kind[k], sum_power[k]);
+    EXPECT_EQ(sums, found.front()) << kernels.name;
+  }
 }
 
 /// One sample as numbers, to compare.

@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/merge_lanes.h"
+#include "server/radar/speckle.h"
+
+namespace obliq {
+
+/// The power that each scatterer gave to each range bin of one azimuth bin: P_bc of design section 3. Samples
+/// are kept as they come and added up when there are many, or at the end.
+class ScattererSums {
+ public:
+  /// Empties it and keeps its memory.
+  void restart(int n_range);
+
+  void add(std::uint32_t range_bin, const ScattererKey& key, double power_w) {
+    if (n_ == room_) make_room();
+    samples_.bin[n_] = range_bin;
+    samples_.place[n_] = key.place;
+    samples_.kind[n_] = key.kind;
+    samples_.power_w[n_] = power_w;
+    ++n_;
+  }
+
+  /// Adds up: from now on each scatterer of a bin is there once, by bin and in order of its first sample. Its
+  /// power is the sum in the order that the samples came in.
+  void merge();
+
+  std::size_t size() const { return n_; }
+  std::uint32_t range_bin(std::size_t k) const { return samples_.bin[k]; }
+  const std::uint64_t* places() const { return samples_.place.data(); }
+  const std::uint64_t* kinds() const { return samples_.kind.data(); }
+  const double* powers_w() const { return samples_.power_w.data(); }
+
+ private:
+  struct ScattererArrays {
+    std::vector<std::uint32_t> bin;
+    std::vector<std::uint64_t> place;
+    std::vector<std::uint64_t> kind;
+    std::vector<double> power_w;
+  };
+
+  void make_room();
+  void merge_large(ScattererLists& lists, std::uint32_t bin);
+
+  std::size_t n_ = 0;
+  std::size_t room_ = 0;
+  ScattererArrays samples_;
+  ScattererArrays sorted_;          // by bin, while merging
+  std::vector<std::uint32_t> end_;  // of each bin in sorted_
+  std::vector<std::uint32_t> order_;
+};
+
+}  // namespace obliq
