@@ -247,6 +247,7 @@ void Daemon::open_http() {
   options.address = config_.http.address;
   options.port = static_cast<std::uint16_t>(config_.http.port);
   options.max_connections = config_.http.max_connections;
+  options.max_connections_per_address = config_.http.max_connections_per_address;
   options.timeout_s = config_.http.timeout_s;
   const auto metrics = [this] {
     std::optional<net::RoomStatistics> room;

@@ -7,10 +7,15 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl.hpp>
 #include <chrono>
+#include <cmath>
+#include <list>
 #include <optional>
 #include <utility>
 
+#include "server/http/answering.h"
 #include "server/log/log_fields.h"
+#include "server/net/endpoint_text.h"
+#include "server/net/exposure.h"
 #include "server/net/reserved_port.h"
 #include "server/net/security.h"
 #include "terrain/errors.h"
@@ -30,21 +35,32 @@ using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 using Response = bhttp::response<bhttp::string_body>;
 using Request = bhttp::request_parser<bhttp::empty_body>;
 
-Page error_page(bhttp::status status, const std::string& text) {
-  return {static_cast<int>(status), "text/plain; charset=utf-8", text + "\n"};
-}
+/// A connection that is served.
+struct Connection {
+  std::string peer;     ///< "127.0.0.1:50000"
+  std::string network;  ///< what max_connections_per_address counts
+  beast::tcp_stream* stream = nullptr;
+};
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+Asked asked_by(const Request& parser, std::string peer) {
+  const auto& request = parser.get();
+  return {.peer = std::move(peer),
+          .target = view(request.target()),
+          .authorization = view(request[bhttp::field::authorization]),
+          .is_read = request.method() == bhttp::verb::get || request.method() == bhttp::verb::head,
+          .has_body = !parser.is_done()};
+}
 
 /// What answers a header that cannot be read; nothing when nobody is left to answer.
 std::optional<Page> refusal(const error_code& error) {
   if (error == bhttp::error::header_limit || error == bhttp::error::buffer_overflow)
-    return error_page(bhttp::status::request_header_fields_too_large, "the header is too long");
-  if (error == bhttp::error::body_limit)
-    return error_page(bhttp::status::payload_too_large, "a request has no body here");
+    return error_page(431, "the header is too long");
+  if (error == bhttp::error::body_limit) return error_page(413, "a request has no body here");
   if (error == bhttp::error::end_of_stream || error == bhttp::error::partial_message) return std::nullopt;
   if (error.category() == bhttp::make_error_code(bhttp::error::end_of_stream).category())
-    return error_page(bhttp::status::bad_request, "this is no HTTP request: " + error.message());
+    return error_page(400, "this is no HTTP request: " + error.message());
   return std::nullopt;  // timed out, reset
 }
 
@@ -57,16 +73,16 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   void listen();
   asio::awaitable<void> accept();
   asio::awaitable<void> serve(tcp::socket socket);
-  asio::awaitable<void> serve_tls(TlsStream& stream);
+  asio::awaitable<void> serve_tls(TlsStream& stream, const std::string& peer);
   template <typename Stream>
-  asio::awaitable<void> converse(Stream& stream);
+  asio::awaitable<void> converse(Stream& stream, const std::string& peer);
   template <typename Stream>
   asio::awaitable<bool> answer(Stream& stream, const Page& page, bool head, bool keep_alive,
                                unsigned version);
   asio::awaitable<void> part(PlainStream& stream);
-  void turn_away(tcp::socket socket);
-  Page page_of(const Request& request) const;
-  bool may_read(const Route& route, const Request& request) const;
+  /// What limit leaves no room for the newcomer: "http.max_connections"; empty when there is room.
+  std::string limit_reached(const std::string& network) const;
+  void turn_away(tcp::socket socket, const std::string& limit) const;
   std::chrono::nanoseconds timeout() const {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::duration<double>(options.timeout_s));
@@ -77,7 +93,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   std::vector<Route> routes;
   tcp::acceptor acceptor;
   std::string address;
-  std::vector<beast::tcp_stream*> open;  ///< connections
+  std::list<Connection> open;
   bool stopping = false;
 };
 
@@ -112,8 +128,9 @@ asio::awaitable<void> HttpServer::State::accept() {
       continue;
     }
     in_trouble = false;
-    if (open.size() >= static_cast<std::size_t>(options.max_connections)) {
-      turn_away(std::move(socket));
+    const std::string limit = limit_reached(net::network_of(net::host_of_peer(socket.native_handle())));
+    if (!limit.empty()) {
+      turn_away(std::move(socket), limit);
       continue;
     }
     asio::co_spawn(
@@ -125,18 +142,37 @@ asio::awaitable<void> HttpServer::State::accept() {
   }
 }
 
-void HttpServer::State::turn_away(tcp::socket socket) {
-  static constexpr std::string_view kFull =
-      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\n"
-      "Content-Length: 28\r\n\r\nhttp.max_connections reached";
+std::string HttpServer::State::limit_reached(const std::string& network) const {
+  if (open.size() >= static_cast<std::size_t>(options.max_connections)) return "http.max_connections";
+  const auto of_host = std::ranges::count(open, network, &Connection::network);
+  return of_host < options.max_connections_per_address ? "" : "http.max_connections_per_address";
+}
+
+// In plain words also where TLS is spoken: a handshake for each would be what a flood wants.
+void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) const {
+  const std::string peer = net::endpoint_of_peer(socket.native_handle());
+  const LogFields fields{{"client", peer}};
+  spdlog::warn("HTTP: a connection from {} was turned away: {} reached; raise that limit, or see who is here",
+               peer, limit);
+  const std::string body = limit + " reached";
+  // By then connections that ask nothing have made room.
+  const auto later_s = static_cast<long>(std::ceil(options.timeout_s));
+  const std::string answer =
+      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nRetry-After: " +
+      std::to_string(later_s) + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   error_code ignored;
   socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(kFull), ignored);
+  socket.write_some(asio::buffer(answer), ignored);
   socket.shutdown(tcp::socket::shutdown_send, ignored);
+  // A request that has come already and was not read would make the kernel reset the connection.
+  std::array<char, 4096> unwanted;
+  socket.read_some(asio::buffer(unwanted), ignored);
 }
 
 // GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
 asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
+  const std::string peer = net::endpoint_of_peer(socket.native_handle());
+  const std::string network = net::network_of(net::host_of_peer(socket.native_handle()));
   const auto tls = options.security ? options.security->tls() : nullptr;
   std::optional<TlsStream> protected_stream;
   std::optional<PlainStream> plain_stream;
@@ -147,41 +183,42 @@ asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
   }
   PlainStream& lowest = tls ? protected_stream->next_layer() : *plain_stream;
   // Also when memory runs out half way.
-  const std::shared_ptr<void> entry(nullptr, [this, &lowest](void*) { std::erase(open, &lowest); });
-  open.push_back(&lowest);
+  const auto place = open.insert(open.end(), {peer, network, &lowest});
+  const std::shared_ptr<void> entry(nullptr, [this, place](void*) { open.erase(place); });
   try {
     if (tls) {
-      co_await serve_tls(*protected_stream);
+      co_await serve_tls(*protected_stream, peer);
     } else {
-      co_await converse(*plain_stream);
+      co_await converse(*plain_stream, peer);
     }
     co_await part(lowest);
   } catch (const std::exception& e) {
-    spdlog::error("an HTTP connection ended: {}; if memory runs out, load less terrain or lower the limits",
-                  e.what());
+    const LogFields fields{{"client", peer}};
+    spdlog::error("HTTP: {}: connection ended: {}; if memory runs out, load less terrain or lower the limits",
+                  peer, e.what());
   }
 }
 
-asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream) {
+asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream, const std::string& peer) {
   error_code error;
   stream.next_layer().expires_after(timeout());
   co_await stream.async_handshake(asio::ssl::stream_base::server,
                                   asio::redirect_error(asio::use_awaitable, error));
   if (error) {
-    const LogFields fields{{"client", "HTTP"}};
+    const LogFields fields{{"client", peer}};
     spdlog::warn(
-        "HTTP: a TLS handshake failed: {}; whoever asks here needs https:// and the certificate "
+        "HTTP: {}: the TLS handshake failed: {}; whoever asks here needs https:// and the certificate "
         "server.tls_certificate",
-        error.message());
+        peer, error.message());
     co_return;
   }
-  co_await converse(stream);
+  co_await converse(stream, peer);
   stream.next_layer().expires_after(std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1)));
   co_await stream.async_shutdown(asio::redirect_error(asio::use_awaitable, error));
 }
 
 template <typename Stream>
-asio::awaitable<void> HttpServer::State::converse(Stream& stream) {
+asio::awaitable<void> HttpServer::State::converse(Stream& stream, const std::string& peer) {
   beast::flat_buffer buffer(options.max_header_bytes);
   for (int served = 1; !stopping; ++served) {
     Request request;
@@ -198,42 +235,11 @@ asio::awaitable<void> HttpServer::State::converse(Stream& stream) {
     const bool head = request.get().method() == bhttp::verb::head;
     // A body is never read: what follows it could not be told from it.
     const bool keep = request.is_done() && request.get().keep_alive() && served < options.max_requests;
-    const bool more = co_await answer(stream, page_of(request), head, keep, request.get().version());
+    const bool more =
+        co_await answer(stream, page_of(asked_by(request, peer), routes, options.security.get()), head, keep,
+                        request.get().version());
     if (!more) break;
   }
-}
-
-Page HttpServer::State::page_of(const Request& parser) const {
-  const auto& request = parser.get();
-  std::string_view path = view(request.target());
-  path = path.substr(0, path.find('?'));
-  for (const Route& route : routes) {
-    if (route.path != path) continue;
-    if (request.method() != bhttp::verb::get && request.method() != bhttp::verb::head)
-      return error_page(bhttp::status::method_not_allowed, "GET and HEAD only");
-    if (!parser.is_done()) return error_page(bhttp::status::payload_too_large, "a request has no body here");
-    if (!may_read(route, parser)) {
-      const LogFields fields{{"client", "HTTP"}};
-      spdlog::warn(
-          "HTTP: {} refused: no token, or one that is not in server.tokens; give the one who asks a "
-          "viewer's",
-          route.path);
-      return error_page(bhttp::status::unauthorized, "Authorization: Bearer TOKEN is needed");
-    }
-    return route.page();
-  }
-  std::string known;
-  for (const Route& route : routes) known += (known.empty() ? "" : ", ") + route.path;
-  return error_page(bhttp::status::not_found, "nothing here; there are " + known);
-}
-
-bool HttpServer::State::may_read(const Route& route, const Request& parser) const {
-  if (route.is_open || !options.security || !options.security->needs_token()) return true;
-  constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
-  const beast::string_view field = parser.get()[bhttp::field::authorization];
-  if (!beast::iequals(field.substr(0, kScheme.size()), {kScheme.data(), kScheme.size()})) return false;
-  const std::string_view given = view(field);
-  return options.security->grant(given.substr(kScheme.size())).has_value();  // any role may look
 }
 
 // False when the connection is to end.
@@ -295,7 +301,7 @@ void HttpServer::stop() {
     state->stopping = true;
     error_code ignored;
     state->acceptor.close(ignored);
-    for (beast::tcp_stream* stream : state->open) stream->close();
+    for (const Connection& connection : state->open) connection.stream->close();
   });
 }
 

@@ -34,6 +34,7 @@ struct HttpOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  ///< 0: any free one
   int max_connections = 64;
+  int max_connections_per_address = 16;  ///< of IPv6, a /64 network
   std::uint32_t max_header_bytes = 8192;
   int max_requests = 1000;                        ///< on one connection
   std::shared_ptr<const net::Security> security;  ///< certificate and tokens; null: none
@@ -42,8 +43,8 @@ struct HttpOptions {
 
 /// Answers GET and HEAD for a few paths, through TLS where there is a certificate, and those that are not
 /// open only to who brings a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
-/// body, other methods, long or slow headers are refused; of too many connections the newest are. All on the
-/// io thread, but the constructor.
+/// body, other methods, long or slow headers are refused; of too many connections, in all or from one
+/// address, the newest are. All on the io thread, but the constructor.
 class HttpServer {
  public:
   /// Listens at once. Throws InputError that names http.address or http.port.

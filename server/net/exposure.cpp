@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 
+#include "server/control/networks.h"
 #include "terrain/errors.h"
 
 namespace obliq::net {
@@ -11,26 +12,15 @@ namespace obliq::net {
 namespace ip = boost::asio::ip;
 using boost::system::error_code;
 
-namespace {
-
-bool is_loopback(const ip::address& address) {
-  if (address.is_v6() && address.to_v6().is_v4_mapped()) {
-    return ip::make_address_v4(ip::v4_mapped, address.to_v6()).is_loopback();
-  }
-  return address.is_loopback();
-}
-
-}  // namespace
-
 bool is_loopback(const std::string& address) {
   error_code error;
-  const ip::address literal = ip::make_address(address, error);
-  if (!error) return is_loopback(literal);
+  (void)ip::make_address(address, error);
+  if (!error) return obliq::is_loopback(address);
   boost::asio::io_context io;
   ip::tcp::resolver resolver(io);
   const auto found = resolver.resolve(address, "", error);
   return !error && !found.empty() && std::ranges::all_of(found, [](const auto& entry) {
-    return is_loopback(entry.endpoint().address());
+    return obliq::is_loopback(entry.endpoint().address().to_string());
   });
 }
 

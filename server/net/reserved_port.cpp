@@ -4,6 +4,7 @@
 
 #include <boost/asio.hpp>
 
+#include "server/net/endpoint_text.h"
 #include "terrain/errors.h"
 
 namespace obliq::net {
@@ -15,8 +16,7 @@ using boost::system::error_code;
 namespace {
 
 std::string text_of(const tcp::endpoint& endpoint) {
-  const std::string host = endpoint.address().to_string();
-  return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
+  return endpoint_text(endpoint.address().to_string(), endpoint.port());
 }
 
 tcp::endpoint resolve(asio::io_context& io, const std::string& address, std::uint16_t port) {

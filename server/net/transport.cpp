@@ -11,6 +11,9 @@
 #include <optional>
 #include <utility>
 
+#include "server/control/networks.h"
+#include "server/net/endpoint_text.h"
+
 namespace obliq::net {
 
 namespace asio = boost::asio;
@@ -20,9 +23,9 @@ using boost::system::error_code;
 
 namespace {
 
-/// For a peer on this machine, whose round trip is too short to need more: what the kernel holds then stays in
-/// the cache, which is worth a third of the throughput (stream_bench). Elsewhere the kernel fits its buffer to
-/// the round trip.
+/// For a peer on this machine, whose round trip is too short to need more: what the kernel holds then stays
+/// in the cache, which is worth a third of the throughput (stream_bench). Elsewhere the kernel fits its
+/// buffer to the round trip.
 constexpr int kLoopbackSendBytes = 200'000;
 
 /// RFC 8446 section 5.1: the first byte of a client's first record, ContentType handshake.
@@ -55,24 +58,15 @@ Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::sha
     : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
   error_code ignored;  // a comfort, not a need
   state_->socket.set_option(tcp::no_delay(true), ignored);
-  const auto peer = state_->socket.remote_endpoint(ignored);
-  if (peer.address().is_loopback()) {
+  if (obliq::is_loopback(host())) {
     state_->socket.set_option(asio::socket_base::send_buffer_size(kLoopbackSendBytes), ignored);
   }
 }
 Transport::~Transport() = default;
 
-std::string Transport::host() const {
-  error_code error;
-  const auto peer = state_->socket.remote_endpoint(error);
-  return error ? "?" : peer.address().to_string();
-}
+std::string Transport::host() const { return host_of_peer(state_->socket.native_handle()); }
 
-std::string Transport::address() const {
-  error_code error;
-  const auto peer = state_->socket.remote_endpoint(error);
-  return error ? "?" : peer.address().to_string() + ":" + std::to_string(peer.port());
-}
+std::string Transport::address() const { return endpoint_of_peer(state_->socket.native_handle()); }
 
 bool Transport::is_ready() const { return state_->ready; }
 

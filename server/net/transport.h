@@ -36,7 +36,7 @@ class Transport {
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
-  /// "127.0.0.1", or "?" when the peer has gone already.
+  /// "127.0.0.1" (to a listener of IPv6 "::ffff:127.0.0.1"), or "?" when the peer has gone already.
   std::string host() const;
   std::string address() const;  ///< "127.0.0.1:50000"
 

@@ -32,6 +32,14 @@ class DaemonOperation : public testing::Test {
  protected:
   /// "127.0.0.1:PORT" of HTTP.
   static std::string http_address(const Daemon& daemon) { return between(daemon.log(), "HTTP on ", ": /"); }
+  /// Whom the first JSON line with the words is about.
+  static std::string client_of(const std::string& log, const std::string& words) {
+    std::istringstream lines(log);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(words) != std::string::npos) return nlohmann::json::parse(line).value("client", "nobody");
+    }
+    return "no such line";
+  }
   static std::string http_port(const Daemon& daemon) { return std::to_string(port_of(http_address(daemon))); }
   Outcome health(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {"health", "--config", scene};
@@ -161,7 +169,8 @@ TEST_F(DaemonOperation, HealthTellsLoadingFromReady) {
 TEST_F(DaemonOperation, WithTokensTheMetricsNeedOneAndHealthDoesNot) {
   const std::string tokens = folder.write("tokens", "viewer viewer-token-0123456789\n");
   ASSERT_EQ(chmod(tokens.c_str(), 0600), 0);
-  const Daemon daemon({"--config", scene, "--set", "server.tokens=" + tokens}, folder.path());
+  const Daemon daemon({"--config", scene, "--set", "server.tokens=" + tokens, "--set", "log.format=json"},
+                      folder.path(), "ready: ");
   const std::uint16_t port = port_of(http_address(daemon));
   EXPECT_EQ(http_get(port, "/healthz").status, 200);
   EXPECT_EQ(http_get(port, "/readyz").status, 200);
@@ -178,6 +187,7 @@ TEST_F(DaemonOperation, WithTokensTheMetricsNeedOneAndHealthDoesNot) {
   EXPECT_EQ(metrics("Authorization: Bearer viewer-token-0123456789\r\n").status, 200);
   EXPECT_EQ(metrics("authorization: bearer viewer-token-0123456789\r\n").status, 200);
   EXPECT_EQ(daemon.log().find("viewer-token"), std::string::npos) << "no token is ever written down";
+  EXPECT_EQ(client_of(daemon.log(), "/metrics refused").rfind("127.0.0.1:", 0), 0u) << daemon.log();
 }
 
 TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
@@ -191,9 +201,9 @@ TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
   if (made.code != 0) GTEST_SKIP() << "no openssl program here makes a certificate: " << made.err;
   const std::vector<std::string> tls = {"--set", "server.tls_certificate=" + certificate, "--set",
                                         "server.tls_key=" + key};
-  std::vector<std::string> arguments = {"--config", scene};
+  std::vector<std::string> arguments = {"--config", scene, "--set", "log.format=json"};
   arguments.insert(arguments.end(), tls.begin(), tls.end());
-  const Daemon daemon(arguments, folder.path());
+  const Daemon daemon(arguments, folder.path(), "ready: ");
   std::vector<std::string> question = tls;
   question.insert(question.end(), {"--set", "http.port=" + http_port(daemon)});
   const Outcome alive = health(question);
@@ -202,6 +212,7 @@ TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
   HttpPeer plain(port_of(http_address(daemon)));
   plain.send("GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n");
   EXPECT_EQ(plain.receive().status, 0) << "nothing is said in plain words";
+  EXPECT_EQ(client_of(daemon.log(), "TLS handshake failed").rfind("127.0.0.1:", 0), 0u) << daemon.log();
 }
 
 TEST_F(DaemonOperation, OffLoopbackHttpIsRefusedAsTheStreamIs) {

@@ -12,10 +12,10 @@ struct HttpReply {
   std::string body;
 };
 
-/// A connection to 127.0.0.1.
+/// A connection to 127.0.0.1, from another address of this machine if need be.
 class HttpPeer {
  public:
-  explicit HttpPeer(std::uint16_t port);
+  explicit HttpPeer(std::uint16_t port, const char* from = "127.0.0.1");
   ~HttpPeer();
   HttpPeer(const HttpPeer&) = delete;
   HttpPeer& operator=(const HttpPeer&) = delete;

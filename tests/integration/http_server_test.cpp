@@ -21,7 +21,7 @@ constexpr const char* kGet = "GET /page HTTP/1.1\r\nHost: here\r\n\r\n";
 
 class HttpServerTest : public testing::Test {
  protected:
-  explicit HttpServerTest(HttpOptions options = {})
+  explicit HttpServerTest(HttpOptions options = of_one_address())
       : server_(io_.context(), options, {{"/page", true, [] {
                                             return http::Page{200, "text/plain", "words"};
                                           }}}) {}
@@ -30,6 +30,12 @@ class HttpServerTest : public testing::Test {
     io_.end();
   }
   std::uint16_t port() const { return server_.port(); }
+  /// Peers here all come from 127.0.0.1, and many at a time.
+  static HttpOptions of_one_address() {
+    HttpOptions options;
+    options.max_connections_per_address = options.max_connections;
+    return options;
+  }
 
  private:
   net::IoThread io_;
@@ -55,6 +61,19 @@ class SmallHttpServerTest : public HttpServerTest {
     options.timeout_s = 600;
     options.max_connections = 3;
     options.max_requests = 2;
+    return options;
+  }
+};
+
+/// Nor here: who takes a place and says nothing keeps it.
+class SharedHttpServerTest : public HttpServerTest {
+ protected:
+  SharedHttpServerTest() : HttpServerTest(options()) {}
+  static HttpOptions options() {
+    HttpOptions options;
+    options.timeout_s = 600;
+    options.max_connections = 4;
+    options.max_connections_per_address = 3;
     return options;
   }
 };
@@ -183,6 +202,26 @@ TEST_F(SmallHttpServerTest, OfTooManyConnectionsTheNewestAreTurnedAwayUntilThere
     EXPECT_EQ(reply.body, "http.max_connections reached");
   }
   peers.clear();
+  int status = 503;
+  while (status == 503) status = http_get(port(), "/page").status;
+  EXPECT_EQ(status, 200);
+}
+
+TEST_F(SharedHttpServerTest, OneHostCannotTakeAllPlaces) {
+  std::vector<std::unique_ptr<HttpPeer>> silent;
+  for (int i = 0; i < 3; ++i) silent.push_back(std::make_unique<HttpPeer>(port()));
+  HttpPeer fourth(port());
+  const HttpReply reply = fourth.receive();
+  EXPECT_EQ(reply.status, 503);
+  EXPECT_EQ(reply.body, "http.max_connections_per_address reached");
+  EXPECT_NE(reply.headers.find("retry-after: 600\r\n"), std::string::npos) << reply.headers;
+  HttpPeer other(port(), "127.0.0.2");
+  other.send(kGet);
+  EXPECT_EQ(other.receive().status, 200) << "one place is left for who comes from elsewhere";
+  HttpPeer last(port(), "127.0.0.2");
+  EXPECT_EQ(last.receive().body, "http.max_connections reached") << "of all places together";
+  // Who leaves makes room.
+  silent.clear();
   int status = 503;
   while (status == 503) status = http_get(port(), "/page").status;
   EXPECT_EQ(status, 200);

@@ -1,0 +1,48 @@
+#include "server/http/answering.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/beast/core/string.hpp>
+
+#include "server/log/log_fields.h"
+#include "server/net/security.h"
+
+namespace obliq::http {
+namespace {
+
+bool may_read(const Route& route, std::string_view authorization, const net::Security* security) {
+  if (route.is_open || security == nullptr || !security->needs_token()) return true;
+  constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
+  const std::string_view scheme = authorization.substr(0, kScheme.size());
+  if (!boost::beast::iequals({scheme.data(), scheme.size()}, {kScheme.data(), kScheme.size()})) return false;
+  return security->grant(authorization.substr(kScheme.size())).has_value();  // any role may look
+}
+
+}  // namespace
+
+Page error_page(int status, const std::string& text) {
+  return {status, "text/plain; charset=utf-8", text + "\n"};
+}
+
+Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security) {
+  const std::string_view path = asked.target.substr(0, asked.target.find('?'));
+  for (const Route& route : routes) {
+    if (route.path != path) continue;
+    if (!asked.is_read) return error_page(405, "GET and HEAD only");
+    if (asked.has_body) return error_page(413, "a request has no body here");
+    if (!may_read(route, asked.authorization, security)) {
+      const LogFields fields{{"client", asked.peer}};
+      spdlog::warn(
+          "HTTP: {} refused to {}: no token, or one that is not in server.tokens; give the one who asks a "
+          "viewer's",
+          route.path, asked.peer);
+      return error_page(401, "Authorization: Bearer TOKEN is needed");
+    }
+    return route.page();
+  }
+  std::string known;
+  for (const Route& route : routes) known += (known.empty() ? "" : ", ") + route.path;
+  return error_page(404, "nothing here; there are " + known);
+}
+
+}  // namespace obliq::http
