@@ -1,10 +1,8 @@
 #include "server/apps/scene_loading.h"
 
-#include <unistd.h>
-
 #include <cstdio>
-#include <fstream>
 
+#include "server/control/process_memory.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -19,15 +17,6 @@ std::string source_error_line(const SourceError& error) {
                 static_cast<unsigned long long>(error.posts), error.median_m, error.p95_m, error.rms_m,
                 error.greatest_m);
   return text;
-}
-
-/// Megabytes of memory that the process has in use, or 0 where /proc does not say.
-double resident_mb() {
-  std::ifstream file("/proc/self/statm");
-  double size_pages = 0;
-  double resident_pages = 0;
-  file >> size_pages >> resident_pages;
-  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6 : 0;
 }
 
 }  // namespace
@@ -113,7 +102,8 @@ std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
   std::snprintf(text, sizeof text,
                 "ray-tracing scene: %.1f M triangles, %.0f MB, built in %.2f s (%s); %.0f MB in use in all",
                 static_cast<double>(stats.ground_triangles + stats.building_triangles) / 1e6,
-                static_cast<double>(stats.bytes) / 1e6, stats.build_s, stats.tracer.c_str(), resident_mb());
+                static_cast<double>(stats.bytes) / 1e6, stats.build_s, stats.tracer.c_str(),
+                static_cast<double>(resident_bytes()) / 1e6);
   say(text);
   return scene;
 }

@@ -5,12 +5,12 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <fstream>
 #include <map>
 #include <mutex>
+
+#include "server/control/process_memory.h"
 
 namespace obliq::http {
 namespace {
@@ -29,15 +29,6 @@ using prometheus::MetricType;
 /// frames usually are.
 const std::vector<double> kSeconds = {0.001, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05, 0.075, 0.1,
                                       0.15,  0.2,    0.3,   0.5,    0.75, 1,     2,    5,    10,   30,    60};
-
-/// Bytes of memory that the process has in use, or 0 where /proc does not say.
-double resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  double size_pages = 0;
-  double resident_pages = 0;
-  file >> size_pages >> resident_pages;
-  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) : 0;
-}
 
 MetricFamily family(const std::string& name, const std::string& help, MetricType type) {
   MetricFamily made;
@@ -217,8 +208,8 @@ std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics
                        static_cast<double>(scene.failures)));
   all.push_back(single("obliq_scene_building", "1 while a scene is built behind the one that serves.",
                        MetricType::Gauge, scene.building ? 1 : 0));
-  all.push_back(
-      single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge, resident_bytes()));
+  all.push_back(single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge,
+                       static_cast<double>(resident_bytes())));
   all.push_back(single("process_start_time_seconds", "When the process started, since 1970, UTC.",
                        MetricType::Gauge, state_->started_s));
   return prometheus::TextSerializer().Serialize(all);

@@ -1,11 +1,9 @@
 #include "server/net/request_limits.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <fstream>
 #include <thread>
 
+#include "server/control/process_memory.h"
 #include "server/radar/render.h"
 
 namespace obliq::net {
@@ -99,14 +97,6 @@ std::optional<OverLimit> over_queue(const FrameCost& cost, std::int64_t work_que
                  "the frame has " + std::to_string(cost.work()) + " pixels and bins, and " +
                      std::to_string(work_queued) + " of all clients wait already",
                  {"pixels + bins", std::to_string(cost.work()), "a smaller frame, or later"});
-}
-
-std::int64_t resident_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::int64_t total = 0;
-  std::int64_t resident = 0;
-  if (!(file >> total >> resident)) return 0;
-  return resident * ::sysconf(_SC_PAGESIZE);
 }
 
 }  // namespace obliq::net

@@ -40,7 +40,4 @@ std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCo
 std::optional<OverLimit> over_queue(const FrameCost& cost, std::int64_t work_queued,
                                     const ServerOptions& options);
 
-/// Memory of this process that is resident, from /proc/self/statm (proc(5)); 0 where that cannot be read.
-std::int64_t resident_bytes();
-
 }  // namespace obliq::net

@@ -1,13 +1,10 @@
 #include "tests/flight/flight_run.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <mutex>
 #include <numbers>
 #include <thread>
@@ -15,6 +12,7 @@
 #include "client/client.h"
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
+#include "tests/support/process_memory.h"
 
 namespace obliq::test {
 namespace {
@@ -31,11 +29,7 @@ double seconds_since(Clock::time_point start) { return Seconds(Clock::now() - st
 /// Resident memory of a process, MB; 0 when it is not to be had.
 double memory_mb(int pid) {
   if (pid <= 0) return 0;
-  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
-  double size_pages = 0;
-  double resident_pages = 0;
-  file >> size_pages >> resident_pages;
-  return file ? resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6 : 0;
+  return static_cast<double>(memory_of(pid).resident_bytes) / 1e6;
 }
 
 /// Sends poses at their rate until the distance is flown or something fails.

@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <future>
 #include <thread>
 
@@ -16,6 +15,7 @@
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/daemon.h"
+#include "tests/support/process_memory.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq::test {
@@ -175,15 +175,8 @@ TEST_F(Faults, OnceLoadedAnElevationFileMayBeCutOverwrittenOrRemoved) {
 
 // ---- No memory ----
 
-std::uint64_t address_space_bytes(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
-  std::uint64_t pages = 0;
-  file >> pages;
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
-
 void allow_more_memory(pid_t pid, std::uint64_t bytes) {
-  const rlim_t most = address_space_bytes(pid) + bytes;
+  const rlim_t most = memory_of(pid).address_space_bytes + bytes;
   const rlimit limit{most, RLIM_INFINITY};
   ASSERT_EQ(prlimit(pid, RLIMIT_AS, &limit, nullptr), 0);
 }

@@ -10,10 +10,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
+#include "tests/support/process_memory.h"
 
 namespace obliq::test {
 namespace {
@@ -103,13 +103,7 @@ wire::Status status_of(client::Client& client) {
 }
 
 /// Of this process, server and clients both. 0 where /proc is not there.
-double resident_MB() {
-  std::ifstream file("/proc/self/statm");
-  long pages = 0;
-  long resident = 0;
-  file >> pages >> resident;
-  return static_cast<double>(resident * ::sysconf(_SC_PAGESIZE)) * 1e-6;
-}
+double resident_MB() { return static_cast<double>(memory_of(::getpid()).resident_bytes) * 1e-6; }
 
 /// The nuisances. Those who read byte by byte do so on a thread of their own.
 struct Nuisances {

@@ -7,6 +7,7 @@
 
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
+#include "server/control/process_memory.h"
 #include "server/net/exposure.h"
 #include "server/net/request_limits.h"
 #include "server/net/tcp_options.h"
@@ -174,7 +175,7 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   options.queue_frames = 2;
   EXPECT_EQ(net::live_cost(settings, wire::plane_bit(wire::Plane::power), options).bytes,
             wedges + 3 * 8'000'000);
-  EXPECT_GT(net::resident_bytes(), 1'000'000);
+  EXPECT_GT(resident_bytes(), 1'000'000);
 }
 
 TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {
