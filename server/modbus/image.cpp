@@ -218,8 +218,9 @@ Exception Image::change(std::size_t radar, bool apply, net::PanelChange wanted) 
   }
   unit.facts.last_error_address = answer.errors.empty() ? kNoAddress : address_of(answer.errors.front());
   if (answer.verdict == net::PanelVerdict::invalid) {
-    unit.facts.last_error = Fault::refused;
-    spdlog::warn("modbus unit {}: apply refused: {}", unit.facts.unit_id, all_text(answer.errors));
+    unit.facts.last_error = answer.over ? fault_of_limit(answer.over->limit) : Fault::refused;
+    spdlog::warn("modbus unit {}: apply refused: {}{}", unit.facts.unit_id,
+                 answer.over ? answer.over->text + "; " : "", all_text(answer.errors));
     return Exception::illegal_value;
   }
   unit.facts.last_error =

@@ -11,7 +11,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/select.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -27,20 +26,14 @@ using Clock = std::chrono::steady_clock;
 
 class Socket {
  public:
-  Socket(int fd, int stop_fd) : fd_(fd), stop_fd_(stop_fd) {
+  Socket(int fd, int stop_fd, std::chrono::milliseconds answer_time) : fd_(fd), stop_fd_(stop_fd) {
     const int on = 1;
-    const timeval patience{kFrameTime.count() / 1000, 0};
+    const timeval patience{answer_time.count() / 1000, answer_time.count() % 1000 * 1000};
     // What fails here costs speed or patience, not correctness.
     (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     (void)setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
     (void)setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   }
-  ~Socket() { close(fd_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  int fd() const { return fd_; }
-
   /// Fills the bytes by the deadline. False: the master has left or is too slow, or we are to stop.
   bool receive(std::span<std::uint8_t> bytes, Clock::time_point deadline) const {
     while (!bytes.empty()) {
@@ -91,7 +84,10 @@ class Answers {
     modbus_set_response_timeout(context_.get(), 0, 1);
   }
 
-  bool refuse(std::span<const std::uint8_t> frame, Exception exception) {
+  /// The answer's function code is the request's with its highest bit set (V1.1b3, section 7). libmodbus adds
+  /// that bit: of a request that has it already it would make function 0.
+  bool refuse(std::vector<std::uint8_t>& frame, Exception exception) {
+    frame[kFunctionAt] &= 0x7F;
     return modbus_reply_exception(context_.get(), frame.data(), static_cast<unsigned>(exception)) >= 0;
   }
 
@@ -110,12 +106,12 @@ class Answers {
 };
 
 /// One request and its answer. False: there will be no other.
-bool serve_request(const Socket& socket, double idle_s, Image& image, Answers& answers,
+bool serve_request(const Socket& socket, const MasterTimes& times, Image& image, Answers& answers,
                    std::vector<std::uint8_t>& frame) {
   frame.resize(kHeadBytes);
-  const auto idle = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(idle_s));
+  const auto idle = std::chrono::duration_cast<Clock::duration>(times.idle);
   if (!socket.receive(std::span(frame).first(1), Clock::now() + idle)) return false;
-  const auto deadline = Clock::now() + kFrameTime;
+  const auto deadline = Clock::now() + times.frame;
   if (!socket.receive(std::span(frame).subspan(1), deadline)) return false;
   const std::size_t rest = bytes_to_come(std::span<const std::uint8_t, kHeadBytes>(frame));
   if (rest == 0) {
@@ -136,13 +132,13 @@ bool serve_request(const Socket& socket, double idle_s, Image& image, Answers& a
 
 bool is_fit_for_libmodbus(int socket) { return socket >= 0 && socket < FD_SETSIZE; }
 
-void serve_master(int fd, int stop_fd, double idle_s, Image& image) {
-  const Socket socket(fd, stop_fd);
+void serve_master(int fd, int stop_fd, const MasterTimes& times, Image& image) {
+  const Socket socket(fd, stop_fd, times.frame);
   try {
     Answers answers(fd);
     std::vector<std::uint8_t> frame;
     frame.reserve(kMostBytes);
-    while (serve_request(socket, idle_s, image, answers, frame)) {
+    while (serve_request(socket, times, image, answers, frame)) {
     }
   } catch (const std::exception& e) {
     spdlog::error("modbus: a master is disconnected: {}", e.what());

@@ -76,6 +76,11 @@ constexpr std::array kFaults{
     FaultText{Fault::no_answer, "apply or a coil: the server did not come to it within a second"},
     FaultText{Fault::cannot_render, "the radar cannot be rendered as it is set"},
     FaultText{Fault::watchdog, "the console's heartbeat stood still and the radar was frozen"},
+    FaultText{Fault::max_bins, "apply: the frame would have more bins than `server.max_bins`", "max_bins"},
+    FaultText{Fault::max_pixels, "apply: the frame would have more pixels than `server.max_pixels`",
+              "max_pixels"},
+    FaultText{Fault::max_memory_mb, "apply: the frame would take more memory than `server.max_memory_mb`",
+              "max_memory_mb"},
 };
 
 constexpr std::array kCoilTexts{
@@ -124,6 +129,11 @@ int state_of(const StatusView& view) {
 Fault last_error_of(const StatusView& view) {
   if (view.unit.last_error != Fault::none) return view.unit.last_error;
   return view.radar.faults.empty() ? Fault::none : Fault::cannot_render;
+}
+
+Fault fault_of_limit(std::string_view limit) {
+  const auto at = std::ranges::find(kFaults, limit, &FaultText::limit);
+  return at == kFaults.end() || limit.empty() ? Fault::refused : at->fault;
 }
 
 std::span<const FaultText> fault_texts() { return kFaults; }

@@ -25,13 +25,19 @@ enum class Fault : std::uint16_t {
   controlled = 3,     ///< by a client of the stream
   no_answer = 4,      ///< the server was too busy
   cannot_render = 5,  ///< the radar as it is set
-  watchdog = 6        ///< the console's heartbeat stood still, the radar was frozen
+  watchdog = 6,       ///< the console's heartbeat stood still, the radar was frozen
+  max_bins = 7,       ///< by apply, as are the next two: a limit of the server
+  max_pixels = 8,
+  max_memory_mb = 9
 };
 struct FaultText {
   Fault fault;
   std::string_view text;
+  std::string_view limit{};  ///< of the server, that was exceeded
 };
 std::span<const FaultText> fault_texts();
+/// What apply is refused with when the limit of that name is exceeded.
+Fault fault_of_limit(std::string_view limit);
 
 constexpr std::uint16_t kNoAddress = 0xFFFF;
 

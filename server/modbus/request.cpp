@@ -6,7 +6,7 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t kUnitAt = 6;
-constexpr std::size_t kDataAt = 8;
+constexpr std::size_t kDataAt = kFunctionAt + 1;
 
 // The most that a request may ask for (V1.1b3, section 6).
 constexpr int kMostBitsRead = 2000;
@@ -106,7 +106,7 @@ Exception parse(Bytes frame, Request& request) {
   request = {};
   if (frame.size() < kDataAt) return Exception::illegal_value;
   request.unit = frame[kUnitAt];
-  const std::uint8_t function = frame[kUnitAt + 1];
+  const std::uint8_t function = frame[kFunctionAt];
   if (!is_known(function)) return Exception::illegal_function;
   request.function = static_cast<Function>(function);
   return parse_data(frame.subspan(kDataAt), request) ? Exception::none : Exception::illegal_value;

@@ -49,6 +49,7 @@ struct Request {
 /// V1.0b, 3.1.3).
 constexpr std::size_t kHeadBytes = 6;
 constexpr std::size_t kMostBytes = 260;
+constexpr std::size_t kFunctionAt = 7;  ///< after the unit id
 
 /// Bytes that follow the six of the head, or 0 when these cannot begin a Modbus/TCP frame.
 std::size_t bytes_to_come(std::span<const std::uint8_t, kHeadBytes> head);

@@ -46,9 +46,12 @@ class Descriptor {
 };
 
 struct Master {
+  Master(std::string host, int fd) : address(std::move(host)), socket(fd) {}
+
   std::string address;
+  Descriptor socket;
   std::atomic<bool> done = false;
-  std::jthread thread;
+  std::jthread thread;  ///< last: joined before the socket is closed
 };
 
 std::string host_of(const sockaddr_storage& peer, socklen_t length) {
@@ -61,8 +64,10 @@ std::string host_of(const sockaddr_storage& peer, socklen_t length) {
 }  // namespace
 
 struct Service::State {
-  State(const ModbusConfig& settings, net::ReservedPort reserved, net::Panel& radars)
+  State(const ModbusConfig& settings, net::ReservedPort reserved, net::Panel& radars,
+        std::chrono::milliseconds frame_time)
       : config(settings),
+        times{std::chrono::duration<double>(settings.idle_timeout_s), frame_time},
         panel(radars),
         image(radars, settings.watchdog_s),
         address(reserved.address()),
@@ -79,7 +84,9 @@ struct Service::State {
     while (write(stop, &one, sizeof one) < 0 && errno == EINTR) {
     }
     thread.join();
-    masters.clear();  // joins: every one of them sees the stop
+    // Every one of them sees the stop, but for those whose answer waits for a master that does not read.
+    for (Master& master : masters) shutdown(master.socket, SHUT_RDWR);
+    masters.clear();  // joins
   }
 
   void run() {
@@ -116,18 +123,16 @@ struct Service::State {
       close(fd);
       return;
     }
-    masters.emplace_back();
-    Master& master = masters.back();
-    master.address = host;
+    Master& master = masters.emplace_back(host, fd);
     try {
-      master.thread = std::jthread([this, fd, &master] {
+      master.thread = std::jthread([this, &master] {
         const LogFields of_master{{"client", master.address}};
-        serve_master(fd, stop, config.idle_timeout_s, image);
+        serve_master(master.socket, stop, times, image);
+        shutdown(master.socket, SHUT_RDWR);  // it hears of its end now; the socket is closed with the thread
         spdlog::info("modbus: the master at {} has left", master.address);
         master.done = true;
       });
     } catch (...) {
-      close(fd);
       masters.pop_back();
       throw;
     }
@@ -144,6 +149,7 @@ struct Service::State {
   }
 
   const ModbusConfig config;
+  const MasterTimes times;
   net::Panel& panel;
   Image image;
   const std::string address;
@@ -158,9 +164,10 @@ std::optional<net::ReservedPort> reserve(const ModbusConfig& config) {
   return net::ReservedPort(config.address, static_cast<std::uint16_t>(config.port));
 }
 
-Service::Service(const ModbusConfig& config, std::optional<net::ReservedPort> port, net::Panel& panel) {
+Service::Service(const ModbusConfig& config, std::optional<net::ReservedPort> port, net::Panel& panel,
+                 std::chrono::milliseconds frame_time) {
   if (!port) return;
-  state_ = std::make_unique<State>(config, std::move(*port), panel);
+  state_ = std::make_unique<State>(config, std::move(*port), panel, frame_time);
   spdlog::info("modbus: on {}, unit ids 1 to {}", state_->address, panel.radars());
 }
 

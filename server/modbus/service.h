@@ -1,5 +1,6 @@
 #pragma once
 // Modbus/TCP for the operator's console: a thread that listens, and one for each master.
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -15,11 +16,15 @@ namespace obliq::modbus {
 /// off. Throws InputError when the address is unknown, the port in use, or the configuration unsafe.
 std::optional<net::ReservedPort> reserve(const ModbusConfig& config);
 
-/// Serves from construction to destruction. The panel must outlive it.
+/// A master that takes longer than this to send a request, or to take an answer, is disconnected.
+constexpr std::chrono::milliseconds kFrameTime{5000};
+
+/// Serves from construction to destruction, which waits for no master. The panel must outlive it.
 class Service {
  public:
   /// Does nothing without a port. Throws InputError when it cannot listen.
-  Service(const ModbusConfig& config, std::optional<net::ReservedPort> port, net::Panel& panel);
+  Service(const ModbusConfig& config, std::optional<net::ReservedPort> port, net::Panel& panel,
+          std::chrono::milliseconds frame_time = kFrameTime);
   ~Service();
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;

@@ -7,7 +7,6 @@
 
 #include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
-#include "server/net/request_limits.h"
 #include "server/net/room.h"
 
 namespace obliq::net {
@@ -63,7 +62,7 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
   try {
     answer = set(radar, change);
   } catch (const std::exception& e) {  // no memory, above all
-    answer = {PanelVerdict::invalid, {{"radar", e.what(), "a change that there is memory for"}}};
+    answer = {PanelVerdict::invalid, {{"radar", e.what(), "a change that there is memory for"}}, {}};
   }
   publish();
   return answer;
@@ -71,12 +70,13 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
 
 PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   const bool sets = !change.settings.empty() || change.rate_limit_hz;
-  if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}};
+  if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}, {}};
 
   RadarConfig config{radar.name, radar.settings.current()->settings, radar.pose};
   bool new_settings = false;
   bool new_pose = false;
   std::vector<FieldError> errors;
+  std::optional<OverLimit> over;
   for (const auto& [parameter, value] : change.settings) {
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
@@ -89,11 +89,11 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (new_settings || new_pose) append(errors, validate(config));
   if (new_settings && errors.empty()) {
     const FrameCost cost = live_cost(config.settings, wire::kAllPlanes, room_.options_);
-    const auto over = over_limit(config.settings, cost, room_.cost_queued().bytes, room_.options_);
+    over = over_limit(config.settings, cost, room_.cost_queued().bytes, room_.options_);
     if (over) errors.push_back(over->field);
   }
   if (errors.empty() && new_pose) errors = room_.renderer_.place(config.pose);
-  if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors)};
+  if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over)};
 
   // Nothing is left that can be refused.
   if (new_settings) (void)radar.settings.set(config.settings);
@@ -115,7 +115,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     spdlog::info("radar {}: transmit {}", radar.name, radar.transmit ? "on" : "off");
   }
   room_.update_demand(radar);
-  return {PanelVerdict::done, {}};
+  return {PanelVerdict::done, {}, {}};
 }
 
 void Panel::publish() {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/control/parameters.h"
+#include "server/net/request_limits.h"
 #include "terrain/errors.h"
 
 namespace obliq::net {
@@ -65,6 +66,7 @@ enum class PanelVerdict {
 struct PanelAnswer {
   PanelVerdict verdict = PanelVerdict::no_answer;
   std::vector<FieldError> errors;
+  std::optional<OverLimit> over;  ///< of invalid: what limit of the server it exceeds, if any
 };
 
 /// transmit off: the radar is not rendered and its watchers get no frames. freeze: frames go on, of the

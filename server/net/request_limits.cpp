@@ -43,7 +43,7 @@ std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) +
 
 OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string& what,
                   const FieldError& field) {
-  return {limit + " is " + std::to_string(most) + ": " + what, field};
+  return {limit, limit + " is " + std::to_string(most) + ": " + what, field};
 }
 
 }  // namespace

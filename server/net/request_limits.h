@@ -28,7 +28,8 @@ FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options);
 
 struct OverLimit {
-  std::string text;  ///< "max_bins is 639: ..."
+  std::string limit;  ///< its name: "max_bins"
+  std::string text;   ///< "max_bins is 639: ..."
   FieldError field;
 };
 

@@ -1,4 +1,12 @@
 // What the operator's console does to a radar that clients of the stream watch and control.
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <optional>
+
 #include "proto/obliq.pb.h"
 #include "tests/integration/modbus_fixture.h"
 
@@ -208,6 +216,38 @@ TEST(ModbusOperator, AMasterThatAsksNothingIsDisconnected) {
   ModbusServer s(config);
   RawMaster master(s.service.port());
   EXPECT_TRUE(master.receive().empty());
+}
+
+TEST(ModbusOperator, AMasterThatDoesNotReadDoesNotHoldUpTheEnd) {
+  TestServer server(small_options());
+  const ModbusConfig config = modbus_on_any_port();
+  // Time is not what ends anything here.
+  std::optional<modbus::Service> service(std::in_place, config, modbus::reserve(config), server.panel(),
+                                         std::chrono::hours(1));
+  const int deaf = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int few_bytes =
+      1 << 16;  // in the kernel: that nothing goes out any more soon means that nobody reads
+  ASSERT_EQ(::setsockopt(deaf, SOL_SOCKET, SO_SNDBUF, &few_bytes, sizeof few_bytes), 0);
+  ASSERT_EQ(::setsockopt(deaf, SOL_SOCKET, SO_RCVBUF, &few_bytes, sizeof few_bytes), 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(service->port());
+  ASSERT_EQ(::connect(deaf, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  const Octets request = frame_of({4, 0, 100, 0, 22});
+  Octets many;
+  for (int i = 0; i < 100; ++i) many.insert(many.end(), request.begin(), request.end());
+  for (pollfd out{deaf, POLLOUT, 0}; ::poll(&out, 1, 2000) == 1;) {
+    std::size_t sent = 0;  // a part of the requests would shift all that follow
+    while (sent < many.size()) {
+      const ssize_t n = ::send(deaf, many.data() + sent, many.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (n < 0 && (errno != EAGAIN || ::poll(&out, 1, 2000) != 1)) break;
+      if (n > 0) sent += static_cast<std::size_t>(n);
+    }
+    if (sent < many.size()) break;
+  }
+  service.reset();
+  ::close(deaf);
 }
 
 TEST(ModbusOperator, AServerThatHasStoppedAnswersBusyAndChangesNothing) {

@@ -1,6 +1,7 @@
 // The Modbus service against a master that writes its bytes itself. Addresses and codes here are those of
 // server/modbus/REGISTERS.md, written out: a map that moves breaks the consoles of every site.
 #include "tests/integration/modbus_fixture.h"
+#include "tests/support/captured_log.h"
 
 namespace obliq::test {
 namespace {
@@ -126,6 +127,25 @@ TEST(Modbus, WhatTheTerrainForbidsIsRefusedByApply) {
   EXPECT_EQ(s.server.panel().status(0)->config.pose.height_m, 1000);
 }
 
+TEST(Modbus, AFrameOverALimitOfTheServerIsRefusedByTheLimitsName) {
+  const CapturedLog log;
+  for (const int fault : {7, 8, 9}) {
+    net::ServerOptions options = small_options();
+    if (fault == 7) options.max_bins = 639;
+    if (fault == 8) options.max_pixels = 4095;
+    if (fault == 9) options.max_memory_mb = 1;
+    ModbusServer s(modbus_on_any_port(), options);
+    RawMaster master(s.service.port());
+    EXPECT_EQ(master.write(242, {0, 3000}), 0);  // 3 dB; the radar has 640 bins and 4096 pixels already
+    EXPECT_EQ(master.coil(2, true), 3);
+    EXPECT_EQ(master.input(113), fault);
+    EXPECT_EQ(s.server.panel().status(0)->config.settings.gain_db, 0);
+  }
+  for (const char* limit : {"max_bins is 639: ", "max_pixels is 4095: ", "max_memory_mb is 1: "})
+    EXPECT_NE(log.text().find("modbus unit 1: apply refused: " + std::string(limit)), std::string::npos)
+        << log.text();
+}
+
 TEST(Modbus, HalvesOfAValueAreLookedAtByApply) {
   ModbusServer s;
   RawMaster master(s.service.port());
@@ -166,6 +186,22 @@ TEST(Modbus, UnknownAddressesUnitsAndFunctionsHaveTheirExceptions) {
     EXPECT_EQ(exception_of(master.ask({4, 0, 0, 0, 1}, unit)), 0x0B) << int{unit};
   }
   EXPECT_EQ(master.input(2), 1);  // and the connection lives
+}
+
+TEST(Modbus, EveryFunctionCodeHasAnAnswerWithItsOwnCodeAndTheHighestBit) {
+  ModbusServer s;
+  RawMaster master(s.service.port());
+  for (int code = 0; code < 256; ++code) {
+    const auto function = static_cast<std::uint8_t>(code);
+    const bool known = (code >= 1 && code <= 6) || code == 15 || code == 16 || code == 22 || code == 23;
+    // Without its data, a request of a function that there is has an illegal value.
+    const Octets expected{static_cast<std::uint8_t>(function | 0x80),
+                          static_cast<std::uint8_t>(known ? 3 : 1)};
+    EXPECT_EQ(master.ask({function}), expected) << code;
+    if (known) continue;
+    EXPECT_EQ(master.ask({function, 0, 0, 0, 1}), expected) << code;
+  }
+  EXPECT_EQ(master.input(2), 1);
 }
 
 TEST(Modbus, MalformedRequestsAreRefusedAndTheNextOneIsAnswered) {

@@ -1,10 +1,7 @@
 // Tokens and roles: who may come, who may do what, and that no token is ever written down.
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
-
-#include <sstream>
 
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
@@ -12,6 +9,7 @@
 #include "terrain/errors.h"
 #include "tests/integration/daemon.h"
 #include "tests/integration/net_fixture.h"
+#include "tests/support/captured_log.h"
 
 namespace obliq::test {
 namespace {
@@ -163,12 +161,7 @@ TEST_F(Roles, WithoutTokensEverybodyIsAdmin) {
 }
 
 TEST_F(Roles, NoTokenIsEverWrittenToTheLog) {
-  std::ostringstream log;
-  const auto before = spdlog::default_logger();
-  auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(log);
-  auto logger = std::make_shared<spdlog::logger>("roles", sink);
-  logger->set_level(spdlog::level::trace);
-  spdlog::set_default_logger(logger);
+  const CapturedLog log;
   const std::string wrong = "wrong-token-0123456789";
   {
     const TestServer server(options());
@@ -184,8 +177,7 @@ TEST_F(Roles, NoTokenIsEverWrittenToTheLog) {
     EXPECT_NE(complaint(folder / "tokens"), "");
     spdlog::error("{}", complaint(folder / "tokens"));  // as a reload would
   }
-  spdlog::set_default_logger(before);
-  const std::string text = log.str();
+  const std::string text = log.text();
   EXPECT_NE(text.find("has come as controller with the token of console"), std::string::npos) << text;
   for (const std::string& token :
        {std::string(kViewer), std::string(kController), std::string(kOther), std::string(kAdmin), wrong}) {
