@@ -306,6 +306,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
   options.on_frame = [this](const std::string& radar, const net::RenderedFrame& frame) {
     metrics_.frame(radar, frame);
   };
+  options.on_once_frame = [this](const net::RenderedOnce& frame) { metrics_.once_frame(frame); };
   options.keeper_state = [this] { return keeper_->state(); };
   options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
   server_.emplace(io_.context(), *renderer_, config_.radars, options, std::move(port));

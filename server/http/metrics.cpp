@@ -91,6 +91,11 @@ void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all
         [](const Radar& r) { return r.controlled ? 1.0 : 0.0; });
   radar("obliq_radar_faulty", "1 while the radar cannot be rendered as it is set.",
         [](const Radar& r) { return r.faulty ? 1.0 : 0.0; });
+  radar("obliq_radar_live_frames",
+        "Frames of the radar that are being rendered, or wait in whole or in part for a client.",
+        [](const Radar& r) { return static_cast<double>(r.live_frames); });
+  radar("obliq_radar_live_bytes", "Memory that the blocks of those frames take.",
+        [](const Radar& r) { return static_cast<double>(r.live_bytes); });
   radar("obliq_terrain_coverage_ratio", "Part of the radar's sector over known ground, in its newest frame.",
         [](const Radar& r) { return r.coverage; });
 }
@@ -145,6 +150,26 @@ struct Metrics::State {
           .Name("obliq_frame_pose_latency_seconds")
           .Help("From the arrival of a pose to the last block of the first live frame that shows it.")
           .Register(registry);
+  Counter& once_frames = BuildCounter()
+                             .Name("obliq_once_frames_total")
+                             .Help("Frames of RenderOnce requests rendered to their end.")
+                             .Register(registry)
+                             .Add({});
+  Counter& once_rays = BuildCounter()
+                           .Name("obliq_once_rays_total")
+                           .Help("Rays cast for them; of the sweep, vertical planes marched.")
+                           .Register(registry)
+                           .Add({});
+  Counter& once_hits = BuildCounter()
+                           .Name("obliq_once_hits_total")
+                           .Help("Rays of theirs that hit; of the sweep, visible pieces.")
+                           .Register(registry)
+                           .Add({});
+  Histogram& once_render_s = BuildHistogram()
+                                 .Name("obliq_once_render_seconds")
+                                 .Help("Time that such a frame took, without the waits between its slices.")
+                                 .Register(registry)
+                                 .Add({}, kSeconds);
   prometheus::Family<Counter>& log_lines =
       BuildCounter().Name("obliq_log_lines_total").Help("Lines logged.").Register(registry);
   Gauge& scene_load_s = BuildGauge()
@@ -187,6 +212,13 @@ void Metrics::frame(const std::string& radar, const net::RenderedFrame& frame) {
   metrics.render_s.Observe(frame.render_s);
   metrics.first_wedge_s.Observe(frame.first_wedge_s);
   if (frame.pose_to_end_s >= 0) metrics.pose_to_end_s.Observe(frame.pose_to_end_s);
+}
+
+void Metrics::once_frame(const net::RenderedOnce& frame) {
+  state_->once_frames.Increment();
+  state_->once_rays.Increment(static_cast<double>(frame.rays));
+  state_->once_hits.Increment(static_cast<double>(frame.hits));
+  state_->once_render_s.Observe(frame.render_s);
 }
 
 void Metrics::scene_loaded(double load_s) { state_->scene_load_s.Set(load_s); }

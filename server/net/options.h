@@ -65,6 +65,7 @@ struct ServerOptions {
   std::function<KeeperState()> keeper_state;
   /// Hears of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
   std::function<void(const std::string&, const RenderedFrame&)> on_frame;
+  std::function<void(const RenderedOnce&)> on_once_frame;  ///< the same of RenderOnce frames
 };
 
 }  // namespace obliq::net

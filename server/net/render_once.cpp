@@ -114,6 +114,7 @@ bool RenderThread::continue_once(OnceTask& task) {
   if (task.next_azimuth < task.end_azimuth) return true;
   wire::FrameSummary summary;
   task.frame->summarise(task.stats->total(), summary);
+  events_.on_once_rendered({task.render_s, summary.rays(), summary.hits()});  // counted before anyone has it
   task.send(events_, task.encoder->end(summary, task.render_s));
   return false;
 }

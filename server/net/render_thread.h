@@ -54,6 +54,7 @@ class RenderEvents {
   virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                              const std::vector<FieldError>& errors) = 0;
   virtual void on_once_block(const OnceJobPtr& job, const BlockPtr& block) = 0;
+  virtual void on_once_rendered(const RenderedOnce& frame) = 0;
   /// Instead of a frame.
   virtual void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) = 0;
   /// After finish(): nothing more comes.

@@ -95,8 +95,10 @@ RoomStatistics Room::statistics() const {
     all.queued_bytes += peer->outbox.queued_bytes();
   }
   for (const LiveRadar& radar : radars_) {
+    const RenderThread::Load load = render_.load(radar.stream_id - 1);
     all.radars.push_back({radar.name, radar.watchers.size(), radar.rate_hz, radar.coverage,
-                          radar.controller != nullptr, !radar.faults.empty()});
+                          radar.controller != nullptr, !radar.faults.empty(), load.live_frames,
+                          load.live_bytes});
   }
   return all;
 }
@@ -355,6 +357,12 @@ void Room::on_once_block(const OnceJobPtr& job, const BlockPtr& block) {
     if (peer == nullptr) return;
     peer->outbox.push(block);
     peer->kick();
+  });
+}
+
+void Room::on_once_rendered(const RenderedOnce& frame) {
+  post_([this, frame] {
+    if (options_.on_once_frame) options_.on_once_frame(frame);
   });
 }
 

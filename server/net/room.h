@@ -85,6 +85,7 @@ class Room : private RenderEvents {
   void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                      const std::vector<FieldError>& errors) override;
   void on_once_block(const OnceJobPtr& job, const BlockPtr& block) override;
+  void on_once_rendered(const RenderedOnce& frame) override;
   void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) override;
   void on_finished() override;
 

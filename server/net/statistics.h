@@ -7,6 +7,13 @@
 
 namespace obliq::net {
 
+/// A frame of a RenderOnce request that has been rendered to its end.
+struct RenderedOnce {
+  double render_s = 0;  ///< of all its slices, without the waits between them
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+};
+
 /// A live frame that has been rendered to its end.
 struct RenderedFrame {
   double render_s = 0;       ///< from its planning to its last block
@@ -25,7 +32,9 @@ struct RadarStatistics {
   double rate_hz = 0;   ///< the fastest watcher's
   double coverage = 0;  ///< of the newest frame
   bool controlled = false;
-  bool faulty = false;  ///< cannot be rendered as it is
+  bool faulty = false;         ///< cannot be rendered as it is
+  int live_frames = 0;         ///< being rendered, or waiting in whole or in part for a client
+  std::size_t live_bytes = 0;  ///< of their blocks
 };
 
 struct RoomStatistics {

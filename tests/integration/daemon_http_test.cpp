@@ -85,6 +85,38 @@ TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {
   EXPECT_GE(value_of(text, "obliq_log_lines_total{level=\"info\"}"), 3);
 }
 
+TEST_F(DaemonHttpTest, TheMetricsCountRenderOnceFrames) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  EXPECT_EQ(value_of(http_get(http_port(daemon), "/metrics").body, "obliq_once_frames_total"), 0);
+  for (const char* out : {"first", "second"}) {
+    const Outcome got = run_program(
+        OBLIQ_PROGRAM, {"get", "--server", daemon.address(), "--out", folder / out}, folder.path());
+    ASSERT_EQ(got.code, 0) << got.err;
+  }
+  const std::string text = http_get(http_port(daemon), "/metrics").body;
+  EXPECT_EQ(value_of(text, "obliq_once_frames_total"), 2) << text;
+  EXPECT_EQ(value_of(text, "obliq_once_render_seconds_count"), 2);
+  EXPECT_GT(value_of(text, "obliq_once_render_seconds_sum"), 0);
+  EXPECT_GT(value_of(text, "obliq_once_hits_total"), 0);
+  EXPECT_GE(value_of(text, "obliq_once_rays_total"), value_of(text, "obliq_once_hits_total"));
+  EXPECT_EQ(value_of(text, "obliq_frames_total{radar=\"main\"}"), 0) << "they are no live frames";
+}
+
+TEST_F(DaemonHttpTest, TheMetricsShowFramesThatAClientDoesNotTake) {
+  const Daemon daemon({"--config", scene, "--set", "bins.azimuth=2048", "--set", "bins.range=1024"},
+                      folder.path());
+  const auto live = [&](const std::string& name) {
+    return value_of(http_get(http_port(daemon), "/metrics").body, name + "{radar=\"main\"}");
+  };
+  EXPECT_EQ(live("obliq_radar_live_frames"), 0);
+  EXPECT_EQ(live("obliq_radar_live_bytes"), 0);
+  client::Client stalled;  // subscribes and does not read: frames of 40 MB wait
+  ASSERT_TRUE(stalled.connect(*client::parse_endpoint(daemon.address())).ok());
+  ASSERT_TRUE(stalled.subscribe("main", 50).ok());
+  while (live("obliq_radar_live_frames") < 1 || live("obliq_radar_live_bytes") < 1e6) {
+  }
+}
+
 TEST_F(DaemonHttpTest, ThePageOfMetricsListsWhatThereIs) {
   const Daemon daemon({"--config", scene}, folder.path());
   std::set<std::string> found;

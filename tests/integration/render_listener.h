@@ -34,6 +34,7 @@ class Listener : public net::RenderEvents {
     changed_.notify_all();
   }
   void on_once_block(const net::OnceJobPtr&, const net::BlockPtr&) override {}
+  void on_once_rendered(const net::RenderedOnce&) override {}
   void on_once_fault(const net::OnceJobPtr&, const std::vector<FieldError>&) override {}
 
   template <typename Condition>
