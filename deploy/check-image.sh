@@ -77,7 +77,7 @@ labels=$(setting Labels)
 
 # ---- Running in it ----
 
-mkdir -p "$work"/state/{authority,server,scrape,console} "$work/terrain" "$work/out"
+mkdir -p "$work"/state/{authority,server,scrape,client,console} "$work/terrain" "$work/out"
 chown -R "$user" "$work/state"
 [ -z "$dem" ] || install -m 0644 "$dem" "$work/terrain/dem.tif"
 free_ports() {
@@ -129,7 +129,7 @@ inside() {
     mount -t proc -o nosuid,nodev,noexec proc "$r/proc"
     mount -t sysfs -o ro,nosuid,nodev,noexec sysfs "$r/sys"
     mount --rbind /dev "$r/dev"
-    for name in authority server scrape console; do mount --bind "$w/state/$name" "$r/state/$name"; done
+    for name in authority server scrape client console; do mount --bind "$w/state/$name" "$r/state/$name"; done
     mount --bind "$w/terrain" "$r/terrain"
     mount -o remount,bind,ro "$r/terrain"
     mount --bind "$w/obliqd.toml" "$r/etc/obliq/obliqd.toml"
@@ -172,7 +172,7 @@ stop_daemon() {
   echo "stopped by $stop_signal: exit code 0"
 }
 
-as_client=(--tls --ca "$work/state/scrape/ca.crt" --token-file "$work/state/scrape/viewer.token")
+as_client=(--tls --ca "$work/state/client/ca.crt" --token-file "$work/state/client/viewer.token")
 mode=samples
 [ "$suite" != bookworm ] || mode=bits
 check_scene() {

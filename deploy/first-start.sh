@@ -53,9 +53,10 @@ warn_days=30
 
 authority=$folder/authority # signs; nothing that runs needs it
 server=$folder/server       # obliqd's: certificate, key, tokens
-scrape=$folder/scrape       # what a client needs: the authority's certificate, a viewer's token
+scrape=$folder/scrape       # the metrics' collector's: the authority's certificate, a viewer's token
+client=$folder/client       # what obliq needs: the same certificate, a viewer's token of its own
 console=$folder/console     # the dashboards' password
-for part in "$authority" "$server" "$scrape" "$console"; do
+for part in "$authority" "$server" "$scrape" "$client" "$console"; do
   mkdir -p "$part"
   chmod 0750 "$part"
 done
@@ -80,10 +81,11 @@ if [ ! -e "$authority/ca.crt" ]; then
   publish "$authority/ca.key.new" "$authority/ca.key" 0600
   publish "$authority/ca.crt.new" "$authority/ca.crt" 0644
 fi
-if [ ! -e "$scrape/ca.crt" ]; then
-  cp "$authority/ca.crt" "$scrape/ca.crt.new"
-  publish "$scrape/ca.crt.new" "$scrape/ca.crt" 0644
-fi
+for part in "$scrape" "$client"; do
+  [ -e "$part/ca.crt" ] && continue
+  cp "$authority/ca.crt" "$part/ca.crt.new"
+  publish "$part/ca.crt.new" "$part/ca.crt" 0644
+done
 
 if [ ! -e "$server/server.crt" ]; then
   alternative=""
@@ -104,15 +106,20 @@ if [ ! -e "$server/server.crt" ]; then
 fi
 
 if [ ! -e "$server/tokens" ]; then
+  collector=$(random_text)
   viewer=$(random_text)
   {
     echo "# ROLE TOKEN NAME. obliqd reads it again on SIGHUP."
     echo "admin $(random_text) first-start"
     echo "controller $(random_text) first-start"
-    echo "viewer $viewer prometheus"
+    echo "viewer $collector prometheus"
+    echo "viewer $viewer first-start"
   } >"$server/tokens.new"
-  echo "$viewer" >"$scrape/viewer.token.new"
+  echo "$collector" >"$scrape/viewer.token.new"
+  echo "$viewer" >"$client/viewer.token.new"
+  # The collector is another user and reads by its group; obliq warns of a token that others than its owner may read.
   publish "$scrape/viewer.token.new" "$scrape/viewer.token" 0640
+  publish "$client/viewer.token.new" "$client/viewer.token" 0600
   publish "$server/tokens.new" "$server/tokens" 0600
 fi
 if [ ! -e "$console/password" ]; then
@@ -121,7 +128,7 @@ if [ ! -e "$console/password" ]; then
 fi
 
 if [ -n "$owner" ]; then
-  chown "$owner" "$server" "$scrape" "$console"
+  chown "$owner" "$server" "$scrape" "$client" "$console"
 fi
 for file in "${made[@]}"; do
   echo "first-start: made $file"
@@ -129,9 +136,11 @@ done
 [ ${#made[@]} -gt 0 ] || echo "first-start: everything is in $folder already"
 cat <<TEXT
 first-start: tokens for admin, controller and viewer: $server/tokens
-first-start: clients check the server by:              $scrape/ca.crt
+first-start: clients check the server by:              $client/ca.crt
 first-start: the dashboards' password (user admin):    $console/password
 TEXT
+# None where the tokens are older than this folder.
+[ ! -e "$client/viewer.token" ] || echo "first-start: a viewer's token for clients:              $client/viewer.token"
 if ! openssl x509 -in "$server/server.crt" -noout -checkend $((warn_days * 86400)) >/dev/null; then
   echo "first-start: $server/server.crt ends within $warn_days days; remove it and run this again to renew it" >&2
 fi

@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 
 #include "tests/integration/daemon.h"
 #include "tests/integration/test_certificate.h"
@@ -65,6 +66,27 @@ class Protection : public testing::Test {
   std::string key = "server.tls_key=\"" + own.key.string() + "\"";
   std::string guarded = "server.tokens=\"" + tokens + "\"";
 };
+
+TEST_F(Protection, WhatTheFirstStartMakesIsTakenByDaemonAndClientWithoutAWarning) {
+  const std::string state = folder / "state";
+  const Outcome made =
+      run_program(OBLIQ_SOURCE_DIR "/deploy/first-start.sh", {state, "--name", "localhost"}, folder.path());
+  if (made.err.find("is not installed") != std::string::npos) GTEST_SKIP() << made.err;
+  ASSERT_EQ(made.code, 0) << made.err;
+  const Daemon daemon(
+      with({"server.tls_certificate=" + state + "/server/server.crt",
+            "server.tls_key=" + state + "/server/server.key", "server.tokens=" + state + "/server/tokens"}),
+      folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  const Outcome status = obliq({"status", "--server", daemon.address(), "--tls", "--ca",
+                                state + "/client/ca.crt", "--token-file", state + "/client/viewer.token"});
+  EXPECT_EQ(status.code, 0) << status.err;
+  EXPECT_EQ(status.err, "");
+  // Prometheus runs as a user of its own and reads by its group.
+  using std::filesystem::perms;
+  EXPECT_EQ(std::filesystem::status(state + "/scrape/viewer.token").permissions(),
+            perms::owner_read | perms::owner_write | perms::group_read);
+}
 
 TEST_F(Protection, OffLoopbackTheDaemonDoesNotStartWithoutTlsAndTokens) {
   const std::string everywhere = "server.address=\"0.0.0.0\"";
