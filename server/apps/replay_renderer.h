@@ -52,7 +52,6 @@ class ReplayRenderer : public net::FrameRenderer {
   mutable std::unique_ptr<client::RecordedFrames> frames_;
   mutable ReplayClock clock_;
   mutable std::optional<Due> next_;
-  mutable std::uint64_t version_ = 0;
   mutable bool over_ = false;
   mutable client::RecordingLosses losses_;
 };
