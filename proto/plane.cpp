@@ -15,6 +15,15 @@ std::uint32_t bytes_per_bin(Plane plane) {
   return 0;
 }
 
+std::uint32_t bytes_per_bin(PlaneSet planes) {
+  std::uint32_t bytes = 0;
+  for (int i = 0; i < kPlanes; ++i) {
+    const auto plane = static_cast<Plane>(i);
+    if (planes & plane_bit(plane)) bytes += bytes_per_bin(plane);
+  }
+  return bytes;
+}
+
 const char* plane_name(Plane plane) {
   switch (plane) {
     case Plane::iq:

@@ -18,6 +18,8 @@ constexpr PlaneSet plane_bit(Plane plane) {
 
 /// Bytes per bin: iq 8 (two float32), power 8 (float64), count 4 (uint32), state 1.
 std::uint32_t bytes_per_bin(Plane plane);
+/// The same of all planes of a set.
+std::uint32_t bytes_per_bin(PlaneSet planes);
 
 const char* plane_name(Plane plane);
 /// "iq, power, count, state", as far as they are in the set.

@@ -24,8 +24,9 @@ struct RenderThread::OnceTask {
   std::optional<FrameEncoder> encoder;
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
-  int next_azimuth = 0;
-  int end_azimuth = 0;  ///< of the window
+  int next_azimuth = 0;  ///< of the slice in hand
+  int end_azimuth = 0;   ///< of the window
+  RenderPause pause;     ///< within the slice
   double render_s = 0;
 };
 

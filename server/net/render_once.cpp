@@ -11,12 +11,6 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// A scanning antenna cannot wait long for RenderOnce jobs: a few milliseconds with the sweep.
-constexpr int kWedgesWhileScanning = 8;
-
-/// Pixels of a slice, so that live radars get their turn within a second or so: the paper's frame.
-constexpr std::int64_t kSlicePixels = 2048LL * 2048LL;
-
 /// The part of a job's frame that was asked for; checked when the job was made.
 wire::Window window_of(const OnceJob& job) {
   const RadarSettings& settings = job.view.settings->settings;
@@ -79,25 +73,19 @@ bool RenderThread::begin_once(OnceTask& task) {
 
 bool RenderThread::continue_once(OnceTask& task) {
   const RadarSettings& settings = task.job->view.settings->settings;
-  std::size_t wedge_bytes = 0;
-  for (int plane = 0; plane < wire::kPlanes; ++plane) {
-    wedge_bytes += std::size_t{wire::bytes_per_bin(static_cast<wire::Plane>(plane))} * kWedgeAzimuthBins *
-                   static_cast<std::size_t>(settings.range_bins);
-  }
+  const std::size_t wedge_bytes = std::size_t{wire::bytes_per_bin(wire::kAllPlanes)} * kWedgeAzimuthBins *
+                                  static_cast<std::size_t>(settings.range_bins);
   const int wedges =
       static_cast<int>(std::clamp<std::size_t>(options_.slice_bytes / wedge_bytes, 1, 1u << 16));
-  const std::int64_t wedge_pixels =
-      std::max<std::int64_t>(1, std::int64_t{settings.pixel_columns} * settings.pixel_rows *
-                                    kWedgeAzimuthBins / settings.azimuth_bins);
-  const int by_work = static_cast<int>(std::clamp<std::int64_t>(kSlicePixels / wedge_pixels, 1, 1 << 16));
-  const int slice = scanning_ ? std::min(wedges, kWedgesWhileScanning) : std::min(wedges, by_work);
-  const int count = std::min(slice * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
+  const int count = std::min(wedges * kWedgeAzimuthBins, task.end_azimuth - task.next_azimuth);
+  task.pause.batches = scanning_ ? options_.slice_batches_while_scanning : options_.slice_batches;
 
   RenderOptions options;
   options.threads = options_.threads;
   options.states = (task.job->choice.planes & wire::plane_bit(wire::Plane::state)) != 0;
   options.before_wedge = options_.before_wedge;
   options.stop = task.job->stop.get_token();
+  options.pause = &task.pause;
   options.on_wedge = [&](Wedge&& wedge) {
     task.stats->add(wedge);
     for (const BlockPtr& block : task.encoder->wedge(wedge.index, wedge.bins)) {
@@ -110,6 +98,7 @@ bool RenderThread::continue_once(OnceTask& task) {
     return false;
   }
   task.render_s += Seconds(clock_now() - start).count();
+  if (task.pause.begun) return true;
   task.next_azimuth += count;
   if (task.next_azimuth < task.end_azimuth) return true;
   wire::FrameSummary summary;

@@ -249,13 +249,8 @@ bool RenderThread::render_azimuths(std::size_t index, const AzimuthRange& azimut
 void RenderThread::end_pass(std::size_t index) {
   ScanTask& scan = *live_[index].scan;
   ScanPass& pass = *scan.pass;
-  wire::FrameSummary summary;
-  pass.plan->summarise(pass.stats.total(), summary);
-  summary.set_frame_id(pass.frame_id);
+  const wire::FrameSummary summary = summary_of(*pass.plan, pass.stats, pass.frame_id, pass.rendered);
   events_.on_live_blocks(index, pass.frame, {pass.encoder.end(summary, pass.rendered.render_s, pass.missed)});
-  pass.rendered.rays = summary.rays();
-  pass.rendered.hits = summary.hits();
-  pass.rendered.coverage = summary.coverage();
   events_.on_live_rendered(index, pass.rendered);
   scan.pass = nullptr;
 }

@@ -64,6 +64,10 @@ class RenderEvents {
 struct RenderThreadOptions {
   int threads = 0;
   std::size_t slice_bytes = std::size_t{16} << 20;
+  /// Of a RenderOnce job, before others get their turn (see RenderPause), however its pixels lie: as many as
+  /// the paper's frame has, 2048 x 2048 pixels, within a second; a few milliseconds where an antenna scans.
+  int slice_batches = 4096;
+  int slice_batches_while_scanning = 128;
   int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
   std::function<void(int)> before_wedge;
   /// What time it is, for tests; empty: the steady clock. When it has jumped, wake() tells the thread.
@@ -156,6 +160,10 @@ class RenderThread {
   void end_pass(std::size_t index);
   /// Not under the lock: a frame's going is heard of under it.
   void end_scan(std::size_t index, const std::string& reason);
+
+  /// At a frame's end. `rendered` is given its counts.
+  static wire::FrameSummary summary_of(const PlannedFrame& frame, const FrameSum& stats,
+                                       std::uint64_t frame_id, RenderedFrame& rendered);
 
   void render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
   void render_once(std::size_t index, std::unique_lock<std::mutex>& lock);

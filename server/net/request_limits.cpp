@@ -26,15 +26,6 @@ FrameCost cost_without_bytes(const RadarSettings& settings) {
   return cost;
 }
 
-std::int64_t plane_bytes(std::int64_t bins, wire::PlaneSet planes) {
-  std::int64_t bytes = 0;
-  for (int plane = 0; plane < wire::kPlanes; ++plane) {
-    const auto kind = static_cast<wire::Plane>(plane);
-    if ((planes & wire::plane_bit(kind)) != 0) bytes += wire::bytes_per_bin(kind) * bins;
-  }
-  return bytes;
-}
-
 std::int64_t wedge_bytes(const RadarSettings& settings, const ServerOptions& options) {
   return threads_of(options) * kWedgeAzimuthBins * settings.range_bins * kWedgeBytesPerBin;
 }
@@ -50,14 +41,15 @@ OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string
 
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = cost_without_bytes(settings);
-  cost.bytes = wedge_bytes(settings, options) +
-               std::min(plane_bytes(cost.bins, planes), 2 * static_cast<std::int64_t>(options.slice_bytes));
+  cost.bytes = wedge_bytes(settings, options) + std::min(wire::bytes_per_bin(planes) * cost.bins,
+                                                         2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
 }
 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = cost_without_bytes(settings);
-  cost.bytes = wedge_bytes(settings, options) + plane_bytes(cost.bins, planes) * (options.queue_frames + 1);
+  cost.bytes =
+      wedge_bytes(settings, options) + wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
   return cost;
 }
 

@@ -29,7 +29,10 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
       options_(std::move(options)),
       post_(std::move(post)),
       render_(renderer, *this,
-              {options_.render_threads, options_.slice_bytes, options_.live_frames, options_.before_wedge}) {
+              {.threads = options_.render_threads,
+               .slice_bytes = options_.slice_bytes,
+               .live_frames = options_.live_frames,
+               .before_wedge = options_.before_wedge}) {
   if (!options_.security) options_.security = std::make_shared<Security>();
   for (const RadarConfig& config : radars) {
     radars_.emplace_back(config, ++next_stream_id_);

@@ -25,7 +25,7 @@ bool RaySamples::next(SampleBatch& samples, FrameStats& stats) {
     take_nearest(samples, stats);
     return true;
   }
-  while (!finished_ && spread_.size() - unloaded_ < kBatch) {
+  if (!finished_ && spread_.size() - unloaded_ < kBatch) {
     if (trace(stats)) {
       take_spread(stats);
     } else {
@@ -33,7 +33,7 @@ bool RaySamples::next(SampleBatch& samples, FrameStats& stats) {
       finished_ = true;
     }
   }
-  return unload(samples);
+  return unload(samples) || !finished_;
 }
 
 bool RaySamples::trace(FrameStats& stats) {

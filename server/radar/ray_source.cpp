@@ -54,7 +54,7 @@ class PerspectiveRays : public RaySource {
 
   bool next(RayBatch& batch) override {
     batch.n = 0;
-    while (row_ < camera_.rows && !batch.full()) {
+    for (int pixels = 0; row_ < camera_.rows && !batch.full() && pixels < kMostPixels;) {
       if (run_ == runs_.size()) {
         ++row_;
         begin_row();
@@ -67,8 +67,9 @@ class PerspectiveRays : public RaySource {
       }
       const bool backwards = row_ % 2 == 1;
       emit(batch, run.bin, backwards ? --run.to : run.from++);
+      ++pixels;
     }
-    return batch.n > 0;
+    return batch.n > 0 || row_ < camera_.rows;
   }
 
  private:

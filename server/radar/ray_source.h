@@ -11,8 +11,10 @@ namespace obliq {
 /// bin, known before its ray is traced, because a ray stays in its vertical plane.
 class RaySource {
  public:
+  static constexpr int kMostPixels = 16 * kBatch;  ///< most lie in the swath, where every pixel has its ray
+
   virtual ~RaySource() = default;
-  /// Fills the batch; false when no ray was left.
+  /// Fills the batch, possibly with nothing: it looks at so many pixels at most; false when none was left.
   virtual bool next(RayBatch& batch) = 0;
 };
 

@@ -4,8 +4,11 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
@@ -55,30 +58,61 @@ void decide_states(bool states, WedgeProfile& profile, Wedge& wedge) {
   }
 }
 
-/// The buffers of one thread, reused from wedge to wedge.
-struct Workspace {
-  SampleBatch samples;
-  WedgeBins bins;
+/// The wedge that a thread has in hand, and its buffers, reused from wedge to wedge.
+class WedgeWork {
+ public:
+  WedgeWork(const FramePlan& plan, const FrameTables& tables, Surfaces surfaces)
+      : plan_(plan), bins_(plan, tables.scattering, tables.speckle, {}, surfaces) {}
 
-  Workspace(const FramePlan& plan, const FrameTables& tables, Surfaces surfaces)
-      : bins(plan, tables.scattering, tables.speckle, {}, surfaces) {}
+  bool begun() const { return source_ != nullptr; }
+
+  void begin(int index, SampleTap* tap) {
+    const int bin = index * kWedgeAzimuthBins;
+    const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan_.settings().azimuth_bins - bin)};
+    wedge_ = {};
+    wedge_.index = index;
+    wedge_.bins = BinBlock(range.first, range.count, plan_.bins().n_range);
+    bins_.restart(range);
+    profile_.emplace(plan_, range);
+    source_ = make_sample_source(plan_, range, tap, &*profile_);
+  }
+
+  /// True when the wedge has all its samples; false when the batches were not enough.
+  bool take(std::int64_t& batches) {
+    for (; batches > 0; --batches) {
+      if (!source_->next(samples_, wedge_.stats)) return true;
+      wedge_.stats.samples += bins_.add(samples_);
+    }
+    return false;
+  }
+
+  Wedge finish(bool states) {
+    source_.reset();
+    bins_.write(wedge_.bins);
+    decide_states(states, *profile_, wedge_);
+    return std::move(wedge_);
+  }
+
+ private:
+  const FramePlan& plan_;
+  SampleBatch samples_;
+  WedgeBins bins_;
+  Wedge wedge_;
+  std::optional<WedgeProfile> profile_;
+  std::unique_ptr<SampleSource> source_;
 };
 
-Wedge render_wedge(const FramePlan& plan, int index, AzimuthRange range, const RenderOptions& options,
-                   Workspace& work) {
-  Wedge wedge;
-  wedge.index = index;
-  wedge.bins = BinBlock(range.first, range.count, plan.bins().n_range);
-  work.bins.restart(range);
-  WedgeProfile profile(plan, range);
-  const auto source = make_sample_source(plan, range, options.tap, &profile);
-  while (source->next(work.samples, wedge.stats)) wedge.stats.samples += work.bins.add(work.samples);
-  work.bins.write(wedge.bins);
-  decide_states(options.states, profile, wedge);
-  return wedge;
-}
-
 }  // namespace
+
+class BegunWedges {
+ public:
+  BegunWedges(const FramePlan& plan, int first, int threads)
+      : tables(plan), next(first), work(static_cast<std::size_t>(threads)) {}
+
+  const FrameTables tables;
+  std::atomic<int> next;
+  std::vector<std::unique_ptr<WedgeWork>> work;  // each thread's
+};
 
 int wedge_count(const RadarSettings& settings) {
   return (settings.azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
@@ -91,42 +125,54 @@ FrameStats FrameSum::total() const {
 }
 
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options) {
-  const FrameTables tables(plan);
   const int first = azimuths.first / kWedgeAzimuthBins;
   const int end = std::min(wedge_count(plan.settings()),
                            (azimuths.first + azimuths.count + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins);
-  std::atomic<int> next{first};
+  const int threads = options.threads > 0
+                          ? options.threads
+                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  std::shared_ptr<BegunWedges> begun;
+  if (options.pause) begun = std::exchange(options.pause->begun, nullptr);
+  if (!begun) begun = std::make_shared<BegunWedges>(plan, first, threads);
+  std::atomic<bool> paused{false};
   std::atomic<bool> failed{false};
   std::exception_ptr failure;
   std::mutex delivery;
 
-  const auto work_until_done = [&] {
-    const auto work = std::make_unique<Workspace>(plan, tables, options.surfaces);
-    for (int index = next++; index < end; index = next++) {
-      if (options.stop.stop_requested() || failed) return;
-      try {
-        if (options.before_wedge) options.before_wedge(index);
-        const int bin = index * kWedgeAzimuthBins;
-        const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan.settings().azimuth_bins - bin)};
-        Wedge wedge = render_wedge(plan, index, range, options, *work);
+  // A pause is due when a thread has done its share: a wedge has one thread, and may be all that there is.
+  const auto work_until_done = [&](std::unique_ptr<WedgeWork>& work) {
+    std::int64_t batches = options.pause ? std::max(1, options.pause->batches / threads)
+                                         : std::numeric_limits<std::int64_t>::max();
+    try {
+      if (!work) work = std::make_unique<WedgeWork>(plan, begun->tables, options.surfaces);
+      while (!options.stop.stop_requested() && !failed) {
+        if (!work->begun()) {
+          const int index = begun->next++;
+          if (index >= end) return;
+          if (options.before_wedge) options.before_wedge(index);
+          work->begin(index, options.tap);
+        }
+        if (!work->take(batches)) {
+          paused = true;
+          return;
+        }
+        Wedge wedge = work->finish(options.states);
         const std::scoped_lock lock(delivery);
         if (options.on_wedge && !failed) options.on_wedge(std::move(wedge));
-      } catch (...) {
-        if (!failed.exchange(true)) failure = std::current_exception();
-        return;
       }
+    } catch (...) {
+      if (!failed.exchange(true)) failure = std::current_exception();
     }
   };
 
-  const int threads = options.threads > 0
-                          ? options.threads
-                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   {
     std::vector<std::jthread> helpers;
-    for (int t = 1; t < threads; ++t) helpers.emplace_back(work_until_done);
-    work_until_done();
+    for (std::size_t t = 1; t < begun->work.size(); ++t)
+      helpers.emplace_back([&, t] { work_until_done(begun->work[t]); });
+    work_until_done(begun->work[0]);
   }
   if (failure) std::rethrow_exception(failure);
+  if (paused) options.pause->begun = std::move(begun);
   return !options.stop.stop_requested();
 }
 

@@ -41,13 +41,26 @@ struct Wedge {
 /// Which returns are binned. All surfaces hide what lies behind them, whatever is binned.
 enum class Surfaces { all, ground, buildings };
 
+/// Wedges that are begun and not finished (server/radar/render.cpp).
+class BegunWedges;
+
+/// Lets a rendering pause in the middle of its wedges, so that others get their turn. The bits stay the same.
+struct RenderPause {
+  /// Of at most kBatch rays or samples, or the buildings of one column of the sweep; for all threads
+  /// together.
+  int batches = 0;
+  /// Not null: it has paused, and the same call goes on. Not to outlive the plan.
+  std::shared_ptr<BegunWedges> begun;
+};
+
 struct RenderOptions {
   int threads = 0;                        ///< 0 = all cores
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
   std::stop_token stop;                   ///< no further wedge is begun after a stop request
-  bool states = true;        ///< false: bins without samples all say not_sampled, which is quicker
-  SampleTap* tap = nullptr;  ///< receives every hit of a pixel, for textures
+  bool states = true;            ///< false: bins without samples all say not_sampled, which is quicker
+  SampleTap* tap = nullptr;      ///< receives every hit of a pixel, for textures
+  RenderPause* pause = nullptr;  ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
 };
 
@@ -65,7 +78,8 @@ class FrameSum {
   std::vector<FrameStats> wedges_;
 };
 
-/// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early.
+/// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early;
+/// options.pause tells whether there is more to come.
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options);
 
 /// A whole frame in memory.

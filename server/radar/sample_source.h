@@ -14,6 +14,7 @@ class SampleSource {
  public:
   virtual ~SampleSource() = default;
   /// Fills the batch (possibly with nothing) and counts what it took; false when nothing was left to look at.
+  /// Looks at a bounded part at a time, because a rendering pauses only between batches.
   virtual bool next(SampleBatch& samples, FrameStats& stats) = 0;
 };
 

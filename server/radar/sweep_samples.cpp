@@ -26,23 +26,23 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
 
 bool SweepSamples::next(SampleBatch& samples, FrameStats& stats) {
   sampler_.begin(samples);
-  while (!sampler_.full()) {
-    if (marching_) {
-      if (ground_.next(sampler_, samples)) break;
-      marching_ = false;
-      next_columns();
-    } else if (first_ >= range_.first + range_.count || columns_per_bin_ == 0) {
-      break;
-    } else if (const int bin = first_ + static_cast<int>(shares_.size()); bin < end_of_group()) {
-      add_column(bin, stats);
-    } else {
-      ground_.start(std::move(shares_));
-      shares_.clear();
-      marching_ = true;
-    }
-  }
+  if (!sampler_.full() && !done()) step(samples, stats);
   stats.hits += static_cast<std::uint64_t>(samples.n);
-  return samples.n > 0;
+  return samples.n > 0 || !done();
+}
+
+void SweepSamples::step(SampleBatch& samples, FrameStats& stats) {
+  if (marching_) {
+    if (ground_.next(sampler_, samples)) return;
+    marching_ = false;
+    next_columns();
+  } else if (const int bin = first_ + static_cast<int>(shares_.size()); bin < end_of_group()) {
+    add_column(bin, stats);
+  } else {
+    ground_.start(std::move(shares_));
+    shares_.clear();
+    marching_ = true;
+  }
 }
 
 int SweepSamples::end_of_group() const {

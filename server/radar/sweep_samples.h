@@ -17,6 +17,9 @@ class SweepSamples : public SampleSource {
   bool next(SampleBatch& samples, FrameStats& stats) override;
 
  private:
+  bool done() const { return columns_per_bin_ == 0 || first_ >= range_.first + range_.count; }
+  /// The buildings of one column, or as much ground as a batch holds.
+  void step(SampleBatch& samples, FrameStats& stats);
   int end_of_group() const;
   void next_columns();
   void add_column(int bin, FrameStats& stats);
