@@ -177,7 +177,7 @@ void Daemon::take_over(const SceneConfig& wanted, SceneConfig to_build) {
   for (const std::string& key : keys_for_restart(at_start_, wanted))
     spdlog::warn("reload: {} differs from what runs; restart obliqd to apply it", key);
   open_log(wanted.log);
-  server_->set_limits(server_options(wanted));
+  server_->set_limits(wanted.server);
   in_file_ = wanted;
   const std::string signature = scene_signature(wanted);
   if (signature == signature_) {

@@ -15,26 +15,6 @@ namespace {
 /// Sections that a scene is built from, or that its keeper reads.
 constexpr std::array<std::string_view, 4> kSceneSections{"terrain.", "earth.", "accuracy.", "flight."};
 
-/// What else changes while the daemon runs.
-constexpr std::array<std::string_view, 18> kLive{"log.format",
-                                                 "log.level",
-                                                 "server.max_clients",
-                                                 "server.max_clients_per_address",
-                                                 "server.max_request_bytes",
-                                                 "server.handshake_timeout_s",
-                                                 "server.message_timeout_s",
-                                                 "server.stall_timeout_s",
-                                                 "server.heartbeat_s",
-                                                 "server.idle_timeout_s",
-                                                 "server.max_bins",
-                                                 "server.max_pixels",
-                                                 "server.max_work_queued",
-                                                 "server.max_memory_mb",
-                                                 "server.max_renders_queued",
-                                                 "server.max_subscriptions",
-                                                 "server.stop_limit_s",
-                                                 "server.queue_frames"};
-
 bool is_of_scene(std::string_view key) {
   return std::ranges::any_of(kSceneSections, [&](std::string_view part) { return key.starts_with(part); });
 }
@@ -57,10 +37,13 @@ std::string scene_text(SceneConfig config) {
 
 std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted) {
   std::vector<std::string> keys;
-  SceneConfig one = running;  // slots want something that may be changed
+  SceneConfig one = running;
   SceneConfig other = wanted;
+  // What is taken over makes no difference.
+  one.log = wanted.log;
+  static_cast<ServerLimits&>(one.server) = wanted.server;
   for (const auto& [key, slot] : scene_entries()) {
-    if (is_of_scene(key.name) || std::ranges::find(kLive, key.name) != kLive.end()) continue;
+    if (is_of_scene(key.name)) continue;
     if (load(key, slot(one)) != load(key, slot(other))) keys.emplace_back(key.name);
   }
   if (running.modbus.allow != wanted.modbus.allow) keys.emplace_back("modbus.allow");

@@ -88,8 +88,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   }
   if (new_settings || new_pose) append(errors, validate(config));
   if (new_settings && errors.empty()) {
-    const FrameCost cost = live_cost(config.settings, wire::kAllPlanes, room_.options_);
-    over = over_limit(config.settings, cost, room_.cost_queued().bytes, room_.options_);
+    over = room_.over_live_limit(config.settings, wire::kAllPlanes);
     if (over) errors.push_back(over->field);
   }
   if (errors.empty() && new_pose) errors = room_.renderer_.place(config.pose);
@@ -120,14 +119,15 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
 
 void Panel::publish() {
   ++heartbeat_;
+  const RoomStatistics all = room_.statistics();
   std::vector<std::shared_ptr<const PanelStatus>> fresh;
   for (std::size_t i = 0; i < names_.size(); ++i)
-    fresh.push_back(std::make_shared<const PanelStatus>(look(i)));
+    fresh.push_back(std::make_shared<const PanelStatus>(look(i, all)));
   const std::lock_guard lock(mutex_);
   statuses_.swap(fresh);
 }
 
-PanelStatus Panel::look(std::size_t index) {
+PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   const LiveRadar& radar = room_.radars_[index];
   const auto now = Clock::now();
   Pace& pace = paces_[index];
@@ -145,7 +145,7 @@ PanelStatus Panel::look(std::size_t index) {
   status.pose_stale = radar.poses->at(monotonic_ns()).stale;
   if (radar.controller != nullptr) status.controller = radar.controller->name;
   status.faults = radar.faults;
-  status.clients = static_cast<std::uint32_t>(room_.peers_.size());
+  status.clients = static_cast<std::uint32_t>(all.clients);
   status.watchers = static_cast<std::uint32_t>(radar.watchers.size());
   status.rate_hz = pace.rate_hz;
   status.frames = radar.frames;
@@ -153,7 +153,7 @@ PanelStatus Panel::look(std::size_t index) {
   status.rays = radar.rays;
   status.hits = radar.hits;
   status.coverage = radar.coverage;
-  status.frames_dropped = room_.statistics().frames_dropped;
+  status.frames_dropped = all.frames_dropped;
   status.uptime_s = std::chrono::duration<double>(now - room_.started_).count();
   status.heartbeat = heartbeat_;
   return status;

@@ -19,6 +19,7 @@ namespace obliq::net {
 
 class Room;
 struct LiveRadar;
+struct RoomStatistics;
 
 /// A radar as it was when the io thread last looked.
 struct PanelStatus {
@@ -101,7 +102,7 @@ class Panel {
   PanelAnswer perform(std::size_t radar, const PanelChange& change);
   PanelAnswer set(LiveRadar& radar, const PanelChange& change);
   void publish();
-  PanelStatus look(std::size_t radar);
+  PanelStatus look(std::size_t radar, const RoomStatistics& all);
 
   Room& room_;
   Post post_;

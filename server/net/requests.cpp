@@ -140,13 +140,11 @@ void Requests::get_radar(const wire::GetRadar& request) {
 void Requests::set_settings(const wire::SetSettings& request) {
   LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
   if (radar == nullptr) return;
-  const ServerOptions& options = room_.options();
   std::optional<OverLimit> over;
   const auto outcome = radar->settings.update([&](RadarSettings& candidate) {
     std::vector<FieldError> errors = merge_message(request.settings(), candidate);
     if (!errors.empty() || !validate(candidate).empty()) return errors;
-    over = over_limit(candidate, live_cost(candidate, wire::kAllPlanes, options), room_.cost_queued().bytes,
-                      options);
+    over = room_.over_live_limit(candidate, wire::kAllPlanes);
     if (over) errors.push_back(over->field);
     return errors;
   });
@@ -179,16 +177,11 @@ void Requests::get_status(const wire::GetStatus& request) {
   status.set_server_version(room_.options().server_version);
   status.set_uptime_s(
       std::chrono::duration<double>(std::chrono::steady_clock::now() - room_.started_).count());
-  status.set_clients(static_cast<std::uint32_t>(room_.peers_.size()));
-  std::uint64_t dropped = room_.frames_dropped_;
-  std::size_t jobs = 0;
-  for (const auto& peer : room_.peers_) {
-    dropped += peer->outbox.frames_dropped();
-    jobs += peer->jobs.size();
-  }
-  status.set_frames_dropped(dropped);
-  status.set_renders_queued(static_cast<std::uint32_t>(jobs));
-  status.set_bytes_sent(room_.bytes_sent_);
+  const RoomStatistics all = room_.statistics();
+  status.set_clients(static_cast<std::uint32_t>(all.clients));
+  status.set_frames_dropped(all.frames_dropped);
+  status.set_renders_queued(static_cast<std::uint32_t>(all.renders_queued));
+  status.set_bytes_sent(all.bytes_sent);
   for (const LiveRadar& radar : room_.radars_) {
     wire::RadarStatus& entry = *status.add_radars();
     entry.set_radar(radar.name);

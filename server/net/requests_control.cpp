@@ -77,7 +77,7 @@ void Requests::hello(const wire::Hello& request) {
   }
   welcome.add_encodings(wire::compression_name(wire::Compression::zstd));
   wire::Limits& limits = *welcome.mutable_limits();
-  limits.set_max_request_bytes(options.max_request_bytes);
+  limits.set_max_request_bytes(static_cast<std::uint32_t>(options.max_request_bytes));
   limits.set_max_plane_bytes(wire::kMaxPlaneBytes);
   limits.set_max_clients(static_cast<std::uint32_t>(options.max_clients));
   limits.set_max_renders_queued(static_cast<std::uint32_t>(options.max_renders_queued));

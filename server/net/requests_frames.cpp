@@ -49,8 +49,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
     return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
   }
   if (wish.lossless && !demand(Role::controller, request.request_id(), "watching without losses")) return;
-  const FrameCost cost = live_cost(settings, wish.choice.planes, options);
-  if (const auto over = over_limit(settings, cost, room_.cost_queued().bytes, options)) {
+  if (const auto over = room_.over_live_limit(settings, wish.choice.planes)) {
     return refuse(request.request_id(), *over);
   }
   const bool renewed = peer_.outbox.has_lane(radar->stream_id);

@@ -67,24 +67,7 @@ void Room::stopped_if_empty() {
   if (stopping_ && peers_.empty() && stopped_) post_(std::exchange(stopped_, nullptr));
 }
 
-void Room::set_limits(const ServerOptions& options) {
-  options_.max_clients = options.max_clients;
-  options_.max_clients_per_address = options.max_clients_per_address;
-  options_.max_request_bytes = options.max_request_bytes;
-  options_.max_bins = options.max_bins;
-  options_.max_pixels = options.max_pixels;
-  options_.max_work_queued = options.max_work_queued;
-  options_.max_memory_mb = options.max_memory_mb;
-  options_.max_renders_queued = options.max_renders_queued;
-  options_.max_subscriptions = options.max_subscriptions;
-  options_.queue_frames = options.queue_frames;
-  options_.handshake_timeout_s = options.handshake_timeout_s;
-  options_.message_timeout_s = options.message_timeout_s;
-  options_.heartbeat_s = options.heartbeat_s;
-  options_.idle_timeout_s = options.idle_timeout_s;
-  options_.stall_timeout_s = options.stall_timeout_s;
-  options_.stop_limit_s = options.stop_limit_s;
-}
+void Room::set_limits(const ServerLimits& limits) { static_cast<ServerLimits&>(options_) = limits; }
 
 RoomStatistics Room::statistics() const {
   RoomStatistics all;
@@ -182,6 +165,10 @@ FrameCost Room::cost_queued() const {
     }
   }
   return sum;
+}
+
+std::optional<OverLimit> Room::over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const {
+  return over_limit(settings, live_cost(settings, planes, options_), cost_queued().bytes, options_);
 }
 
 LiveRadar* Room::find(const std::string& name) {

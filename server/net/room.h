@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,7 +39,7 @@ class Room : private RenderEvents {
   void end() { render_.end(); }
   RoomStatistics statistics() const;
   /// See Server::set_limits.
-  void set_limits(const ServerOptions& options);
+  void set_limits(const ServerLimits& limits);
 
   /// Clients from that host; of IPv6, from its /64 network, which one host can have for itself.
   int clients_from(const std::string& host) const;
@@ -78,6 +79,8 @@ class Room : private RenderEvents {
   void finish_job(Peer& peer, std::uint32_t stream_id);
   /// Of all clients' unfinished RenderOnce requests.
   FrameCost cost_queued() const;
+  /// What limit a live radar of such settings would exceed, watched with such planes.
+  std::optional<OverLimit> over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const;
 
   void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;
   void on_live_held_up(std::size_t radar, double since_s) override;

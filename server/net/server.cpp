@@ -203,7 +203,7 @@ void Server::start(std::function<void()> stopped) {
   state_->room->start();
 }
 
-void Server::set_limits(const ServerOptions& options) { state_->room->set_limits(options); }
+void Server::set_limits(const ServerLimits& limits) { state_->room->set_limits(limits); }
 
 RoomStatistics Server::statistics() const { return state_->room->statistics(); }
 

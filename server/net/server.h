@@ -48,9 +48,9 @@ class Server {
   /// Begins to serve and returns. Until stop(); `stopped` is then called on the io thread, once the last
   /// client has gone. From any thread.
   void start(std::function<void()> stopped);
-  /// Takes over the limits and times among the options; those of connections that exist hold for the next
+  /// Instead of those among the options; those of connections that exist hold for the next
   /// time they are looked at. On the io thread.
-  void set_limits(const ServerOptions& options);
+  void set_limits(const ServerLimits& limits);
   /// From any thread; any number of times.
   void stop();
   /// Reads certificate, key and tokens anew: new connections use them, clients whose token is gone are told

@@ -219,7 +219,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     if (!co_await read(all.subspan(1, kMagicBytes - 1))) co_return false;
     wire::FrameHeader& header = request.header;
     std::fill(head.begin() + kMagicBytes, head.end(), std::byte{0});
-    const std::uint32_t limit = room_->options().max_request_bytes;
+    const auto limit = static_cast<std::uint32_t>(room_->options().max_request_bytes);
     if (wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header) ==
         wire::HeaderStatus::bad_magic) {
       const bool tls = head[0] == kTlsRecord[0] && head[1] == kTlsRecord[1];
