@@ -7,8 +7,6 @@
 namespace obliq::test {
 namespace {
 
-constexpr client::Timeout kLong{20000};  // reached only when something is broken
-
 void put(Octets& bytes, int word) {
   bytes.push_back(static_cast<std::uint8_t>(word >> 8));
   bytes.push_back(static_cast<std::uint8_t>(word & 0xFF));

@@ -1,7 +1,6 @@
 // Peers that send nonsense, and clients that do not read: each costs itself its connection, and nobody else.
 #include <gtest/gtest.h>
 
-#include "proto/error_number.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
@@ -13,10 +12,6 @@ using client::FrameAssembler;
 using client::Outcome;
 using wire::ErrorNumber;
 using wire::MessageType;
-
-constexpr client::Timeout kLong{20000};
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 /// A server with a client that watches while others misbehave; at the end it must still get frames.
 class Abuse : public testing::Test {
@@ -197,9 +192,7 @@ TEST(Limits, AClientThatReadsNothingIsDroppedInTheEnd) {
   const TestServer server(options);
   client::Client watcher = connect(server);
   client::Client stalled = connect(server);
-  wire::RenderOnce request = once_request();  // 2000 x 2000 bins, 84 MB: more than any socket buffer takes
-  request.mutable_settings()->set_azimuth_bins(2000);
-  request.mutable_settings()->set_range_bins(2000);
+  wire::RenderOnce request = large_once_request();
   const client::Status queued = stalled.render_once(request);
   ASSERT_TRUE(queued.ok()) << queued.sentence();
   wire::Status status;
@@ -247,102 +240,99 @@ TEST(Limits, AnAddressOfAnotherMachineIsTheOperatorsMistake) {
   EXPECT_THROW(net::Server(renderer, {small_radar("main")}, options), InputError);
 }
 
-TEST(Stop, FramesThatAreNotDoneWithinTheLimitAreAbortedAndClientsTold) {
-  Gate gate;
-  gate.close();
-  net::ServerOptions options = small_options();
-  options.before_wedge = [&](int wedge) {
-    if (wedge == 1) gate.pass();
-  };
-  TestServer server(options);
-  client::Client client = connect(server);
-  FrameAssembler frames;
-  client.set_handler(&frames);
-  ASSERT_TRUE(client.subscribe("main", 50).ok());
-  while (frames.fraction() == 0) ASSERT_TRUE(client.receive(kLong).ok());
+/// A server whose frames stand at their second wedge until the gate is opened.
+struct GatedServer {
+  explicit GatedServer(double stop_limit_s) : server(options(stop_limit_s)) {}
+  ~GatedServer() {
+    gate.open();
+    if (stopping.joinable()) stopping.join();
+  }
+  net::ServerOptions options(double stop_limit_s) {
+    gate.close();
+    net::ServerOptions made = small_options();
+    made.stop_limit_s = stop_limit_s;
+    made.before_wedge = [this](int wedge) {
+      if (wedge == 1) gate.pass();
+    };
+    return made;
+  }
+  /// Begins to stop. No new connection is taken afterwards: the server has heard.
+  void stop() {
+    stopping = std::thread([this] { server.stop(); });
+    for (bool listening = true; listening;) {
+      client::Client late;
+      listening = late.connect(server.endpoint(), {.name = "late"}).ok();
+    }
+  }
 
-  std::thread stopping([&] { server.stop(); });
+  Gate gate;
+  TestServer server;
+  std::thread stopping;
+};
+
+void await_begin(client::Client& client, const FrameAssembler& frames) {
+  while (frames.fraction() == 0) ASSERT_TRUE(client.receive(kLong).ok());
+}
+
+/// Receives all that comes before the reason.
+void expect_told_of_stop(client::Client& client) {
   client::Status status;
   while (status.ok()) status = client.receive(kLong);
   EXPECT_EQ(status.number, number(ErrorNumber::server_stopping)) << status.sentence();
+}
+
+TEST(Stop, FramesThatAreNotDoneWithinTheLimitAreAbortedAndClientsTold) {
+  GatedServer gated(0.6);
+  client::Client client = connect(gated.server);
+  FrameAssembler frames;
+  client.set_handler(&frames);
+  ASSERT_TRUE(client.subscribe("main", 50).ok());
+  await_begin(client, frames);
+  gated.stop();
+  expect_told_of_stop(client);
   EXPECT_EQ(frames.state(), FrameAssembler::State::aborted);
   EXPECT_EQ(frames.abort_reason(), "the server is stopping");
-  while (status.outcome != Outcome::closed) status = client.receive(kLong);
-  gate.open();
-  stopping.join();
+  while (client.receive(kLong).outcome != Outcome::closed) continue;
 }
 
 TEST(Stop, ABegunFrameIsFinishedAndReadBeforeTheClientIsTold) {
-  Gate gate;
-  gate.close();
-  net::ServerOptions options = small_options();
-  options.stop_limit_s = 600;
-  options.before_wedge = [&](int wedge) {
-    if (wedge == 1) gate.pass();
-  };
-  TestServer server(options);
-  client::Client watching = connect(server);
+  GatedServer gated(600);
+  client::Client watching = connect(gated.server);
   FrameAssembler live;
   watching.set_handler(&live);
   ASSERT_TRUE(watching.subscribe("main", 50).ok());
-  while (live.fraction() == 0) ASSERT_TRUE(watching.receive(kLong).ok());
-
-  std::thread stopping([&] { server.stop(); });
-  // No new connection is taken: the server has heard.
-  for (bool listening = true; listening;) {
-    client::Client late;
-    listening = late.connect(server.endpoint(), {.name = "late"}).ok();
-  }
-  gate.open();
-  client::Status status;
-  while (status.ok()) status = watching.receive(kLong);
-  EXPECT_EQ(status.number, number(ErrorNumber::server_stopping)) << status.sentence();
+  await_begin(watching, live);
+  gated.stop();
+  gated.gate.open();
+  expect_told_of_stop(watching);
   EXPECT_EQ(live.state(), FrameAssembler::State::complete);
-  stopping.join();
 }
 
 TEST(Stop, ABegunRenderIsFinishedAndOneThatWaitsIsNot) {
-  Gate gate;
-  gate.close();
-  net::ServerOptions options = small_options();
-  options.stop_limit_s = 600;
-  options.before_wedge = [&](int wedge) {
-    if (wedge == 1) gate.pass();
-  };
-  TestServer server(options);
-  client::Client first = connect(server);
-  client::Client second = connect(server);
+  GatedServer gated(600);
+  client::Client first = connect(gated.server);
+  client::Client second = connect(gated.server);
   FrameAssembler begun;
   FrameAssembler waiting;
   first.set_handler(&begun);
   second.set_handler(&waiting);
   wire::RenderOnce request = once_request();
   ASSERT_TRUE(first.render_once(request).ok());
-  while (begun.fraction() == 0) ASSERT_TRUE(first.receive(kLong).ok());
+  await_begin(first, begun);
   ASSERT_TRUE(second.render_once(request).ok());
-  std::thread stopping([&] { server.stop(); });
-  for (bool listening = true; listening;) {
-    client::Client late;
-    listening = late.connect(server.endpoint(), {.name = "late"}).ok();
-  }
-  gate.open();
-  for (client::Client* client : {&first, &second}) {
-    client::Status status;
-    while (status.ok()) status = client->receive(kLong);
-    EXPECT_EQ(status.number, number(ErrorNumber::server_stopping)) << status.sentence();
-  }
+  gated.stop();
+  gated.gate.open();
+  expect_told_of_stop(first);
+  expect_told_of_stop(second);
   EXPECT_EQ(begun.state(), FrameAssembler::State::complete);
   EXPECT_NE(waiting.state(), FrameAssembler::State::complete);
-  stopping.join();
 }
 
 TEST(Stop, AStalledClientDoesNotDelayIt) {
   TestServer server;
   client::Client stalled = connect(server);
   RawPeer silent(server);
-  wire::RenderOnce request = once_request();  // again 84 MB
-  request.mutable_settings()->set_azimuth_bins(2000);
-  request.mutable_settings()->set_range_bins(2000);
+  wire::RenderOnce request = large_once_request();
   const client::Status status = stalled.render_once(request);
   ASSERT_TRUE(status.ok()) << status.sentence();
   server.stop();  // returns, or the test times out

@@ -45,10 +45,8 @@ class BadPeer {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     send_all(hello_bytes());
-    wire::Subscribe request;
+    wire::Subscribe request = request_at(100);
     request.set_request_id(2);
-    request.set_radar("main");
-    request.set_rate_hz(100);
     send_all(wire::encode_message(wire::MessageType::subscribe, {0, 2, wire::utc_now_ns()}, request));
   }
   ~BadPeer() {
@@ -83,23 +81,6 @@ net::ServerOptions crowded() {
   options.message_timeout_s = 60;
   options.abort_after_s = 0.2;
   return options;
-}
-
-void size_radar(client::Client& client) {
-  ASSERT_TRUE(client.claim_control("main").ok());
-  wire::RadarSettings settings;
-  settings.set_azimuth_bins(kAzimuths);
-  settings.set_range_bins(kRanges);
-  wire::Ack ack;
-  const client::Status status = client.set_settings("main", settings, ack);
-  ASSERT_TRUE(status.ok()) << status.sentence();
-}
-
-wire::Status status_of(client::Client& client) {
-  wire::Status status;
-  const client::Status got = client.get_status(status);
-  EXPECT_TRUE(got.ok()) << got.sentence();
-  return status;
 }
 
 /// Of this process, server and clients both. 0 where /proc is not there.
@@ -157,7 +138,7 @@ struct Watcher {
 TEST(Crowd, TwoHundredClientsOfWhomFiftyBehave) {
   const TestServer server(crowded());
   client::Client observer = connect(server, "observer");
-  size_radar(observer);
+  size_radar(observer, kAzimuths, kRanges);
   const Nuisances nuisances(server);
   std::vector<Watcher> watchers(kOfEachKind);
   for (Watcher& watcher : watchers) {
@@ -209,7 +190,7 @@ TEST(Crowd, WhoTakesNothingIsDroppedInTheEnd) {
   options.stall_timeout_s = 1;
   const TestServer server(options);
   client::Client observer = connect(server, "observer");
-  size_radar(observer);
+  size_radar(observer, kAzimuths, kRanges);
   const Nuisances nuisances(server);
   while (status_of(observer).clients() > 1) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(status_of(observer).radars(0).subscribers(), 0u);

@@ -9,8 +9,6 @@
 namespace obliq::test {
 namespace {
 
-constexpr client::Timeout kLong{20000};  // reached only when something is broken
-
 class PatternFrame : public net::PlannedFrame {
  public:
   PatternFrame(SettingsPtr settings, const PoseSettings& pose)
@@ -61,6 +59,14 @@ class PatternFrame : public net::PlannedFrame {
 
 double pattern_power(const RadarSettings& settings, const PoseSettings& pose, int azimuth, int range) {
   return settings.r_max_m * 1e6 + pose.bearing_deg * 1e5 + azimuth * 1000.0 + range;
+}
+
+double pattern_power(const client::AssembledFrame& frame, int azimuth, int range) {
+  RadarSettings settings;
+  settings.r_max_m = frame.descriptor->settings().r_max_m();
+  PoseSettings pose;
+  pose.bearing_deg = frame.descriptor->pose().bearing_deg();
+  return pattern_power(settings, pose, azimuth, range);
 }
 
 std::vector<FieldError> PatternRenderer::place(const PoseSettings& pose) const {
@@ -143,33 +149,32 @@ void RawPeer::send(std::span<const std::byte> bytes) {
 }
 void RawPeer::send(std::string_view text) { send(std::as_bytes(std::span(text.data(), text.size()))); }
 
-std::uint32_t RawPeer::error_number() {
+bool RawPeer::await(wire::MessageType type, google::protobuf::MessageLite& message) {
   wire::Bytes received;
   std::byte one{};
-  std::uint32_t number = 0;
   while (socket_.receive(std::span(&one, 1), kLong).ok()) {
     received.push_back(one);
     wire::MessageView view;
     if (wire::decode_message(received, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok) continue;
-    wire::Error error;
-    if (view.header.type == wire::MessageType::error && wire::parse_descriptor(view.descriptor, error)) {
-      number = error.number();
-    }
+    if (view.header.type == type) return wire::parse_descriptor(view.descriptor, message);
     received.clear();
   }
+  return false;
+}
+
+std::uint32_t RawPeer::error_number() {
+  wire::Error error;
+  std::uint32_t number = 0;
+  while (await(wire::MessageType::error, error)) number = error.number();
   return number;
 }
 
 void expect_pattern(const client::AssembledFrame& frame) {
-  RadarSettings settings;
-  settings.r_max_m = frame.descriptor->settings().r_max_m();
-  PoseSettings pose;
-  pose.bearing_deg = frame.descriptor->pose().bearing_deg();
   ASSERT_EQ(frame.power_w.size(), static_cast<std::size_t>(frame.n_azimuth * frame.n_range));
   for (int a = 0; a < frame.n_azimuth; ++a) {
     for (int r = 0; r < frame.n_range; ++r) {
       const auto at = static_cast<std::size_t>(a * frame.n_range + r);
-      ASSERT_EQ(frame.power_w[at], pattern_power(settings, pose, a, r)) << a << ", " << r;
+      ASSERT_EQ(frame.power_w[at], pattern_power(frame, a, r)) << a << ", " << r;
       ASSERT_EQ(frame.iq[at].imag(), static_cast<float>(-r));
       ASSERT_EQ(frame.count[at], static_cast<std::uint32_t>(a));
       ASSERT_EQ(frame.state[at], r % 4);
@@ -186,6 +191,37 @@ wire::RenderOnce once_request() {
   request.mutable_pose()->set_longitude_deg(-99);
   request.mutable_pose()->set_height_m(1000);
   return request;
+}
+
+wire::RenderOnce large_once_request() {
+  wire::RenderOnce request = once_request();
+  request.mutable_settings()->set_azimuth_bins(2000);
+  request.mutable_settings()->set_range_bins(2000);
+  return request;
+}
+
+wire::Subscribe request_at(double rate_hz) {
+  wire::Subscribe request;
+  request.set_radar("main");
+  request.set_rate_hz(rate_hz);
+  return request;
+}
+
+void size_radar(client::Client& client, std::uint32_t azimuth_bins, std::uint32_t range_bins) {
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::RadarSettings settings;
+  settings.set_azimuth_bins(azimuth_bins);
+  settings.set_range_bins(range_bins);
+  wire::Ack ack;
+  const client::Status status = client.set_settings("main", settings, ack);
+  ASSERT_TRUE(status.ok()) << status.sentence();
+}
+
+wire::Status status_of(client::Client& client) {
+  wire::Status status;
+  const client::Status got = client.get_status(status);
+  EXPECT_TRUE(got.ok()) << got.sentence();
+  return status;
 }
 
 wire::Bytes hello_bytes() {

@@ -12,9 +12,14 @@
 
 #include "client/client.h"
 #include "client/frame_assembler.h"
+#include "proto/error_number.h"
 #include "server/net/server.h"
 
 namespace obliq::test {
+
+constexpr client::Timeout kLong{20000};  ///< reached only when something is broken
+
+constexpr std::uint32_t number(wire::ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 /// Bins whose values tell where they belong: power = frame seed + 1000 azimuth + range.
 class PatternRenderer : public net::FrameRenderer {
@@ -25,6 +30,8 @@ class PatternRenderer : public net::FrameRenderer {
 
 /// What the pattern holds: r_max_m stands in for all settings, bearing_deg for the pose.
 double pattern_power(const RadarSettings& settings, const PoseSettings& pose, int azimuth, int range);
+/// The same for the settings and the pose that a frame says it has.
+double pattern_power(const client::AssembledFrame& frame, int azimuth, int range);
 
 /// A gate that render threads stop at.
 class Gate {
@@ -73,9 +80,19 @@ void expect_pattern(const client::AssembledFrame& frame);
 
 /// A frame of the size of small_radar's, with an antenna and otherwise defaults.
 wire::RenderOnce once_request();
+/// The same with 2000 x 2000 bins, 84 MB: more than any socket buffer takes.
+wire::RenderOnce large_once_request();
+
+/// For radar "main".
+wire::Subscribe request_at(double rate_hz);
 
 /// A connected client; the test fails if it cannot be.
 client::Client connect(const TestServer& server, const std::string& name = "tester");
+
+/// Claims radar "main" and gives it so many bins.
+void size_radar(client::Client& client, std::uint32_t azimuth_bins, std::uint32_t range_bins);
+
+wire::Status status_of(client::Client& client);
 
 /// Receives until the assembler holds a complete frame, or something fails.
 client::Status receive_frame(client::Client& client, client::FrameAssembler& frames);
@@ -86,6 +103,8 @@ class RawPeer {
   explicit RawPeer(const TestServer& server);
   void send(std::span<const std::byte> bytes);
   void send(std::string_view text);
+  /// Reads messages until one of that type. False when the server closes before.
+  bool await(wire::MessageType type, google::protobuf::MessageLite& message);
   /// The Error that the server sends before it closes; other messages are skipped. 0: it just closed.
   std::uint32_t error_number();
   client::Socket& socket() { return socket_; }

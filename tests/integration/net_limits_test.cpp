@@ -5,7 +5,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "server/control/process_memory.h"
 #include "server/net/exposure.h"
@@ -21,31 +20,12 @@ using client::Outcome;
 using client::Status;
 using wire::ErrorNumber;
 
-constexpr client::Timeout kLong{20000};
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
-
 /// Refused, with the limit's name and value, and the connection lives on.
 void expect_over(client::Client& client, const Status& status, const std::string& limit) {
   EXPECT_EQ(status.number, number(ErrorNumber::over_limit)) << status.sentence();
   EXPECT_EQ(status.text.find(limit + ": "), 0u) << status.text;
   wire::RadarList list;
   EXPECT_TRUE(client.list_radars(list).ok());
-}
-
-/// Reads messages until one of that type.
-template <typename Message>
-bool await_message(RawPeer& peer, wire::MessageType type, Message& message) {
-  wire::Bytes received;
-  std::byte one{};
-  while (peer.socket().receive(std::span(&one, 1), kLong).ok()) {
-    received.push_back(one);
-    wire::MessageView view;
-    if (wire::decode_message(received, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok) continue;
-    if (view.header.type == type) return wire::parse_descriptor(view.descriptor, message);
-    received.clear();
-  }
-  return false;
 }
 
 TEST(RequestLimits, TooManyClientsOfOneAddressAreTurnedAwayAndOthersAreNot) {
@@ -212,7 +192,7 @@ TEST(RequestLimits, AMessageAByteAtATimeHasTheTimeOfOneMessageNotOfOneByte) {
   RawPeer peer(server);
   peer.send(hello_bytes());
   wire::Welcome welcome;
-  ASSERT_TRUE(await_message(peer, wire::MessageType::welcome, welcome));
+  ASSERT_TRUE(peer.await(wire::MessageType::welcome, welcome));
   wire::GetRadar request;
   request.set_radar(std::string(100000, 'x'));  // at this pace a quarter of an hour
   const wire::Bytes bytes = wire::encode_message(wire::MessageType::get_radar, {0, 2, 0}, request);
@@ -245,7 +225,7 @@ TEST(Silence, TheServerSaysThatItIsThereAndTheClientLibraryAnswers) {
   peer.send(hello_bytes());
   for (int i = 0; i < 3; ++i) {
     wire::Heartbeat heartbeat;
-    ASSERT_TRUE(await_message(peer, wire::MessageType::heartbeat, heartbeat));
+    ASSERT_TRUE(peer.await(wire::MessageType::heartbeat, heartbeat));
     EXPECT_TRUE(heartbeat.answer_wanted());
   }
   // The other way round: asked, the server answers with the same number.
@@ -255,7 +235,7 @@ TEST(Silence, TheServerSaysThatItIsThereAndTheClientLibraryAnswers) {
   peer.send(wire::encode_message(wire::MessageType::heartbeat, {0, 2, wire::utc_now_ns()}, asked));
   wire::Heartbeat answer;
   do {
-    ASSERT_TRUE(await_message(peer, wire::MessageType::heartbeat, answer));
+    ASSERT_TRUE(peer.await(wire::MessageType::heartbeat, answer));
   } while (answer.request_id() == 0);
   EXPECT_EQ(answer.request_id(), 77u);
   EXPECT_FALSE(answer.answer_wanted());
@@ -293,12 +273,12 @@ TEST(Silence, WithoutAnIdleTimeoutAClientOfOldThatSkipsHeartbeatsStays) {
   peer.send(hello_bytes());
   for (int i = 0; i < 50; ++i) {
     wire::Heartbeat heartbeat;
-    ASSERT_TRUE(await_message(peer, wire::MessageType::heartbeat, heartbeat));
+    ASSERT_TRUE(peer.await(wire::MessageType::heartbeat, heartbeat));
   }
   wire::ListRadars request;
   peer.send(wire::encode_message(wire::MessageType::list_radars, {0, 2, wire::utc_now_ns()}, request));
   wire::RadarList list;
-  EXPECT_TRUE(await_message(peer, wire::MessageType::radar_list, list));
+  EXPECT_TRUE(peer.await(wire::MessageType::radar_list, list));
 }
 
 TEST(Silence, AServerThatMissesItsHeartbeatsIsTakenForDead) {

@@ -1,7 +1,6 @@
 // Frames for one client alone: RenderOnce.
 #include <gtest/gtest.h>
 
-#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
@@ -11,10 +10,6 @@ namespace {
 using client::FrameAssembler;
 using client::Outcome;
 using wire::ErrorNumber;
-
-constexpr client::Timeout kLong{20000};
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 TEST(RenderOnce, RenderOnceGivesItsOwnFrameAndTouchesNoRadar) {
   const TestServer server;

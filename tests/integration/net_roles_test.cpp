@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
-#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "server/net/security.h"
 #include "terrain/errors.h"
@@ -27,8 +26,6 @@ std::string all_tokens() {
   return std::string("# who may do what\n\nviewer ") + kViewer + "\ncontroller\t" + kController +
          "  console # the one in the hall\ncontroller " + kOther + "\nadmin " + kAdmin + " chief\r\n";
 }
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 class Roles : public testing::Test {
  protected:
@@ -80,9 +77,7 @@ TEST_F(Roles, ARequestWithoutHelloIsRefusedWhateverTheToken) {
 
 TEST_F(Roles, OnlyAControllerMayWatchWithoutLossesAndSoSlowARadar) {
   const TestServer server(options());
-  wire::Subscribe request;
-  request.set_radar("main");
-  request.set_rate_hz(50);
+  wire::Subscribe request = request_at(50);
   request.set_lossless(true);
   client::Client viewer;
   ASSERT_TRUE(come(server, kViewer, viewer).ok());
@@ -143,7 +138,7 @@ TEST_F(Roles, AControllerMayClaimButNotTakeOverAndAnAdminMay) {
   EXPECT_TRUE(holder.set_pose("main", pose, ack).ok());
   ASSERT_TRUE(admin.claim_control("main", true).ok());
   // Told without having asked.
-  const Status told = holder.receive(client::Timeout(20000));
+  const Status told = holder.receive(kLong);
   EXPECT_EQ(told.number, number(ErrorNumber::controlled_by_other)) << told.sentence();
   EXPECT_NE(told.text.find("taken over by " + admin.welcome().client_name()), std::string::npos) << told.text;
   EXPECT_EQ(holder.set_pose("main", pose, ack).number, number(ErrorNumber::controlled_by_other));
@@ -205,7 +200,7 @@ TEST_F(Roles, AReloadWithdrawsTokensAndABadFileChangesNothing) {
   write("controller " + std::string(kViewer) + "\n");
   server.server().reload_security();
   // The viewer became a controller, the controller nobody.
-  const Status told = controller.receive(client::Timeout(20000));
+  const Status told = controller.receive(kLong);
   EXPECT_EQ(told.number, number(ErrorNumber::token_refused)) << told.sentence();
   EXPECT_TRUE(viewer.claim_control("nose").ok());
   client::Client late;
@@ -213,7 +208,7 @@ TEST_F(Roles, AReloadWithdrawsTokensAndABadFileChangesNothing) {
   // Back to viewer: what it controlled is free again.
   write("viewer " + std::string(kViewer) + "\nadmin " + kAdmin + "\n");
   server.server().reload_security();
-  const Status demoted = viewer.receive(client::Timeout(20000));
+  const Status demoted = viewer.receive(kLong);
   EXPECT_EQ(demoted.number, number(ErrorNumber::role_too_low)) << demoted.sentence();
   client::Client admin;
   ASSERT_TRUE(come(server, kAdmin, admin).ok());

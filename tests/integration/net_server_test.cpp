@@ -1,7 +1,6 @@
 // What well-behaved clients get from a server, several at a time.
 #include <gtest/gtest.h>
 
-#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
@@ -11,10 +10,6 @@ namespace {
 using client::FrameAssembler;
 using client::Outcome;
 using wire::ErrorNumber;
-
-constexpr client::Timeout kLong{20000};
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 TEST(Server, WelcomesAndListsItsRadars) {
   const TestServer server;

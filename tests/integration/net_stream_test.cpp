@@ -3,7 +3,6 @@
 
 #include <complex>
 
-#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
@@ -13,29 +12,14 @@ namespace {
 using client::FrameAssembler;
 using wire::ErrorNumber;
 
-constexpr client::Timeout kLong{20000};
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
-
-wire::Subscribe request_at(double rate_hz) {
-  wire::Subscribe request;
-  request.set_radar("main");
-  request.set_rate_hz(rate_hz);
-  return request;
-}
-
 /// A frame with its window taken from the pattern.
 void expect_window_of_pattern(const client::AssembledFrame& frame, const wire::Window& window) {
-  RadarSettings settings;
-  settings.r_max_m = frame.descriptor->settings().r_max_m();
-  PoseSettings pose;
-  pose.bearing_deg = frame.descriptor->pose().bearing_deg();
   ASSERT_EQ(frame.n_azimuth, static_cast<int>(window.azimuth.kept()));
   ASSERT_EQ(frame.n_range, static_cast<int>(window.range.kept()));
   std::size_t at = 0;
   for (std::uint64_t a = window.azimuth.first; a < window.azimuth.end(); a += window.azimuth.step) {
     for (std::uint64_t r = window.range.first; r < window.range.end(); r += window.range.step, ++at) {
-      ASSERT_EQ(frame.power_w[at], pattern_power(settings, pose, static_cast<int>(a), static_cast<int>(r)));
+      ASSERT_EQ(frame.power_w[at], pattern_power(frame, static_cast<int>(a), static_cast<int>(r)));
     }
   }
 }
@@ -143,7 +127,6 @@ TEST(Stream, ALosslessClientGetsEveryFrameHoweverSlowlyItReads) {
   }
 }
 
-/// Frames of 2 MB, so that a client that does not read holds some back whatever the kernel buffers.
 net::ServerOptions short_patience() {
   net::ServerOptions options = small_options();
   options.abort_after_s = 0.1;
@@ -151,23 +134,8 @@ net::ServerOptions short_patience() {
   return options;
 }
 
-void make_large(client::Client& controller) {
-  wire::RadarSettings settings;
-  settings.set_azimuth_bins(400);
-  settings.set_range_bins(500);
-  wire::Ack ack;
-  ASSERT_TRUE(controller.claim_control("main").ok());
-  const client::Status status = controller.set_settings("main", settings, ack);
-  ASSERT_TRUE(status.ok()) << status.sentence();
-}
-
-/// The numbers of radar "main" at present.
-wire::RadarStatus status_of_main(client::Client& client) {
-  wire::Status status;
-  const client::Status got = client.get_status(status);
-  EXPECT_TRUE(got.ok()) << got.sentence();
-  return status.radars(0);
-}
+/// Frames of 2 MB, so that a client that does not read holds some back whatever the kernel buffers.
+void make_large(client::Client& controller) { size_radar(controller, 400, 500); }
 
 TEST(Stream, ALosslessClientThatTakesNothingIsDisconnectedWithAReasonAndTheRadarGoesOn) {
   const TestServer server(short_patience());
@@ -206,7 +174,7 @@ TEST(Stream, ALosslessClientSlowsItsOwnRadarAndNoOther) {
   for (int quiet = 0; quiet < 5;) {  // until no further frame comes: three wait for the one who does not read
     frames_then = frames_now;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    const wire::RadarStatus status = status_of_main(watcher);
+    const wire::RadarStatus status = status_of(watcher).radars(0);
     frames_now = status.frames();
     EXPECT_LE(status.live_frames(), 3u);
     quiet = frames_now == frames_then && frames_now > 0 ? quiet + 1 : 0;
@@ -218,7 +186,7 @@ TEST(Stream, ALosslessClientSlowsItsOwnRadarAndNoOther) {
     ASSERT_TRUE(got.ok()) << got.sentence();
     expect_pattern(frames.take());
   }
-  EXPECT_EQ(status_of_main(watcher).frames(), frames_now) << "the slowed radar stands still meanwhile";
+  EXPECT_EQ(status_of(watcher).radars(0).frames(), frames_now) << "the slowed radar stands still meanwhile";
 }
 
 TEST(Stream, AFrameThatAStalledClientHoldsIsAbortedAndTheRadarGoesOn) {
@@ -237,7 +205,7 @@ TEST(Stream, AFrameThatAStalledClientHoldsIsAbortedAndTheRadarGoesOn) {
       expect_pattern(frames.take());
     }
   }
-  EXPECT_LE(status_of_main(watcher).live_frames(), 3u);
+  EXPECT_LE(status_of(watcher).radars(0).live_frames(), 3u);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <future>
 
-#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "server/net/security.h"
 #include "terrain/errors.h"
@@ -18,10 +17,6 @@ namespace {
 using client::Outcome;
 using client::Status;
 using wire::ErrorNumber;
-
-constexpr client::Timeout kLong{20000};
-
-std::uint32_t number(ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 class TlsTest : public testing::Test {
  protected:
