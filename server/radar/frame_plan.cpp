@@ -65,13 +65,14 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, c
   sort_buildings_by_azimuth();
 }
 
+double FramePlan::building_reach_m() const { return sector_.r_max_m + 2 * scene_->world().grid.cell_m; }
+
 void FramePlan::sort_buildings_by_azimuth() {
   const Buildings& all = scene_->world().buildings;
+  const double reach_m = building_reach_m();
   for (std::uint32_t b = 0; b < all.list.size(); ++b) {
-    const Silhouette seen = silhouette_of(all, sector_, b);
-    // The sweep divides a bin for a building from up to a cell in front of it: a building just beyond the
-    // swath counts, or nearer bins would depend on where the swath ends.
-    if (seen.near_m > sector_.r_max_m + 2 * scene_->world().grid.cell_m) continue;
+    const RoughBearings seen = rough_bearings_of(all, sector_, b);
+    if (seen.near_m > reach_m) continue;
     // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
     const double last = bins_.n_azimuth - 1;
     const auto add = [&](double from, double to) {

@@ -50,13 +50,19 @@ class FramePlan {
   const PolarRows& polar() const { return polar_; }
   double wavelength_m() const { return wavelength_m_; }
 
-  /// Buildings whose bearings overlap an azimuth bin, by index, rising.
+  /// All buildings whose bearings overlap an azimuth bin and that stand within building_reach_m(), by index,
+  /// rising, and some that only come close to that.
   const std::vector<std::uint32_t>& buildings_in(int azimuth_bin) const {
     return buildings_by_azimuth_[static_cast<std::size_t>(azimuth_bin)];
   }
 
+  /// The sweep divides a bin for a building from up to a cell in front of it: a building just beyond the
+  /// swath counts, or nearer bins would depend on where the swath ends.
+  double building_reach_m() const;
+
   void mark_building_seen(std::uint32_t building) const {
-    seen_[building].store(1, std::memory_order_relaxed);
+    // Written once, so that threads do not take the line from each other for nothing.
+    if (!building_seen(building)) seen_[building].store(1, std::memory_order_relaxed);
   }
   bool building_seen(std::uint32_t building) const {
     return seen_[building].load(std::memory_order_relaxed) != 0;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/ground_lanes.h"
+#include "server/radar/horizon_lanes.h"
 #include "server/radar/merge_lanes.h"
 #include "server/radar/piece_lanes.h"
 #include "server/radar/place_lanes.h"
@@ -16,6 +17,7 @@ struct LaneKernels {
   SpeckleKernel speckle;
   GroundKernel march_ground;
   PieceKernel cut_ground;
+  HorizonKernel highest_ground;
   PlaceKernel place;
   MergeKernel merge;
 };
@@ -35,6 +37,7 @@ inline LaneGrid lane_grid(const HeightGrid& grid) {
   namespace isa {                                                                                          \
   void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                           \
   bool march_ground(const GroundScene&, GroundLanes&, GroundPieces&);                                      \
+  HorizonPoint highest_ground(const GroundScene&, const GroundStretch&);                                   \
   int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);                        \
   void place_samples(const SwathCells&, int, const double*, const double*, const double*, PlacedSamples&); \
   std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                           \

@@ -8,7 +8,13 @@ namespace obliq {
 
 std::vector<RoofStep> disjoint_roofs(const Buildings& buildings, std::vector<FootprintSpan>& spans) {
   std::vector<RoofStep> steps;
-  if (spans.empty()) return steps;
+  const auto add = [&](double near_m, double far_m, const FootprintSpan& span) {
+    steps.push_back({near_m, far_m, span.roof_y_m,
+                     static_cast<double>(buildings.list[span.building].base_y_m), span.building,
+                     span.near_m == near_m ? span.wall : kNoFace});
+  };
+  if (spans.size() == 1 && spans[0].near_m < spans[0].far_m) add(spans[0].near_m, spans[0].far_m, spans[0]);
+  if (spans.size() < 2) return steps;
   std::vector<double> edges;
   for (const FootprintSpan& span : spans) {
     edges.push_back(span.near_m);
@@ -28,11 +34,7 @@ std::vector<RoofStep> disjoint_roofs(const Buildings& buildings, std::vector<Foo
     const FootprintSpan* highest = nullptr;
     for (const FootprintSpan& span : active)
       if (!highest || span.roof_y_m > highest->roof_y_m) highest = &span;
-    if (!highest) continue;
-    const bool enters = highest->near_m == edges[e];
-    steps.push_back({edges[e], edges[e + 1], highest->roof_y_m,
-                     static_cast<double>(buildings.list[highest->building].base_y_m), highest->building,
-                     enters ? highest->wall : kNoFace});
+    if (highest) add(edges[e], edges[e + 1], *highest);
   }
   return steps;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <numbers>
 
@@ -25,6 +26,34 @@ double distance2(const glm::dvec2& a, const glm::dvec2& b) {
 }
 
 }  // namespace
+
+RoughBearings rough_bearings_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
+  const std::uint32_t ring = all.list[building].first_ring;
+  const std::uint32_t begin = all.ring_start[ring];
+  const std::uint32_t end = all.ring_start[ring + 1];
+  if (begin == end) return {HUGE_VAL, 0, 0};
+  // The circle around the rectangle that bounds it.
+  glm::vec2 low = all.ring_xz_m[begin];
+  glm::vec2 high = low;
+  for (std::uint32_t k = begin + 1; k < end; ++k) {
+    low = glm::min(low, all.ring_xz_m[k]);
+    high = glm::max(high, all.ring_xz_m[k]);
+  }
+  const glm::dvec2 middle = (glm::dvec2(low) + glm::dvec2(high)) / 2.0;
+  const glm::dvec2 half = (glm::dvec2(high) - glm::dvec2(low)) / 2.0;
+  const double radius = std::sqrt(half.x * half.x + half.y * half.y) + kSlack_m;
+  const double right = sector.right_m(middle.x, middle.y);
+  const double ahead = sector.ahead_m(middle.x, middle.y);
+  const double distance = std::sqrt(right * right + ahead * ahead);
+  if (distance < 4 * radius) {
+    const Silhouette near = silhouette_of(all, sector, building);
+    return {near.near_m, near.from_rad, near.to_rad};
+  }
+  // asin(x) < 1.02 x up to 1/4.
+  const double to_side = 1.02 * radius / distance;
+  const double bearing = std::atan2(right, ahead);
+  return {distance - radius, bearing - to_side, bearing + to_side};
+}
 
 Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
   const std::uint32_t ring = all.list[building].first_ring;
@@ -53,7 +82,8 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
     nearest2 = std::min(nearest2, distance2(here, next));
     farthest2 = std::max(farthest2, here.x * here.x + here.y * here.y);
     const double at = bearing_of(here.x, here.y);
-    bearing = k == 0 ? at : bearing + std::remainder(at - bearing, 2 * kPi);
+    const double turn = at - bearing;
+    bearing = k == 0 ? at : bearing + (std::abs(turn) < kPi ? turn : std::remainder(turn, 2 * kPi));
     if (k == 0) silhouette.from_rad = silhouette.to_rad = bearing;
     silhouette.from_rad = std::min(silhouette.from_rad, bearing);
     silhouette.to_rad = std::max(silhouette.to_rad, bearing);

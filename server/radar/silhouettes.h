@@ -18,6 +18,14 @@ struct Silhouette {
                                     ///< all of a building around the antenna
 };
 
+/// Bounds of a building's bearings and of its distance, for a fraction of what the silhouette costs.
+struct RoughBearings {
+  double near_m;    ///< nothing is nearer
+  double from_rad;  ///< it lies between these, as in Silhouette
+  double to_rad;
+};
+RoughBearings rough_bearings_of(const Buildings& buildings, const Sector& sector, std::uint32_t building);
+
 /// The building's silhouette around the turn that its first corner is in. A building that surrounds the
 /// antenna or stands under it reaches from -pi to pi with near_m 0.
 Silhouette silhouette_of(const Buildings& buildings, const Sector& sector, std::uint32_t building);

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
-
-#include "server/radar/ground_horizon.h"
 
 namespace obliq {
 namespace {
@@ -18,6 +17,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kColumnShare = 16;
 constexpr std::int64_t kBuildingShare = 64;
 
+/// More than what a bearing is rounded by.
+constexpr double kSlack_rad = 1e-9;
+
 /// How often bearings in whose middle a building is only just hidden are halved to look for it.
 constexpr int kHalvings = 4;
 
@@ -29,7 +31,9 @@ SweepColumn::SweepColumn(const FramePlan& plan, int azimuth_bin, double start_ra
     : plan_(plan),
       azimuth_bin_(azimuth_bin),
       start_rad_(start_rad),
-      tick_rad_(width_rad / static_cast<double>(kTicks)) {}
+      tick_rad_(width_rad / static_cast<double>(kTicks)),
+      ridge_(plan.scene(), plan.sector().antenna_m, world_bearing(start_rad + 0.5 * width_rad),
+             0.5 * width_rad, plan.building_reach_m()) {}
 
 SinCos SweepColumn::world_bearing(double offset_rad) const {
   const SinCos offset = sincos_turns(offset_rad / (2 * kPi));
@@ -54,16 +58,21 @@ void SweepColumn::start(const std::vector<Silhouette>& silhouettes, PieceSampler
 void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
   for (const Silhouette& s : silhouettes) {
     for (int turn = -1; turn <= 1; ++turn) {
+      const double left_rad = start_rad_ - turn * 2 * kPi;
+      if (s.to_rad < left_rad - kSlack_rad ||
+          s.from_rad > left_rad + static_cast<double>(kTicks) * tick_rad_ + kSlack_rad)
+        continue;
       const auto tick = [&](double bearing_rad) {
         const double at = (bearing_rad + turn * 2 * kPi - start_rad_) / tick_rad_;
         return static_cast<std::int64_t>(std::clamp(at, -1.0, static_cast<double>(kTicks) + 1));
       };
-      Obstacle obstacle;
+      Obstacle obstacle{};
       obstacle.building = s.building;
       obstacle.near_m = s.near_m;
       obstacle.far_m = s.far_m;
-      obstacle.roof_m = static_cast<double>(plan_.scene().world().buildings.list[s.building].roof_y_m) -
-                        plan_.sector().antenna_m.y;
+      const double roof_m = static_cast<double>(plan_.scene().world().buildings.list[s.building].roof_y_m) -
+                            plan_.sector().antenna_m.y;
+      obstacle.slope = roof_m / (roof_m > 0 ? s.near_m : s.far_m);
       obstacle.ticks = {std::max<std::int64_t>(0, tick(s.from_rad)), std::min(kTicks, tick(s.to_rad))};
       if (!(tick(s.to_rad) >= 0 && obstacle.ticks.from < kTicks)) continue;
       obstacle.ticks.to = std::max(obstacle.ticks.to, obstacle.ticks.from + 1);
@@ -83,6 +92,12 @@ void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
     if (a.near_m != b.near_m) return a.near_m < b.near_m;
     return a.building != b.building ? a.building < b.building : a.ticks.from < b.ticks.from;
   });
+  double far_m = 0;
+  double slope = -kInfinity;
+  for (Obstacle& o : obstacles_) {
+    o.all_far_m = far_m = std::max(far_m, o.far_m);
+    o.all_slope = slope = std::max(slope, o.slope);
+  }
 }
 
 /// A plane at the centre of some bearings that starts at from_m with the exact horizon of all that is nearer
@@ -92,14 +107,15 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const SinCos bearing = world_bearing(offset_rad(ticks));
-  PlaneHorizon horizon = ground_horizon(plan_.scene(), antenna, bearing, from_m);
+  PlaneHorizon horizon = ground_horizon(plan_.scene(), ridge_, antenna, bearing, from_m);
   const std::int64_t centre = ticks.from + ticks.size() / 2;
   spans_.clear();
-  for (std::size_t k = 0; k < n_obstacles; ++k) {
+  for (std::size_t k = n_obstacles; k-- > 0;) {
     const Obstacle& o = obstacles_[k];
-    if (!(centre >= o.ticks.from && centre <= o.ticks.to)) continue;
     // Seen from above, most roofs that end before the plane begins lie below the ground's horizon.
-    if (o.far_m <= from_m && horizon.hides(o.roof_m > 0 ? o.near_m : o.far_m, o.roof_m)) continue;
+    if (o.all_far_m <= from_m && o.all_slope * horizon.d_m < horizon.h_m) break;
+    if (!(centre >= o.ticks.from && centre <= o.ticks.to)) continue;
+    if (o.far_m <= from_m && o.slope * horizon.d_m < horizon.h_m) continue;
     footprint_spans(world.buildings, o.building, antenna.x, antenna.z, bearing.sin, bearing.cos, spans_);
   }
   for (const FootprintSpan& span : spans_) {
@@ -117,9 +133,13 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
 SweepColumn::Look SweepColumn::look(const SweepPlane& plane, std::size_t obstacle, double width_rad) {
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
+  const std::uint32_t building = obstacles_[obstacle].building;
   spans_.clear();
-  footprint_spans(world.buildings, obstacles_[obstacle].building, antenna.x, antenna.z, plane.bearing().sin,
-                  plane.bearing().cos, spans_);
+  std::copy_if(plane.spans().begin(), plane.spans().end(), std::back_inserter(spans_),
+               [&](const FootprintSpan& span) { return span.building == building; });
+  if (spans_.empty())
+    footprint_spans(world.buildings, building, antenna.x, antenna.z, plane.bearing().sin, plane.bearing().cos,
+                    spans_);
   Look result = Look::hidden;
   for (const FootprintSpan& span : spans_) {
     if (plane.covers(span)) continue;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/radar/ground_horizon.h"
 #include "server/radar/piece_sampler.h"
 #include "server/radar/silhouettes.h"
 #include "server/radar/sweep_ground.h"
@@ -51,7 +52,9 @@ class SweepColumn {
     std::uint32_t building;
     double near_m;
     double far_m;
-    double roof_m;  // above the antenna
+    double slope;      // no part of the building stands above it
+    double all_far_m;  // the greatest of this one and all before it
+    double all_slope;
     TickRange ticks;
     std::vector<std::int64_t> cuts;  // from, corners, to
   };
@@ -82,6 +85,7 @@ class SweepColumn {
   int azimuth_bin_;
   double start_rad_;
   double tick_rad_;
+  GroundRidge ridge_;
   int planes_ = 0;
   std::vector<Obstacle> obstacles_;
   std::vector<Strand> active_;  // disjoint, by bearing

@@ -80,6 +80,7 @@ class SweepPlane {
 
   const SinCos& bearing() const { return bearing_; }
   const PlaneHorizon& horizon() const { return horizon_; }
+  const std::vector<FootprintSpan>& spans() const { return spans_; }
   double at_m() const { return walk_.at_m(); }
   bool done() const { return walk_.done(); }
   /// Nothing of a building can be seen or casts its shadow any more: the terrain has risen above the horizon

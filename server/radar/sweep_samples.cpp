@@ -17,10 +17,14 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
       first_(range.first),
       sampler_(plan),
       ground_(plan) {
-  for (int bin = range.first; bin < range.first + range.count; ++bin) {
-    std::vector<Silhouette>& here = silhouettes_.emplace_back();
-    for (const std::uint32_t b : plan.buildings_in(bin))
-      here.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
+  std::vector<std::uint32_t> buildings;
+  for (int bin = range.first; bin < range.first + range.count; ++bin)
+    buildings.insert(buildings.end(), plan.buildings_in(bin).begin(), plan.buildings_in(bin).end());
+  std::sort(buildings.begin(), buildings.end());
+  buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
+  for (const std::uint32_t b : buildings) {
+    silhouettes_.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
+    if (silhouettes_.back().near_m > plan.building_reach_m()) silhouettes_.pop_back();
   }
 }
 
@@ -59,7 +63,7 @@ void SweepSamples::add_column(int bin, FrameStats& stats) {
   const BinGrid& bins = plan_.bins();
   SweepColumn column(plan_, bin, bins.azimuth_edge_rad(bin + static_cast<double>(within_) / columns_per_bin_),
                      bins.azimuth_width_rad / columns_per_bin_);
-  column.start(silhouettes_[static_cast<std::size_t>(bin - range_.first)], sampler_);
+  column.start(silhouettes_, sampler_);
   stats.rays += static_cast<std::uint64_t>(column.planes());
   shares_.push_back(column.base());
 }

@@ -26,10 +26,10 @@ class SweepSamples : public SampleSource {
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  int columns_per_bin_;                               // none where no ground is known
-  int first_;                                         // bin of those that go together
-  int within_ = 0;                                    // their columns' place in the bin
-  std::vector<std::vector<Silhouette>> silhouettes_;  // [range.count]
+  int columns_per_bin_;                  // none where no ground is known
+  int first_;                            // bin of those that go together
+  int within_ = 0;                       // their columns' place in the bin
+  std::vector<Silhouette> silhouettes_;  // of the wedge's buildings, by their numbers
   PieceSampler sampler_;
   SweepGround ground_;
   std::vector<GroundShare> shares_;  // of the columns whose buildings are done

@@ -52,6 +52,7 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
   const bool normalise = plan_.settings().range_normalisation;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
+  std::uint32_t marked = kNoFace;
   lane_kernels().place(cells_, samples.n, samples.slant_range_m.data(), samples.x_m.data(),
                        samples.z_m.data(), placed_);
   for (int s = 0; s < samples.n; ++s) {
@@ -72,8 +73,8 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
     power_w_[bin] += power;
     ++count_[bin];
     ++binned;
-    if (samples.face[k] != kNoFace)
-      plan_.mark_building_seen(plan_.scene().world().buildings.faces[samples.face[k]].building);
+    if (samples.face[k] != kNoFace && samples.face[k] != marked)
+      plan_.mark_building_seen(plan_.scene().world().buildings.faces[marked = samples.face[k]].building);
     if (geometric) {
       const double round_trips = 2 * r / plan_.wavelength_m();
       const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

@@ -14,7 +14,7 @@ TileBounds::TileBounds(const HeightGrid& grid, int cells)
   tiles_.reserve(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_z_));
   for (int tj = 0; tj < tiles_z_; ++tj) {
     for (int ti = 0; ti < tiles_x_; ++ti) {
-      Tile tile{kInfinity, -kInfinity};
+      Tile tile{kInfinity, -kInfinity, true};
       const int i_end = std::min(grid.nx, (ti + 1) * cells + 1);
       const int j_end = std::min(grid.nz, (tj + 1) * cells + 1);
       for (int j = tj * cells; j < j_end; ++j) {
@@ -23,6 +23,7 @@ TileBounds::TileBounds(const HeightGrid& grid, int cells)
           // Comparisons with NaN are false: unknown nodes bound nothing.
           if (y < tile.lowest_m) tile.lowest_m = y;
           if (y > tile.highest_m) tile.highest_m = y;
+          if (y != y) tile.whole = false;
         }
       }
       lowest_m_ = std::min(lowest_m_, static_cast<double>(tile.lowest_m));

@@ -15,6 +15,7 @@ class TileBounds {
   struct Tile {
     float lowest_m;   ///< world y; +infinity when nothing in the tile is known
     float highest_m;  ///< world y; -infinity when nothing in the tile is known
+    bool whole;       ///< all of its nodes are known
   };
 
   explicit TileBounds(const HeightGrid& grid, int cells = kCells);

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/radar/ground_horizon.h"
 #include "server/radar/lane_kernels.h"
 #include "server/radar/scatterer_sums.h"
 #include "server/radar/speckle.h"
@@ -238,6 +239,58 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
     }
   }
   EXPECT_GT(compared, 100000u);
+}
+
+TEST(GroundHorizons, AreThoseOfAWalkOverEveryCell) {
+  struct Walked {
+    PlaneHorizon horizon;
+    double antenna_y_m;
+    void ground(const GroundPiece& piece) {
+      for (const double d : {piece.d0_m, piece.d1_m})
+        horizon.raise(d, piece.start_m + piece.rise * d - antenna_y_m, false);
+    }
+    static void gap(double, double) {}
+    static bool enough() { return false; }
+  };
+  int found = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    test::RandomScene random = test::random_scene(seed);
+    const auto scene = test::make_scene(std::move(random.world), std::vector<Material>(8));
+    const HeightGrid& grid = scene->world().grid;
+    const glm::dvec3 antenna = random.pose.antenna.m;
+    const double half_width_rad = 0.01;
+    for (int p = 0; p < 8; ++p) {
+      const double turn = unit_from_hash(hash_cell(7, static_cast<int>(seed), p));
+      const GroundRidge ridge(*scene, antenna, sincos_turns(turn), half_width_rad, 5000);
+      const SinCos bearing = sincos_turns(turn + (p - 4) * half_width_rad / 4 / 6.3);
+      const double to_m = 4000 * unit_from_hash(hash_cell(8, static_cast<int>(seed), p));
+      const PlaneHorizon horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
+      Walked walked{{}, antenna.y};
+      GroundWalk(grid, antenna, bearing.sin, bearing.cos, 0, to_m).advance(to_m, walked);
+      ASSERT_EQ(horizon.d_m > 0, walked.horizon.d_m > 0) << random.text;
+      if (!(horizon.d_m > 0)) continue;
+      ++found;
+      const double slope = walked.horizon.h_m / walked.horizon.d_m;
+      EXPECT_NEAR(horizon.h_m / horizon.d_m, slope, 1e-11 * (1 + std::abs(slope))) << random.text;
+    }
+  }
+  EXPECT_GT(found, 1000);
+}
+
+TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
+  const World world = load_world(test::synthetic_spec(SyntheticKind::hills, 5000, 50));
+  const GroundScene ground{lane_grid(world.grid), 10, 1500, -20, 5000};
+  for (int p = 0; p < 1000; ++p) {
+    const SinCos bearing = sincos_turns(p / 1000.0);
+    const GroundStretch along{bearing.sin, bearing.cos, 4.0 * p,
+                              4.0 * p + 700.0 * unit_from_hash(hash_cell(9, p, 0))};
+    const HorizonPoint expected = all_lane_kernels().front().highest_ground(ground, along);
+    for (const LaneKernels& kernels : all_lane_kernels()) {
+      const HorizonPoint point = kernels.highest_ground(ground, along);
+      EXPECT_EQ(point.d_m, expected.d_m) << kernels.name;
+      EXPECT_EQ(point.h_m, expected.h_m) << kernels.name;
+    }
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "server/radar/sweep_column.h"
@@ -142,6 +143,24 @@ TEST_F(Pieces, OfAWallAslantAreSharedAmongTheRangeBinsThatItRunsThrough) {
     shared += expected[r] > 0 ? 1 : 0;
   }
   EXPECT_GE(shared, 2);
+}
+
+TEST(RoughBearings, HoldTheSilhouette) {
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    const test::RandomScene random = test::random_scene(seed);
+    const Sector sector(random.settings, random.pose);
+    for (std::uint32_t b = 0; b < random.world.buildings.list.size(); ++b) {
+      const Silhouette exact = silhouette_of(random.world.buildings, sector, b);
+      const RoughBearings rough = rough_bearings_of(random.world.buildings, sector, b);
+      EXPECT_LE(rough.near_m, exact.near_m) << random.text;
+      // Either may be a turn further on.
+      const double turn =
+          2 * std::numbers::pi * std::round((rough.from_rad - exact.from_rad) / (2 * std::numbers::pi));
+      EXPECT_LE(rough.from_rad - turn, exact.from_rad) << random.text;
+      EXPECT_GE(rough.to_rad - turn, exact.to_rad) << random.text;
+      EXPECT_GE(exact.far_m, exact.near_m) << random.text;
+    }
+  }
 }
 
 TEST(SweepColumns, StrandsAndTheBasePlaneShareEveryColumnExactly) {
