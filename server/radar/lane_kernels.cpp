@@ -4,10 +4,10 @@
 
 namespace obliq {
 
-#define OBLIQ_LANE_KERNELS(isa)                                                                            \
-  LaneKernels {                                                                                            \
-#isa, isa::speckle_lanes, isa::march_ground, isa::cut_ground, isa::highest_ground, isa::place_samples, \
-        isa::merge_scatterers                                                                              \
+#define OBLIQ_LANE_KERNELS(isa)                                                                             \
+  LaneKernels {                                                                                             \
+#isa, isa::speckle_lanes, isa::march_ground, isa::cut_ground, isa::highest_ground, isa::march_profiles, \
+        isa::place_samples, isa::merge_scatterers                                                           \
   }
 
 const std::vector<LaneKernels>& all_lane_kernels() {

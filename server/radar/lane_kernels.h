@@ -7,6 +7,7 @@
 #include "server/radar/merge_lanes.h"
 #include "server/radar/piece_lanes.h"
 #include "server/radar/place_lanes.h"
+#include "server/radar/profile_lanes.h"
 #include "server/radar/speckle_lanes.h"
 #include "terrain/height_grid.h"
 
@@ -18,6 +19,7 @@ struct LaneKernels {
   GroundKernel march_ground;
   PieceKernel cut_ground;
   HorizonKernel highest_ground;
+  ProfileKernel march_profiles;
   PlaceKernel place;
   MergeKernel merge;
 };
@@ -37,6 +39,7 @@ inline LaneGrid lane_grid(const HeightGrid& grid) {
   namespace isa {                                                                                          \
   void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                           \
   bool march_ground(const GroundScene&, GroundLanes&, GroundPieces&);                                      \
+  unsigned march_profiles(const GroundScene&, const ProfileBins&, ProfileLanes&);                          \
   HorizonPoint highest_ground(const GroundScene&, const GroundStretch&);                                   \
   int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);                        \
   void place_samples(const SwathCells&, int, const double*, const double*, const double*, PlacedSamples&); \

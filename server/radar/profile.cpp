@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/radar/exact_math.h"
 #include "server/radar/ground_walk.h"
 #include "server/radar/roof_steps.h"
 #include "server/radar/sweep_samples.h"
@@ -18,6 +19,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// its least and greatest range are enough, and they need one square root each for the whole stretch.
 class RangeRun {
  public:
+  RangeRun(double& least2, double& greatest2) : least2_(least2), greatest2_(greatest2) {}
+
   void add(double d, double h) {
     const double r2 = d * d + h * h;
     least2_ = std::min(least2_, r2);
@@ -51,23 +54,52 @@ class RangeRun {
   }
 
  private:
-  double least2_ = kInfinity;
-  double greatest2_ = -1;  // negative: empty
+  double& least2_;
+  double& greatest2_;  // negative: empty
+};
+
+/// The ground area of an azimuth bin between two distances, as far as it lies in the swath: between r_min and
+/// r_max at the median height.
+struct BinArea {
+  double width_rad;
+  double near_m;
+  double far_m;
+
+  explicit BinArea(const FramePlan& plan) : width_rad(plan.bins().azimuth_width_rad) {
+    const BinGrid& bins = plan.bins();
+    const glm::dvec3& antenna = plan.sector().antenna_m;
+    const double clearance = plan.extent().any
+                                 ? antenna.y - plan.extent().median_height_m -
+                                       plan.scene().world().frame.datum_y_m(antenna.x, antenna.z)
+                                 : 0.0;
+    near_m = std::sqrt(std::max(0.0, bins.r_min_m * bins.r_min_m - clearance * clearance));
+    far_m = std::sqrt(std::max(0.0, bins.r_max_m * bins.r_max_m - clearance * clearance));
+  }
+  double ring_m2(double d0, double d1) const {
+    const double a = std::clamp(d0, near_m, far_m);
+    const double b = std::clamp(d1, near_m, far_m);
+    return 0.5 * width_rad * (b - a) * (b + a);
+  }
 };
 
 /// Carries the running horizon outwards. Heights are relative to the antenna. The horizon is kept as the
 /// point (horizon_d, horizon_h) that set it: slopes are compared by cross products, without a division.
 class Marcher {
  public:
-  Marcher(const BinGrid& bins, double antenna_y_m, ProfileResult& result)
-      : bins_(bins), antenna_y_m_(antenna_y_m), result_(result) {}
+  Marcher(const BinGrid& bins, double antenna_y_m, ProfileState& state, ProfileResult& result)
+      : bins_(bins),
+        antenna_y_m_(antenna_y_m),
+        state_(state),
+        visible_(state.visible_least2, state.visible_greatest2),
+        present_(state.present_least2, state.present_greatest2),
+        result_(result) {}
 
   /// Surface from (d0, y0) to (d1, y1); a rise from where the last piece ended is a wall.
   void piece(double d0, double y0, double d1, double y1) {
     const double h0 = y0 - antenna_y_m_;
     const double h1 = y1 - antenna_y_m_;
     // Rounding leaves steps of 1e-9 m where pieces meet.
-    if (joined_ && h0 > last_h_m_ + 1e-6) wall(d0, last_h_m_, h0);
+    if (state_.joined != 0 && h0 > state_.last_h_m + 1e-6) wall(d0, state_.last_h_m, h0);
     present_.add(d0, h0, d1, h1);
     if (hidden(d1, h1)) {
       end_visible();
@@ -77,7 +109,8 @@ class Marcher {
         // Where the piece comes out of the shadow: h(d) = horizon d.
         end_visible();
         const double rise = (h1 - h0) / (d1 - d0);
-        const double from = std::clamp((h0 - rise * d0) / (horizon_h_ / horizon_d_ - rise), d0, d1);
+        const double from =
+            std::clamp((h0 - rise * d0) / (state_.horizon_h_m / state_.horizon_d_m - rise), d0, d1);
         visible_.add(from, h0 + rise * (from - d0), d1, h1);
       } else {
         visible_.add(d0, h0, d1, h1);
@@ -87,25 +120,25 @@ class Marcher {
       end_visible();
       set_horizon(d0, h0);
     }
-    joined_ = true;
-    last_h_m_ = h1;
+    state_.joined = 1;
+    state_.last_h_m = h1;
   }
 
   /// No surface follows; the next piece starts without a wall.
   void gap() {
     end_visible();
     present_.close(bins_, result_.present);
-    joined_ = false;
+    state_.joined = 0;
   }
 
  private:
   /// Strictly below the horizon. At the start the horizon is straight down, (0, -1): nothing is below it.
-  bool hidden(double d, double h) const { return h * horizon_d_ < horizon_h_ * d; }
+  bool hidden(double d, double h) const { return h * state_.horizon_d_m < state_.horizon_h_m * d; }
 
   void set_horizon(double d, double h) {
     if (!(d > 0)) return;
-    horizon_d_ = d;
-    horizon_h_ = h;
+    state_.horizon_d_m = d;
+    state_.horizon_h_m = h;
   }
 
   void end_visible() { visible_.close(bins_, result_.visible); }
@@ -114,68 +147,113 @@ class Marcher {
     present_.add(d, low);
     if (hidden(d, high)) return;
     end_visible();
-    visible_.add(d, horizon_d_ > 0 ? std::max(low, horizon_h_ / horizon_d_ * d) : low, d, high);
+    visible_.add(d, state_.horizon_d_m > 0 ? std::max(low, state_.horizon_h_m / state_.horizon_d_m * d) : low,
+                 d, high);
     set_horizon(d, high);
   }
 
   const BinGrid& bins_;
   double antenna_y_m_;
-  ProfileResult& result_;
+  ProfileState& state_;
   RangeRun visible_;
   RangeRun present_;
-  double horizon_d_ = 0;
-  double horizon_h_ = -1;
-  bool joined_ = false;
-  double last_h_m_ = 0;
+  ProfileResult& result_;
+};
+
+/// One vertical plane: its roofs and how far it has come.
+struct Plane {
+  SinCos bearing;
+  std::vector<RoofStep> roofs;
+  std::size_t roof = 0;
+  ProfileState state;
+  double missing_m2 = 0;  // ground area that is not known
 };
 
 /// Hands the ground of one plane to the marcher, cut at footprint edges, with roofs on top.
 class Surface {
  public:
-  Surface(std::vector<RoofStep> steps, Marcher& marcher) : steps_(std::move(steps)), marcher_(marcher) {}
+  /// Begins at from_m. to_end: on to the plane's end, else no farther than the roofs that have begun.
+  Surface(Plane& plane, const BinArea& area, Marcher& marcher, double from_m, bool to_end)
+      : plane_(plane), area_(area), marcher_(marcher), to_end_(to_end), from_m_(from_m), at_m_(from_m) {}
 
   void ground(const GroundPiece& piece) {
-    if (step_ < steps_.size()) {
+    if (plane_.roof < plane_.roofs.size()) {
       with_roofs(piece.d0_m, piece.d1_m, piece.start_m, piece.rise);
     } else {
       marcher_.piece(piece.d0_m, piece.start_m + piece.rise * piece.d0_m, piece.d1_m,
                      piece.start_m + piece.rise * piece.d1_m);
     }
+    at_m_ = piece.d1_m;
   }
   void gap(double d0, double d1) {
     marcher_.gap();
-    gaps_.push_back({d0, d1});
+    plane_.missing_m2 += area_.ring_m2(d0, d1);
+    at_m_ = d1;
   }
-  static bool enough() { return false; }
-
-  /// Stretches without known ground.
-  const std::vector<std::pair<double, double>>& gaps() const { return gaps_; }
+  bool enough() {
+    // The first cell may be one that ends where the walk begins.
+    if (to_end_ || !(at_m_ > from_m_)) return false;
+    while (plane_.roof < plane_.roofs.size() && plane_.roofs[plane_.roof].far_m <= at_m_) ++plane_.roof;
+    return plane_.roof == plane_.roofs.size() || plane_.roofs[plane_.roof].near_m > at_m_;
+  }
 
  private:
   /// Ground y = start + rise d on [d0, d1], replaced by roofs that stand above it.
   void with_roofs(double d0, double d1, double start, double rise) {
+    const std::vector<RoofStep>& roofs = plane_.roofs;
+    std::size_t& at = plane_.roof;
     double d = d0;
     while (d < d1) {
-      while (step_ < steps_.size() && steps_[step_].far_m <= d) ++step_;
+      while (at < roofs.size() && roofs[at].far_m <= d) ++at;
       double end = d1;
       bool roofed = false;
-      if (step_ < steps_.size()) {
-        roofed = steps_[step_].near_m <= d;
-        end = std::min(end, roofed ? steps_[step_].far_m : steps_[step_].near_m);
+      if (at < roofs.size()) {
+        roofed = roofs[at].near_m <= d;
+        end = std::min(end, roofed ? roofs[at].far_m : roofs[at].near_m);
       }
       const double y0 = start + rise * d;
       const double y1 = start + rise * end;
-      const double roof = roofed ? steps_[step_].roof_y_m : -kInfinity;
+      const double roof = roofed ? roofs[at].roof_y_m : -kInfinity;
       marcher_.piece(d, std::max(y0, roof), end, std::max(y1, roof));
       d = end;
     }
   }
 
-  std::vector<RoofStep> steps_;
-  std::size_t step_ = 0;
+  Plane& plane_;
+  const BinArea& area_;
   Marcher& marcher_;
-  std::vector<std::pair<double, double>> gaps_;
+  bool to_end_;
+  double from_m_;
+  double at_m_;
 };
+
+/// The plane at a position, at the nadir.
+Plane plane_at(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans) {
+  const World& world = plan.scene().world();
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  const double bearing = plan.sector().bearing_rad + plan.bins().azimuth_edge_rad(position);
+  Plane plane;
+  plane.bearing = {std::sin(bearing), std::cos(bearing)};
+  // A building that reaches across a bin's edge is in the lists of both bins.
+  const int azimuth_bin = std::min(static_cast<int>(position), plan.bins().n_azimuth - 1);
+  spans.clear();
+  for (const std::uint32_t b : plan.buildings_in(azimuth_bin))
+    footprint_spans(world.buildings, b, antenna.x, antenna.z, plane.bearing.sin, plane.bearing.cos, spans);
+  plane.roofs = disjoint_roofs(world.buildings, spans);
+  return plane;
+}
+
+void begin(const FramePlan& plan, const BinArea& area, ProfileResult& result) {
+  result.visible.assign(static_cast<std::size_t>(plan.bins().n_range), 0);
+  result.present.assign(static_cast<std::size_t>(plan.bins().n_range), 0);
+  result.sector_area_m2 = area.ring_m2(area.near_m, area.far_m);
+  result.covered_area_m2 = 0;
+}
+
+void finish(const FramePlan& plan, const BinArea& area, Plane& plane, ProfileResult& result) {
+  Marcher(plan.bins(), plan.sector().antenna_m.y, plane.state, result).gap();
+  result.covered_area_m2 = std::max(0.0, area.ring_m2(area.near_m, area.far_m) - plane.missing_m2);
+}
 
 }  // namespace
 
@@ -206,48 +284,80 @@ std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands) 
 
 void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result) {
-  const BinGrid& bins = plan.bins();
-  const Sector& sector = plan.sector();
-  const World& world = plan.scene().world();
-  const HeightGrid& grid = world.grid;
-  const glm::dvec3& antenna = sector.antenna_m;
-  result.visible.assign(static_cast<std::size_t>(bins.n_range), 0);
-  result.present.assign(static_cast<std::size_t>(bins.n_range), 0);
-
-  const double bearing = sector.bearing_rad + bins.azimuth_edge_rad(position);
-  const double sin_b = std::sin(bearing);
-  const double cos_b = std::cos(bearing);
-  // A building that reaches across a bin's edge is in the lists of both bins.
-  const int azimuth_bin = std::min(static_cast<int>(position), bins.n_azimuth - 1);
-  spans.clear();
-  for (const std::uint32_t b : plan.buildings_in(azimuth_bin))
-    footprint_spans(world.buildings, b, antenna.x, antenna.z, sin_b, cos_b, spans);
-
-  // The sector's ground between r_min and r_max at the median height, for coverage.
-  const double clearance = plan.extent().any ? antenna.y - plan.extent().median_height_m -
-                                                   world.frame.datum_y_m(antenna.x, antenna.z)
-                                             : 0.0;
-  const double near_m = std::sqrt(std::max(0.0, bins.r_min_m * bins.r_min_m - clearance * clearance));
-  const double far_m = std::sqrt(std::max(0.0, bins.r_max_m * bins.r_max_m - clearance * clearance));
-  const auto ring_area = [&](double d0, double d1) {
-    const double a = std::clamp(d0, near_m, far_m);
-    const double b = std::clamp(d1, near_m, far_m);
-    return 0.5 * bins.azimuth_width_rad * (b - a) * (b + a);
-  };
-  result.sector_area_m2 = ring_area(near_m, far_m);
-
-  Marcher marcher(bins, antenna.y, result);
-  GroundWalk walk(grid, antenna, sin_b, cos_b, 0, bins.r_max_m);
-  if (walk.done()) {
-    result.covered_area_m2 = 0;
-    return;
-  }
-  double missing_m2 = ring_area(0, walk.at_m()) + ring_area(walk.end_m(), bins.r_max_m);
-  Surface surface(disjoint_roofs(world.buildings, spans), marcher);
+  const BinArea area(plan);
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  begin(plan, area, result);
+  Plane plane = plane_at(plan, position, spans);
+  GroundWalk walk(plan.scene().world().grid, antenna, plane.bearing.sin, plane.bearing.cos, 0,
+                  plan.bins().r_max_m);
+  if (walk.done()) return;
+  plane.missing_m2 = area.ring_m2(0, walk.at_m()) + area.ring_m2(walk.end_m(), plan.bins().r_max_m);
+  Marcher marcher(plan.bins(), antenna.y, plane.state, result);
+  Surface surface(plane, area, marcher, walk.at_m(), true);
   walk.advance(walk.end_m(), surface);
-  for (const auto& [d0, d1] : surface.gaps()) missing_m2 += ring_area(d0, d1);
-  marcher.gap();
-  result.covered_area_m2 = std::max(0.0, result.sector_area_m2 - missing_m2);
+  finish(plan, area, plane, result);
+}
+
+void march_profiles(const FramePlan& plan, std::span<const double> positions,
+                    std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
+                    const LaneKernels& kernels) {
+  const BinArea area(plan);
+  const BinGrid& bins = plan.bins();
+  const HeightGrid& grid = plan.scene().world().grid;
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  std::vector<Plane> planes;
+  ProfileLanes lanes{};
+  const auto next_roof = [&](std::size_t lane) {
+    const Plane& plane = planes[lane];
+    lanes.roof_m[lane] = plane.roof < plane.roofs.size() ? plane.roofs[plane.roof].near_m : kInfinity;
+  };
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMostProfiles); ++lane) {
+    lanes.end_m[lane] = -1;
+    if (lane >= positions.size()) continue;
+    begin(plan, area, results[lane]);
+    const Plane& plane = planes.emplace_back(plane_at(plan, positions[lane], spans));
+    const GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, 0, bins.r_max_m);
+    if (walk.done()) continue;
+    lanes.sin_bearing[lane] = plane.bearing.sin;
+    lanes.cos_bearing[lane] = plane.bearing.cos;
+    lanes.end_m[lane] = walk.end_m();
+    lanes.d_m[lane] = walk.at_m();
+    lanes.i[lane] = walk.cell_i();
+    lanes.j[lane] = walk.cell_j();
+    lanes.missing_m2[lane] = area.ring_m2(0, walk.at_m()) + area.ring_m2(walk.end_m(), bins.r_max_m);
+    lanes.state[lane] = plane.state;
+    lanes.visible[lane] = results[lane].visible.data();
+    lanes.present[lane] = results[lane].present.data();
+    next_roof(lane);
+  }
+  const GroundScene scene{lane_grid(grid), antenna.x, antenna.y, antenna.z, kInfinity};
+  const ProfileBins marks{bins.n_range, bins.r_min_m, bins.r_max_m,  bins.range_spacing_m,
+                          area.near_m,  area.far_m,   area.width_rad};
+  while (const unsigned at_roof = kernels.march_profiles(scene, marks, lanes)) {
+    // Cells with roofs in them, a plane at a time.
+    for (std::size_t lane = 0; lane < planes.size(); ++lane) {
+      if ((at_roof >> lane & 1) == 0) continue;
+      Plane& plane = planes[lane];
+      plane.state = lanes.state[lane];
+      plane.missing_m2 = lanes.missing_m2[lane];
+      GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, lanes.d_m[lane], bins.r_max_m);
+      Marcher marcher(bins, antenna.y, plane.state, results[lane]);
+      Surface surface(plane, area, marcher, walk.at_m(), false);
+      walk.advance(walk.end_m(), surface);
+      lanes.d_m[lane] = walk.at_m();
+      lanes.i[lane] = walk.cell_i();
+      lanes.j[lane] = walk.cell_j();
+      lanes.missing_m2[lane] = plane.missing_m2;
+      lanes.state[lane] = plane.state;
+      next_roof(lane);
+    }
+  }
+  for (std::size_t lane = 0; lane < planes.size(); ++lane) {
+    if (lanes.end_m[lane] < 0) continue;
+    planes[lane].state = lanes.state[lane];
+    planes[lane].missing_m2 = lanes.missing_m2[lane];
+    finish(plan, area, planes[lane], results[lane]);
+  }
 }
 
 }  // namespace obliq

@@ -1,11 +1,13 @@
 #pragma once
 // The vertical profile of the scene along one azimuth: which slant ranges hold visible, hidden or no known
 // surface. It decides what a bin without samples means, whatever rays were cast.
+#include <span>
 #include <vector>
 
 #include "server/radar/bins.h"
 #include "server/radar/footprint_index.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/lane_kernels.h"
 
 namespace obliq {
 
@@ -33,5 +35,12 @@ std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands);
 /// between calls.
 void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result);
+
+/// The same, to the bit, for up to kMostProfiles positions side by side, results in their order. `kernels`:
+/// for tests that compare instruction sets.
+constexpr int kMostProfiles = ProfileLanes::kLanes;
+void march_profiles(const FramePlan& plan, std::span<const double> positions,
+                    std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
+                    const LaneKernels& kernels = lane_kernels());
 
 }  // namespace obliq

@@ -40,13 +40,23 @@ void decide_states(bool states, WedgeProfile& profile, Wedge& wedge) {
   const auto undecided = [](std::uint8_t value) {
     return value != static_cast<std::uint8_t>(BinState::sampled);
   };
-  for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
-    const int azimuth_bin = wedge.bins.first_azimuth + a;
-    const WedgeProfile::Area& area = profile.area(azimuth_bin);
+  const auto states_of = [&](int azimuth_bin) {
+    return wedge.bins.state.data() +
+           static_cast<std::size_t>(azimuth_bin - wedge.bins.first_azimuth) * n_range;
+  };
+  const int end = wedge.bins.first_azimuth + wedge.bins.n_azimuth;
+  std::vector<int> open;
+  for (int azimuth_bin = wedge.bins.first_azimuth; azimuth_bin < end; ++azimuth_bin)
+    if (states && std::any_of(states_of(azimuth_bin), states_of(azimuth_bin) + n_range, undecided))
+      open.push_back(azimuth_bin);
+  profile.prepare(open);
+  for (int azimuth_bin = wedge.bins.first_azimuth; azimuth_bin < end; ++azimuth_bin) {
+    const WedgeProfile::Area area = profile.area(azimuth_bin);
     wedge.stats.sector_area_m2 += area.sector_m2;
     wedge.stats.covered_area_m2 += area.covered_m2;
-    std::uint8_t* state = wedge.bins.state.data() + static_cast<std::size_t>(a) * n_range;
-    if (!states || std::none_of(state, state + n_range, undecided)) continue;
+  }
+  for (const int azimuth_bin : open) {
+    std::uint8_t* const state = states_of(azimuth_bin);
     const BinMarks& marks = profile.marks(azimuth_bin);
     for (std::size_t r = 0; r < n_range; ++r) {
       if (!undecided(state[r])) continue;

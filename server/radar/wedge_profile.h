@@ -31,6 +31,9 @@ class WedgeProfile {
  public:
   WedgeProfile(const FramePlan& plan, AzimuthRange range);
 
+  /// Marches what marks() of these azimuth bins and area() of all will ask for, side by side.
+  void prepare(const std::vector<int>& azimuth_bins);
+
   /// All strands of an azimuth bin of the wedge.
   const BinMarks& marks(int azimuth_bin);
 
@@ -39,21 +42,24 @@ class WedgeProfile {
     double sector_m2 = 0;
     double covered_m2 = 0;
   };
-  const Area& area(int azimuth_bin);
+  Area area(int azimuth_bin);
 
  private:
-  const BinMarks& edge(int azimuth_edge);
-  void march_centre(int azimuth_bin);
   std::size_t index(int azimuth_bin) const { return static_cast<std::size_t>(azimuth_bin - range_.first); }
+  std::size_t strand_of(int azimuth_bin, int strand) const {
+    return index(azimuth_bin) * static_cast<std::size_t>(strands_) + static_cast<std::size_t>(strand);
+  }
+  /// In bins, from the sector's left edge.
+  double position(std::size_t strand) const { return range_.first + static_cast<double>(strand) / strands_; }
+  bool counts(int strand) const;
+  const ProfileResult& profile(std::size_t strand);
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  std::vector<std::optional<BinMarks>> marks_;    // [range.count]
-  std::vector<std::optional<BinMarks>> edges_;    // [range.count + 1]
-  std::vector<std::optional<BinMarks>> centres_;  // [range.count]
-  std::vector<Area> areas_;                       // [range.count], with centres_
+  int strands_;
+  std::vector<std::optional<ProfileResult>> profiles_;  // [range.count strands + 1], the last an edge
+  std::vector<std::optional<BinMarks>> marks_;          // [range.count]
   std::vector<FootprintSpan> spans_;
-  ProfileResult strand_;
 };
 
 }  // namespace obliq

@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+
+#include "server/radar/ground_lanes.h"
+
+namespace obliq {
+
+/// What a march along a profile carries outwards, heights above the antenna (ProfileMarch).
+struct ProfileState {
+  double horizon_d_m = 0;
+  double horizon_h_m = -1;
+  double visible_least2 = __builtin_inf();  ///< squares of the range of the stretch at hand
+  double visible_greatest2 = -1;            ///< negative: no stretch
+  double present_least2 = __builtin_inf();
+  double present_greatest2 = -1;
+  double last_h_m = 0;
+  double joined = 0;  ///< 1: the next piece begins where the last one ended
+};
+
+/// Eight vertical planes over bare ground, side by side. [8] of everything.
+struct ProfileLanes {
+  static constexpr int kLanes = GroundLanes::kLanes;
+  double sin_bearing[kLanes];
+  double cos_bearing[kLanes];
+  double end_m[kLanes];  ///< below d_m: nothing to march
+  double d_m[kLanes];    ///< where it stands, and in which cell: whole numbers
+  double i[kLanes];
+  double j[kLanes];
+  double roof_m[kLanes];      ///< where the next roof begins; infinite without
+  double missing_m2[kLanes];  ///< ground area that is not known is added here
+  ProfileState state[kLanes];
+  std::uint8_t* visible[kLanes];  ///< [n_range] marks
+  std::uint8_t* present[kLanes];
+};
+
+/// The range bins, and between which ground distances and over which width area is counted.
+struct ProfileBins {
+  int n_range;
+  double r_min_m, r_max_m, range_spacing_m;
+  double near_m, far_m, width_rad;
+};
+
+/// Marches until planes come to cells with roofs, and returns a bit for each of those; 0 when all are at
+/// their ends.
+using ProfileKernel = unsigned (*)(const GroundScene&, const ProfileBins&, ProfileLanes&);
+
+}  // namespace obliq
