@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/radar/ground_prefetch.h"
 #include "server/radar/sweep_column.h"
 
 namespace obliq {
@@ -17,6 +18,7 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
       first_(range.first),
       sampler_(plan),
       ground_(plan) {
+  prefetch_ground(plan, range);
   std::vector<std::uint32_t> buildings;
   for (int bin = range.first; bin < range.first + range.count; ++bin)
     buildings.insert(buildings.end(), plan.buildings_in(bin).begin(), plan.buildings_in(bin).end());
