@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "client/recorded_frames.h"
-#include "proto/obliq.pb.h"
 #include "tests/integration/daemon.h"
 
 namespace obliq::test {
@@ -40,18 +39,6 @@ class RecordTest : public testing::Test {
 };
 
 /// All frames of a recording by number.
-inline std::map<std::uint64_t, client::AssembledFrame> frames_of(const std::string& file) {
-  std::map<std::uint64_t, client::AssembledFrame> all;
-  std::unique_ptr<client::RecordingReader> reader;
-  EXPECT_TRUE(client::RecordingReader::open(file, reader).ok());
-  client::RecordedFrames frames(std::move(reader), "main", wire::kAllPlanes);
-  client::RecordedFrame recorded;
-  for (auto found = frames.next(recorded); found != client::RecordedFrames::Found::end;
-       found = frames.next(recorded)) {
-    if (found != client::RecordedFrames::Found::frame) continue;
-    all[recorded.frame.descriptor->frame_id()] = std::move(recorded.frame);
-  }
-  return all;
-}
+std::map<std::uint64_t, client::AssembledFrame> frames_of(const std::string& file);
 
 }  // namespace obliq::test

@@ -201,7 +201,8 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
       const double turn = static_cast<double>(p) / 7 + 0.01 * static_cast<double>(seed);
       GroundShare share;
       share.plane = {static_cast<std::int32_t>(p), 0.1 * static_cast<double>(p), 1, sincos_turns(turn)};
-      const double step = 0.3 * sector.r_max_m * unit_from_hash(hash_cell(4, static_cast<int>(seed), p));
+      const double step =
+          0.3 * sector.r_max_m * unit_from_hash(hash_cell(4, static_cast<int>(seed), static_cast<int>(p)));
       share.to_m = {step, 1.5 * step, 2 * step, HUGE_VAL};
       share.width_rad = {1, 0, 0.5, 0.25};
       shares.push_back(share);
