@@ -12,44 +12,43 @@ constexpr std::size_t kFirstRoom = std::size_t{1} << 13;
 
 }  // namespace
 
+void ScattererSums::ScattererArrays::resize(std::size_t n) {
+  bin.resize(n + ScattererLists::kSpare);
+  place.resize(n + ScattererLists::kSpare);
+  kind.resize(n + ScattererLists::kSpare);
+  power_w.resize(n + ScattererLists::kSpare);
+}
+
 void ScattererSums::restart(int n_range) {
   n_ = 0;
-  end_.resize(static_cast<std::size_t>(n_range) + 1);
+  n_range_ = static_cast<std::size_t>(n_range);
 }
 
 void ScattererSums::make_room() {
   if (n_ > 0) merge();
   if (2 * n_ < room_) return;
   room_ = std::max(kFirstRoom, 2 * room_);
-  for (ScattererArrays* arrays : {&samples_, &sorted_}) {
-    arrays->bin.resize(room_ + ScattererLists::kSpare);
-    arrays->place.resize(room_ + ScattererLists::kSpare);
-    arrays->kind.resize(room_ + ScattererLists::kSpare);
-    arrays->power_w.resize(room_ + ScattererLists::kSpare);
-  }
+  samples_.resize(room_);
 }
 
 void ScattererSums::merge() {
-  std::fill(end_.begin(), end_.end(), 0);
-  for (std::size_t k = 0; k < n_; ++k) ++end_[samples_.bin[k] + 1];
-  std::partial_sum(end_.begin(), end_.end(), end_.begin());
+  ScattererArrays& sorted = scratch_->sorted;
+  std::vector<std::uint32_t>& bin_end = scratch_->end;
+  if (sorted.bin.size() < samples_.bin.size()) sorted.resize(room_);
+  bin_end.assign(n_range_ + 1, 0);
+  for (std::size_t k = 0; k < n_; ++k) ++bin_end[samples_.bin[k] + 1];
+  std::partial_sum(bin_end.begin(), bin_end.end(), bin_end.begin());
   for (std::size_t k = 0; k < n_; ++k) {
-    const std::uint32_t to = end_[samples_.bin[k]]++;
-    sorted_.place[to] = samples_.place[k];
-    sorted_.kind[to] = samples_.kind[k];
-    sorted_.power_w[to] = samples_.power_w[k];
+    const std::uint32_t to = bin_end[samples_.bin[k]]++;
+    sorted.place[to] = samples_.place[k];
+    sorted.kind[to] = samples_.kind[k];
+    sorted.power_w[to] = samples_.power_w[k];
   }
   // What is added up takes no more room than the samples did.
-  ScattererLists lists{end_.data(),
-                       sorted_.place.data(),
-                       sorted_.kind.data(),
-                       sorted_.power_w.data(),
-                       samples_.bin.data(),
-                       samples_.place.data(),
-                       samples_.kind.data(),
-                       samples_.power_w.data(),
-                       0};
-  const auto n_range = static_cast<std::uint32_t>(end_.size() - 1);
+  ScattererLists lists{bin_end.data(),        sorted.place.data(),     sorted.kind.data(),
+                       sorted.power_w.data(), samples_.bin.data(),     samples_.place.data(),
+                       samples_.kind.data(),  samples_.power_w.data(), 0};
+  const auto n_range = static_cast<std::uint32_t>(bin_end.size() - 1);
   for (std::uint32_t bin = 0; bin < n_range;) {
     bin = lane_kernels().merge(lists, bin, n_range);
     if (bin < n_range) merge_large(lists, bin++);
@@ -60,19 +59,21 @@ void ScattererSums::merge() {
 /// One bin with many samples: they are sorted, since looking through the scatterers found so far costs their
 /// number each time.
 void ScattererSums::merge_large(ScattererLists& lists, std::uint32_t bin) {
-  const std::uint32_t begin = bin == 0 ? 0 : end_[bin - 1];
-  order_.resize(end_[bin] - begin);
-  std::iota(order_.begin(), order_.end(), begin);
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (sorted_.place[a] != sorted_.place[b]) return sorted_.place[a] < sorted_.place[b];
-    return sorted_.kind[a] != sorted_.kind[b] ? sorted_.kind[a] < sorted_.kind[b] : a < b;
+  ScattererArrays& sorted = scratch_->sorted;
+  std::vector<std::uint32_t>& order = scratch_->order;
+  const std::uint32_t begin = bin == 0 ? 0 : scratch_->end[bin - 1];
+  order.resize(scratch_->end[bin] - begin);
+  std::iota(order.begin(), order.end(), begin);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (sorted.place[a] != sorted.place[b]) return sorted.place[a] < sorted.place[b];
+    return sorted.kind[a] != sorted.kind[b] ? sorted.kind[a] < sorted.kind[b] : a < b;
   });
   // Each scatterer's power goes to its first sample, and the first samples are taken in their order.
   std::vector<std::uint32_t> firsts;
-  for (const std::uint32_t k : order_) {
-    if (!firsts.empty() && sorted_.place[firsts.back()] == sorted_.place[k] &&
-        sorted_.kind[firsts.back()] == sorted_.kind[k]) {
-      sorted_.power_w[firsts.back()] += sorted_.power_w[k];
+  for (const std::uint32_t k : order) {
+    if (!firsts.empty() && sorted.place[firsts.back()] == sorted.place[k] &&
+        sorted.kind[firsts.back()] == sorted.kind[k]) {
+      sorted.power_w[firsts.back()] += sorted.power_w[k];
     } else {
       firsts.push_back(k);
     }
@@ -80,9 +81,9 @@ void ScattererSums::merge_large(ScattererLists& lists, std::uint32_t bin) {
   std::sort(firsts.begin(), firsts.end());
   for (const std::uint32_t k : firsts) {
     samples_.bin[lists.n] = bin;
-    samples_.place[lists.n] = sorted_.place[k];
-    samples_.kind[lists.n] = sorted_.kind[k];
-    samples_.power_w[lists.n++] = sorted_.power_w[k];
+    samples_.place[lists.n] = sorted.place[k];
+    samples_.kind[lists.n] = sorted.kind[k];
+    samples_.power_w[lists.n++] = sorted.power_w[k];
   }
 }
 

@@ -10,7 +10,27 @@ namespace obliq {
 /// The power that each scatterer gave to each range bin of one azimuth bin: P_bc of design section 3. Samples
 /// are kept as they come and added up when there are many, or at the end.
 class ScattererSums {
+ private:
+  struct ScattererArrays {
+    std::vector<std::uint32_t> bin;
+    std::vector<std::uint64_t> place;
+    std::vector<std::uint64_t> kind;
+    std::vector<double> power_w;
+
+    void resize(std::size_t n);
+  };
+
  public:
+  /// Memory that merging needs for the time being.
+  struct Scratch {
+    ScattererArrays sorted;          // by bin
+    std::vector<std::uint32_t> end;  // of each bin in it
+    std::vector<std::uint32_t> order;
+  };
+
+  /// Several may share their scratch memory, one at a time.
+  explicit ScattererSums(Scratch& scratch) : scratch_(&scratch) {}
+
   /// Empties it and keeps its memory.
   void restart(int n_range);
 
@@ -34,22 +54,14 @@ class ScattererSums {
   const double* powers_w() const { return samples_.power_w.data(); }
 
  private:
-  struct ScattererArrays {
-    std::vector<std::uint32_t> bin;
-    std::vector<std::uint64_t> place;
-    std::vector<std::uint64_t> kind;
-    std::vector<double> power_w;
-  };
-
   void make_room();
   void merge_large(ScattererLists& lists, std::uint32_t bin);
 
+  Scratch* scratch_;
+  std::size_t n_range_ = 0;
   std::size_t n_ = 0;
   std::size_t room_ = 0;
   ScattererArrays samples_;
-  ScattererArrays sorted_;          // by bin, while merging
-  std::vector<std::uint32_t> end_;  // of each bin in sorted_
-  std::vector<std::uint32_t> order_;
 };
 
 }  // namespace obliq

@@ -42,7 +42,7 @@ void WedgeBins::restart(AzimuthRange range) {
   count_.assign(n, 0);
   voltage_.assign(n, 0);
   if (plan_.settings().speckle == SpeckleKind::geometric) return;
-  sums_.resize(static_cast<std::size_t>(range.count));
+  sums_.resize(static_cast<std::size_t>(range.count), ScattererSums(scratch_));
   for (ScattererSums& sums : sums_) sums.restart(plan_.bins().n_range);
 }
 

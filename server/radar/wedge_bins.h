@@ -41,6 +41,7 @@ class WedgeBins {
   std::vector<double> power_w_;
   std::vector<std::uint32_t> count_;
   std::vector<std::complex<double>> voltage_;
+  ScattererSums::Scratch scratch_;
   std::vector<ScattererSums> sums_;  // [range.count], ground speckle only
   SwathCells cells_;
   PlacedSamples placed_;

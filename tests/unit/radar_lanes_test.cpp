@@ -115,7 +115,8 @@ TEST(ScattererSums, AddUpEachScattererOfABinInTheOrderOfItsSamples) {
   // A handful, bins of more than eight scatterers, bins that are sorted, and more than there is room for.
   for (const auto& [n, n_range, n_places] :
        {std::tuple{0, 4u, 1u}, {5, 3u, 2u}, {400, 8u, 40u}, {2000, 2u, 3u}, {60000, 3u, 9000u}}) {
-    ScattererSums sums;
+    ScattererSums::Scratch scratch;
+    ScattererSums sums(scratch);
     for (int round = 0; round < 2; ++round) {  // the second one in the memory of the first
       sums.restart(static_cast<int>(n_range));
       std::vector<Sum> samples;
