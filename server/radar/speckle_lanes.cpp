@@ -42,7 +42,7 @@ void speckle_lanes(const SpeckleGround& ground, const SpeckleBlock& block) {
     const Lanes x_cell = doubles_of((place >> 32) ^ 0x80000000ull) - 0x1p31;
     const Lanes z_cell = doubles_of((place & 0xffffffffull) ^ 0x80000000ull) - 0x1p31;
     const LaneBits level = ((kind >> 8) & 0xffff) ^ 0x8000;
-    const Lanes side = lanes_of((level + (1023 - 0x8000)) << 52);
+    const Lanes side = lanes_of((level - std::uint64_t{0x8000 - 1023}) << 52);
     const Lanes x = (x_cell + 0.5) * side;
     const Lanes z = (z_cell + 0.5) * side;
     const Lanes dx = x - ground.antenna_x_m;
