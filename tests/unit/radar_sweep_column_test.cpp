@@ -67,7 +67,7 @@ TEST_F(Pieces, FillTheirSolidAngleAndTheirRangeBins) {
        {std::pair{-1000.0, 0.0}, {-1500.0, 0.3}, {-3000.0, 1.7}, {-900.0, -0.2}}) {
     const VisiblePiece piece = ground(start, rise, 100, 2500);
     const auto batch = samples(piece);
-    const auto sine = [&](long double d) {
+    const auto sine = [start = start, rise = rise](long double d) {  // clang 14 takes no binding as it is
       const long double h = start + rise * d;
       return h / std::sqrt(d * d + h * h);
     };
