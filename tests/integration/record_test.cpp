@@ -5,6 +5,7 @@
 #include <csignal>
 #include <regex>
 
+#include "proto/obliq.pb.h"
 #include "tests/integration/record_fixture.h"
 
 namespace obliq::test {

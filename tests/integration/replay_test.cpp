@@ -8,6 +8,7 @@
 
 #include "client/client.h"
 #include "proto/error_number.h"
+#include "proto/obliq.pb.h"
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
