@@ -5,7 +5,6 @@
 #include <csignal>
 #include <regex>
 
-#include "proto/obliq.pb.h"
 #include "tests/integration/record_fixture.h"
 
 namespace obliq::test {
