@@ -133,13 +133,13 @@ TEST_F(HttpServerTest, ARequestWithABodyIsRefusedAndTheConnectionEnds) {
 }
 
 TEST_F(HttpServerTest, WhatIsNoHttpIs400) {
+  using namespace std::string_literals;
   for (const std::string& bytes :
-       {std::string("hello\r\n\r\n"), std::string("GET /page HTTP/9.9\r\n\r\n"),
-        std::string("GET /page\r\n\r\n"), std::string("GET /pa\0ge HTTP/1.1\r\n\r\n", 26),
-        std::string("GET /page HTTP/1.1\r\nno colon\r\n\r\n"),
-        std::string("GET /page HTTP/1.1\r\nContent-Length: -1\r\n\r\n"),
-        std::string("GET /page HTTP/1.1\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n"),
-        std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03 a TLS client\r\n\r\n", 26)}) {
+       {"hello\r\n\r\n"s, "GET /page HTTP/9.9\r\n\r\n"s, "GET /page\r\n\r\n"s,
+        "GET /pa\0ge HTTP/1.1\r\n\r\n"s, "GET /page HTTP/1.1\r\nno colon\r\n\r\n"s,
+        "GET /page HTTP/1.1\r\nContent-Length: -1\r\n\r\n"s,
+        "GET /page HTTP/1.1\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n"s,
+        "\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03 a TLS client\r\n\r\n"s}) {
     HttpPeer peer(port());
     peer.send(bytes);
     EXPECT_EQ(peer.receive().status, 400) << bytes;
