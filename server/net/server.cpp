@@ -64,6 +64,7 @@ struct Server::State {
   std::shared_ptr<Room> room;
   Panel panel;
   std::string address;
+  std::uint16_t port = 0;  ///< asked for by any thread, also when nobody listens any more
   std::uint64_t last_id = 0;
   bool stopping = false;
 };
@@ -78,6 +79,8 @@ void Server::State::listen(ReservedPort reserved) {
   acceptor.assign(protocol, reserved.release(), error);
   check();
   acceptor.listen(asio::socket_base::max_listen_connections, error);
+  check();
+  port = acceptor.local_endpoint(error).port();
   check();
 }
 
@@ -175,10 +178,7 @@ Server::Server(asio::io_context& io, const FrameRenderer& renderer, const std::v
 // Sessions that an io_context still holds keep the room, but the renderer goes with its owner.
 Server::~Server() { state_->room->end(); }
 
-std::uint16_t Server::port() const {
-  error_code ignored;
-  return state_->acceptor.local_endpoint(ignored).port();
-}
+std::uint16_t Server::port() const { return state_->port; }
 
 Panel& Server::panel() { return state_->panel; }
 
