@@ -122,7 +122,7 @@ class Soak:
         shutil.rmtree(frame, ignore_errors=True)
 
     def poll_modbus(self):
-        poll = ["mbpoll", "-m", "tcp", "-0", "-1", "-q", "-a", "1", "-t", "3", "-r", "0", "-c", "8",
+        poll = ["mbpoll", "-m", "tcp", "-0", "-1", "-q", "-a", "1", "-t", "3", "-r", "0", "-c", "3",
                 "-p", str(self.modbus), "127.0.0.1"]
         while not self.stop.wait(1):
             self.visit("modbus", poll)
