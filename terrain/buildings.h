@@ -37,12 +37,15 @@ struct Buildings {
   /// and holes clockwise as seen on a map (x right, z up).
   std::vector<std::uint32_t> ring_start{0};
   std::vector<glm::vec2> ring_xz_m;
-  std::vector<glm::vec3> vertices_m;  ///< world frame
+  std::vector<glm::vec3> vertices_m;  ///< world frame; room for one more lets the tracer share them
   /// Vertex indices. The cross product of components, (b - a) x (c - a), points out of the solid: seen from
   /// outside the corners run clockwise in these left-handed axes. There is no bottom; the base is
   /// underground.
   std::vector<glm::uvec3> triangles;
   std::vector<std::uint32_t> triangle_face;  ///< face index of each triangle
+
+  /// Gives back the memory that growing has left unused, but for one vertex.
+  void trim();
 };
 
 }  // namespace obliq

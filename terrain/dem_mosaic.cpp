@@ -12,6 +12,7 @@
 #include "terrain/grid_area.h"
 #include "terrain/resample.h"
 #include "terrain/seams.h"
+#include "terrain/stage_clock.h"
 
 namespace obliq {
 namespace {
@@ -103,6 +104,7 @@ void fill_from_file(Filling& to, const GeodeticLattice& geodetic, const Raster& 
 }  // namespace
 
 DemMosaic::DemMosaic(const TerrainSpec& terrain) : terrain_(terrain) {
+  const StageProbe probe(Stage::load);
   if (terrain.dem.empty()) {
     throw InputError("[terrain] dem: found no file; allowed: one raster or more, or synthetic ground");
   }
@@ -151,6 +153,31 @@ void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& er
     fill_from_file(filling, geodetic, files_[n], terrain_.unit, share);
   }
   if (filling.seams) filling.seams->close(grid);
+}
+
+void DemMosaic::describe(CacheKey& key, const HeightGrid& grid, const WorldFrame& frame) const {
+  key.add("west", grid.x0_m);
+  key.add("south", grid.z0_m);
+  key.add("cell", grid.cell_m);
+  key.add("columns", std::to_string(grid.nx));
+  key.add("rows", std::to_string(grid.nz));
+  key.add("origin's longitude", frame.origin_longitude_rad());
+  key.add("origin's latitude", frame.origin_latitude_rad());
+  key.add("earth", frame.radius_factor());
+  const GeodeticLattice geodetic = geodetic_lattice(frame, {grid.x0_m, grid.z0_m, grid.x1_m(), grid.z1_m()});
+  for (const std::vector<double>& y_m : geodetic.y_m) key.add("heights of the lattice", y_m);
+  for (const Raster& file : files_) {
+    key.add("dem", file.path());
+    key.add("unit", metres_per_unit(file, terrain_.unit));
+    const PostLattice lattice = post_lattice(geodetic, file);
+    for (int layer = 0; layer < 2; ++layer) {
+      key.add("lattice's columns", lattice.column[layer]);
+      key.add("lattice's rows", lattice.row[layer]);
+    }
+    const std::vector<std::string> parts = file.files();
+    if (parts.empty()) key.refuse();
+    for (const std::string& part : parts) key.add_file(part);
+  }
 }
 
 void DemMosaic::refuse_no_ground(const WorldFrame& frame, const Rect& wanted) const {

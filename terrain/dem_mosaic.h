@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "terrain/cache_key.h"
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
 #include "terrain/polygon.h"
@@ -31,6 +32,10 @@ class DemMosaic {
   /// between files; `errors` learns how far the surface then lies from the files' posts. Throws InputError
   /// when a file cannot be read.
   void fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& errors, const Progress& progress) const;
+
+  /// Adds all that fill() makes this grid of: the files, and where their posts lie among the grid's nodes, as
+  /// this machine works it out.
+  void describe(CacheKey& key, const HeightGrid& grid, const WorldFrame& frame) const;
 
   /// Says that no file has heights in the wanted world rectangle, with both extents in degrees.
   [[noreturn]] void refuse_no_ground(const WorldFrame& frame, const Rect& wanted) const;

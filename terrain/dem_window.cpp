@@ -9,6 +9,7 @@
 #include <map>
 
 #include "terrain/gdal_messages.h"
+#include "terrain/stage_clock.h"
 
 namespace obliq {
 namespace {
@@ -242,6 +243,7 @@ DemWindow::Share DemWindow::share_at(double column, double row) const {
 
 DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
                       const std::optional<VerticalUnit>& unit, const Progress& progress, PostSample* sample) {
+  const StageProbe probe(Stage::load);
   const Decoder decoder(raster, metres_per_unit(raster, unit));
   require_whole_raw_file(raster);
   DemWindow window;

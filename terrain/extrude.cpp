@@ -56,6 +56,19 @@ void append_wall(Buildings& buildings, const BuildingFace& face, std::uint32_t r
 
 }  // namespace
 
+void Buildings::trim() {
+  list.shrink_to_fit();
+  faces.shrink_to_fit();
+  ring_start.shrink_to_fit();
+  ring_xz_m.shrink_to_fit();
+  triangles.shrink_to_fit();
+  triangle_face.shrink_to_fit();
+  std::vector<glm::vec3> with_room;
+  with_room.reserve(vertices_m.size() + 1);
+  with_room = vertices_m;
+  vertices_m = std::move(with_room);
+}
+
 Footing footing_of(const HeightGrid& grid, const Outline& outline) {
   Footing footing;
   Rect rect;

@@ -6,6 +6,7 @@
 
 #include "terrain/constants.h"
 #include "terrain/errors.h"
+#include "terrain/huge_pages.h"
 
 namespace obliq {
 namespace {
@@ -126,6 +127,8 @@ HeightGrid empty_grid(const Rect& rect, double cell_m) {
   grid.cell_m = cell_m;
   grid.nx = static_cast<int>(nx);
   grid.nz = static_cast<int>(nz);
+  const std::size_t nodes = static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.nz);
+  reserve_in_huge_pages(grid.y_m, nodes);
   grid.y_m.assign(static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.nz),
                   std::numeric_limits<float>::quiet_NaN());
   return grid;

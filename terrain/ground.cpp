@@ -1,13 +1,18 @@
 #include "terrain/ground.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
+#include "terrain/cache_key.h"
 #include "terrain/dem_mosaic.h"
 #include "terrain/errors.h"
 #include "terrain/grid_area.h"
+#include "terrain/ground_cache.h"
+#include "terrain/library_versions.h"
 #include "terrain/synthetic.h"
 #include "terrain/voids.h"
 
@@ -32,7 +37,15 @@ double cell_size_m(const WorldSpec& spec, double auto_m) {
   return round_to_quantum_m(cell_m);
 }
 
-void load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wanted) {
+GroundCache::Facts facts_of(const HeightGrid& grid, const std::vector<std::size_t>& filled,
+                            const SourceError& source_error) {
+  const auto absent = [](float y) { return std::isnan(y); };
+  const auto kept = [&](std::size_t n) { return !std::isnan(grid.y_m[n]); };
+  return {static_cast<std::uint64_t>(std::ranges::count_if(filled, kept)),
+          static_cast<std::uint64_t>(std::ranges::count_if(grid.y_m, absent)), source_error};
+}
+
+GroundCache::Facts load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wanted) {
   if (wanted.rect.empty()) {
     throw InputError("[terrain] area: found none and no radar; allowed: synthetic ground needs one of them");
   }
@@ -48,8 +61,10 @@ void load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wante
   }
   world.grid = empty_grid(rect, cell_m);
   fill_synthetic(world.grid, spec.terrain.synthetic, spec.terrain.shape, world.frame);
-  world.report.source_error =
+  const SourceError source_error =
       synthetic_error(world.grid, spec.terrain.synthetic, spec.terrain.shape, world.frame);
+  cut_to_polygon(world.grid, wanted.polygon);
+  return facts_of(world.grid, {}, source_error);
 }
 
 void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted) {
@@ -65,14 +80,34 @@ void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted
   world.report.notes.emplace_back(note);
 }
 
-/// All elevation models on the grid.
-struct Loaded {
-  double posting_m = 0;  ///< distance between posts of the finest
-  SourceErrors errors;
-};
+/// To be raised when the same elevation models give other heights than before: the sum in
+/// tests/unit/terrain_cache_test.cpp says when.
+constexpr const char* kAlgorithm = "1";
 
-Loaded load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress) {
-  DemMosaic mosaic(spec.terrain);
+CacheKey key_of(const DemMosaic& mosaic, const World& world, const Polygon& area, double fill_m) {
+  CacheKey key;
+  key.add("obliq grid, algorithm", kAlgorithm);
+  key.add("libraries", terrain_library_versions());
+  key.add("fill", fill_m);
+  for (const Ring& ring : area.rings) {
+    std::vector<double> corners;
+    for (const glm::dvec2& corner : ring) corners.insert(corners.end(), {corner.x, corner.y});
+    key.add("area", corners);
+  }
+  mosaic.describe(key, world.grid, world.frame);
+  return key;
+}
+
+/// As files are stamped, but for a few milliseconds.
+double clock_of_files_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// All elevation models on the grid.
+GroundCache::Facts load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted,
+                            const Progress& progress) {
+  const double begin_s = clock_of_files_s();
+  const DemMosaic mosaic(spec.terrain);
   const Rect covered = mosaic.extent(world.frame);
   const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
   if (rect.empty()) mosaic.refuse_no_ground(world.frame, wanted.rect);
@@ -81,22 +116,30 @@ Loaded load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted, c
   const double shorter_m = std::min(rect.x1_m - rect.x0_m, rect.z1_m - rect.z0_m);
   const double needed_m = std::min(std::max(posting_m, spec.sampling_footprint_m), shorter_m / 3);
   world.grid = empty_grid(rect, cell_size_m(spec, needed_m));
-  Loaded loaded{posting_m, SourceErrors(world.grid)};
-  mosaic.fill(world.grid, world.frame, loaded.errors, progress);
+  const double fill_m =
+      spec.terrain.fill_void_m.value_or(std::max(kFill_m, kFillPostings * round_to_quantum_m(posting_m)));
+  const GroundCache cache(spec.terrain.cache_folder, world.report.notes);
+  CacheKey key;
+  if (cache.in_use()) {
+    key = key_of(mosaic, world, wanted.polygon, fill_m);
+    if (const auto facts = cache.load(key, world.grid)) return *facts;
+    std::ranges::fill(world.grid.y_m, std::numeric_limits<float>::quiet_NaN());  // of a damaged file
+  }
+  SourceErrors errors(world.grid);
+  mosaic.fill(world.grid, world.frame, errors, progress);
   const auto known = [](float y) { return !std::isnan(y); };
   if (std::none_of(world.grid.y_m.begin(), world.grid.y_m.end(), known)) {
     mosaic.refuse_no_ground(world.frame, rect);
   }
-  return loaded;
-}
-
-void count_nodes(World& world, const std::vector<std::size_t>& filled) {
-  const std::vector<float>& y_m = world.grid.y_m;
-  world.report.posts = y_m.size();
-  world.report.posts_absent = static_cast<std::uint64_t>(
-      std::count_if(y_m.begin(), y_m.end(), [](float y) { return std::isnan(y); }));
-  world.report.posts_filled = static_cast<std::uint64_t>(
-      std::count_if(filled.begin(), filled.end(), [&](std::size_t n) { return !std::isnan(y_m[n]); }));
+  const std::vector<std::size_t> filled = fill_voids(world.grid, fill_m);
+  cut_to_polygon(world.grid, wanted.polygon);
+  const GroundCache::Facts facts = facts_of(world.grid, filled, errors.summary(world.grid));
+  if (!cache.in_use() || !spec.terrain.cache_keeps || facts.posts_absent == world.grid.y_m.size())
+    return facts;
+  // A file that was changed or exchanged while it was read makes a grid of neither version.
+  const CacheKey after = key_of(mosaic, world, wanted.polygon, fill_m);
+  if (after.text() == key.text() && after.newest_change_s() <= begin_s) cache.store(key, world.grid, facts);
+  return facts;
 }
 
 }  // namespace
@@ -113,18 +156,16 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
                      "; allowed: a number of metres");
   }
   const WantedArea wanted = wanted_area(spec, world.frame);
-  std::vector<std::size_t> filled;
-  std::optional<Loaded> loaded;
+  GroundCache::Facts facts;
   if (terrain.synthetic != SyntheticKind::none) {
-    load_synthetic(world, spec, wanted);
+    facts = load_synthetic(world, spec, wanted);
   } else {
-    loaded = load_dem(world, spec, wanted, progress);
-    const double posting_m = round_to_quantum_m(loaded->posting_m);
-    filled = fill_voids(world.grid, fill_m.value_or(std::max(kFill_m, kFillPostings * posting_m)));
+    facts = load_dem(world, spec, wanted, progress);
   }
-  cut_to_polygon(world.grid, wanted.polygon);
-  if (loaded) world.report.source_error = loaded->errors.summary(world.grid);
-  count_nodes(world, filled);
+  world.report.posts = world.grid.y_m.size();
+  world.report.posts_filled = facts.posts_filled;
+  world.report.posts_absent = facts.posts_absent;
+  world.report.source_error = facts.source_error;
   note_coverage(world, spec, wanted);
   if (world.report.posts_absent == world.report.posts) {
     throw InputError(

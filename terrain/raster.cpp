@@ -20,6 +20,20 @@ std::unique_ptr<GDALDataset> opened(const std::string& path, unsigned kind) {
       GDALDataset::Open(path.c_str(), kind | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
 }
 
+/// GDAL names the sources of a virtual raster, but not what these are made of in turn.
+void append_files(GDALDataset& dataset, int depth, std::vector<std::string>& found) {
+  constexpr int kDeepest = 8;
+  char** names = dataset.GetFileList();
+  for (char** name = names; name != nullptr && *name != nullptr; ++name) {
+    if (std::ranges::find(found, *name) != found.end()) continue;
+    found.emplace_back(*name);
+    if (depth == kDeepest || !EQUAL(CPLGetExtension(*name), "vrt") || EQUAL(*name, dataset.GetDescription()))
+      continue;
+    if (const auto inner = opened(*name, GDAL_OF_RASTER)) append_files(*inner, depth + 1, found);
+  }
+  CSLDestroy(names);
+}
+
 }  // namespace
 
 void Raster::Close::operator()(GDALDataset* dataset) const {
@@ -41,6 +55,13 @@ Raster::Raster(const std::string& path, const std::string& field, const std::opt
 void Raster::refuse(const std::string& what, const std::string& allowed) const {
   throw InputError(field_ + ": found " + (path_.empty() ? "an empty name" : path_) + ": " + what +
                    "; allowed: " + allowed);
+}
+
+std::vector<std::string> Raster::files() const {
+  const GdalMessages quiet;
+  std::vector<std::string> found;
+  append_files(*dataset_, 0, found);
+  return found;
 }
 
 GDALRasterBand& Raster::band() const { return *dataset_->GetRasterBand(1); }

@@ -40,6 +40,9 @@ class Raster {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   GDALRasterBand& band() const;
+  /// Every file that its heights, its place and its tags come from; empty when GDAL cannot say. Virtual
+  /// rasters' sources are among them.
+  std::vector<std::string> files() const;
   /// "FIELD: found PATH: what; allowed: allowed".
   [[noreturn]] void refuse(const std::string& what, const std::string& allowed) const;
 

@@ -10,6 +10,7 @@
 #include "terrain/grid_area.h"
 #include "terrain/ground.h"
 #include "terrain/prisms_random.h"
+#include "terrain/stage_clock.h"
 #include "terrain/surfaces.h"
 
 namespace obliq {
@@ -54,11 +55,16 @@ World load_world(const WorldSpec& spec, const Progress& progress) {
   const GdalMessages quiet;  // what GDAL has to say is in our errors, or is about tags that we do not use
   World world;
   world.frame = frame_of(spec);
-  load_ground(world, spec, progress);
+  {
+    const StageProbe probe(Stage::grid);
+    load_ground(world, spec, progress);
+  }
+  const StageProbe probe(Stage::outlines);
   const Polygon area = wanted_area(spec, world.frame).polygon;
   paint_surfaces(world, spec, progress);
   load_buildings(world, spec, area, progress);
   scatter_prisms(world, spec, area, progress);
+  world.buildings.trim();
   return world;
 }
 

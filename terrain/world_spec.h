@@ -47,6 +47,9 @@ struct TerrainSpec {
   std::optional<double> cell_m;  ///< empty: auto
   /// Voids no wider than this are filled by interpolation; empty: the larger of 200 m and three postings.
   std::optional<double> fill_void_m;
+  /// Folder of grids that were made before (terrain/ground_cache.h); empty: none is used nor kept.
+  std::string cache_folder;
+  bool cache_keeps = true;  ///< false: nothing new is kept there
 };
 
 struct BuildingSourceSpec {

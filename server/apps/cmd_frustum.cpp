@@ -100,8 +100,7 @@ void print_sweep(const FramePlan& plan) {
 void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
   const RadarConfig& radar = choose_radar(config, arguments.radar);
   const auto world = load_world_with_report(config);
-  const auto scene =
-      std::make_shared<const Scene>(world, config.materials, config.threads, terminal_progress());
+  const auto scene = std::make_shared<const Scene>(world, config.materials, config.threads);
   const Pose pose = place_radar(*world, radar);
   bool first = true;
   for (const FrustumKind kind :

@@ -1,20 +1,22 @@
 // `obliq render`: one frame of a scene to files, without a server.
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/frame_report.h"
 #include "server/apps/meet_accuracy.h"
 #include "server/apps/number_option.h"
+#include "server/apps/profile_run.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
 #include "server/radar/frame_plan.h"
+#include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -26,6 +28,7 @@ struct RenderArguments {
   std::string out;
   bool samples = false;
   bool north_up = false;
+  bool profile = false;
   int threads = 0;
 };
 
@@ -43,6 +46,14 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, const SceneConfig& config,
+                                   int threads, const RadarConfig& radar) {
+  const StageProbe probe(Stage::build);
+  auto scene = std::make_shared<const Scene>(world, config.materials, threads);
+  if (needs_tracer(radar.settings.frustum)) scene->tracer(terminal_progress());
+  return scene;
+}
+
 void run(const SceneConfig& config, const RenderArguments& arguments) {
   std::map<std::string, double> seconds;
   Stopwatch watch;
@@ -53,14 +64,15 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
         "render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
         "\"symmetric\", \"oblique\" or \"polar\"");
   const int threads = arguments.threads > 0 ? arguments.threads : config.threads;
+  StageTimes loading;
+  std::optional<StageClock> clock(arguments.profile ? &loading : nullptr);
   const auto world = load_world_with_report(config);
   seconds["load_s"] = watch.lap();
-  const auto scene = std::make_shared<const Scene>(world, config.materials, threads, terminal_progress());
+  const auto scene = build(world, config, threads, radar);
   seconds["build_s"] = watch.lap();
-  std::fprintf(stderr, "ray-tracing scene: %.1f M triangles, %.0f MB, built in %.2f s (%s)\n",
-               static_cast<double>(scene->stats().ground_triangles + scene->stats().building_triangles) / 1e6,
-               static_cast<double>(scene->stats().bytes) / 1e6, scene->stats().build_s,
-               scene->stats().tracer.c_str());
+  clock.reset();
+  if (scene->built_tracer() != nullptr) say_on_terminal(tracer_line(*scene));
+  say_on_terminal(scene_memory_line(*scene));
 
   const Pose pose = place_radar(*world, radar);
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
@@ -97,7 +109,14 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
                     arguments.north_up ? MapUp::north : MapUp::bearing);
   if (textures) textures->write(std::filesystem::path(arguments.out) / "samples.exr");
   seconds["write_s"] = watch.lap();
-  write_timing(arguments.out, seconds);
+  if (arguments.profile) {
+    Profile profile = profile_frames({scene, snapshot, pose, radar.name, config.name, threads});
+    profile.scene = time_parts(loading);
+    std::fputs(profile_text(profile).c_str(), stderr);
+    write_timing(arguments.out, seconds, profile_json(profile));
+  } else {
+    write_timing(arguments.out, seconds);
+  }
 
   print_frame_report(arguments.out, descriptor, summary,
                      "in " + milliseconds_text(seconds["plan_s"] + seconds["render_s"]));
@@ -114,6 +133,10 @@ void add_render(CLI::App& app) {
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
   command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
+  command->add_flag(
+      "--profile", arguments->profile,
+      "Say where the time of loading and of a frame goes, on stderr and in timing.json; renders "
+      "some more frames for it");
   command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
       ->check(whole_number_from(0, 1024));
   command->callback([arguments] {

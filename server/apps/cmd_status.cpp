@@ -35,6 +35,7 @@ void run(const ServerArguments& arguments) {
                 radar.controller().empty() ? "nobody" : radar.controller().c_str(), radar.subscribers(),
                 radar.rate_hz(), radar.frames());
     if (radar.frames() > 0) std::printf(", the last in %.1f ms", 1000 * radar.last_render_s());
+    if (radar.frames_shed() > 0) std::printf(", %" PRIu64 " shed for want of time", radar.frames_shed());
     if (radar.pose_stale()) std::printf(", its pose is stale");
     if (radar.late_poses() > 0) std::printf(", %" PRIu64 " poses came late", radar.late_poses());
     if (radar.dwells_missed() > 0) std::printf(", %" PRIu64 " dwells missed", radar.dwells_missed());

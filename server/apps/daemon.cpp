@@ -35,6 +35,7 @@
 #include "server/net/scene_renderer.h"
 #include "server/net/security.h"
 #include "server/net/server.h"
+#include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -255,7 +256,8 @@ void Daemon::open_http() {
     http::SceneStatistics scene;
     if (serving_ != nullptr) {
       const SceneKeeper::State state = keeper_->state();
-      scene = {state.swaps, state.failures, state.building, state.last_build_s};
+      scene = {state.swaps, state.failures, state.building, state.last_build_s,
+               scene_memory(*renderer_->scene())};
     }
     return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
   };
@@ -291,7 +293,12 @@ void Daemon::load() {
   meet_accuracy(config_, say, progress());
   renderer_.emplace(build_scene(config_, say, progress()), config_.name);
   keeper_ = std::make_unique<SceneKeeper>(
-      config_, renderer_->scene(), build_scene_behind,
+      config_, renderer_->scene(),
+      [this](const SceneConfig& config, const std::stop_token& stop) {
+        auto scene = build_scene_behind(config, stop);
+        if (renderer_->scene()->built_tracer() != nullptr) scene->tracer();  // not when a frame waits for it
+        return scene;
+      },
       [this](std::shared_ptr<const Scene> scene) { renderer_->replace(std::move(scene)); });
   for (const RadarConfig& radar : config_.radars) {
     check_radar(*renderer_, radar);

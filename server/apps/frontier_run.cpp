@@ -19,6 +19,7 @@
 #include "server/output/frontier_markdown.h"
 #include "server/output/frontier_plot.h"
 #include "server/output/frontier_table.h"
+#include "server/scene/embree_tracer.h"
 #include "terrain/errors.h"
 #include "terrain/hash.h"
 
@@ -106,7 +107,8 @@ class FrontierRun {
     const auto world = load_world_with_report(config);
     Ground ground;
     ground.pose = place_radar(*world, radar_);
-    ground.scene = std::make_shared<const Scene>(world, config.materials, threads_, terminal_progress());
+    ground.scene = std::make_shared<const Scene>(world, config.materials, threads_);
+    ground.scene->tracer(terminal_progress());  // not while a frame is timed
     return ground;
   }
 
@@ -143,7 +145,7 @@ class FrontierRun {
     header_.view = view;
     header_.cpu = processor_name();
     header_.threads = threads_;
-    header_.tracer = finest_.scene->stats().tracer;
+    header_.tracer = EmbreeTracer::version();
     header_.repeats = options_.repeats;
     header_.azimuth_bins = s.azimuth_bins;
     header_.range_bins = s.range_bins;

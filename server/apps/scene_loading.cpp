@@ -1,8 +1,10 @@
 #include "server/apps/scene_loading.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "server/control/process_memory.h"
+#include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -90,29 +92,36 @@ void print_world_report(const World& world) {
   for (const std::string& line : world_report_lines(world)) say_on_terminal(line);
 }
 
+std::string scene_memory_line(const Scene& scene) {
+  char text[120];
+  std::snprintf(text, sizeof text, "; process %.0f MB, %.0f MB at its most",
+                static_cast<double>(resident_bytes()) / 1e6,
+                static_cast<double>(peak_resident_bytes()) / 1e6);
+  return memory_line(scene) + text;
+}
+
 std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
                                          const std::function<void(const std::string&)>& say,
                                          const Progress& progress) {
   say("scene " + config.name + ": loading terrain");
   auto world = std::make_shared<const World>(load_world(config.world, progress));
   for (const std::string& line : world_report_lines(*world)) say(line);
-  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, progress);
-  const SceneStats& stats = scene->stats();
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "ray-tracing scene: %.1f M triangles, %.0f MB, built in %.2f s (%s); %.0f MB in use in all",
-                static_cast<double>(stats.ground_triangles + stats.building_triangles) / 1e6,
-                static_cast<double>(stats.bytes) / 1e6, stats.build_s, stats.tracer.c_str(),
-                static_cast<double>(resident_bytes()) / 1e6);
-  say(text);
+  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads);
+  if (std::ranges::any_of(config.radars,
+                          [](const RadarConfig& radar) { return needs_tracer(radar.settings.frustum); })) {
+    scene->tracer(progress);
+    say(tracer_line(*scene));
+  }
+  say(scene_memory_line(*scene));
   return scene;
 }
 
 std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop) {
-  auto world = std::make_shared<const World>(load_world(config.world, [&](std::string_view, double) {
+  WorldSpec spec = config.world;
+  spec.terrain.cache_keeps = false;  // windows of a flight do not come again
+  auto world = std::make_shared<const World>(load_world(spec, [&](std::string_view, double) {
     if (stop.stop_requested()) throw InputError("given up: the server is stopping");
   }));
-  // Without progress: nothing may be thrown through Embree, and its part is short.
   return std::make_shared<const Scene>(world, config.materials, 1);
 }
 

@@ -35,13 +35,18 @@ std::vector<std::string> world_report_lines(const World& world);
 /// Prints those lines on stderr.
 void print_world_report(const World& world);
 
-/// Loads terrain and buildings and builds the ray-tracing scene; `say` gets what was found, a sentence each.
+/// What the scene takes in memory, and the process now and at its most.
+std::string scene_memory_line(const Scene& scene);
+
+/// Loads terrain and buildings and, when a radar's rays are traced, builds the ray-tracing scene; `say` gets
+/// what was found, a sentence each.
 std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
                                          const std::function<void(const std::string&)>& say,
                                          const Progress& progress);
 
 /// Loads the same without a word, on the calling thread alone but for Embree's part, for which `threads` of
-/// the configuration is taken as 1. Throws InputError soon after stop is requested.
+/// the configuration is taken as 1. New grids are not kept in the cache. Throws InputError soon after stop is
+/// requested.
 std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop);
 
 /// Loads terrain and buildings and prints what was found, one line per note, on stderr.

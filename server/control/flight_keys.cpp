@@ -32,7 +32,8 @@ const std::array kFlight{
                   "million",
                   above(0, 268),
                   {},
-                  "Most posts of terrain that are loaded while serving; about 40 MB of memory per million."},
+                  "Most posts of terrain that are loaded while serving; 32 MB of memory per million, 5 where "
+                  "every frustum is polar or a sweep."},
                  [](Scene& c) -> Slot { return &c.flight.max_megaposts; }},
 };
 

@@ -3,6 +3,7 @@
 #include "server/control/material_library.h"
 #include "server/control/parameters.h"
 #include "server/control/scene_keys.h"
+#include "terrain/ground_cache.h"
 
 namespace obliq {
 
@@ -75,6 +76,12 @@ std::string terrain(const SceneConfig& config) {
                "Spacing of the ground grid, m, or \"auto\". [restart]");
   text += line("fill_void_m", spec.fill_void_m ? toml_number(*spec.fill_void_m) : "\"auto\"",
                "Voids no wider than this are filled, m, or \"auto\". [restart]");
+  const std::string& cache = spec.cache_folder;
+  text += line("cache",
+               cache.empty()                   ? "\"off\""
+               : cache == usual_cache_folder() ? "\"auto\""
+                                               : toml_string(cache),
+               "Folder where grids are kept for the next start, \"auto\" or \"off\". [restart]");
   text += section("terrain.", config);
   if (spec.synthetic != SyntheticKind::none)
     text += header("terrain.shape") + section("terrain.shape.", config);

@@ -141,6 +141,11 @@ constexpr std::array kSpecial{
     SpecialKey{"terrain.fill_void_m", "\"auto\" or a number 0 to 100000 m", "\"auto\"",
                "Voids no wider than this are filled by interpolation, wider ones are no ground; auto: the "
                "larger of 200 m and three postings of the finest dem."},
+    SpecialKey{
+        "terrain.cache", "\"auto\", \"off\" or a folder", "\"auto\"",
+        "Grids made of a dem are kept here, 2 GB at most, and used again as long as nothing that they "
+        "were made from has changed; auto: $OBLIQ_CACHE_DIR, else $CACHE_DIRECTORY (systemd's), else "
+        "$XDG_CACHE_HOME/obliq, else ~/.cache/obliq; off where the first of them that is set is empty."},
     SpecialKey{"modbus.allow", "a list of addresses and networks, such as \"10.0.0.0/24\"", "[]",
                "Who may connect to Modbus; empty: anybody who can reach the address."},
     SpecialKey{"frustum.quality", "\"paper\" | \"draft\" | \"standard\" | \"reference\"", "",

@@ -10,6 +10,7 @@
 #include "server/control/modbus_keys.h"
 #include "server/control/scene_keys.h"
 #include "server/control/scene_sections.h"
+#include "terrain/ground_cache.h"
 
 namespace obliq {
 
@@ -129,6 +130,20 @@ void read_unit(SectionReader& reader, TerrainSpec& terrain) {
   }
 }
 
+void read_cache(SceneReading& reading, SectionReader& reader, TerrainSpec& terrain) {
+  terrain.cache_folder = usual_cache_folder();
+  const ConfigNode* node = reader.take("cache");
+  if (node == nullptr) return;
+  const auto* text = node->kind == Kind::value ? std::get_if<std::string>(&node->value) : nullptr;
+  if (text == nullptr || text->empty()) {
+    reader.complain(*node, "cache", "\"auto\", \"off\" or a folder");
+  } else if (*text == "off") {
+    terrain.cache_folder.clear();
+  } else if (*text != "auto") {
+    terrain.cache_folder = resolved_path(*node, reading.folder);
+  }
+}
+
 void read_terrain(SceneReading& reading, const ConfigNode& table) {
   TerrainSpec& terrain = reading.config.world.terrain;
   SectionReader reader(table, "terrain", reading.complaints);
@@ -140,6 +155,7 @@ void read_terrain(SceneReading& reading, const ConfigNode& table) {
   read_auto(reader, "cell_m", Key{"terrain.cell_m", "m", closed(1.0 / 32, 10000)}, terrain.cell_m);
   read_auto(reader, "fill_void_m", Key{"terrain.fill_void_m", "m", closed(0, 100e3)}, terrain.fill_void_m);
   read_unit(reader, terrain);
+  read_cache(reading, reader, terrain);
   std::string crs;
   if (reader.read("crs", Key{"terrain.crs", ""}, &crs)) terrain.crs = crs;
   reader.one_table("shape", [&](const ConfigNode& shape) {

@@ -9,6 +9,8 @@
 #include "server/explain/advice.h"
 #include "server/explain/table.h"
 #include "server/explain/verdict.h"
+#include "server/scene/embree_tracer.h"
+#include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
 #include "terrain/grid_area.h"
 
@@ -88,10 +90,13 @@ class Experiment {
   void build(Stage& stage, const std::vector<Material>& materials) {
     take_down(stage);  // the old one's memory goes first
     stage.scene = std::make_shared<const Scene>(stage.world, materials, input_.threads);
-    stage.costs.build_s = stage.scene->stats().build_s;
     stage.costs.grid_bytes = grid_bytes(*stage.world);
     stage.costs.building_bytes = building_bytes(stage.world->buildings);
-    stage.costs.tracer_bytes = stage.scene->stats().bytes;
+    if (needs_tracer(input_.settings.frustum)) {
+      const EmbreeTracer& tracer = stage.scene->tracer();
+      stage.costs.build_s = tracer.build_s();
+      stage.costs.tracer_bytes = tracer.bytes();
+    }
     std::vector<FieldError> errors;
     const auto pose = place_antenna(*stage.world, input_.pose, errors);
     if (!pose) throw InputError("radar \"" + input_.radar + "\": " + all_text(errors));

@@ -9,11 +9,6 @@
 namespace obliq {
 namespace {
 
-template <typename T>
-std::uint64_t bytes_of(const std::vector<T>& values) {
-  return values.size() * sizeof(T);
-}
-
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -88,15 +83,6 @@ BuildingSizes median_sizes(const Buildings& buildings) {
     }
   }
   return {median(heights_m), median(sides_m)};
-}
-
-std::uint64_t grid_bytes(const World& world) {
-  return bytes_of(world.grid.y_m) + bytes_of(world.surface_material);
-}
-
-std::uint64_t building_bytes(const Buildings& b) {
-  return bytes_of(b.list) + bytes_of(b.faces) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
-         bytes_of(b.vertices_m) + bytes_of(b.triangles) + bytes_of(b.triangle_face);
 }
 
 std::uint64_t available_bytes() {

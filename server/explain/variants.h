@@ -26,10 +26,6 @@ struct BuildingSizes {
 };
 BuildingSizes median_sizes(const Buildings& buildings);
 
-/// Bytes that the program itself holds: grid, surface materials, buildings.
-std::uint64_t grid_bytes(const World& world);
-std::uint64_t building_bytes(const Buildings& buildings);
-
 /// Memory that this machine could still give, by /proc/meminfo; 0 where that does not say.
 std::uint64_t available_bytes();
 

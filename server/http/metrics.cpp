@@ -53,11 +53,27 @@ MetricFamily single(const std::string& name, const std::string& help, MetricType
 
 MetricFamily per_radar(const std::string& name, const std::string& help,
                        const std::vector<net::RadarStatistics>& radars,
-                       double (*value)(const net::RadarStatistics&)) {
-  MetricFamily made = family(name, help, MetricType::Gauge);
+                       double (*value)(const net::RadarStatistics&), MetricType type = MetricType::Gauge) {
+  MetricFamily made = family(name, help, type);
   for (const net::RadarStatistics& radar : radars) {
-    made.metric.push_back(sample(MetricType::Gauge, value(radar), radar.name));
+    made.metric.push_back(sample(type, value(radar), radar.name));
   }
+  return made;
+}
+
+MetricFamily scene_memory_by_kind(const SceneMemory& memory) {
+  MetricFamily made = family("obliq_scene_memory_bytes", "Memory of the scene that serves, by what it holds.",
+                             MetricType::Gauge);
+  const auto kind = [&](const char* name, std::uint64_t bytes) {
+    ClientMetric metric = sample(MetricType::Gauge, static_cast<double>(bytes));
+    metric.label.push_back({"kind", name});
+    made.metric.push_back(std::move(metric));
+  };
+  kind("heights", memory.heights);
+  kind("surfaces", memory.surfaces);
+  kind("buildings", memory.buildings);
+  kind("index", memory.index);
+  kind("embree", memory.tracer);
   return made;
 }
 
@@ -94,6 +110,11 @@ void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all
   radar("obliq_radar_live_frames",
         "Frames of the radar that are being rendered, or wait in whole or in part for a client.",
         [](const Radar& r) { return static_cast<double>(r.live_frames); });
+  all.push_back(per_radar(
+      "obliq_radar_frames_shed_total",
+      "Frames of the radar that were never begun because there was no time for all that was "
+      "asked for.",
+      room.radars, [](const Radar& r) { return static_cast<double>(r.frames_shed); }, MetricType::Counter));
   radar("obliq_radar_live_bytes", "Memory that the blocks of those frames take.",
         [](const Radar& r) { return static_cast<double>(r.live_bytes); });
   radar("obliq_terrain_coverage_ratio", "Part of the radar's sector over known ground, in its newest frame.",
@@ -240,8 +261,12 @@ std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics
                        static_cast<double>(scene.failures)));
   all.push_back(single("obliq_scene_building", "1 while a scene is built behind the one that serves.",
                        MetricType::Gauge, scene.building ? 1 : 0));
+  if (scene.memory.total() > 0) all.push_back(scene_memory_by_kind(scene.memory));
   all.push_back(single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge,
                        static_cast<double>(resident_bytes())));
+  all.push_back(single("process_resident_memory_peak_bytes",
+                       "The most that was in use, while loading above all.", MetricType::Gauge,
+                       static_cast<double>(peak_resident_bytes())));
   all.push_back(single("process_start_time_seconds", "When the process started, since 1970, UTC.",
                        MetricType::Gauge, state_->started_s));
   return prometheus::TextSerializer().Serialize(all);

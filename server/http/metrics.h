@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/net/statistics.h"
+#include "server/scene/scene_memory.h"
 
 namespace obliq::http {
 
@@ -21,6 +22,7 @@ struct SceneStatistics {
   std::uint64_t failures = 0;
   bool building = false;
   double last_build_s = 0;  ///< of the newest swap
+  SceneMemory memory;       ///< of the scene that serves
 };
 
 /// What the daemon counts, in Prometheus' terms; METRICS.md lists it. From any thread.

@@ -240,6 +240,7 @@ BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s,
   message.set_frame_id(identity_.frame_id);
   *message.mutable_summary() = summary;
   message.set_render_s(render_s);
+  message.set_waited_s(identity_.waited_s);
   for (const AzimuthRange& span : missed) {
     wire::AzimuthSpan& row = *message.add_missed();
     row.set_first_azimuth(static_cast<std::uint32_t>(span.first));

@@ -28,6 +28,7 @@ struct FrameIdentity {
   std::vector<StreamChoice> choices{};  ///< of those the frame is for; none: one of the default
   std::int64_t pose_received_ns = 0;
   std::uint64_t frames_skipped = 0;  ///< that should have been rendered since the last
+  double waited_s = 0;               ///< from its date to its begin
   std::shared_ptr<BlockMeter> meter{};
 };
 

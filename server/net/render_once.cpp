@@ -35,7 +35,8 @@ void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& 
   lock.unlock();
   bool more = false;
   try {
-    more = (task->frame || begin_once(*task)) && continue_once(*task);
+    more = task->frame || begin_once(*task);
+    if (more && task->frame) more = continue_once(*task);
   } catch (const std::exception& e) {
     if (task->encoder) {
       task->send(events_, task->encoder->abort(words_of(e)));
@@ -50,6 +51,7 @@ void RenderThread::render_once(std::size_t index, std::unique_lock<std::mutex>& 
 bool RenderThread::begin_once(OnceTask& task) {
   const OnceJob& job = *task.job;
   auto plan = renderer_.plan(job.view.settings, job.view.pose);
+  if (!plan.frame && plan.errors.empty()) return true;  // nothing yet
   if (!plan.frame) {
     events_.on_once_fault(task.job, plan.errors);
     return false;
@@ -86,6 +88,7 @@ bool RenderThread::continue_once(OnceTask& task) {
   options.before_wedge = options_.before_wedge;
   options.stop = task.job->stop.get_token();
   options.pause = &task.pause;
+  task.pause.is_due = [this] { return gives_way(); };
   options.on_wedge = [&](Wedge&& wedge) {
     task.stats->add(wedge);
     for (const BlockPtr& block : task.encoder->wedge(wedge.index, wedge.bins)) {

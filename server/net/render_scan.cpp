@@ -56,18 +56,15 @@ bool RenderThread::wants_scan(const LiveTask& task) const {
          task.view->settings->settings.scan_mode != ScanMode::frame;
 }
 
-bool RenderThread::scan_is_due(std::size_t index, Clock::time_point now, Clock::time_point& next_due) {
+RenderThread::Clock::time_point RenderThread::scan_date(std::size_t index, Clock::time_point now) {
   const LiveTask& task = live_[index];
   const auto& scan = task.scan;
   if (scan && scan->settings == task.view->settings) {
     const auto due = scan->schedule.middle(scan->next);
-    if (due > now) {
-      next_due = std::min(next_due, due);
-      return false;
-    }
-    if (scan->pass) return true;
+    if (due > now) return due;
+    if (scan->pass) return now;
   }
-  return !is_held_up(index, now, next_due);
+  return is_held_up(index, now) ? task.next_reminder : now;
 }
 
 void RenderThread::end_scan(std::size_t index, const std::string& reason) {

@@ -20,6 +20,7 @@
 #include "server/net/frame_renderer.h"
 #include "server/net/live_frames.h"
 #include "server/net/live_view.h"
+#include "server/net/render_turns.h"
 #include "server/net/request_limits.h"
 #include "server/net/statistics.h"
 #include "server/net/stream_choice.h"
@@ -102,7 +103,8 @@ class RenderThread {
   struct Load {
     int live_frames = 0;
     std::size_t live_bytes = 0;
-    std::uint64_t frames_skipped = 0;
+    std::uint64_t frames_skipped = 0;  ///< because of the limit of live frames
+    std::uint64_t frames_shed = 0;     ///< for want of time
   };
   Load load(std::size_t radar) const;
 
@@ -110,36 +112,48 @@ class RenderThread {
   using Clock = std::chrono::steady_clock;
 
   struct ScanTask;
+  struct FrameInHand;
   struct LiveTask {
     std::string name;
     std::uint32_t stream_id = 0;
     std::shared_ptr<const LiveView> view;
     std::vector<Demand> demands;
     double rate_hz = 0;  ///< the greatest
-    Clock::time_point due;
+    FrameDates dates;
     Clock::time_point held_up_since = Clock::time_point::max();  ///< of a frame due; max: it is not
     Clock::time_point next_reminder;
     std::shared_ptr<LiveFrames> frames;
     std::uint64_t skipped = 0;  ///< since the newest frame
     std::atomic<std::uint64_t> skipped_in_all{0};
+    std::atomic<std::uint64_t> shed{0};
     std::shared_ptr<const LiveView> faulty;  ///< what could not be rendered, if anything
     std::uint64_t faulty_generation = 0;     ///< of the renderer then
     std::uint64_t last_frame = 0;
     std::int64_t shown_pose_ns = 0;  ///< arrival of the newest pose that a whole frame has shown
     std::uint64_t sequence = 0;
-    std::stop_source stop;           ///< of the frame in hand
-    std::shared_ptr<ScanTask> scan;  ///< of a scanning antenna; this thread alone uses it
+    std::stop_source stop;              ///< of the frame in hand
+    std::shared_ptr<FrameInHand> hand;  ///< null: none has begun; this thread alone uses it
+    std::shared_ptr<ScanTask> scan;     ///< of a scanning antenna; this thread alone uses it
   };
   struct OnceTask;
   struct Choice {
     bool live = false;
     std::size_t index = 0;
+    bool ends_scan = false;
   };
 
   void run(const std::stop_token& stop);
   bool still_faulty(const LiveTask& task) const;
+  /// Whose turn it is; false: nobody's before next_due.
   bool choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due);
-  bool is_held_up(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
+  void take_turn(const Choice& choice, std::unique_lock<std::mutex>& lock);
+  /// When a live radar has something to render: now, or that late.
+  Clock::time_point live_date(std::size_t index, Clock::time_point now);
+  bool is_held_up(std::size_t index, Clock::time_point now);
+  /// Its frames may be late, but each is rendered.
+  bool none_is_shed(const LiveTask& task) const;
+  /// Asked while something is rendered: others are to have their turn.
+  bool gives_way() const;
   static FrameIdentity identity_of(LiveTask& task, std::uint64_t frame_id, const Order& order,
                                    const LiveView& view);
   std::int64_t clock_ns() const;
@@ -147,7 +161,7 @@ class RenderThread {
 
   // A scanning antenna (render_scan.cpp):
   bool wants_scan(const LiveTask& task) const;
-  bool scan_is_due(std::size_t index, Clock::time_point now, Clock::time_point& next_due);
+  Clock::time_point scan_date(std::size_t index, Clock::time_point now);
   void render_dwell(std::size_t index, std::unique_lock<std::mutex>& lock);
   void leave_out(std::size_t index, const Dwell& dwell);
   void miss(ScanTask& scan, const Dwell& dwell);
@@ -165,9 +179,11 @@ class RenderThread {
   static wire::FrameSummary summary_of(const PlannedFrame& frame, const FrameSum& stats,
                                        std::uint64_t frame_id, RenderedFrame& rendered);
 
-  void render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
+  bool render_live(std::size_t index, std::unique_lock<std::mutex>& lock);
+  bool begin_live(std::size_t index, std::unique_lock<std::mutex>& lock);
+  bool continue_live(std::size_t index);
   void render_once(std::size_t index, std::unique_lock<std::mutex>& lock);
-  bool begin_once(OnceTask& task);
+  bool begin_once(OnceTask& task);  ///< true without a frame: nothing yet, to be asked again
   bool continue_once(OnceTask& task);
 
   const FrameRenderer& renderer_;
@@ -176,11 +192,15 @@ class RenderThread {
 
   std::mutex mutex_;  ///< guards everything below but the thread
   std::condition_variable_any changed_;
-  std::uint64_t changes_ = 0;  ///< counts wake-ups, so that none is missed
-  std::deque<LiveTask> live_;  ///< a deque: elements stay where they are
+  std::atomic<std::uint64_t> changes_ = 0;  ///< counts wake-ups, so that none is missed
+  std::deque<LiveTask> live_;               ///< a deque: elements stay where they are
   std::deque<std::shared_ptr<OnceTask>> once_;
   bool finishing_ = false;
-  std::size_t turn_ = 0;   ///< where the round begins
+  RenderTurns turns_;           ///< live radars by their numbers, then RenderOnce
+  std::size_t once_turn_ = 0;   ///< where the round of the RenderOnce jobs begins
+  Clock::time_point give_way_;  ///< of the turn in hand, as are the next two
+  Clock::time_point turn_began_;
+  std::uint64_t changes_seen_ = 0;
   bool scanning_ = false;  ///< some antenna scans: slices of other work are short
 
   std::jthread thread_;

@@ -195,6 +195,7 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_live_frames(static_cast<std::uint32_t>(load.live_frames));
     entry.set_live_bytes(load.live_bytes);
     entry.set_frames_skipped(load.frames_skipped);
+    entry.set_frames_shed(load.frames_shed);
     entry.set_fault(radar.faults.empty() ? "" : radar.faults.front().text());
     entry.set_transmit_off(!radar.transmit);
     entry.set_frozen(radar.frozen);

@@ -84,7 +84,7 @@ RoomStatistics Room::statistics() const {
     const RenderThread::Load load = render_.load(radar.stream_id - 1);
     all.radars.push_back({radar.name, radar.watchers.size(), radar.rate_hz, radar.coverage,
                           radar.controller != nullptr, !radar.faults.empty(), load.live_frames,
-                          load.live_bytes});
+                          load.live_bytes, load.frames_shed});
   }
   return all;
 }

@@ -74,6 +74,14 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
   PlanResult planned = plan_frame(scene, settings, *placed);
   result.errors = std::move(planned.errors);
   if (!planned.plan) return result;
+  if (needs_tracer(settings->settings.frustum)) {
+    std::string fault;
+    const TracerBuilder::State state = tracer_.ensure(scene, fault);
+    if (state == TracerBuilder::State::failed)
+      result.errors = {
+          {"frustum.kind", "a frustum whose rays are traced", "\"polar\" or \"sweep\": " + fault}};
+    if (state != TracerBuilder::State::built) return result;
+  }
   if (before != nullptr) planned.plan->add_seen(*before);
   result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
   return result;

@@ -5,11 +5,13 @@
 #include <string>
 
 #include "server/net/frame_renderer.h"
+#include "server/net/tracer_builder.h"
 
 namespace obliq::net {
 
 /// Renders frames of a loaded scene, which may be exchanged for another between frames: a planned frame keeps
-/// the scene that it was planned in.
+/// the scene that it was planned in. Where the first frustum's rays are to be traced, plan() has nothing yet
+/// until Embree's scene is built, beside the rendering.
 class SceneRenderer : public FrameRenderer {
  public:
   SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);
@@ -31,6 +33,7 @@ class SceneRenderer : public FrameRenderer {
   std::shared_ptr<const Scene> scene_;
   std::string scene_name_;
   std::atomic<std::uint64_t> generation_ = 0;
+  mutable TracerBuilder tracer_;
 };
 
 }  // namespace obliq::net

@@ -16,7 +16,8 @@ struct RenderedOnce {
 
 /// A live frame that has been rendered to its end.
 struct RenderedFrame {
-  double render_s = 0;       ///< from its planning to its last block
+  double waited_s = 0;       ///< from the date when it was due to its planning
+  double render_s = 0;       ///< from its planning to its last block, with the turns of others in between
   double first_wedge_s = 0;  ///< from its planning to its first wedge
   /// From the arrival of its pose to its last block; negative for all but the first frame of each pose.
   double pose_to_end_s = -1;
@@ -32,9 +33,10 @@ struct RadarStatistics {
   double rate_hz = 0;   ///< the fastest watcher's
   double coverage = 0;  ///< of the newest frame
   bool controlled = false;
-  bool faulty = false;         ///< cannot be rendered as it is
-  int live_frames = 0;         ///< being rendered, or waiting in whole or in part for a client
-  std::size_t live_bytes = 0;  ///< of their blocks
+  bool faulty = false;            ///< cannot be rendered as it is
+  int live_frames = 0;            ///< being rendered, or waiting in whole or in part for a client
+  std::size_t live_bytes = 0;     ///< of their blocks
+  std::uint64_t frames_shed = 0;  ///< whole ones, never begun, for want of time
 };
 
 struct RoomStatistics {

@@ -54,9 +54,11 @@ void write_frame_files(const std::filesystem::path& directory, const wire::Frame
   }
 }
 
-void write_timing(const std::filesystem::path& directory, const std::map<std::string, double>& seconds) {
+void write_timing(const std::filesystem::path& directory, const std::map<std::string, double>& seconds,
+                  const std::string& profile) {
   nlohmann::ordered_json root;
   for (const auto& [name, value] : seconds) root[name] = value;
+  if (!profile.empty()) root["profile"] = nlohmann::ordered_json::parse(profile);
   write_text(directory / "timing.json", root.dump(1) + "\n");
 }
 

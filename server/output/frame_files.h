@@ -27,7 +27,9 @@ void write_frame_files(const std::filesystem::path& directory, const wire::Frame
 /// Writes a whole text file. Throws InputError that names it.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
-/// Writes timing.json, seconds by stage: outside the bit-for-bit promise.
-void write_timing(const std::filesystem::path& directory, const std::map<std::string, double>& seconds);
+/// Writes timing.json, seconds by stage: outside the bit-for-bit promise. `profile`: a JSON object of its
+/// own, or empty.
+void write_timing(const std::filesystem::path& directory, const std::map<std::string, double>& seconds,
+                  const std::string& profile = {});
 
 }  // namespace obliq

@@ -19,6 +19,8 @@ struct RayBatch {
   std::array<double, kBatch> solid_angle_sr;
   std::array<std::int32_t, kBatch> azimuth_bin;
   std::array<std::uint32_t, kBatch> pixel;  ///< row * columns + column, for textures alone
+  std::array<std::uint16_t, kBatch>
+      packet_order;  ///< every ray once: sixteen after another are traced together
 
   bool full() const { return n == kBatch; }
 };

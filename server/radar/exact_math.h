@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "server/radar/exact_series.h"
+
 namespace obliq {
 
 struct SinCos {
@@ -13,33 +15,9 @@ struct SinCos {
   double cos;
 };
 
-/// Nearest integer for |x| < 2^51 (ties to even): adding 1.5 x 2^52 leaves no bits behind the point.
-inline double nearest_integer(double x) {
-  constexpr double kShift = 6755399441055744.0;
-  return (x + kShift) - kShift;
-}
-
 /// sin and cos of 2 pi turns, |turns| < 2^51. Error below 3e-16: the reduction modulo one turn is exact.
 inline SinCos sincos_turns(double turns) {
-  // Nearest quarter turn, then the Taylor series on [-pi/4, pi/4] (remainders 5e-18 and 3e-18).
-  const double fraction = turns - nearest_integer(turns);
-  const double quarters = nearest_integer(4 * fraction);
-  const double x = 6.283185307179586476925 * (fraction - 0.25 * quarters);
-  const double z = x * x;
-  const double s =
-      x + x * z *
-              (-1.0 / 6 +
-               z * (1.0 / 120 +
-                    z * (-1.0 / 5040 +
-                         z * (1.0 / 362880 + z * (-1.0 / 39916800 + z * (1.0 / 6227020800.0 +
-                                                                         z * (-1.0 / 1307674368000.0)))))));
-  const double c =
-      1 +
-      z * (-0.5 + z * (1.0 / 24 + z * (-1.0 / 720 +
-                                       z * (1.0 / 40320 + z * (-1.0 / 3628800 +
-                                                               z * (1.0 / 479001600.0 +
-                                                                    z * (-1.0 / 87178291200.0 +
-                                                                         z * (1.0 / 20922789888000.0))))))));
+  const auto [quarters, s, c] = quarter_turns(turns);
   switch (static_cast<int>(quarters) & 3) {
     case 0:
       return {s, c};
@@ -97,12 +75,7 @@ inline double log_of_positive(double x) {
     mantissa *= 0.5;
     ++exponent;
   }
-  // ln m = 2 artanh(s), s = (m - 1) / (m + 1), |s| <= 0.1716; the series to s^21 (remainder 4e-19).
-  const double s = (mantissa - 1) / (mantissa + 1);
-  const double z = s * s;
-  double sum = 0;
-  for (int k = 21; k >= 1; k -= 2) sum = sum * z + 1.0 / k;
-  return 2 * s * sum + exponent * 0.69314718055994530942;
+  return log_of_parts(mantissa, static_cast<double>(exponent));
 }
 
 }  // namespace obliq

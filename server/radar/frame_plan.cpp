@@ -67,6 +67,15 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, c
 
 double FramePlan::building_reach_m() const { return sector_.r_max_m + 2 * scene_->world().grid.cell_m; }
 
+std::vector<std::uint32_t> FramePlan::buildings_in(AzimuthRange range) const {
+  std::vector<std::uint32_t> buildings;
+  for (int bin = range.first; bin < range.first + range.count; ++bin)
+    buildings.insert(buildings.end(), buildings_in(bin).begin(), buildings_in(bin).end());
+  std::sort(buildings.begin(), buildings.end());
+  buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
+  return buildings;
+}
+
 void FramePlan::sort_buildings_by_azimuth() {
   const Buildings& all = scene_->world().buildings;
   const double reach_m = building_reach_m();

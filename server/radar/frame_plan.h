@@ -55,6 +55,8 @@ class FramePlan {
   const std::vector<std::uint32_t>& buildings_in(int azimuth_bin) const {
     return buildings_by_azimuth_[static_cast<std::size_t>(azimuth_bin)];
   }
+  /// Those of several azimuth bins, each once, rising.
+  std::vector<std::uint32_t> buildings_in(AzimuthRange range) const;
 
   /// The sweep divides a bin for a building from up to a cell in front of it: a building just beyond the
   /// swath counts, or nearer bins would depend on where the swath ends.

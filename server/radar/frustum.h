@@ -44,11 +44,14 @@ struct PerspectiveFrustum {
   /// where a coarse pixel reaches far around the nadir and the form would exceed the whole sphere, the exact
   /// integral.
   double solid_angle_sr(double column, double row, double distance2_m2, double distance_m) const {
+    if (distance2_m2 < wide_m2()) return wide_solid_angle_sr(column, row);
+    return pixel_width_m() * pixel_height_m() * near_m / (distance2_m2 * distance_m);
+  }
+  /// Below this square of its distance a pixel is wide.
+  double wide_m2() const {
     const double width = pixel_width_m();
     const double height = pixel_height_m();
-    if (256 * std::max(width * width, height * height) > distance2_m2)
-      return wide_solid_angle_sr(column, row);
-    return width * height * near_m / (distance2_m2 * distance_m);
+    return 256 * std::max(width * width, height * height);
   }
   /// The integral over the pixel's rectangle: atan(X Y / (D_n sqrt(X^2 + Y^2 + D_n^2))) over its corners,
   /// opposite ones with the same sign.

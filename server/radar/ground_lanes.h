@@ -5,9 +5,8 @@
 
 namespace obliq {
 
-/// Eight vertical planes over bare ground, side by side, on their way outwards: SweepPlane without roofs, to
-/// the bit. [8] of everything.
-struct GroundLanes {
+/// Eight vertical planes side by side on their way outwards through the grid. [8] of everything.
+struct WalkingPlanes {
   static constexpr int kLanes = 8;
   double sin_bearing[kLanes];
   double cos_bearing[kLanes];
@@ -15,6 +14,10 @@ struct GroundLanes {
   double d_m[kLanes];    ///< where it stands, and in which cell: whole numbers
   double i[kLanes];
   double j[kLanes];
+};
+
+/// Over bare ground: SweepPlane without roofs, to the bit.
+struct GroundLanes : WalkingPlanes {
   double horizon_d_m[kLanes];  ///< as in PlaneHorizon
   double horizon_h_m[kLanes];
   /// The width that the plane stands for, and up to where. After that those at `next`.

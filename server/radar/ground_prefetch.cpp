@@ -9,27 +9,20 @@ namespace obliq {
 namespace {
 
 constexpr std::ptrdiff_t kFloatsALine = 16;  // 64 bytes
-constexpr double kMostBytes = 512 * 1024;
+constexpr double kMostBytes = 1024 * 1024;
 
 }  // namespace
 
-void prefetch_ground(const FramePlan& plan, AzimuthRange range) {
-  const HeightGrid& grid = plan.scene().world().grid;
-  const BinGrid& bins = plan.bins();
-  const Sector& sector = plan.sector();
-  const double width_rad = range.count * bins.azimuth_width_rad;
-  const double cells_far = sector.r_max_m / grid.cell_m;
-  // Half a square of the radius times the angle, and a line at both ends of each row.
-  if (cells_far * (0.5 * cells_far * width_rad * sizeof(float) + 128) > kMostBytes) return;
-  // The wedge as a triangle, in cells.
-  const glm::dvec2 antenna((sector.antenna_m.x - grid.x0_m) / grid.cell_m,
-                           (sector.antenna_m.z - grid.z0_m) / grid.cell_m);
-  std::array<glm::dvec2, 3> corners{antenna, antenna, antenna};
-  for (const int side : {0, 1}) {
-    const double bearing = sector.bearing_rad + bins.azimuth_edge_rad(range.first + side * range.count);
-    corners[static_cast<std::size_t>(1 + side)] +=
-        cells_far * glm::dvec2(std::sin(bearing), std::cos(bearing));
-  }
+void prefetch_ground(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right,
+                     double reach_m) {
+  const double cells_far = reach_m / grid.cell_m;
+  const double sin_width = std::abs(left.sin * right.cos - left.cos * right.sin);
+  // The triangle, and a line at both ends of each row.
+  if (!(cells_far * (0.5 * cells_far * sin_width * sizeof(float) + 128) <= kMostBytes)) return;
+  // In cells.
+  const glm::dvec2 antenna((antenna_m.x - grid.x0_m) / grid.cell_m, (antenna_m.z - grid.z0_m) / grid.cell_m);
+  const std::array<glm::dvec2, 3> corners{antenna, antenna + cells_far * glm::dvec2(left.sin, left.cos),
+                                          antenna + cells_far * glm::dvec2(right.sin, right.cos)};
   const auto [lowest, highest] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
   const int last_row = static_cast<int>(std::clamp(std::ceil(highest), -1.0, grid.nz - 1.0));
   for (int j = static_cast<int>(std::clamp(std::floor(lowest), 0.0, static_cast<double>(grid.nz)));

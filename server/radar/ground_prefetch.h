@@ -1,11 +1,16 @@
 #pragma once
-#include "server/radar/frame_plan.h"
+#include <glm/vec3.hpp>
+
+#include "server/radar/exact_math.h"
+#include "terrain/height_grid.h"
 
 namespace obliq {
 
-/// Asks for the heights under a wedge row by row, so that they are in the second-level cache when planes
-/// march through it: a march waits for each line of the cache, and rows can be waited for all at once. Does
-/// nothing for a wedge that such a cache would not hold.
-void prefetch_ground(const FramePlan& plan, AzimuthRange range);
+/// Asks for the heights between two bearings (sin and cos of world angles, less than half a turn apart) and
+/// up to a ground distance, row by row, so that they are in the second-level cache when planes march through
+/// them: a march waits for each line of the cache, and rows can be waited for all at once. Does nothing for a
+/// wedge that such a cache would not hold.
+void prefetch_ground(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right,
+                     double reach_m);
 
 }  // namespace obliq

@@ -2,7 +2,10 @@
 // The inner loops that exist once for each instruction set. All sets give the same bits.
 #include <vector>
 
+#include "server/radar/aim_lanes.h"
+#include "server/radar/answer_lanes.h"
 #include "server/radar/ground_lanes.h"
+#include "server/radar/hit_lanes.h"
 #include "server/radar/horizon_lanes.h"
 #include "server/radar/merge_lanes.h"
 #include "server/radar/piece_lanes.h"
@@ -22,6 +25,9 @@ struct LaneKernels {
   ProfileKernel march_profiles;
   PlaceKernel place;
   MergeKernel merge;
+  AnswerKernel answer_rays;
+  HitKernel meet_ground;
+  AimKernel aim;
 };
 
 /// Those of the widest set that this machine has.
@@ -43,7 +49,10 @@ inline LaneGrid lane_grid(const HeightGrid& grid) {
   HorizonPoint highest_ground(const GroundScene&, const GroundStretch&);                                   \
   int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);                        \
   void place_samples(const SwathCells&, int, const double*, const double*, const double*, PlacedSamples&); \
+  unsigned answer_rays(const GroundScene&, const RayRows&, RayLanes&);                                     \
   std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                           \
+  int aim_pixels(const PixelCamera&, const PixelList&, const AimedRays&);                                  \
+  void meet_ground(const GroundRays&, GroundHits&);                                                        \
   }
 OBLIQ_DECLARE_LANES(sse)
 OBLIQ_DECLARE_LANES(avx2)

@@ -2,13 +2,15 @@
 // Eight doubles that go through the same operations side by side, for the files that are compiled once for
 // each instruction set (server/radar/CMakeLists.txt). GCC and clang turn one operation on them into one, two
 // or four instructions. Every operation here is a plain IEEE one, lane by lane, so that the bits are the same
-// whatever the set. Files that include this call no inline function from elsewhere: the linker keeps one copy
-// of those, and it must not be the one for the widest set.
+// whatever the set. Files that include this call no function from elsewhere but those that are always inlined
+// (exact_series.h): the linker keeps one copy of the others, and it must not be the one for the widest set.
 #include <cstddef>
 #include <cstdint>
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
+
+#include "server/radar/exact_series.h"
 
 namespace obliq::OBLIQ_ISA {
 
@@ -61,6 +63,9 @@ OBLIQ_LANES Lanes greatest(Lanes a, Lanes b) { return select(a < b, b, a); }  //
 OBLIQ_LANES Lanes clamp(Lanes x, Lanes low, Lanes high) {                     // std::clamp
   return select(x < low, low, select(high < x, high, x));
 }
+
+/// 1 in the lanes of `where`, 0 elsewhere.
+OBLIQ_LANES LaneBits ones_of(LaneFlags where) { return __builtin_bit_cast(LaneBits, where) & 1; }
 
 /// A bit for each lane, the first lane's the lowest.
 OBLIQ_LANES unsigned mask_of(LaneFlags flags) {
@@ -123,14 +128,33 @@ OBLIQ_LANES Lanes gather(const double* from, LaneBits at) {
 #endif
 }
 
-/// Nearest whole number for |x| < 2^51, ties to even.
-OBLIQ_LANES Lanes nearest_integers(Lanes x) {
-  constexpr double kShift = 6755399441055744.0;
-  return (x + kShift) - kShift;
+/// to[at] = x in the lanes of a mask, at whole numbers that differ.
+OBLIQ_LANES void scatter(unsigned mask, double* to, LaneBits at, Lanes x) {
+#if defined(__AVX512F__)
+  _mm512_mask_i64scatter_pd(to, static_cast<__mmask8>(mask), __builtin_bit_cast(__m512i, at),
+                            __builtin_bit_cast(__m512d, x), sizeof(double));
+#else
+  for (unsigned left = mask; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    to[at[lane]] = x[lane];
+  }
+#endif
 }
+OBLIQ_LANES void scatter(unsigned mask, std::uint32_t* to, LaneBits at, LaneBits x) {
+#if defined(__AVX512F__)
+  _mm512_mask_i64scatter_epi32(to, static_cast<__mmask8>(mask), __builtin_bit_cast(__m512i, at),
+                               _mm512_cvtepi64_epi32(__builtin_bit_cast(__m512i, x)), sizeof(std::uint32_t));
+#else
+  for (unsigned left = mask; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    to[at[lane]] = static_cast<std::uint32_t>(x[lane]);
+  }
+#endif
+}
+
 /// The greatest whole number that is not above x, |x| < 2^51.
 OBLIQ_LANES Lanes floor_of(Lanes x) {
-  const Lanes nearest = nearest_integers(x);
+  const Lanes nearest = nearest_integer(x);
   return select(nearest > x, nearest - 1.0, nearest);
 }
 /// Whole numbers from 0 to 2^52 as integers, and back.
@@ -150,24 +174,7 @@ struct SinCosLanes {
 
 /// As sincos_turns in exact_math.h, to the bit.
 OBLIQ_LANES SinCosLanes sincos_turns(Lanes turns) {
-  const Lanes fraction = turns - nearest_integers(turns);
-  const Lanes quarters = nearest_integers(4.0 * fraction);
-  const Lanes x = 6.283185307179586476925 * (fraction - 0.25 * quarters);
-  const Lanes z = x * x;
-  const Lanes s =
-      x + x * z *
-              (-1.0 / 6 +
-               z * (1.0 / 120 +
-                    z * (-1.0 / 5040 +
-                         z * (1.0 / 362880 + z * (-1.0 / 39916800 + z * (1.0 / 6227020800.0 +
-                                                                         z * (-1.0 / 1307674368000.0)))))));
-  const Lanes c =
-      1.0 +
-      z * (-0.5 + z * (1.0 / 24 + z * (-1.0 / 720 +
-                                       z * (1.0 / 40320 + z * (-1.0 / 3628800 +
-                                                               z * (1.0 / 479001600.0 +
-                                                                    z * (-1.0 / 87178291200.0 +
-                                                                         z * (1.0 / 20922789888000.0))))))));
+  const auto [quarters, s, c] = quarter_turns(turns);
   // The quarter's number, from 0, in the low bits.
   const LaneBits quarter = bits_of(quarters + 6755399441055744.0);
   const LaneFlags odd = (quarter & 1) != 0;
@@ -184,12 +191,7 @@ OBLIQ_LANES Lanes log_of_positive(Lanes x) {
   const LaneFlags high = mantissa > 1.41421356237309504880;
   mantissa = select(high, mantissa * 0.5, mantissa);
   exponent = select(high, exponent + 1.0, exponent);
-  const Lanes s = (mantissa - 1.0) / (mantissa + 1.0);
-  const Lanes z = s * s;
-  Lanes sum{};
-#pragma GCC unroll 11
-  for (int k = 21; k >= 1; k -= 2) sum = sum * z + 1.0 / k;
-  return 2.0 * s * sum + exponent * 0.69314718055994530942;
+  return log_of_parts(mantissa, exponent);
 }
 
 /// As mix64 in terrain/hash.h.

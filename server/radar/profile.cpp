@@ -10,6 +10,7 @@
 #include "server/radar/profile_march.h"
 #include "server/radar/roof_steps.h"
 #include "server/radar/sweep_samples.h"
+#include "server/radar/walking_planes.h"
 
 namespace obliq {
 namespace {
@@ -198,12 +199,7 @@ void march_profiles(const FramePlan& plan, std::span<const double> positions,
     const Plane& plane = planes.emplace_back(plane_at(plan, positions[lane], spans));
     const GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, 0, bins.r_max_m);
     if (walk.done()) continue;
-    lanes.sin_bearing[lane] = plane.bearing.sin;
-    lanes.cos_bearing[lane] = plane.bearing.cos;
-    lanes.end_m[lane] = walk.end_m();
-    lanes.d_m[lane] = walk.at_m();
-    lanes.i[lane] = walk.cell_i();
-    lanes.j[lane] = walk.cell_j();
+    set_out(lanes, lane, plane.bearing, walk);
     lanes.missing_m2[lane] = area.ring_m2(0, walk.at_m()) + area.ring_m2(walk.end_m(), bins.r_max_m);
     lanes.state[lane] = plane.state;
     lanes.visible[lane] = results[lane].visible.data();
@@ -224,9 +220,7 @@ void march_profiles(const FramePlan& plan, std::span<const double> positions,
       ProfileMarch marcher(bins, antenna.y, plane.state, results[lane]);
       Surface surface(plane, area, marcher, walk.at_m(), false);
       walk.advance(walk.end_m(), surface);
-      lanes.d_m[lane] = walk.at_m();
-      lanes.i[lane] = walk.cell_i();
-      lanes.j[lane] = walk.cell_j();
+      stand_at(lanes, lane, walk);
       lanes.missing_m2[lane] = plane.missing_m2;
       lanes.state[lane] = plane.state;
       next_roof(lane);

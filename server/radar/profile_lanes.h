@@ -17,15 +17,8 @@ struct ProfileState {
   double joined = 0;  ///< 1: the next piece begins where the last one ended
 };
 
-/// Eight vertical planes over bare ground, side by side. [8] of everything.
-struct ProfileLanes {
-  static constexpr int kLanes = GroundLanes::kLanes;
-  double sin_bearing[kLanes];
-  double cos_bearing[kLanes];
-  double end_m[kLanes];  ///< below d_m: nothing to march
-  double d_m[kLanes];    ///< where it stands, and in which cell: whole numbers
-  double i[kLanes];
-  double j[kLanes];
+/// Eight profiles over bare ground.
+struct ProfileLanes : WalkingPlanes {
   double roof_m[kLanes];      ///< where the next roof begins; infinite without
   double missing_m2[kLanes];  ///< ground area that is not known is added here
   ProfileState state[kLanes];

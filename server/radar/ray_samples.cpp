@@ -2,15 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "server/radar/lane_kernels.h"
 #include "server/radar/wedge_profile.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/ray_answer.h"
+#include "terrain/stage_clock.h"
 
 namespace obliq {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+static_assert(GroundHits::kMost == kBatch);
+
+}  // namespace
 
 RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile)
     : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)) {
+  if (!needs_tracer(plan.settings().frustum) && plan.extent().any) polar_.emplace(plan, range);
   if (plan.settings().plates == PlateKind::nearest) return;
   if (!profile) own_profile_ = std::make_unique<WedgeProfile>(plan, range);
   spreader_ = make_plate_spreader(plan, range, profile ? *profile : *own_profile_);
@@ -29,6 +39,7 @@ bool RaySamples::next(SampleBatch& samples, FrameStats& stats) {
     if (trace(stats)) {
       take_spread(stats);
     } else {
+      const StageProbe probe(Stage::plates);
       spreader_->finish(spread_);
       finished_ = true;
     }
@@ -37,14 +48,59 @@ bool RaySamples::next(SampleBatch& samples, FrameStats& stats) {
 }
 
 bool RaySamples::trace(FrameStats& stats) {
-  if (!source_->next(rays_)) return false;
+  {
+    const StageProbe probe(Stage::rays);
+    if (!source_->next(rays_)) return false;
+  }
+  const StageProbe probe(Stage::trace);
   stats.rays += static_cast<std::uint64_t>(rays_.n);
+  if (polar_) {
+    polar_->trace(rays_, rough_.data());
+    return true;
+  }
   plan_.scene().tracer().trace(plan_.sector().antenna_m, rays_.dir_x.data(), rays_.dir_y.data(),
-                               rays_.dir_z.data(), rays_.n, rough_.data());
+                               rays_.dir_z.data(), rays_.n, rough_.data(), rays_.packet_order.data());
   return true;
 }
 
-/// What a ray meets first, in double.
+/// Answers at once what lies on the ground, most rays.
+void RaySamples::meet_ground() {
+  const auto n = static_cast<std::size_t>(rays_.n);
+  for (std::size_t k = 0; k < n; ++k)
+    rough_ground_m_[k] =
+        rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNone;
+  for (std::size_t k = n; k % 8 != 0; ++k) rough_ground_m_[k] = kNone;
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  lane_kernels().meet_ground(
+      {lane_grid(plan_.scene().world().grid), antenna.x, antenna.y, antenna.z, rays_.n, rays_.dir_x.data(),
+       rays_.dir_y.data(), rays_.dir_z.data(), rough_ground_m_.data()},
+      ground_);
+}
+
+/// Whether meet_ground has the ray's answer, and it does not prove that the ray has leaked. It has no normal,
+/// which textures alone ask for.
+bool RaySamples::on_ground(std::size_t k) const {
+  const double range_m = ground_.slant_range_m[k];
+  if (tap_ || std::isnan(range_m)) return false;
+  const Scene& scene = plan_.scene();
+  // A march lets no ray through; beyond the swath, where it leaves buildings out, nothing is binned.
+  if (polar_ || scene.building_index().empty()) return true;
+  const double y_m = plan_.sector().antenna_m.y + range_m * rays_.dir_y[k];
+  return !ground_is_buried(scene, {ground_.x_m[k], y_m, ground_.z_m[k]});
+}
+
+/// For rays on_ground.
+ExactHit RaySamples::ground_hit(std::size_t k) const {
+  ExactHit hit;
+  hit.slant_range_m = ground_.slant_range_m[k];
+  hit.cos_incidence = ground_.cos_incidence[k];
+  hit.position_m = {ground_.x_m[k], plan_.sector().antenna_m.y + hit.slant_range_m * rays_.dir_y[k],
+                    ground_.z_m[k]};
+  hit.material = plan_.scene().world().material_of_cell(ground_.cell_x[k], ground_.cell_z[k]);
+  return hit;
+}
+
+/// What any ray meets first, in double.
 std::optional<ExactHit> RaySamples::exact_hit(std::size_t k, FrameStats& stats) {
   const Sector& sector = plan_.sector();
   const glm::dvec3 direction(rays_.dir_x[k], rays_.dir_y[k], rays_.dir_z[k]);
@@ -63,34 +119,56 @@ std::optional<ExactHit> RaySamples::exact_hit(std::size_t k, FrameStats& stats) 
 }
 
 void RaySamples::take_nearest(SampleBatch& samples, FrameStats& stats) {
+  const StageProbe probe(Stage::refine);
+  meet_ground();
+  const World& world = plan_.scene().world();
   for (int ray = 0; ray < rays_.n; ++ray) {
     const auto k = static_cast<std::size_t>(ray);
-    const auto hit = exact_hit(k, stats);
-    if (!hit) continue;
-    const auto s = static_cast<std::size_t>(samples.n++);
+    const auto s = static_cast<std::size_t>(samples.n);
+    if (on_ground(k)) {
+      ++stats.hits;
+      samples.slant_range_m[s] = ground_.slant_range_m[k];
+      samples.cos_incidence[s] = ground_.cos_incidence[k];
+      samples.x_m[s] = ground_.x_m[k];
+      samples.z_m[s] = ground_.z_m[k];
+      samples.face[s] = kNoFace;
+      samples.material[s] = world.material_of_cell(ground_.cell_x[k], ground_.cell_z[k]);
+    } else if (const auto hit = exact_hit(k, stats)) {
+      samples.slant_range_m[s] = hit->slant_range_m;
+      samples.cos_incidence[s] = hit->cos_incidence;
+      samples.x_m[s] = hit->position_m.x;
+      samples.z_m[s] = hit->position_m.z;
+      samples.face[s] = hit->face;
+      samples.material[s] = hit->material;
+    } else {
+      continue;
+    }
     samples.azimuth_bin[s] = rays_.azimuth_bin[k];
-    samples.slant_range_m[s] = hit->slant_range_m;
     samples.solid_angle_sr[s] = rays_.solid_angle_sr[k];
-    samples.cos_incidence[s] = hit->cos_incidence;
     samples.azimuth_offset_rad[s] = plan_.bins().azimuth_edge_rad(rays_.azimuth_bin[k] + 0.5);
     samples.sin_elevation[s] = rays_.dir_y[k];
-    samples.x_m[s] = hit->position_m.x;
-    samples.z_m[s] = hit->position_m.z;
-    samples.face[s] = hit->face;
-    samples.material[s] = hit->material;
+    ++samples.n;
   }
 }
 
 void RaySamples::take_spread(FrameStats& stats) {
-  for (int ray = 0; ray < rays_.n; ++ray) {
-    const auto k = static_cast<std::size_t>(ray);
-    const auto hit = exact_hit(k, stats);
-    spreader_->take(rays_, k, hit ? &*hit : nullptr, spread_);
+  const auto n = static_cast<std::size_t>(rays_.n);
+  {
+    const StageProbe probe(Stage::refine);
+    meet_ground();
+    for (std::size_t k = 0; k < n; ++k) {
+      const bool ground = on_ground(k);
+      stats.hits += ground ? 1 : 0;
+      exact_[k] = ground ? ground_hit(k) : exact_hit(k, stats);
+    }
   }
+  const StageProbe probe(Stage::plates);
+  for (std::size_t k = 0; k < n; ++k) spreader_->take(rays_, k, exact_[k] ? &*exact_[k] : nullptr, spread_);
 }
 
 /// Moves waiting samples into the batch; false when none was left.
 bool RaySamples::unload(SampleBatch& samples) {
+  const StageProbe probe(Stage::plates);
   const std::size_t n = std::min<std::size_t>(kBatch, spread_.size() - unloaded_);
   for (std::size_t s = 0; s < n; ++s) {
     const Sample& from = spread_[unloaded_ + s];

@@ -1,16 +1,20 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "server/radar/hit_lanes.h"
 #include "server/radar/plate_spreader.h"
+#include "server/radar/polar_trace.h"
 #include "server/radar/ray_source.h"
 #include "server/radar/sample_source.h"
 
 namespace obliq {
 
-/// The three frusta: rays through pixels, traced by Embree, re-intersected in double. With nearest plates one
-/// sample a hit, with spread plates one for every range bin and surface that the hit's pixel covers.
+/// The three frusta: rays through pixels, traced by Embree or, where the frustum's columns are vertical
+/// planes (polar), by a march of each; re-intersected in double. With nearest plates one sample a hit, with
+/// spread plates one for every range bin and surface that the hit's pixel covers.
 class RaySamples : public SampleSource {
  public:
   RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile);
@@ -22,15 +26,22 @@ class RaySamples : public SampleSource {
   void take_nearest(SampleBatch& samples, FrameStats& stats);
   void take_spread(FrameStats& stats);
   bool unload(SampleBatch& samples);
+  void meet_ground();
   std::optional<ExactHit> exact_hit(std::size_t k, FrameStats& stats);
+  bool on_ground(std::size_t k) const;
+  ExactHit ground_hit(std::size_t k) const;
 
   const FramePlan& plan_;
   SampleTap* tap_;
   std::unique_ptr<RaySource> source_;
   std::unique_ptr<WedgeProfile> own_profile_;  // null when one was handed in, or none is needed
   std::unique_ptr<PlateSpreader> spreader_;    // null: nearest plates
+  std::optional<PolarTrace> polar_;            // nothing: Embree
   RayBatch rays_;
   std::array<RoughHit, kBatch> rough_;
+  std::array<std::optional<ExactHit>, kBatch> exact_;  // of spread plates
+  std::array<double, kBatch> rough_ground_m_;          // NaN where no ground was met
+  GroundHits ground_;
   std::vector<Sample> spread_;  // made, not yet handed out from unloaded_ on
   std::size_t unloaded_ = 0;
   bool finished_ = false;

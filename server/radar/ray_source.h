@@ -6,12 +6,12 @@
 
 namespace obliq {
 
-/// Generates the rays of one wedge, batch by batch, in a fixed order that keeps packets compact: rows back
-/// and forth, packets running on across row ends. Every pixel of the frame belongs to exactly one azimuth
+/// Generates the rays of one wedge, batch by batch, in a fixed order that keeps packets compact: squares
+/// of pixels (pixel_squares.h), back and forth. Every pixel of the frame belongs to exactly one azimuth
 /// bin, known before its ray is traced, because a ray stays in its vertical plane.
 class RaySource {
  public:
-  static constexpr int kMostPixels = 16 * kBatch;  ///< most lie in the swath, where every pixel has its ray
+  static constexpr int kMostPixels = kBatch;
 
   virtual ~RaySource() = default;
   /// Fills the batch, possibly with nothing: it looks at so many pixels at most; false when none was left.

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -18,6 +17,7 @@
 #include "server/radar/wedge_bins.h"
 #include "server/radar/wedge_profile.h"
 #include "terrain/errors.h"
+#include "terrain/stage_clock.h"
 
 namespace obliq {
 namespace {
@@ -79,26 +79,35 @@ class WedgeWork {
   void begin(int index, SampleTap* tap) {
     const int bin = index * kWedgeAzimuthBins;
     const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, plan_.settings().azimuth_bins - bin)};
-    wedge_ = {};
-    wedge_.index = index;
-    wedge_.bins = BinBlock(range.first, range.count, plan_.bins().n_range);
-    bins_.restart(range);
+    {
+      const StageProbe probe(Stage::bin);
+      wedge_ = {};
+      wedge_.index = index;
+      wedge_.bins = BinBlock(range.first, range.count, plan_.bins().n_range);
+      bins_.restart(range);
+    }
     profile_.emplace(plan_, range);
     source_ = make_sample_source(plan_, range, tap, &*profile_);
   }
 
-  /// True when the wedge has all its samples; false when the batches were not enough.
-  bool take(std::int64_t& batches) {
-    for (; batches > 0; --batches) {
+  /// True when the wedge has all its samples; false when `may_go_on` said no after a batch.
+  template <typename MayGoOn>
+  bool take(const MayGoOn& may_go_on) {
+    for (;;) {
       if (!source_->next(samples_, wedge_.stats)) return true;
+      const StageProbe probe(Stage::scatter);
       wedge_.stats.samples += bins_.add(samples_);
+      if (!may_go_on()) return false;
     }
-    return false;
   }
 
   Wedge finish(bool states) {
     source_.reset();
-    bins_.write(wedge_.bins);
+    {
+      const StageProbe probe(Stage::bin);
+      bins_.write(wedge_.bins);
+    }
+    const StageProbe probe(Stage::states);
     decide_states(states, *profile_, wedge_);
     return std::move(wedge_);
   }
@@ -151,8 +160,12 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
 
   // A pause is due when a thread has done its share: a wedge has one thread, and may be all that there is.
   const auto work_until_done = [&](std::unique_ptr<WedgeWork>& work) {
-    std::int64_t batches = options.pause ? std::max(1, options.pause->batches / threads)
-                                         : std::numeric_limits<std::int64_t>::max();
+    const StageClock clock(options.times);
+    int batches = options.pause ? std::max(1, options.pause->batches / threads) : 0;
+    const auto may_go_on = [&] {
+      if (!options.pause) return true;
+      return --batches > 0 && !(options.pause->is_due && options.pause->is_due());
+    };
     try {
       if (!work) work = std::make_unique<WedgeWork>(plan, begun->tables, options.surfaces);
       while (!options.stop.stop_requested() && !failed) {
@@ -162,12 +175,16 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
           if (options.before_wedge) options.before_wedge(index);
           work->begin(index, options.tap);
         }
-        if (!work->take(batches)) {
+        if (!work->take(may_go_on)) {
           paused = true;
           return;
         }
         Wedge wedge = work->finish(options.states);
-        const std::scoped_lock lock(delivery);
+        std::unique_lock lock(delivery, std::defer_lock);
+        {
+          const StageProbe probe(Stage::wait);
+          lock.lock();
+        }
         if (options.on_wedge && !failed) options.on_wedge(std::move(wedge));
       }
     } catch (...) {

@@ -2,6 +2,7 @@
 // The core call. Reads top to bottom like the pipeline it is: plan the frame, then wedge by wedge find
 // samples, scatter, bin.
 #include <functional>
+#include <limits>
 #include <memory>
 #include <stop_token>
 #include <vector>
@@ -22,8 +23,9 @@ struct AzimuthRange {
   int count = 0;
 };
 
-class FramePlan;  // server/radar/frame_plan.h
-class SampleTap;  // server/radar/sample_tap.h
+class FramePlan;   // server/radar/frame_plan.h
+class SampleTap;   // server/radar/sample_tap.h
+class StageTimes;  // terrain/stage_clock.h
 
 /// The geometry of a frame, worked out once for all its wedges. `plan` is null when `errors` is not empty.
 struct PlanResult {
@@ -47,8 +49,10 @@ class BegunWedges;
 /// Lets a rendering pause in the middle of its wedges, so that others get their turn. The bits stay the same.
 struct RenderPause {
   /// Of at most kBatch rays or samples, or the buildings of one column of the sweep; for all threads
-  /// together.
-  int batches = 0;
+  /// together, at least one each.
+  int batches = std::numeric_limits<int>::max();
+  /// Asked after each batch, from any thread; true: pause now. May be empty.
+  std::function<bool()> is_due{};
   /// Not null: it has paused, and the same call goes on. Not to outlive the plan.
   std::shared_ptr<BegunWedges> begun;
 };
@@ -62,6 +66,7 @@ struct RenderOptions {
   SampleTap* tap = nullptr;      ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;  ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
+  StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 
 int wedge_count(const RadarSettings& settings);

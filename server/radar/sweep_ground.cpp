@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/radar/walking_planes.h"
+
 namespace obliq {
 
 static_assert(SampleArrays::kGround == kNoFace);
@@ -36,12 +38,9 @@ void SweepGround::start(std::vector<GroundShare> shares) {
     const SinCos bearing = share.plane.bearing;
     const GroundWalk walk(plan_.scene().world().grid, plan_.sector().antenna_m, bearing.sin, bearing.cos, 0,
                           GroundWalk::kInfinity);
-    lanes_.sin_bearing[lane] = bins_.sin_bearing[lane] = bearing.sin;
-    lanes_.cos_bearing[lane] = bins_.cos_bearing[lane] = bearing.cos;
-    lanes_.end_m[lane] = walk.end_m();
-    lanes_.d_m[lane] = walk.at_m();
-    lanes_.i[lane] = walk.cell_i();
-    lanes_.j[lane] = walk.cell_j();
+    set_out(lanes_, lane, bearing, walk);
+    bins_.sin_bearing[lane] = bearing.sin;
+    bins_.cos_bearing[lane] = bearing.cos;
     lanes_.horizon_d_m[lane] = nothing.d_m;
     lanes_.horizon_h_m[lane] = nothing.h_m;
     lanes_.width_rad[lane] = share.width_rad.front();

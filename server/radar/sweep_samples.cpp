@@ -1,9 +1,11 @@
 #include "server/radar/sweep_samples.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "server/radar/ground_prefetch.h"
 #include "server/radar/sweep_column.h"
+#include "terrain/stage_clock.h"
 
 namespace obliq {
 
@@ -18,13 +20,17 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
       first_(range.first),
       sampler_(plan),
       ground_(plan) {
-  prefetch_ground(plan, range);
-  std::vector<std::uint32_t> buildings;
-  for (int bin = range.first; bin < range.first + range.count; ++bin)
-    buildings.insert(buildings.end(), plan.buildings_in(bin).begin(), plan.buildings_in(bin).end());
-  std::sort(buildings.begin(), buildings.end());
-  buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
-  for (const std::uint32_t b : buildings) {
+  {
+    const StageProbe probe(Stage::ground);
+    const Sector& sector = plan.sector();
+    const auto edge = [&](int bin) {
+      return sincos_turns((sector.bearing_rad + plan.bins().azimuth_edge_rad(bin)) / (2 * std::numbers::pi));
+    };
+    prefetch_ground(plan.scene().world().grid, sector.antenna_m, edge(range.first),
+                    edge(range.first + range.count), sector.r_max_m);
+  }
+  const StageProbe probe(Stage::buildings);
+  for (const std::uint32_t b : plan.buildings_in(range)) {
     silhouettes_.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
     if (silhouettes_.back().near_m > plan.building_reach_m()) silhouettes_.pop_back();
   }
@@ -39,12 +45,14 @@ bool SweepSamples::next(SampleBatch& samples, FrameStats& stats) {
 
 void SweepSamples::step(SampleBatch& samples, FrameStats& stats) {
   if (marching_) {
+    const StageProbe probe(Stage::ground);
     if (ground_.next(sampler_, samples)) return;
     marching_ = false;
     next_columns();
   } else if (const int bin = first_ + static_cast<int>(shares_.size()); bin < end_of_group()) {
     add_column(bin, stats);
   } else {
+    const StageProbe probe(Stage::ground);
     ground_.start(std::move(shares_));
     shares_.clear();
     marching_ = true;
@@ -62,6 +70,7 @@ void SweepSamples::next_columns() {
 }
 
 void SweepSamples::add_column(int bin, FrameStats& stats) {
+  const StageProbe probe(Stage::buildings);
   const BinGrid& bins = plan_.bins();
   SweepColumn column(plan_, bin, bins.azimuth_edge_rad(bin + static_cast<double>(within_) / columns_per_bin_),
                      bins.azimuth_width_rad / columns_per_bin_);

@@ -41,6 +41,7 @@ BuildingIndex::BuildingIndex(const World& world)
     return p.block != q.block ? p.block < q.block : p.building < q.building;
   });
   start_.assign(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(nz_) + 1, 0);
+  buildings_.reserve(entries.size());
   for (const Entry& entry : entries) {
     ++start_[entry.block + 1];
     buildings_.push_back(entry.building);

@@ -16,6 +16,7 @@ class BuildingIndex {
   explicit BuildingIndex(const World& world);
 
   bool empty() const { return buildings_.empty(); }
+  std::size_t bytes() const { return (start_.capacity() + buildings_.capacity()) * sizeof start_[0]; }
 
   /// Buildings near a point in the plane; none off the grid.
   std::span<const std::uint32_t> near(double x_m, double z_m) const;

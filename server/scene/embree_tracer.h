@@ -20,8 +20,8 @@ struct RoughHit {
   Kind kind = Kind::none;
 };
 
-/// Terrain as one GRID geometry, buildings as one TRIANGLE geometry, in a ROBUST scene. Immutable; trace()
-/// is safe from any thread.
+/// Terrain as one GRID geometry, buildings as one TRIANGLE geometry, in a ROBUST and COMPACT scene.
+/// Immutable; trace() is safe from any thread. The world has to outlive it.
 class EmbreeTracer {
  public:
   static constexpr int kPacket = 16;
@@ -34,11 +34,14 @@ class EmbreeTracer {
   EmbreeTracer& operator=(const EmbreeTracer&) = delete;
 
   /// Traces n rays from one origin, in packets of 16, from distance 0 on. directions: unit vectors as three
-  /// arrays [n]; hits[n] is filled.
+  /// arrays [n]; hits[n] is filled. order[n]: which rays come together in packets, every one once; null: as
+  /// they are.
   void trace(const glm::dvec3& origin_m, const double* dir_x, const double* dir_y, const double* dir_z, int n,
-             RoughHit* hits) const;
+             RoughHit* hits, const std::uint16_t* order = nullptr) const;
 
-  std::uint64_t bytes() const;
+  std::uint64_t bytes() const;       ///< what Embree holds for the scene
+  std::uint64_t peak_bytes() const;  ///< the most that it held while it built
+  double build_s() const;
   static std::string version();
 
  private:

@@ -50,25 +50,30 @@ bool ends_below_ground(const Scene& scene, const glm::dvec3& origin, const glm::
   return std::isfinite(over.to_m) && below(over.to_m);
 }
 
-/// A hit on a lit side: does it lie inside a solid?
-bool is_buried(const Scene& scene, const ExactHit& hit) {
-  const World& world = scene.world();
-  const bool on_building = hit.face != kNoFace;
-  glm::dvec3 p = hit.position_m;
-  std::uint32_t owner = 0;
-  if (on_building) {
-    if (p.y < world.grid.height_at_m(p.x, p.z) - kProof_m) return true;
-    owner = world.buildings.faces[hit.face].building;
-    p += 2 * kProof_m * hit.normal;
-  }
+/// Does a point lie inside a building, but for one that it belongs to?
+bool in_building(const Scene& scene, const glm::dvec3& p, std::uint32_t owner) {
   for (const std::uint32_t building : scene.building_index().near(p.x, p.z)) {
-    if (on_building && building == owner) continue;
-    if (inside_building(world.buildings, building, p.x, p.y, p.z, kProof_m)) return true;
+    if (building == owner) continue;
+    if (inside_building(scene.world().buildings, building, p.x, p.y, p.z, kProof_m)) return true;
   }
   return false;
 }
 
+/// A hit on a lit side: does it lie inside a solid?
+bool is_buried(const Scene& scene, const ExactHit& hit) {
+  if (hit.face == kNoFace) return ground_is_buried(scene, hit.position_m);
+  const World& world = scene.world();
+  const glm::dvec3& p = hit.position_m;
+  if (p.y < world.grid.height_at_m(p.x, p.z) - kProof_m) return true;
+  return in_building(scene, p + 2 * kProof_m * hit.normal, world.buildings.faces[hit.face].building);
+}
+
 }  // namespace
+
+bool ground_is_buried(const Scene& scene, const glm::dvec3& point_m) {
+  constexpr std::uint32_t kNobody = 0xffffffffu;
+  return in_building(scene, point_m, kNobody);
+}
 
 std::optional<ExactHit> first_hit(const Scene& scene, const glm::dvec3& origin_m,
                                   const glm::dvec3& direction) {

@@ -23,6 +23,9 @@ struct RayAnswer {
 RayAnswer answer_ray(const Scene& scene, const glm::dvec3& origin_m, const glm::dvec3& direction,
                      const RoughHit& rough);
 
+/// Whether a point of the ground lies inside a building: a ray that meets it first has leaked.
+bool ground_is_buried(const Scene& scene, const glm::dvec3& point_m);
+
 /// The first surface that the ray meets from its lit side, by walking the ground grid's cells and every
 /// building near the ray in double precision. Slow (microseconds a kilometre), sure, and bounded by the grid.
 std::optional<ExactHit> first_hit(const Scene& scene, const glm::dvec3& origin_m,

@@ -1,20 +1,35 @@
 #include "server/scene/scene.h"
 
 #include <algorithm>
-#include <chrono>
+#include <limits>
 
 #include "server/scene/embree_tracer.h"
 #include "terrain/errors.h"
 
 namespace obliq {
+namespace {
 
-Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads,
-             const Progress& progress, TracerIsa isa)
+double highest_of(const World& world, const TileBounds& tiles) {
+  double highest_m = -std::numeric_limits<double>::infinity();
+  for (int tj = 0; tj < tiles.tiles_z(); ++tj)
+    for (int ti = 0; ti < tiles.tiles_x(); ++ti)
+      highest_m = std::max(highest_m, static_cast<double>(tiles.tile(ti, tj).highest_m));
+  for (const Building& building : world.buildings.list)
+    highest_m = std::max(highest_m, static_cast<double>(building.roof_y_m));
+  return highest_m;
+}
+
+}  // namespace
+
+Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads, TracerIsa isa)
     : world_(std::move(world)),
       materials_(std::move(materials)),
-      tiles_(world_->grid),
       fine_tiles_(world_->grid, TileBounds::kFineCells),
-      building_index_(*world_) {
+      tiles_(fine_tiles_, TileBounds::kCells / TileBounds::kFineCells),
+      building_index_(*world_),
+      highest_m_(highest_of(*world_, tiles_)),
+      threads_(threads),
+      isa_(isa) {
   std::size_t highest = 0;
   for (std::uint8_t id : world_->surface_material) highest = std::max<std::size_t>(highest, id);
   for (const Building& building : world_->buildings.list)
@@ -22,17 +37,18 @@ Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials
   if (highest >= materials_.size())
     throw InputError("materials: surface uses material number " + std::to_string(highest) + ", only " +
                      std::to_string(materials_.size()) + " are defined");
-  const auto start = std::chrono::steady_clock::now();
-  tracer_ = std::make_unique<EmbreeTracer>(*world_, threads, progress, isa);
-  stats_.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  stats_.bytes = tracer_->bytes();
-  const HeightGrid& grid = world_->grid;
-  for (int j = 0; j + 1 < grid.nz; ++j)
-    for (int i = 0; i + 1 < grid.nx; ++i) stats_.ground_triangles += grid.cell_known(i, j) ? 2 : 0;
-  stats_.building_triangles = world_->buildings.triangles.size();
-  stats_.tracer = EmbreeTracer::version();
 }
 
 Scene::~Scene() = default;
+
+const EmbreeTracer& Scene::tracer(const Progress& progress) const {
+  if (const EmbreeTracer* built = built_tracer()) return *built;
+  const std::lock_guard lock(building_);
+  if (!tracer_) {
+    tracer_ = std::make_unique<const EmbreeTracer>(*world_, threads_, progress, isa_);
+    built_.store(tracer_.get(), std::memory_order_release);
+  }
+  return *tracer_;
+}
 
 }  // namespace obliq

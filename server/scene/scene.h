@@ -1,7 +1,7 @@
 #pragma once
-#include <cstdint>
+#include <atomic>
 #include <memory>
-#include <string>
+#include <mutex>
 #include <vector>
 
 #include "server/scene/building_index.h"
@@ -15,41 +15,43 @@ namespace obliq {
 
 class EmbreeTracer;
 
-struct SceneStats {
-  double build_s = 0;
-  std::uint64_t bytes = 0;  ///< what Embree holds for this scene
-  std::uint64_t ground_triangles = 0;
-  std::uint64_t building_triangles = 0;
-  std::string tracer;  ///< name and version, "Embree 3.13.5"
-};
-
-/// The world plus its ray-tracing structure and material table. Immutable, shared by all radars and threads.
+/// The world plus what finds its surfaces, and its material table. Immutable, shared by all radars and
+/// threads.
 class Scene {
  public:
-  /// materials[id] for every material id in the world. threads: for the build; 0 = all cores. isa: the
-  /// tracer's instruction set, for tests that compare them.
+  /// materials[id] for every material id in the world. threads: for building the tracer; 0 = all cores. isa:
+  /// the tracer's instruction set, for tests that compare them.
   Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads,
-        const Progress& progress = {}, TracerIsa isa = TracerIsa::best);
+        TracerIsa isa = TracerIsa::best);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
   const World& world() const { return *world_; }
   const std::vector<Material>& materials() const { return materials_; }
-  const EmbreeTracer& tracer() const { return *tracer_; }
+  /// Rays alone need it, and the sweep does without: built by the first call, while other callers wait, with
+  /// the same bits whoever calls. Throws InputError when it cannot be built; the next call tries again.
+  const EmbreeTracer& tracer(const Progress& progress = {}) const;
+  /// Null until tracer() has built it.
+  const EmbreeTracer* built_tracer() const { return built_.load(std::memory_order_acquire); }
   const TileBounds& tiles() const { return tiles_; }
   const TileBounds& fine_tiles() const { return fine_tiles_; }
   const BuildingIndex& building_index() const { return building_index_; }
-  const SceneStats& stats() const { return stats_; }
+  /// World y that neither ground nor roofs exceed; -infinity without any.
+  double highest_m() const { return highest_m_; }
 
  private:
   std::shared_ptr<const World> world_;
   std::vector<Material> materials_;
-  TileBounds tiles_;
   TileBounds fine_tiles_;
+  TileBounds tiles_;
   BuildingIndex building_index_;
-  std::unique_ptr<EmbreeTracer> tracer_;
-  SceneStats stats_;
+  double highest_m_;
+  int threads_;
+  TracerIsa isa_;
+  mutable std::mutex building_;
+  mutable std::unique_ptr<const EmbreeTracer> tracer_;  ///< guarded by building_
+  mutable std::atomic<const EmbreeTracer*> built_ = nullptr;
 };
 
 }  // namespace obliq

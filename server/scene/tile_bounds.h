@@ -19,20 +19,25 @@ class TileBounds {
   };
 
   explicit TileBounds(const HeightGrid& grid, int cells = kCells);
+  /// Tiles of `factor` times as many cells a side.
+  TileBounds(const TileBounds& finer, int factor);
 
   int cells() const { return cells_; }
   int tiles_x() const { return tiles_x_; }
   int tiles_z() const { return tiles_z_; }
-  const Tile& tile(int ti, int tj) const {
-    return tiles_[static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) +
-                  static_cast<std::size_t>(ti)];
-  }
+  const Tile& tile(int ti, int tj) const { return tiles_[index(ti, tj)]; }
+  std::size_t bytes() const { return tiles_.capacity() * sizeof(Tile); }
   /// Over all tiles; +infinity without known ground.
   double lowest_m() const { return lowest_m_; }
 
  private:
+  std::size_t index(int ti, int tj) const {
+    return static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) + static_cast<std::size_t>(ti);
+  }
+  void find_lowest();
+
   int cells_;
-  double lowest_m_;
+  double lowest_m_ = 0;
   int tiles_x_;
   int tiles_z_;
   std::vector<Tile> tiles_;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <set>
 #include <thread>
@@ -29,7 +30,8 @@ std::shared_ptr<const Scene> town_in_hills() {
 
 void expect_bits_of_whole_frames(FrustumKind kind) {
   const auto scene = town_in_hills();
-  const net::SceneRenderer renderer(scene, "town");
+  scene->tracer();  // so that the first dwell is not missed for it
+  const ScanWatch<net::SceneRenderer> renderer(scene, "town");
   RadarSettings settings;
   settings.frustum = kind;
   settings.sector_deg = 90;
@@ -54,12 +56,8 @@ void expect_bits_of_whole_frames(FrustumKind kind) {
     ASSERT_TRUE(poses->add(pose, kStart_ns));
   }
   std::atomic<std::int64_t> now_ns = kStart_ns;
-  std::atomic<int> looks = 0;
   net::RenderThreadOptions options;
-  options.clock = [&] {
-    ++looks;
-    return Time(std::chrono::nanoseconds(now_ns.load()));
-  };
+  options.clock = [&] { return Time(std::chrono::nanoseconds(now_ns.load())); };
   Listener events;
   net::RenderThread thread(renderer, events, options);
   thread.add_radar("main", 1, {snapshot(settings), {}, 0, poses});
@@ -69,7 +67,7 @@ void expect_bits_of_whole_frames(FrustumKind kind) {
   demand.choice.planes = wire::plane_bit(wire::Plane::iq);
   thread.set_demand(0, {demand});
   thread.start();
-  while (looks < 3) std::this_thread::yield();
+  while (!renderer.scan_has_begun) std::this_thread::yield();
   for (double s = 0.05; s < 1; s += 0.05) {
     now_ns = kStart_ns + static_cast<std::int64_t>(s * 1e9);
     thread.wake();

@@ -22,6 +22,7 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  setenv("OBLIQ_CACHE_DIR", "", 0);  // tests leave nothing in the user's cache
   const pid_t pid = fork();
   if (pid != 0) return pid;
   // In the child: only calls that are safe after a fork of a process with threads.

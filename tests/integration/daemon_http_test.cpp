@@ -85,6 +85,33 @@ TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {
   EXPECT_GE(value_of(text, "obliq_log_lines_total{level=\"info\"}"), 3);
 }
 
+TEST_F(DaemonHttpTest, EmbreeTakesNoMemoryUntilAFrustumCastsRays) {
+  const Daemon daemon({"--config", scene, "--set", "frustum.kind=sweep"}, folder.path());
+  const auto embree = [&] {
+    return value_of(http_get(http_port(daemon), "/metrics").body,
+                    "obliq_scene_memory_bytes{kind=\"embree\"}");
+  };
+  EXPECT_EQ(embree(), 0);
+  const auto get = [&](const char* out) {
+    return run_program(OBLIQ_PROGRAM, {"get", "--server", daemon.address(), "--out", folder / out},
+                       folder.path());
+  };
+  ASSERT_EQ(get("swept").code, 0);
+  EXPECT_EQ(embree(), 0);
+  ASSERT_EQ(run_program(OBLIQ_PROGRAM,
+                        {"get", "--server", daemon.address(), "--out", folder / "cast", "--set",
+                         "frustum.kind=oblique"},
+                        folder.path())
+                .code,
+            0);
+  EXPECT_GT(embree(), 0);
+  EXPECT_NE(daemon.log().find("building the ray-tracing scene"), std::string::npos) << daemon.log();
+  const std::string text = http_get(http_port(daemon), "/metrics").body;
+  EXPECT_GT(value_of(text, "obliq_scene_memory_bytes{kind=\"heights\"}"), 0);
+  EXPECT_GE(value_of(text, "process_resident_memory_peak_bytes"),
+            value_of(text, "process_resident_memory_bytes"));
+}
+
 TEST_F(DaemonHttpTest, TheMetricsCountRenderOnceFrames) {
   const Daemon daemon({"--config", scene}, folder.path());
   EXPECT_EQ(value_of(http_get(http_port(daemon), "/metrics").body, "obliq_once_frames_total"), 0);

@@ -7,9 +7,14 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include "client/client.h"
 #include "proto/obliq.pb.h"
@@ -67,34 +72,52 @@ class NotifySocket {
     name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
     const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&address), length), 0);
-    const timeval limit{20, 0};  // reached only when something is broken
-    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    const timeval now_and_then{0, 100000};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &now_and_then, sizeof now_and_then);
     setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);
     setenv("WATCHDOG_USEC", "300000", 1);
+    // From the start: a socket holds ten messages, and who sends one more waits, as the real manager's do.
+    reader_ = std::jthread([this](const std::stop_token& stop) {
+      char text[4096];
+      while (!stop.stop_requested()) {
+        const ssize_t n = recv(fd_, text, sizeof text, 0);
+        if (n <= 0) continue;
+        const std::scoped_lock lock(mutex_);
+        heard_.emplace_back(text, static_cast<std::size_t>(n));
+        changed_.notify_all();
+      }
+    });
   }
   ~NotifySocket() {
     unsetenv("NOTIFY_SOCKET");
     unsetenv("WATCHDOG_USEC");
+    reader_ = {};
     close(fd_);
   }
-  /// Everything up to and with the first message that holds `part`; empty when it does not come.
-  std::string until(const std::string& part) const {
+  /// Everything from the last call up to and with the first message that holds `part`; empty when it does not
+  /// come.
+  std::string until(const std::string& part) {
     std::string all;
-    char text[4096];
+    std::unique_lock lock(mutex_);
     for (;;) {
-      const ssize_t n = recv(fd_, text, sizeof text, 0);
-      if (n <= 0) return "";
-      all += std::string(text, static_cast<std::size_t>(n)) + "\n";
+      // The limit is reached only when something is broken.
+      if (!changed_.wait_for(lock, std::chrono::seconds(20), [&] { return !heard_.empty(); })) return "";
+      all += heard_.front() + "\n";
+      heard_.pop_front();
       if (all.find(part) != std::string::npos) return all;
     }
   }
 
  private:
   int fd_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::string> heard_;
+  std::jthread reader_;
 };
 
 TEST_F(DaemonOperation, SystemdHearsOfLoadingReadinessPulseReloadAndTheEnd) {
-  const NotifySocket systemd;
+  NotifySocket systemd;
   Daemon daemon({"--config", scene}, folder.path());
   const std::string start = systemd.until("READY=1");
   EXPECT_NE(start.find("STATUS=loading: "), std::string::npos) << start;

@@ -2,6 +2,7 @@
 // Include proto/obliq.pb.h before.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <string>
@@ -72,6 +73,19 @@ class Listener : public net::RenderEvents {
   }
   std::mutex mutex_;
   std::condition_variable changed_;
+};
+
+/// A renderer that tells when a scan has its start, so that a test's clock may go on: the first dwell asks
+/// for the generation after it has looked at the clock.
+template <typename Renderer>
+class ScanWatch : public Renderer {
+ public:
+  using Renderer::Renderer;
+  std::uint64_t generation() const override {
+    scan_has_begun = true;
+    return Renderer::generation();
+  }
+  mutable std::atomic<bool> scan_has_begun = false;
 };
 
 }  // namespace obliq::test

@@ -31,8 +31,7 @@ class ScanTest : public ::testing::Test {
     thread_.add_radar("main", 1, {settings_, {}, 0, poses_});
     thread_.set_demand(0, {demand()});
     thread_.start();
-    // The beam begins at the thread's second look at the clock.
-    while (looks_ < 3) std::this_thread::yield();
+    while (!renderer_.scan_has_begun) std::this_thread::yield();
   }
   static net::Demand demand() {
     net::Demand demand;
@@ -48,18 +47,14 @@ class ScanTest : public ::testing::Test {
   net::RenderThreadOptions options() {
     net::RenderThreadOptions options;
     options.threads = 1;
-    options.clock = [this] {
-      ++looks_;
-      return Time(std::chrono::nanoseconds(now_ns_.load()));
-    };
+    options.clock = [this] { return Time(std::chrono::nanoseconds(now_ns_.load())); };
     return options;
   }
 
   std::atomic<std::int64_t> now_ns_ = kStart_ns;
-  std::atomic<int> looks_ = 0;
   std::shared_ptr<PoseTimeLine> poses_ = std::make_shared<PoseTimeLine>(PoseSettings{});
   SettingsPtr settings_;
-  PatternRenderer renderer_;
+  ScanWatch<PatternRenderer> renderer_;
   Listener events_;
   net::RenderThread thread_{renderer_, events_, options()};
 };

@@ -1,5 +1,6 @@
 // How live radars and RenderOnce jobs take turns: the real renderer, and a clock by which a live radar is
-// always due.
+// always due and which moves on by one step whenever it is looked at: time is counted in looks. Who is given
+// how much of it: net_render_turns_test.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -19,9 +20,18 @@ using Time = std::chrono::steady_clock::time_point;
 /// Counts what a live radar sends between the begin of a RenderOnce frame and its first wedge.
 class TurnCounter : public net::RenderEvents {
  public:
-  void on_live_blocks(std::size_t, const net::LiveFramePtr&, std::vector<net::BlockPtr>) override {
+  void on_live_blocks(std::size_t radar, const net::LiveFramePtr&,
+                      std::vector<net::BlockPtr> blocks) override {
     const std::lock_guard lock(mutex_);
     if (begun_ && !wedge_) ++live_blocks_;
+    const wire::MessageType type = blocks.front()->type;
+    if (radar == 0 && type == wire::MessageType::frame_begin) long_frame_ = true;
+    if (radar == 0 && type == wire::MessageType::frame_end) {
+      long_frame_ = false;
+      ++long_ends_;
+    }
+    if (radar == 1 && type == wire::MessageType::frame_end && long_frame_) ++short_ends_within_long_;
+    changed_.notify_all();
   }
   void on_live_rendered(std::size_t, const net::RenderedFrame&) override {}
   void on_live_held_up(std::size_t, double) override {}
@@ -49,6 +59,14 @@ class TurnCounter : public net::RenderEvents {
     return live_blocks_;
   }
 
+  /// Frames of radar 1 that ended between begin and end of frames of radar 0, of which there were at least so
+  /// many.
+  int short_ends_within(int long_frames) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::minutes(1), [&] { return long_ends_ >= long_frames; }));
+    return short_ends_within_long_;
+  }
+
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -56,45 +74,14 @@ class TurnCounter : public net::RenderEvents {
   bool wedge_ = false;
   bool ended_ = false;
   int live_blocks_ = 0;
+  bool long_frame_ = false;
+  int long_ends_ = 0;
+  int short_ends_within_long_ = 0;
 };
 
 constexpr int kSide = 256;  // pixels of the RenderOnce frame, all in one azimuth bin
 constexpr int kBatchesATurn = 4;
 constexpr int kTurns = kSide * kSide / kBatch / kBatchesATurn;
-
-int live_blocks_within_a_wedge(const RadarSettings& live, net::RenderThreadOptions options) {
-  const net::SceneRenderer renderer(make_scene(load_world(synthetic_spec(SyntheticKind::hills, 7000, 100))),
-                                    "hills");
-  PoseSettings pose;
-  pose.latitude_deg = 33.0;
-  pose.longitude_deg = -99.5;
-  pose.height_m = 1400;
-  std::atomic<std::int64_t> now_ms = 0;
-  options.threads = 1;
-  options.clock = [&] { return Time(std::chrono::milliseconds(now_ms += 50)); };
-  TurnCounter events;
-  net::RenderThread thread(renderer, events, options);
-  thread.add_radar("main", 1, {snapshot(live), pose, 0, std::make_shared<PoseTimeLine>(pose)});
-  net::Demand demand;
-  demand.watch_id = 1;
-  demand.rate_hz = 100;
-  demand.choice.planes = wire::plane_bit(wire::Plane::power);
-  thread.set_demand(0, {demand});
-
-  RadarSettings settings = live;
-  settings.scan_mode = ScanMode::frame;
-  settings.azimuth_bins = 1;
-  settings.pixel_columns = settings.pixel_rows = kSide;
-  const auto job = std::make_shared<net::OnceJob>();
-  job->stream_id = 2;
-  job->view = {snapshot(settings), pose, 0, nullptr};
-  job->choice = demand.choice;
-  thread.enqueue(job);
-  thread.start();
-  const int blocks = events.live_blocks();
-  thread.end();
-  return blocks;
-}
 
 RadarSettings small_radar() {
   RadarSettings settings;
@@ -109,20 +96,80 @@ RadarSettings small_radar() {
   return settings;
 }
 
-TEST(Turns, ALiveRadarHasItsFramesWhileARenderOnceIsInTheMiddleOfAWedge) {
-  net::RenderThreadOptions options;
-  options.slice_batches = kBatchesATurn;
+class Turns : public ::testing::Test {
+ protected:
+  Turns() {
+    pose_.latitude_deg = 33.0;
+    pose_.longitude_deg = -99.5;
+    pose_.height_m = 1400;
+    options_.threads = 1;
+    options_.clock = [this] { return Time(std::chrono::milliseconds(now_ms_ += 50)); };
+  }
+  net::LiveView view(const RadarSettings& settings, bool live) const {
+    return {snapshot(settings), pose_, 0, live ? std::make_shared<PoseTimeLine>(pose_) : nullptr};
+  }
+  static net::Demand demand(std::uint64_t watch_id) {
+    net::Demand demand;
+    demand.watch_id = watch_id;
+    demand.rate_hz = 100;
+    demand.choice.planes = wire::plane_bit(wire::Plane::power);
+    return demand;
+  }
+  int live_blocks_within_a_wedge(const RadarSettings& live) {
+    net::RenderThread thread(renderer_, events_, options_);
+    thread.add_radar("main", 1, view(live, true));
+    thread.set_demand(0, {demand(1)});
+
+    RadarSettings settings = live;
+    settings.scan_mode = ScanMode::frame;
+    settings.azimuth_bins = 1;
+    settings.pixel_columns = settings.pixel_rows = kSide;
+    const auto job = std::make_shared<net::OnceJob>();
+    job->stream_id = 2;
+    job->view = view(settings, false);
+    job->choice = demand(1).choice;
+    thread.enqueue(job);
+    thread.start();
+    const int blocks = events_.live_blocks();
+    thread.end();
+    return blocks;
+  }
+
+  const net::SceneRenderer renderer_{make_scene(load_world(synthetic_spec(SyntheticKind::hills, 7000, 100))),
+                                     "hills"};
+  PoseSettings pose_;
+  std::atomic<std::int64_t> now_ms_ = 0;
+  net::RenderThreadOptions options_;
+  TurnCounter events_;
+};
+
+TEST_F(Turns, ALiveRadarHasItsFramesWhileARenderOnceIsInTheMiddleOfAWedge) {
+  options_.slice_batches = kBatchesATurn;
   // A frame is its begin, 8 wedges and its end.
-  EXPECT_GE(live_blocks_within_a_wedge(small_radar(), options), 10 * (kTurns - 1));
+  EXPECT_GE(live_blocks_within_a_wedge(small_radar()), 2 * 10);
 }
 
-TEST(Turns, AScanningAntennaWaitsForShorterParts) {
-  net::RenderThreadOptions options;
-  options.slice_batches_while_scanning = kBatchesATurn;
+TEST_F(Turns, AScanningAntennaWaitsForShorterParts) {
+  options_.slice_batches_while_scanning = kBatchesATurn;
   RadarSettings live = small_radar();
   live.scan_mode = ScanMode::sector;
   live.scan_rate_deg_s = 100;  // a dwell of 8 bins in 0.1 s: two looks at the clock
-  EXPECT_GE(live_blocks_within_a_wedge(live, options), kTurns / 2);
+  EXPECT_GE(live_blocks_within_a_wedge(live), kTurns / 2);
+}
+
+TEST_F(Turns, ALongFrameOfOneRadarGivesWayInItsMiddleToShortOnesOfAnother) {
+  net::RenderThread thread(renderer_, events_, options_);
+  RadarSettings settings = small_radar();
+  settings.azimuth_bins = 1;
+  settings.pixel_columns = settings.pixel_rows = kSide;  // 64 batches, all of one wedge
+  thread.add_radar("long", 1, view(settings, true));
+  settings.pixel_columns = settings.pixel_rows = 16;
+  thread.add_radar("short", 2, view(settings, true));
+  for (const std::size_t radar : {0u, 1u}) thread.set_demand(radar, {demand(radar + 1)});
+  thread.start();
+  EXPECT_GE(events_.short_ends_within(3), 3);
+  thread.end();
+  EXPECT_GT(thread.load(0).frames_shed, 0u);
 }
 
 }  // namespace

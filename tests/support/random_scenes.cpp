@@ -275,4 +275,9 @@ RandomScene random_scene(std::uint64_t seed, const RandomSceneOptions& options) 
   return scene;
 }
 
+std::shared_ptr<const Scene> scene_of(RandomScene& random) {
+  return std::make_shared<const Scene>(std::make_shared<const World>(std::move(random.world)),
+                                       std::vector<Material>(8), 0);
+}
+
 }  // namespace obliq::test

@@ -3,10 +3,12 @@
 // memory, without a file. A failing test prints scene.text, which holds the seed.
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "server/radar/pose.h"
 #include "server/radar/settings.h"
+#include "server/scene/scene.h"
 #include "terrain/hash.h"
 #include "terrain/world.h"
 
@@ -67,5 +69,8 @@ struct RandomScene {
 };
 
 RandomScene random_scene(std::uint64_t seed, const RandomSceneOptions& options = {});
+
+/// Its world, which is moved out of it, of one material whatever the number.
+std::shared_ptr<const Scene> scene_of(RandomScene& random);
 
 }  // namespace obliq::test

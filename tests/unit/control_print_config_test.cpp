@@ -90,6 +90,7 @@ crs = "EPSG:26911"
 area = [-100.125, 32.1, -99.3, 33.7]
 cell_m = 12.5
 fill_void_m = 90
+cache = "grids"
 [earth]
 radius_factor = 1.2
 [[buildings]]
@@ -139,6 +140,7 @@ handshake_timeout_s = 0.1
   const SceneConfig again = load_scene_file(write(printed, "_b"));
   expect_same(config, again);
   EXPECT_EQ(print_config(again), printed);
+  EXPECT_EQ(again.world.terrain.cache_folder, config.world.terrain.cache_folder);
 }
 
 TEST(PrintConfig, AnAreaAcrossTheAntimeridianReadsBackTheSame) {

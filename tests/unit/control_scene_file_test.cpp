@@ -6,6 +6,7 @@
 
 #include "server/control/material_library.h"
 #include "server/control/scene_file.h"
+#include "terrain/ground_cache.h"
 #include "tests/unit/scene_file_fixture.h"
 #include "tests/unit/terrain_files.h"
 
@@ -208,6 +209,17 @@ TEST_F(SceneFile, WidestVoidIsANumberOrAutomatic) {
   EXPECT_EQ(fill_m("450.5"), 450.5);
   for (const std::string bad : {"-1", "nan", "\"all\"", "[1]", "100001"})
     EXPECT_SAYS(complaint(kFlat + ("fill_void_m = " + bad)), "FILE:3: terrain.fill_void_m: found");
+}
+
+TEST_F(SceneFile, TheCacheIsAutomaticOffOrAFolder) {
+  const auto folder = [&](const std::string& line) { return read(kFlat + line).world.terrain.cache_folder; };
+  EXPECT_EQ(folder(""), usual_cache_folder());
+  EXPECT_EQ(folder("cache = \"auto\""), usual_cache_folder());
+  EXPECT_EQ(folder("cache = \"off\""), "");
+  EXPECT_EQ(folder("cache = \"/var/grids\""), "/var/grids");
+  EXPECT_EQ(folder("cache = \"grids\"").find('/'), 0u) << "from the scene file's folder";
+  for (const std::string bad : {"true", "7", "\"\"", "[\"off\"]"})
+    EXPECT_SAYS(complaint(kFlat + ("cache = " + bad)), "FILE:3: terrain.cache: found");
 }
 
 TEST_F(SceneFile, MaterialsAreOverriddenAddedAndNamed) {

@@ -14,6 +14,7 @@
 #include "server/radar/scatterer_sums.h"
 #include "server/radar/speckle.h"
 #include "server/radar/sweep_ground.h"
+#include "server/radar/swept_rays.h"
 #include "terrain/hash.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
@@ -193,7 +194,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     test::RandomScene random = test::random_scene(seed);
     random.settings.frustum = FrustumKind::sweep;
-    const auto scene = test::make_scene(std::move(random.world), std::vector<Material>(8));
+    const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
     const Sector& sector = plan->sector();
     // Planes all round, five to eight of them, whose widths change on the way, to none and back.
@@ -257,7 +258,7 @@ TEST(GroundHorizons, AreThoseOfAWalkOverEveryCell) {
   int found = 0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     test::RandomScene random = test::random_scene(seed);
-    const auto scene = test::make_scene(std::move(random.world), std::vector<Material>(8));
+    const auto scene = test::scene_of(random);
     const HeightGrid& grid = scene->world().grid;
     const glm::dvec3 antenna = random.pose.antenna.m;
     const double half_width_rad = 0.01;
@@ -293,6 +294,64 @@ TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
       EXPECT_EQ(point.h_m, expected.h_m) << kernels.name;
     }
   }
+}
+
+TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
+  int hits = 0;
+  for (std::uint64_t seed = 500; seed < 540; ++seed) {
+    test::RandomScene random = test::random_scene(seed);
+    const glm::dvec3 antenna = random.pose.antenna.m;
+    const auto scene = test::scene_of(random);
+    std::vector<std::uint32_t> buildings(scene->world().buildings.list.size());
+    for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
+    std::vector<double> elevation_rad;
+    for (int k = -150; k < 150; ++k) elevation_rad.push_back(k / 100.0);
+    std::vector<SinCos> bearings;
+    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
+    const std::size_t n = elevation_rad.size();
+    std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
+    std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
+    const SweptRays rays(*scene, antenna, elevation_rad, HUGE_VAL);
+    for (std::size_t k = 0; k < bearings.size(); ++k)
+      rays.answer(std::span(bearings).subspan(k, 1), buildings, std::span(expected_m).subspan(k * n, n),
+                  std::span(expected).subspan(k * n, n));
+    for (const LaneKernels& kernels : all_lane_kernels()) {
+      SweptRays(*scene, antenna, elevation_rad, HUGE_VAL, kernels)
+          .answer(bearings, buildings, found_m, found);
+      EXPECT_EQ(found_m, expected_m) << kernels.name << " seed " << seed;
+      EXPECT_EQ(found, expected) << kernels.name << " seed " << seed;
+    }
+    for (const std::uint32_t surface : expected) hits += surface != SweptRays::kNothing ? 1 : 0;
+  }
+  EXPECT_GT(hits, 10000);
+}
+
+TEST(SweptRays, EndWithinABuildingWhenTheirReachDoes) {
+  int on_roofs = 0;
+  for (std::uint64_t seed = 600; seed < 700; ++seed) {
+    test::RandomScene random = test::random_scene(seed);
+    const glm::dvec3 antenna = random.pose.antenna.m;
+    const auto scene = test::scene_of(random);
+    const World& world = scene->world();
+    for (std::uint32_t building = 0; building < world.buildings.list.size(); ++building) {
+      const glm::dvec3 to =
+          world.buildings.faces[world.buildings.list[building].first_face].centre_m - antenna;
+      const double centre_m = std::hypot(to.x, to.z);
+      if (!(centre_m > 1)) continue;
+      const SinCos bearing{to.x / centre_m, to.z / centre_m};
+      const double elevation_rad = std::atan2(to.y, centre_m) - 1e-3;
+      double slant_range_m = 0;
+      std::uint32_t surface = 0;
+      // Through the middle of the roof, and where the reach ends just before, on and behind it.
+      for (const double reach_m : {centre_m - 1e-9, centre_m, 1.001 * centre_m, HUGE_VAL}) {
+        SweptRays(*scene, antenna, std::span(&elevation_rad, 1), reach_m)
+            .answer(std::span(&bearing, 1), std::span(&building, 1), std::span(&slant_range_m, 1),
+                    std::span(&surface, 1));
+        on_roofs += surface != SweptRays::kNothing && surface >= SweptRays::kFace ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(on_roofs, 50);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // A rendering that pauses: the same bits, and no more at a time than it was allowed.
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <atomic>
 
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
@@ -9,6 +9,7 @@
 #include "server/radar/sample_source.h"
 #include "server/radar/sweep_samples.h"
 #include "tests/support/scenes.h"
+#include "tests/support/small_frames.h"
 #include "tests/support/sources.h"
 
 namespace obliq::test {
@@ -20,23 +21,6 @@ std::shared_ptr<const FramePlan> plan_of(const RadarSettings& settings, double h
       plan_frame(scene, snapshot(settings), pose_over_origin(scene->world(), height_m));
   if (!planned.plan) throw std::runtime_error(planned.errors.front().text());
   return planned.plan;
-}
-
-RadarSettings small_frame(FrustumKind kind) {
-  RadarSettings settings;
-  settings.frustum = kind;
-  settings.sector_deg = 90;
-  settings.range_bins = 64;
-  settings.pixel_columns = 200;
-  settings.pixel_rows = 150;
-  settings.r_min_m = 1500;
-  settings.r_max_m = 6000;
-  return settings;
-}
-
-template <typename T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 class PausesOf : public testing::TestWithParam<NamedSource> {};
@@ -79,6 +63,34 @@ TEST_P(PausesOf, AFrameInPartsHasTheBitsOfOneInOnePiece) {
       EXPECT_TRUE(same_bits(whole.count, parts.count));
       EXPECT_TRUE(same_bits(whole.state, parts.state));
     }
+  }
+}
+
+TEST_P(PausesOf, AFrameThatGivesWayWhenItIsToldHasTheSameBits) {
+  RadarSettings settings = small_frame(GetParam().kind);
+  settings.azimuth_bins = 20;
+  const auto plan = plan_of(settings);
+  for (const int threads : {1, 3}) {
+    BinBlock whole(0, settings.azimuth_bins, settings.range_bins), parts = whole;
+    RenderOptions options;
+    options.threads = threads;
+    options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, whole); };
+    ASSERT_TRUE(render_wedges(*plan, {0, settings.azimuth_bins}, options));
+    options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, parts); };
+    std::atomic<int> asked = 0;
+    RenderPause pause;
+    pause.is_due = [&] { return ++asked % 3 == 0; };
+    options.pause = &pause;
+    int calls = 0;
+    do {
+      ASSERT_TRUE(render_wedges(*plan, {0, settings.azimuth_bins}, options));
+      ++calls;
+    } while (pause.begun);
+    EXPECT_GT(calls, 3);
+    EXPECT_TRUE(same_bits(whole.iq, parts.iq));
+    EXPECT_TRUE(same_bits(whole.power_w, parts.power_w));
+    EXPECT_TRUE(same_bits(whole.count, parts.count));
+    EXPECT_TRUE(same_bits(whole.state, parts.state));
   }
 }
 

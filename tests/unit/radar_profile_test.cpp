@@ -16,7 +16,7 @@ TEST(Profiles, SideBySideAreThoseOfOneAtATimeInEveryInstructionSet) {
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     test::RandomScene random = test::random_scene(seed);
     roofs += random.world.buildings.list.size();
-    const auto scene = test::make_scene(std::move(random.world), std::vector<Material>(8));
+    const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
     std::vector<double> positions;
     for (std::size_t k = 0; k < 1 + seed % kMostProfiles; ++k)

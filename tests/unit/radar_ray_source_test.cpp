@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "server/radar/lane_kernels.h"
 #include "server/radar/ray_source.h"
 #include "tests/support/scenes.h"
 
@@ -42,6 +45,9 @@ TEST_P(RaysOfEveryShape, LieInTheirAzimuthBinAndEveryPixelIsCastOnce) {
     const auto source =
         make_ray_source(*planned.plan, {first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first)});
     while (source->next(*batch)) {
+      std::vector<std::uint16_t> order(batch->packet_order.begin(), batch->packet_order.begin() + batch->n);
+      std::sort(order.begin(), order.end());
+      for (std::size_t k = 0; k < order.size(); ++k) ASSERT_EQ(order[k], k) << "packets have every ray once";
       for (int k = 0; k < batch->n; ++k) {
         const auto ray = static_cast<std::size_t>(k);
         ++cast[batch->pixel[ray]];
@@ -70,6 +76,66 @@ INSTANTIATE_TEST_SUITE_P(
                     Shape{FrustumKind::oblique, 0.5, 16, 359}, Shape{FrustumKind::symmetric, 120, 64, 15},
                     Shape{FrustumKind::symmetric, 30, 7, 180}, Shape{FrustumKind::polar, 120, 64, 15},
                     Shape{FrustumKind::polar, 360, 48, 300}, Shape{FrustumKind::polar, 90, 1, 0}));
+
+TEST(PacketsOfRays, AreSquaresOfPixels) {
+  RadarSettings settings;
+  settings.frustum = FrustumKind::polar;
+  settings.sector_deg = 90;
+  settings.azimuth_bins = 8;
+  settings.pixel_columns = 64;
+  settings.pixel_rows = 40;
+  settings.r_min_m = 1500;
+  settings.r_max_m = 6000;
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::hills, 7000, 100)));
+  const PlanResult planned =
+      plan_frame(scene, test::snapshot(settings), test::pose_over_origin(scene->world(), 1400));
+  ASSERT_TRUE(planned.plan) << planned.errors.front().text();
+  RayBatch batch;
+  const auto source = make_ray_source(*planned.plan, {0, 8});
+  ASSERT_TRUE(source->next(batch));
+  ASSERT_GE(batch.n, 512);
+  for (std::size_t packet = 0; packet < 16; ++packet) {
+    std::uint32_t columns[2] = {~0u, 0};
+    std::uint32_t rows[2] = {~0u, 0};
+    for (std::size_t k = 16 * packet; k < 16 * packet + 16; ++k) {
+      const std::uint32_t pixel = batch.pixel[batch.packet_order[k]];
+      columns[0] = std::min(columns[0], pixel % 64);
+      columns[1] = std::max(columns[1], pixel % 64);
+      rows[0] = std::min(rows[0], pixel / 64);
+      rows[1] = std::max(rows[1], pixel / 64);
+    }
+    EXPECT_EQ(columns[1] - columns[0], 3u) << packet;
+    EXPECT_EQ(rows[1] - rows[0], 3u) << packet;
+  }
+}
+
+TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
+  const PixelCamera camera{-900, 1.5, 0.6, 0.8, 3.7e6, 1300.0 * 1300, 1250, 1100, 1500, 6000, 20};
+  const auto pixels = std::make_unique<PixelList>();
+  pixels->n = 1021;
+  for (int k = 0; k < PixelList::kMost; ++k) {
+    pixels->column[k] = 37 * k % 1200;
+    pixels->up_m[k] = -1200;
+    pixels->ahead_m[k] = 5.0 * k - 300;
+  }
+  const auto cast = [&](AimKernel kernel) {
+    std::vector<double> found(4 * PixelList::kMost);
+    std::vector<std::int32_t> from(PixelList::kMost);
+    double* const x = found.data();
+    const int n = kernel(camera, *pixels, {x, x + 1024, x + 2048, x + 3072, from.data()});
+    std::vector<std::uint64_t> bits;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+      bits.push_back(static_cast<std::uint64_t>(from[k]));
+      for (std::size_t array = 0; array < 4; ++array)
+        bits.push_back(std::bit_cast<std::uint64_t>(found[1024 * array + k]));
+    }
+    return bits;
+  };
+  const auto first = cast(all_lane_kernels().front().aim);
+  EXPECT_GT(first.size(), 5 * 100u);
+  EXPECT_LT(first.size(), 5 * 1021u) << "some are to miss the swath";
+  for (const LaneKernels& kernels : all_lane_kernels()) EXPECT_EQ(cast(kernels.aim), first) << kernels.name;
+}
 
 }  // namespace
 }  // namespace obliq

@@ -172,7 +172,7 @@ TEST(SweepColumns, StrandsAndTheBasePlaneShareEveryColumnExactly) {
     if (random.world.buildings.list.empty()) continue;
     RadarSettings s = random.settings;
     s.frustum = FrustumKind::sweep;
-    const auto scene = test::make_scene(std::move(random.world), std::vector<Material>(8));
+    const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(s), random.pose).plan;
     const int per_bin = sweep_columns_per_bin(s);
     for (int bin = 0; bin < s.azimuth_bins; ++bin) {

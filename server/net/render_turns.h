@@ -1,0 +1,86 @@
+#pragma once
+// Whose turn it is to render. Pure decisions: no clock, no thread, no frames; RenderThread asks.
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace obliq::net {
+
+/// Shares rendering time among parties: the live radars, and all RenderOnce requests as one.
+///
+/// The share is of time, not of frames: as long as n parties have something to render, each gets at least one
+/// n-th of the time, and what a party does not need goes to the others. So a radar whose frames take twenty
+/// times as long has fewer of them, and takes nothing from radars that stay within their shares. (Turns frame
+/// by frame would give it twenty times their time; frames in proportion to rates would reward whoever asks
+/// for most.)
+///
+/// Weighted fair queueing with equal weights (Demers, Keshav, Shenker 1989): each piece of work, a frame or a
+/// slice of one, is given the virtual time at which it would end if everybody rendered at once, each with its
+/// share, and the earliest end goes first. Departures: virtual time is the account of whoever has had least,
+/// as in start-time fair queueing (Goyal, Vin, Cheng 1996), so that nothing depends on how many want
+/// something at a moment; what a piece costs is not known before, so it is taken to be what the party's last
+/// one cost and half as much again (a newcomer's: what the shortest of the others' did), twice that whenever
+/// it turns out to be more, and made good afterwards; and a piece may be interrupted by one with an earlier
+/// end. Parties of equal cost are therefore served one whole frame after the other, and only a long frame
+/// gives way in its middle to short ones.
+class RenderTurns {
+ public:
+  /// Parties are numbered in the order they are added.
+  std::size_t add();
+
+  /// Whether it has something to render now. One that had not keeps no claim on the time it did not use.
+  void set_wanting(std::size_t party, bool wanting);
+
+  /// Time has been spent on the piece that a party has in hand.
+  void charge(std::size_t party, double seconds);
+  /// That piece is done.
+  void done(std::size_t party);
+
+  /// Virtual end of the piece that the party has in hand, or of its next one if it came up now. In seconds of
+  /// rendering.
+  double end_s(std::size_t party) const;
+  /// The wanting party with the earliest end; of equal ones the lowest number.
+  std::optional<std::size_t> first() const;
+  /// How long a party may go on beside the other one, wanting something, before it is to be asked again who
+  /// goes first, in seconds of rendering; 0: the other one does.
+  double lead_s(std::size_t party, std::size_t other) const;
+
+ private:
+  struct Party {
+    bool wanting = false;
+    double begin_s = 0;            ///< virtual, of the piece in hand; as much as was paid for when none is
+    double spent_s = 0;            ///< on the piece in hand
+    std::optional<double> last_s;  ///< what the last piece took
+  };
+  double begin_of(const Party& party) const;
+  /// What the party's piece in hand, or its next one, is taken to cost in all.
+  double expected_s(const Party& party) const;
+
+  std::vector<Party> parties_;
+  double now_s_ = 0;  ///< virtual: where a party begins that has rested
+};
+
+/// When a radar's frames are due: every period, at dates that stay where they are however late a frame is.
+class FrameDates {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Duration = std::chrono::steady_clock::duration;
+
+  Time due() const { return due_; }
+  /// The next frame is due at that time, and the others at periods from there.
+  void begin_at(Time time) { due_ = time; }
+
+  struct Taken {
+    Duration late{};         ///< after its date, the newest that has passed
+    std::uint64_t shed = 0;  ///< whole frames whose dates have passed as well: not rendered, now or later
+  };
+  /// A frame is begun: the newest that is due. `keep_all`: none is shed, they are put off.
+  Taken take(Time now, Duration period, bool keep_all);
+
+ private:
+  Time due_;
+};
+
+}  // namespace obliq::net

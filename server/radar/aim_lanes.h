@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+
+namespace obliq {
+
+/// A perspective frustum and the swath that its rays are to reach (PerspectiveFrustum, SwathTest, Sector).
+struct PixelCamera {
+  double left_m, pixel_width_m;
+  double sin_bearing, cos_bearing;
+  double solid_angle_m3;  ///< a pixel's, times the cube of its distance
+  double wide_m2;         ///< below this square of its distance its solid angle is left to others
+  double below_bottom_m, below_top_m, r_min_m, r_max_m;
+  double half_pixel_m;  ///< a plate that is spread may reach into the swath from so far outside; 0: it is not
+                        ///< spread
+};
+
+/// Pixels, each in its azimuth bin, and the viewing plane's up and ahead in its row.
+struct PixelList {
+  static constexpr int kMost = 1024;
+  int n = 0;
+  std::int32_t column[kMost];
+  std::int32_t row[kMost];
+  std::int32_t bin[kMost];
+  double up_m[kMost];
+  double ahead_m[kMost];
+};
+
+/// Rays of the pixels that reach the swath, in their order; `from` is the pixel's place in the list. All
+/// arrays are written up to a multiple of 8.
+struct AimedRays {
+  double* dir_x;
+  double* dir_y;
+  double* dir_z;
+  double* solid_angle_sr;  ///< NaN: left to others
+  std::int32_t* from;
+};
+
+/// Returns the number of rays.
+using AimKernel = int (*)(const PixelCamera&, const PixelList&, const AimedRays&);
+
+}  // namespace obliq

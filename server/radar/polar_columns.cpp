@@ -1,0 +1,22 @@
+#include "server/radar/polar_columns.h"
+
+#include <numbers>
+
+namespace obliq {
+
+std::vector<PolarColumn> polar_columns(const FramePlan& plan, AzimuthRange range) {
+  const std::int64_t columns = plan.settings().pixel_columns;
+  const BinGrid& bins = plan.bins();
+  const double step_rad = bins.azimuth_width_rad * bins.n_azimuth / static_cast<double>(columns);
+  std::vector<PolarColumn> found;
+  for (std::int64_t c = 0; c < columns; ++c) {
+    // floor((c + 1/2) n_azimuth / columns), in integers.
+    const auto bin = static_cast<int>((2 * c + 1) * bins.n_azimuth / (2 * columns));
+    if (bin < range.first || bin >= range.first + range.count) continue;
+    const double offset_rad = bins.azimuth_start_rad + (static_cast<double>(c) + 0.5) * step_rad;
+    found.push_back({static_cast<int>(c), bin, sincos_turns(offset_rad / (2 * std::numbers::pi))});
+  }
+  return found;
+}
+
+}  // namespace obliq

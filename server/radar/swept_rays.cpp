@@ -1,0 +1,131 @@
+#include "server/radar/swept_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "server/radar/ground_prefetch.h"
+#include "server/radar/sweep_plane.h"
+#include "server/radar/walking_planes.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Answers the rays of one plane, those from `next` on, from what is visible.
+struct AnswerVisible {
+  const RayRows& rows;
+  int nx;
+  std::uint64_t& next;
+  double* slant_range_m;
+  std::uint32_t* surface;
+
+  void visible(const VisiblePiece& piece) {
+    const double low_d = piece.ground_range_m(piece.t0), low_h = piece.height_m(piece.t0);
+    const double high_d = piece.ground_range_m(piece.t1), high_h = piece.height_m(piece.t1);
+    for (; rows.slope[next] * high_d < high_h; ++next) {
+      const double slope = rows.slope[next];
+      if (slope * low_d < low_h) {
+        surface[next] = SweptRays::kUnder;
+        continue;
+      }
+      const double t = std::clamp((slope * piece.d_m - piece.h_m) / (piece.rate_h - slope * piece.rate_d),
+                                  piece.t0, piece.t1);
+      slant_range_m[next] = piece.ground_range_m(t) * rows.secant[next];
+      surface[next] = piece.face != kNoFace
+                          ? SweptRays::kFace + piece.face
+                          : 2 * static_cast<std::uint32_t>(piece.j * nx + piece.i) + (piece.upper ? 1 : 0);
+    }
+  }
+  bool full() const { return next == rows.n; }
+};
+
+}  // namespace
+
+/// Of one plane.
+struct SweptRays::Roofs {
+  std::vector<FootprintSpan> spans;
+  SinCos bearing;
+};
+
+SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const double> elevation_rad,
+                     double reach_m, const LaneKernels& kernels)
+    : world_(scene.world()),
+      antenna_m_(antenna_m),
+      ground_{lane_grid(scene.world().grid), antenna_m.x, antenna_m.y, antenna_m.z, reach_m},
+      kernels_(kernels),
+      reach_m_(reach_m) {
+  const HeightGrid& grid = world_.grid;
+  const auto farther = [](double at, double first, double last) { return std::max(at - first, last - at); };
+  reach_m_ = std::min(reach_m_, std::hypot(farther(antenna_m.x, grid.x0_m, grid.x1_m()),
+                                           farther(antenna_m.z, grid.z0_m, grid.z1_m())));
+  if (static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.nz) >= kFace / 2)
+    throw std::length_error("SweptRays: the grid has 2^30 posts or more");
+  for (const double elevation : elevation_rad) {
+    const SinCos at = sincos_turns(elevation / (2 * std::numbers::pi));
+    slope_.push_back(at.sin / at.cos);
+    secant_.push_back(1 / at.cos);
+  }
+  // What stands no higher than `top` has slopes of at most top / d. A little less, for flat ground.
+  const double top = scene.highest_m() - antenna_m.y;
+  if (!slope_.empty() && top < 0 && slope_.front() < 0)
+    from_m_ = 0.999 * std::min(reach_m, top / slope_.front());
+  slope_.push_back(kInfinity);
+  secant_.push_back(0);
+}
+
+void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings,
+                       std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
+  std::fill(slant_range_m.begin(), slant_range_m.end(), 0.0);
+  std::fill(surface.begin(), surface.end(), kNothing);
+  if (bearings.empty()) return;
+  prefetch_ground(world_.grid, antenna_m_, bearings.front(), bearings.back(), reach_m_);
+  RayLanes lanes{};
+  lanes.slant_range_m = slant_range_m.data();
+  lanes.surface = surface.data();
+  std::array<Roofs, kMostPlanes> roofs;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(kMostPlanes); ++k) {
+    lanes.end_m[k] = -1;
+    lanes.roof_m[k] = kInfinity;
+    if (k >= bearings.size()) continue;
+    const SinCos bearing = roofs[k].bearing = bearings[k];
+    const GroundWalk walk(world_.grid, antenna_m_, bearing.sin, bearing.cos, from_m_, reach_m_);
+    if (walk.done()) continue;
+    set_out(lanes, k, bearing, walk);
+    for (const std::uint32_t b : buildings)
+      footprint_spans(world_.buildings, b, antenna_m_.x, antenna_m_.z, bearing.sin, bearing.cos,
+                      roofs[k].spans);
+    for (const FootprintSpan& span : roofs[k].spans)
+      if (span.far_m > lanes.d_m[k]) lanes.roof_m[k] = std::min(lanes.roof_m[k], span.near_m);
+  }
+  const RayRows rows{slope_.data(), secant_.data(), rays()};
+  while (const unsigned at_roof = kernels_.answer_rays(ground_, rows, lanes))
+    for (std::size_t k = 0; k < bearings.size(); ++k)
+      if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], lanes);
+}
+
+/// Takes one plane past the roofs that it stands before.
+void SweptRays::pass_roofs(std::size_t k, Roofs& roofs, RayLanes& lanes) const {
+  // All that is nearer lies below the next ray.
+  PlaneHorizon horizon;
+  if (lanes.next[k] > 0) horizon = {1, slope_[lanes.next[k] - 1], false};
+  SweepPlane plane(world_, antenna_m_, roofs.bearing, lanes.d_m[k], reach_m_, horizon, roofs.spans);
+  const RayRows rows{slope_.data(), secant_.data(), rays()};
+  AnswerVisible answers{rows, world_.grid.nx, lanes.next[k], lanes.slant_range_m + k * rays(),
+                        lanes.surface + k * rays()};
+  const RoofStep* roof = plane.next_roof();
+  while (roof && roof->near_m <= std::max(plane.at_m(), lanes.roof_m[k])) {
+    plane.advance(std::min(roof->far_m, reach_m_), answers);
+    const bool ended = answers.full() || plane.done() || plane.at_m() >= lanes.end_m[k];
+    roof = ended ? nullptr : plane.next_roof();
+  }
+  stand_at(lanes, k, plane);
+  lanes.roof_m[k] = roof ? roof->near_m : kInfinity;
+}
+
+}  // namespace obliq

@@ -1,0 +1,80 @@
+// What the polar frustum's rays meet, answered by a march of their columns, against each ray's own walk
+// through the grid's cells and the buildings near it, in thousands of rays of random scenes.
+#include "server/radar/polar_trace.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "server/radar/ray_source.h"
+#include "server/scene/ray_answer.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+struct Tally {
+  int rays = 0, hits = 0, on_buildings = 0, repaired = 0, differ = 0;
+  double worst_m = 0;
+};
+
+void compare(const FramePlan& plan, AzimuthRange range, const std::string& scene_text, Tally& tally) {
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  PolarTrace polar(plan, range);
+  const auto source = make_ray_source(plan, range);
+  const auto rays = std::make_unique<RayBatch>();
+  std::vector<RoughHit> rough(kBatch);
+  while (source->next(*rays)) {
+    polar.trace(*rays, rough.data());
+    for (std::size_t k = 0; k < static_cast<std::size_t>(rays->n); ++k) {
+      const glm::dvec3 direction(rays->dir_x[k], rays->dir_y[k], rays->dir_z[k]);
+      const auto walked = first_hit(plan.scene(), antenna, direction);
+      const RayAnswer answer = answer_ray(plan.scene(), antenna, direction, rough[k]);
+      ++tally.rays;
+      const double expected_m = walked ? walked->slant_range_m : HUGE_VAL;
+      const double found_m = answer.hit ? answer.hit->slant_range_m : HUGE_VAL;
+      // Beyond the swath nothing is binned, and buildings are not looked for.
+      if (std::min(expected_m, found_m) > plan.sector().r_max_m) continue;
+      ++tally.hits;
+      tally.on_buildings += walked && walked->face != kNoFace ? 1 : 0;
+      tally.repaired += answer.repaired ? 1 : 0;
+      if (const double off_m = std::abs(expected_m - found_m); off_m > 1e-6) {
+        if (++tally.differ <= 5)
+          std::printf("    direction (%.12f, %.12f, %.12f): walked %.9f m, marched %.9f m, in %s\n",
+                      direction.x, direction.y, direction.z, expected_m, found_m, scene_text.c_str());
+      } else {
+        tally.worst_m = std::max(tally.worst_m, off_m);
+      }
+    }
+  }
+}
+
+TEST(PolarTrace, MeetsWhatEachRaysOwnWalkMeets) {
+  Tally tally;
+  for (std::uint64_t seed = 31000; seed < 31600; ++seed) {
+    test::RandomScene random = test::random_scene(seed);
+    const auto scene = test::scene_of(random);
+    random.settings.frustum = FrustumKind::polar;
+    const auto planned = plan_frame(scene, test::snapshot(random.settings), random.pose);
+    ASSERT_TRUE(planned.plan) << random.text;
+    const int n = random.settings.azimuth_bins;
+    for (int first = 0; first < n; first += 8)
+      compare(*planned.plan, {first, std::min(8, n - first)}, random.text, tally);
+  }
+  std::printf(
+      "    %d rays, %d hits in the swath (%d on buildings), %d beside silhouettes, %d differ; within %.1e "
+      "m\n",
+      tally.rays, tally.hits, tally.on_buildings, tally.repaired, tally.differ, tally.worst_m);
+  EXPECT_GT(tally.hits, 150000);
+  EXPECT_GT(tally.on_buildings, 2000);
+  // Only rays that meet an edge or a silhouette to rounding may take its other side.
+  EXPECT_LE(tally.differ, tally.hits / 20000);
+  EXPECT_LT(tally.worst_m, 1e-6);
+}
+
+}  // namespace
+}  // namespace obliq

@@ -1,0 +1,225 @@
+// How soon a client on the loopback has something to show: its first wedge, and the last byte of the frame
+// after its last wedge has been binned, both as shares of the frame's time (from the begin of its plan to its
+// last byte at the client). A server with the real renderer, and a client that checks every message.
+//   first_light SCENE.toml [--set KEY=VALUE] [--frames N] [--json FILE]
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "client/client.h"
+#include "proto/obliq.pb.h"
+#include "server/apps/scene_loading.h"
+#include "server/control/scene_file.h"
+#include "server/net/scene_renderer.h"
+#include "server/output/frame_files.h"
+#include "tests/bench/numbers.h"
+#include "tests/bench/served.h"
+
+namespace {
+
+using namespace obliq;
+using Clock = std::chrono::steady_clock;
+constexpr client::Timeout kLong{120000};
+
+constexpr double kFirstTarget = 0.15;
+constexpr double kLastTarget = 0.10;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+/// When the frame in hand began and when its last wedge was binned. One frame is rendered at a time.
+struct Moments {
+  std::atomic<Clock::time_point> begin;
+  std::atomic<Clock::time_point> first_binned;
+  std::atomic<Clock::time_point> last_binned;
+};
+
+class WatchedFrame : public net::PlannedFrame {
+ public:
+  WatchedFrame(std::unique_ptr<net::PlannedFrame> frame, Moments& moments)
+      : frame_(std::move(frame)), moments_(moments) {}
+  void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
+    frame_->describe(radar, descriptor);
+  }
+  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    RenderOptions watched = options;
+    bool first = true;
+    watched.on_wedge = [&](Wedge&& wedge) {
+      moments_.last_binned = Clock::now();
+      if (std::exchange(first, false)) moments_.first_binned = Clock::now();
+      options.on_wedge(std::move(wedge));
+    };
+    return frame_->render(azimuths, watched);
+  }
+  void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
+    frame_->summarise(stats, summary);
+  }
+
+ private:
+  std::unique_ptr<net::PlannedFrame> frame_;
+  Moments& moments_;
+};
+
+class WatchedRenderer : public net::FrameRenderer {
+ public:
+  WatchedRenderer(std::shared_ptr<const Scene> scene, Moments& moments)
+      : renderer_(std::move(scene), "hills"), moments_(moments) {}
+  std::vector<FieldError> place(const PoseSettings& pose) const override { return renderer_.place(pose); }
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override {
+    moments_.begin = Clock::now();
+    Plan plan = renderer_.plan(settings, pose);
+    if (plan.frame) plan.frame = std::make_unique<WatchedFrame>(std::move(plan.frame), moments_);
+    return plan;
+  }
+
+ private:
+  net::SceneRenderer renderer_;
+  Moments& moments_;
+};
+
+void check(const client::Status& status) {
+  if (status.ok()) return;
+  throw std::runtime_error(status.sentence());
+}
+
+/// What the client sees of the frame in hand.
+struct Watcher : client::FrameHandler {
+  int planes_of_first = 0;
+  std::uint32_t first_index = 0;
+  Clock::time_point first_wedge;  ///< its last plane
+  bool ended = false;
+
+  client::Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) override {
+    planes_of_first = 0;
+    return {};
+  }
+  client::Status on_block(const wire::FrameHeader&, const wire::WedgeBlock& block,
+                          std::span<const std::byte>) override {
+    if (planes_of_first == 0) first_index = block.wedge_index();
+    if (planes_of_first < wire::kPlanes && block.wedge_index() == first_index &&
+        ++planes_of_first == wire::kPlanes)
+      first_wedge = Clock::now();
+    return {};
+  }
+  client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override {
+    ended = true;
+    return {};
+  }
+};
+
+struct Figures {
+  double frame_s = 0;
+  double first_binned = 0;  // shares of the frame's time, medians
+  double first_at_client = 0;
+  double first_at_client_p90 = 0;
+  double last_byte = 0;
+  double last_byte_p90 = 0;
+};
+
+Figures measure(const std::shared_ptr<const Scene>& scene, const RadarConfig& radar, int frames) {
+  Moments moments;
+  const WatchedRenderer renderer(scene, moments);
+  net::ServerOptions options;
+  options.max_rate_hz = 10000;
+  const bench::Served server(renderer, {radar}, options);
+  client::Client client;
+  check(client.connect({"127.0.0.1", server.port()}));
+  Watcher watcher;
+  client.set_handler(&watcher);
+  wire::Subscribe subscription;
+  subscription.set_radar(radar.name);
+  subscription.set_rate_hz(10000);
+  subscription.set_lossless(true);
+  check(client.subscribe(subscription));
+  const auto next_frame = [&] {
+    for (watcher.ended = false; !watcher.ended;) check(client.receive(kLong));
+    return Clock::now();
+  };
+  next_frame();
+  // So seldom that one frame is over, on both sides, before the next begins.
+  const auto start = Clock::now();
+  next_frame();
+  subscription.set_rate_hz(0.4 / seconds_between(start, Clock::now()));
+  check(client.unsubscribe(radar.name));
+  check(client.subscribe(subscription));
+  next_frame();
+
+  std::vector<double> frame_s, first, last, binned;
+  for (int n = 0; n < frames; ++n) {
+    const auto end = next_frame();
+    const auto begin = moments.begin.load();
+    frame_s.push_back(seconds_between(begin, end));
+    binned.push_back(seconds_between(begin, moments.first_binned) / frame_s.back());
+    first.push_back(seconds_between(begin, watcher.first_wedge) / frame_s.back());
+    last.push_back(seconds_between(moments.last_binned, end) / frame_s.back());
+  }
+  return {bench::quantile(frame_s, 0.5), bench::quantile(binned, 0.5), bench::quantile(first, 0.5),
+          bench::quantile(first, 0.9),   bench::quantile(last, 0.5),   bench::quantile(last, 0.9)};
+}
+
+struct Arguments {
+  std::string scene;
+  LoadOptions options;
+  std::string json;
+  int frames = 20;
+};
+
+void run(const Arguments& arguments) {
+  const SceneConfig config = load_scene_file(arguments.scene, arguments.options);
+  const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
+                                                   config.materials, 0);
+  scene->tracer();  // not while a frame is timed
+  RadarConfig radar = choose_radar(config, "");
+  std::printf("%d x %d bins, all planes, %d frames each; shares of the frame's time, median (90 %% below)\n",
+              radar.settings.azimuth_bins, radar.settings.range_bins, arguments.frames);
+  nlohmann::ordered_json report;
+  for (const auto& [name, frustum] :
+       {std::pair{"default", RadarSettings{}.frustum}, std::pair{"sweep", FrustumKind::sweep}}) {
+    radar.settings.frustum = frustum;
+    radar.settings.plates = RadarSettings{}.plates;
+    const Figures f = measure(scene, radar, arguments.frames);
+    std::printf(
+        "%-8s frame %7.1f ms; first wedge binned at %.1f %%, at the client at %.1f %% (%.1f %%, target: "
+        "below "
+        "%.0f %%); last byte %.1f %% (%.1f %%, target: within %.0f %%) after the last wedge was binned\n",
+        name, 1000 * f.frame_s, 100 * f.first_binned, 100 * f.first_at_client, 100 * f.first_at_client_p90,
+        100 * kFirstTarget, 100 * f.last_byte, 100 * f.last_byte_p90, 100 * kLastTarget);
+    std::fflush(stdout);
+    report[name] = {{"frame_s", f.frame_s},
+                    {"first_wedge", f.first_at_client},
+                    {"first_wedge_p90", f.first_at_client_p90},
+                    {"last_byte", f.last_byte},
+                    {"last_byte_p90", f.last_byte_p90}};
+  }
+  if (!arguments.json.empty())
+    write_text(arguments.json, nlohmann::ordered_json{{"frames", arguments.frames},
+                                                      {"target_first_wedge", kFirstTarget},
+                                                      {"target_last_byte", kLastTarget},
+                                                      {"frusta", report}}
+                                       .dump(1) +
+                                   "\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("How soon a client has something to show");
+  app.add_option("SCENE", arguments.scene, "Scene file")->required();
+  app.add_option("--set", arguments.options.set, "KEY=VALUE, beats the scene file");
+  app.add_option("--frames", arguments.frames, "Of each frustum")->check(CLI::PositiveNumber);
+  app.add_option("--json", arguments.json, "File for the figures")->type_name("FILE");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "first_light: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,240 @@
+"""What speed.py runs, and how README says it. A new benchmark is one more entry in PARTS."""
+import csv
+import json
+from dataclasses import dataclass
+from typing import Callable
+
+PAPER = "tests/bench/paper_hills.toml"
+
+
+@dataclass
+class Part:
+    name: str
+    title: str
+    commands: Callable  # (bin, folder) -> list of commands, programs first
+    collect: Callable   # (their outputs, folder) -> figures
+    words: Callable     # (figures) -> Markdown
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def ms(seconds):
+    return f"{1000 * seconds:.0f} ms" if seconds >= 0.01 else f"{1000 * seconds:.1f} ms"
+
+
+def share(value):
+    return f"{100 * value:.1f} %"
+
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+# ---- Where a frame's time goes
+
+# As in terrain/stage_clock.h.
+STAGES = ("plan", "rays", "trace", "refine", "plates", "buildings", "ground", "scatter", "bin", "states", "encode", "send", "wait",
+          "other", "idle")
+FRUSTA = {"the paper's (oblique, nearest bin)": [], "the default (oblique, spread)": ["--set", "frustum.plates=spread"],
+          "sweep, `standard`": ["--set", "frustum.quality=standard"]}
+
+
+def stage_commands(folder_of_programs, folder):
+    return [[folder_of_programs / "obliq", "render", PAPER, "--profile", "--out", folder / str(number), *more]
+            for number, more in enumerate(FRUSTA.values())]
+
+
+def stage_figures(_, folder):
+    return {name: read(folder / str(number) / "timing.json")["profile"] for number, name in enumerate(FRUSTA)}
+
+
+def stage_words(figures):
+    used = {stage for profile in figures.values() for stage in profile["frame"]["stages"]}
+    stages = [stage for stage in STAGES if stage in used]
+    rows = []
+    for name, profile in figures.items():
+        frame = profile["frame"]
+        cells = [share(frame["stages"][stage]["share"]) if stage in frame["stages"] else "" for stage in stages]
+        rows.append([name, ms(frame["wall_s"]), *cells])
+    cost = max(profile["probes"]["processor_ratio"] for profile in figures.values()) - 1
+    return ("`obliq render tests/bench/paper_hills.toml --profile`: 1024 x 1024 bins over hills, encoded with all planes and sent over "
+            "the loopback; shares of the thread time, which add up to the frame. Measuring costs "
+            f"{max(0.0, 100 * cost):.1f} % of the processor time or less, and nothing when it is off."
+            + table(["sampling", "frame", *stages], rows))
+
+
+# ---- Beside the truth
+
+def frontier_commands(folder_of_programs, folder):
+    return [[folder_of_programs / "obliq", "frontier", "deploy/scenes/losangeles.toml", "--out", folder, "--azimuths", "128",
+             "--truth-planes", "128", "--repeats", "3"]]
+
+
+# Of all that obliq frontier measures; it writes the rest itself.
+FRONTIER_ROWS = ("oblique 2048 x 2048 nearest", "oblique 2048 x 2048 spread", "symmetric 2048 x 2048 nearest", "polar 2048 x 2048 nearest",
+                 "polar 2048 x 512 spread", "polar 2048 x 1024 spread", "sweep 1024", "sweep 2048", "sweep 4096", "sweep 8192")
+
+
+def frontier_figures(_, folder):
+    with open(folder / "frontier.csv", encoding="utf-8", newline="") as file:
+        return {"rows": list(csv.DictReader(file))}
+
+
+def frontier_words(figures):
+    finest = min(float(row["cell_m"]) for row in figures["rows"])
+    found = {" ".join([row["kind"], row["columns"], *(["x", row["rows"], row["plates"]] if row["kind"] != "sweep" else [])]): row
+             for row in figures["rows"] if float(row["cell_m"]) == finest and row["returns"] == "all"}
+    paper = found[FRONTIER_ROWS[0]]
+    rows = []
+    for name in FRONTIER_ROWS:
+        row = found[name]
+        quicker, truer = (float(paper[figure]) / float(row[figure]) for figure in ("frame_ms", "power_error"))
+        rows.append([name, f"{float(row['frame_ms']):.0f} ms", f"{1 / quicker:.2f}", f"{float(row['power_error']):.2g}", f"{truer:.3g}",
+                     f"{float(row['median_db']):.2g} dB", f"{100 * float(row['gap_fraction']):.2g} %",
+                     f"{100 * float(row['false_light_fraction']):.2g} %", f"{row['buildings_missed']} of {row['buildings_visible']}"])
+    return ("`obliq frontier deploy/scenes/losangeles.toml`: Los Angeles from 3 km, terrain and 14,535 buildings, frames with all planes "
+            "against the reference renderer. The first row is the paper's setting."
+            + table(["sampling", "frame", "over the paper's", "E", "E lower by", "median", "gaps", "false light", "buildings missed"], rows))
+
+
+# ---- Rays
+
+def ray_commands(folder_of_programs, folder):
+    return [[folder_of_programs / "ray_bench", PAPER, "--set", f"frustum.kind={kind}", "--json", folder / f"{kind}.json"]
+            for kind in ("oblique", "symmetric", "polar")]
+
+
+def ray_figures(_, folder):
+    return {kind: read(folder / f"{kind}.json") for kind in ("oblique", "symmetric", "polar")}
+
+
+def ray_words(figures):
+    rows = [[kind, f"{f['rays'] / 1e6:.2f} M", f"{f['trace']['least_ms']:.0f} ms", f"{f['frame']['least_ms']:.0f} ms",
+             f"{f['frame_over_trace']:.2f}", f"{f['frame']['least_cpu_ms'] / f['trace']['least_cpu_ms']:.2f}"]
+            for kind, f in figures.items()]
+    return ("`ray_bench`: whole frames of nearest bins beside Embree's trace of the same rays, the least of "
+            f"{next(iter(figures.values()))['repeats']} in turn."
+            + table(["frustum", "rays", "trace", "frame", "frame / trace", "of processor time"], rows))
+
+
+# ---- The sweep
+
+SWEEPS = {"paper_hills.toml": "30 m, no buildings", "fine.toml": "10 m, no buildings", "city.toml": "30 m, 100,000 buildings"}
+
+
+def sweep_commands(folder_of_programs, folder):
+    return [["/usr/bin/env", f"OBLIQ_BENCH_SCENE=tests/bench/{scene}", folder_of_programs / "obliq_bench",
+             "--benchmark_filter=WholeSweepFrame/planes_per_bin:[12]/|WholeFrame/frustum:1/speckle:0/plates:1/|MarchedRays|"
+             "BareTrace/frustum:2/", "--benchmark_min_time=2", "--benchmark_format=json",
+             f"--benchmark_out={folder / scene}.json"] for scene in SWEEPS]
+
+
+def sweep_figures(_, folder):
+    return {scene: {row["name"]: row["real_time"] / 1000 for row in read(folder / f"{scene}.json")["benchmarks"]}
+            for scene in SWEEPS}
+
+
+def sweep_words(figures):
+    rows = []
+    for scene, words in SWEEPS.items():
+        found = {name.split("/real_time")[0]: seconds for name, seconds in figures[scene].items()}
+        paper, draft, standard = (found[f"{name}"] for name in ("WholeFrame/frustum:1/speckle:0/plates:1",
+                                                                "WholeSweepFrame/planes_per_bin:1",
+                                                                "WholeSweepFrame/planes_per_bin:2"))
+        rows.append([f"`{scene}`: {words}", ms(paper), ms(draft), ms(standard), f"{1 / standard:.1f}", f"{standard / paper:.2f}",
+                     ms(found["BareTrace/frustum:2"]), ms(found["MarchedRays"]),
+                     f"{found['BareTrace/frustum:2'] / found['MarchedRays']:.1f}"])
+    return ("`obliq_bench`: whole frames of 1024 x 1024 bins with I&Q and all planes, and the 4.2 M rays of the polar frustum traced by "
+            "Embree (float) and answered by a march of their columns (double). Targets: 40 frames a second among 100,000 buildings, a "
+            "tenth of the paper's time, a march 10 times as quick as Embree at 10 m."
+            + table(["scene", "the paper's", "sweep, `draft`", "sweep, `standard`", "frames/s", "over the paper's", "Embree's trace",
+                     "march", "Embree over march"], rows))
+
+
+# ---- Peers
+
+PEER_RUNS = {f"{kind}, {cell} m": ["--set", f"frustum.kind={kind}", "--set", f"terrain.cell_m={cell}"]
+             for kind in ("oblique", "polar") for cell in (30, 10)}
+
+
+def peer_commands(_, folder):
+    return [["tests/bench/peers.sh", PAPER, *settings, "--json", folder / f"peers{number}.json"]
+            for number, settings in enumerate(PEER_RUNS.values())]
+
+
+def peer_figures(_, folder):
+    return {name: read(folder / f"peers{number}.json") for number, name in enumerate(PEER_RUNS)}
+
+
+def peer_words(figures):
+    rows = []
+    for name, run in figures.items():
+        for key, row in run["tracers"].items():
+            target = f"{row['target']:g}" if row.get("target") else ""
+            rows.append([name, row["name"], f"{row['least_ms']:.0f} ms", f"{run['rays'] / 1e3 / row['least_ms']:.1f}",
+                         f"{row['speedup']:.2f}" if key not in ("obliq", "march") else "", target,
+                         f"{row['march_speedup']:.1f}" if "march_speedup" in row and key != "march" else ""])
+    return ("`tests/bench/peers.sh`: the rays of the paper's frame on the triangles of the same mesh, the same for all, two threads, the "
+            "least of 15 in turn. All but the march run Embree inside."
+            + table(["rays, cells", "tracer", "trace", "Mray/s", "its time over our trace's", "target", "over the march's"], rows))
+
+
+# ---- A client's view
+
+def light_commands(folder_of_programs, folder):
+    return [[folder_of_programs / "first_light", PAPER, "--json", folder / "light.json"]]
+
+
+def light_words(figures):
+    rows = [[name, ms(f["frame_s"]), share(f["first_wedge"]), share(f["last_byte"])] for name, f in figures["frusta"].items()]
+    return ("`first_light`: when a client on the loopback has the first wedge with all planes, and how long after the last wedge was "
+            f"binned it has the last byte, as shares of the frame's time; targets {share(figures['target_first_wedge'])} and "
+            f"{share(figures['target_last_byte'])}."
+            + table(["frustum", "frame", "first wedge", "last byte"], rows))
+
+
+def many_commands(folder_of_programs, folder):
+    return [[folder_of_programs / "many_radars", PAPER, "--frames", "20", "--seconds", "30", "--json", folder / "many.json"]]
+
+
+def many_words(figures):
+    rows = []
+    for alike, slow in zip(figures["all_alike"], figures["one_slow"]):
+        row = [f"{alike['load']:g}"]
+        for f in (alike, slow):
+            row += [f"{f['delivered']} of {f['asked']}", str(f["shed"]), ms(f["p50_s"]), ms(f["p99_s"])]
+        rows.append(row)
+    return (f"`many_radars`: {figures['radars']} radars of {figures['bins']} x {figures['bins']} bins (sweep, I&Q) share a server; a "
+            f"frame alone takes {ms(figures['frame_s'])}. Load 1 asks for as many frames as there is time for. Latency is from a frame's "
+            f"date to its last byte at the client. In the second half one radar has {figures['slower']} times as many planes, frames of "
+            f"{ms(figures['slow_frame_s'])}; the figures are those of the {figures['radars'] - 1} others."
+            + table(["load", "frames", "shed", "median", "99 %", "frames beside a slow one", "shed", "median", "99 %"], rows))
+
+
+# ---- Programs that say it themselves
+
+def median_line(outputs, _):
+    return {"line": next(line for line in outputs[0].splitlines() if line.startswith("median "))}
+
+
+def text_of(outputs, _):
+    return {"lines": outputs[0].strip().splitlines()}
+
+
+PARTS = [
+    Part("stages", "Where a frame's time goes", stage_commands, stage_figures, stage_words),
+    Part("frontier", "Frames beside their error", frontier_commands, frontier_figures, frontier_words),
+    Part("rays", "Beside the bare trace", ray_commands, ray_figures, ray_words),
+    Part("sweep", "The sweep", sweep_commands, sweep_figures, sweep_words),
+    Part("peers", "Beside other ray tracers", peer_commands, peer_figures, peer_words),
+    Part("first_light", "First light", light_commands, lambda _, folder: read(folder / "light.json"), light_words),
+    Part("many_radars", "Many radars, one scene", many_commands, lambda _, folder: read(folder / "many.json"), many_words),
+    Part("stream", "The stream beside a bare socket loop", lambda bin_folder, _: [[bin_folder / "stream_bench"]], median_line,
+         lambda figures: f"`stream_bench`, {figures['line']}."),
+    Part("start", "From an elevation model to a scene", lambda bin_folder, _: [[bin_folder / "load_bench"]], text_of,
+         lambda figures: "`load_bench`:\n\n```\n" + "\n".join(figures["lines"]) + "\n```"),
+]

@@ -1,0 +1,52 @@
+// The first frustum whose rays are traced, while others sweep.
+#include <gtest/gtest.h>
+
+#include "server/net/scene_renderer.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+SettingsPtr settings_of(FrustumKind kind) {
+  RadarSettings settings;
+  settings.frustum = kind;
+  settings.r_min_m = 2000;
+  settings.r_max_m = 8000;
+  settings.pixel_columns = settings.pixel_rows = 64;
+  settings.azimuth_bins = settings.range_bins = 32;
+  return test::snapshot(settings);
+}
+
+TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
+  // Four million posts: no machine builds them in the moment that plan() waits.
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 20000, 20)));
+  const net::SceneRenderer renderer(scene, "flat");
+  PoseSettings pose;
+  pose.latitude_deg = 33;
+  pose.longitude_deg = -99.5;
+  pose.height_m = 2000;
+  EXPECT_TRUE(renderer.plan(settings_of(FrustumKind::sweep), pose).frame);
+  EXPECT_EQ(scene->built_tracer(), nullptr);
+
+  auto cast = renderer.plan(settings_of(FrustumKind::oblique), pose);
+  EXPECT_FALSE(cast.frame);
+  EXPECT_TRUE(cast.errors.empty()) << all_text(cast.errors);
+  EXPECT_TRUE(renderer.plan(settings_of(FrustumKind::sweep), pose).frame);
+  while (!cast.frame && cast.errors.empty()) cast = renderer.plan(settings_of(FrustumKind::oblique), pose);
+  EXPECT_TRUE(cast.frame) << all_text(cast.errors);
+  EXPECT_NE(scene->built_tracer(), nullptr);
+}
+
+TEST(SceneRenderer, WhatCannotBePlannedBuildsNothing) {
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)));
+  const net::SceneRenderer renderer(scene, "flat");
+  PoseSettings pose;
+  pose.latitude_deg = 33;
+  pose.longitude_deg = -99.5;
+  pose.height_m = -10;  // below the ground
+  EXPECT_FALSE(renderer.plan(settings_of(FrustumKind::oblique), pose).errors.empty());
+  EXPECT_EQ(scene->built_tracer(), nullptr);
+}
+
+}  // namespace
+}  // namespace obliq
