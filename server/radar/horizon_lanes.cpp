@@ -49,7 +49,8 @@ OBLIQ_LANES void cross(const GroundStretch& along, double start, double rate, do
     const Lanes number = first + Lanes{0, 1, 2, 3, 4, 5, 6, 7};
     const LaneFlags inside = number <= last;
     const Lanes capped = select(inside, number, all_lanes(last));
-    const Lanes d = (capped - start) / rate;
+    // A plane that runs along a line of the family meets it anywhere.
+    const Lanes d = clamp((capped - start) / rate, all_lanes(along.from_m), all_lanes(along.to_m));
     highest.raise(inside, d, heights(capped, d) - antenna_y_m);
   }
 }

@@ -63,7 +63,7 @@ void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
     walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);
     walk_in(surface_, point, point.slope - half, point.d_m - reach_m, visible_);
     for (const PlanePiece& piece : visible_) plate_.add(bins, piece);
-    plate_.drop_hidden(profile_.marks(rays.azimuth_bin[k]).visible, bins.range_bin(hit->slant_range_m));
+    plate_.drop_hidden(profile_.whole_marks(rays.azimuth_bin[k]).visible, bins.range_bin(hit->slant_range_m));
   }
   emit_plate(plan_, plate_, *hit, rays.solid_angle_sr[k], rays.azimuth_bin[k], sin_bearing, cos_bearing,
              samples);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/radar/exact_math.h"
+#include "server/radar/ground_horizon.h"
 #include "server/radar/ground_walk.h"
 #include "server/radar/profile_march.h"
 #include "server/radar/roof_steps.h"
@@ -16,6 +17,11 @@ namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A march that begins later saves less than finding the horizon there costs.
+constexpr double kWorthwhile_cells = 64;
+/// More than what a distance is rounded by.
+constexpr double kSlack_m = 1e-3;
 
 /// The ground area of an azimuth bin between two distances, as far as it lies in the swath: between r_min and
 /// r_max at the median height.
@@ -38,6 +44,14 @@ struct BinArea {
     const double a = std::clamp(d0, near_m, far_m);
     const double b = std::clamp(d1, near_m, far_m);
     return 0.5 * width_rad * (b - a) * (b + a);
+  }
+  double sector_m2() const { return ring_m2(near_m, far_m); }
+  /// What lies before and behind a walk, outside the grid.
+  double outside_m2(const GroundWalk& walk, double r_max_m) const {
+    return ring_m2(0, walk.at_m()) + ring_m2(walk.end_m(), r_max_m);
+  }
+  ProfileArea without(double missing_m2) const {
+    return {sector_m2(), std::max(0.0, sector_m2() - missing_m2)};
   }
 };
 
@@ -108,13 +122,17 @@ class Surface {
   double at_m_;
 };
 
+SinCos bearing_at(const FramePlan& plan, double position) {
+  const double bearing = plan.sector().bearing_rad + plan.bins().azimuth_edge_rad(position);
+  return {std::sin(bearing), std::cos(bearing)};
+}
+
 /// The plane at a position, at the nadir.
 Plane plane_at(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans) {
   const World& world = plan.scene().world();
   const glm::dvec3& antenna = plan.sector().antenna_m;
-  const double bearing = plan.sector().bearing_rad + plan.bins().azimuth_edge_rad(position);
   Plane plane;
-  plane.bearing = {std::sin(bearing), std::cos(bearing)};
+  plane.bearing = bearing_at(plan, position);
   // A building that reaches across a bin's edge is in the lists of both bins.
   const int azimuth_bin = std::min(static_cast<int>(position), plan.bins().n_azimuth - 1);
   spans.clear();
@@ -127,13 +145,62 @@ Plane plane_at(const FramePlan& plan, double position, std::vector<FootprintSpan
 void begin(const FramePlan& plan, const BinArea& area, ProfileResult& result) {
   result.visible.assign(static_cast<std::size_t>(plan.bins().n_range), 0);
   result.present.assign(static_cast<std::size_t>(plan.bins().n_range), 0);
-  result.sector_area_m2 = area.ring_m2(area.near_m, area.far_m);
-  result.covered_area_m2 = 0;
+  result.area = {area.sector_m2(), 0};
+}
+
+/// The ground distance before which no surface of a plane lies in range bin `first` or beyond: slant range
+/// squared is ground distance squared and height squared. 0 where that saves nothing, or where the horizon
+/// there is more than ground and roofs.
+double start_m(const FramePlan& plan, const Plane& plane, int first) {
+  const TileBounds& tiles = plan.scene().tiles();
+  const double antenna_y_m = plan.sector().antenna_m.y;
+  double highest_m = tiles.highest_m();
+  for (const RoofStep& roof : plane.roofs) {
+    // No roofs are marched over unknown ground; under one, the horizon is straight up.
+    if (!tiles.whole() || !(roof.near_m > 0)) return 0;
+    highest_m = std::max(highest_m, roof.roof_y_m);
+  }
+  const double height_m =
+      std::max(std::abs(highest_m - antenna_y_m), std::abs(tiles.lowest_m() - antenna_y_m));
+  const double range_m = plan.bins().r_min_m + first * plan.bins().range_spacing_m;
+  if (!(range_m > height_m)) return 0;
+  const double ground_m = std::sqrt((range_m - height_m) * (range_m + height_m)) - kSlack_m;
+  return ground_m > kWorthwhile_cells * plan.scene().world().grid.cell_m ? ground_m : 0;
+}
+
+/// The horizon that a march from the nadir would have at a distance.
+PlaneHorizon horizon_at(const FramePlan& plan, const Plane& plane, double at_m) {
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  const GroundRidge ridge(plan.scene(), antenna, plane.bearing, 0, at_m);
+  PlaneHorizon horizon = ground_horizon(plan.scene(), ridge, antenna, plane.bearing, at_m);
+  for (const RoofStep& roof : plane.roofs) {
+    if (!(roof.near_m < at_m)) break;
+    horizon.raise(roof.near_m, roof.roof_y_m - antenna.y, true);
+    horizon.raise(std::min(roof.far_m, at_m), roof.roof_y_m - antenna.y, true);
+  }
+  return horizon;
+}
+
+/// Sets a plane where surface may first lie in some bins; the walk from there to where none does any more.
+GroundWalk set_out_for(const FramePlan& plan, Plane& plane, RangeWindow bins) {
+  const BinGrid& grid = plan.bins();
+  const double from_m = bins.first > 0 ? start_m(plan, plane, bins.first) : 0;
+  const double to_m = bins.last < grid.n_range - 1
+                          ? grid.r_min_m + (bins.last + 1) * grid.range_spacing_m + kSlack_m
+                          : grid.r_max_m;
+  if (from_m > 0) {
+    const PlaneHorizon horizon = horizon_at(plan, plane, from_m);
+    plane.state.horizon_d_m = horizon.d_m;
+    plane.state.horizon_h_m = horizon.h_m;
+    while (plane.roof < plane.roofs.size() && plane.roofs[plane.roof].far_m <= from_m) ++plane.roof;
+  }
+  return {plan.scene().world().grid,   plan.sector().antenna_m, plane.bearing.sin, plane.bearing.cos, from_m,
+          std::min(to_m, grid.r_max_m)};
 }
 
 void finish(const FramePlan& plan, const BinArea& area, Plane& plane, ProfileResult& result) {
   ProfileMarch(plan.bins(), plan.sector().antenna_m.y, plane.state, result).gap();
-  result.covered_area_m2 = std::max(0.0, area.ring_m2(area.near_m, area.far_m) - plane.missing_m2);
+  result.area = area.without(plane.missing_m2);
 }
 
 }  // namespace
@@ -172,14 +239,23 @@ void march_profile(const FramePlan& plan, double position, std::vector<Footprint
   GroundWalk walk(plan.scene().world().grid, antenna, plane.bearing.sin, plane.bearing.cos, 0,
                   plan.bins().r_max_m);
   if (walk.done()) return;
-  plane.missing_m2 = area.ring_m2(0, walk.at_m()) + area.ring_m2(walk.end_m(), plan.bins().r_max_m);
+  plane.missing_m2 = area.outside_m2(walk, plan.bins().r_max_m);
   ProfileMarch marcher(plan.bins(), antenna.y, plane.state, result);
   Surface surface(plane, area, marcher, walk.at_m(), true);
   walk.advance(walk.end_m(), surface);
   finish(plan, area, plane, result);
 }
 
-void march_profiles(const FramePlan& plan, std::span<const double> positions,
+ProfileArea area_of_known_ground(const FramePlan& plan, double position) {
+  const BinArea area(plan);
+  const SinCos bearing = bearing_at(plan, position);
+  const double r_max_m = plan.bins().r_max_m;
+  const GroundWalk walk(plan.scene().world().grid, plan.sector().antenna_m, bearing.sin, bearing.cos, 0,
+                        r_max_m);
+  return walk.done() ? ProfileArea{area.sector_m2(), 0} : area.without(area.outside_m2(walk, r_max_m));
+}
+
+void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
                     std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
                     const LaneKernels& kernels) {
   const BinArea area(plan);
@@ -194,13 +270,13 @@ void march_profiles(const FramePlan& plan, std::span<const double> positions,
   };
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMostProfiles); ++lane) {
     lanes.end_m[lane] = -1;
-    if (lane >= positions.size()) continue;
+    if (lane >= wishes.size()) continue;
     begin(plan, area, results[lane]);
-    const Plane& plane = planes.emplace_back(plane_at(plan, positions[lane], spans));
-    const GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, 0, bins.r_max_m);
+    Plane& plane = planes.emplace_back(plane_at(plan, wishes[lane].position, spans));
+    const GroundWalk walk = set_out_for(plan, plane, wishes[lane].bins);
     if (walk.done()) continue;
     set_out(lanes, lane, plane.bearing, walk);
-    lanes.missing_m2[lane] = area.ring_m2(0, walk.at_m()) + area.ring_m2(walk.end_m(), bins.r_max_m);
+    lanes.missing_m2[lane] = area.outside_m2(walk, bins.r_max_m);
     lanes.state[lane] = plane.state;
     lanes.visible[lane] = results[lane].visible.data();
     lanes.present[lane] = results[lane].present.data();
@@ -216,7 +292,8 @@ void march_profiles(const FramePlan& plan, std::span<const double> positions,
       Plane& plane = planes[lane];
       plane.state = lanes.state[lane];
       plane.missing_m2 = lanes.missing_m2[lane];
-      GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, lanes.d_m[lane], bins.r_max_m);
+      GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, lanes.d_m[lane],
+                      lanes.end_m[lane]);
       ProfileMarch marcher(bins, antenna.y, plane.state, results[lane]);
       Surface surface(plane, area, marcher, walk.at_m(), false);
       walk.advance(walk.end_m(), surface);

@@ -11,13 +11,26 @@
 
 namespace obliq {
 
+/// How much of an azimuth bin's ground is known.
+struct ProfileArea {
+  double sector_m2 = 0;   ///< of the azimuth bin between r_min and r_max
+  double covered_m2 = 0;  ///< of that, over known ground
+};
+
 /// Marks per range bin, and how much of the azimuth's ground is known.
 struct ProfileResult {
   std::vector<std::uint8_t> visible;  ///< [n_range] 1 where a visible piece of surface lies in the bin
   std::vector<std::uint8_t>
-      present;                 ///< [n_range] 1 where any known surface, seen or hidden, lies in the bin
-  double sector_area_m2 = 0;   ///< of this azimuth bin between r_min and r_max
-  double covered_area_m2 = 0;  ///< of that, over known ground
+      present;       ///< [n_range] 1 where any known surface, seen or hidden, lies in the bin
+  ProfileArea area;  ///< means nothing when only a part was asked for
+};
+
+/// Range bins from `first` to `last`.
+struct RangeWindow {
+  int first = 0;
+  int last = 0;
+  bool empty() const { return last < first; }
+  bool holds(const RangeWindow& other) const { return first <= other.first && other.last <= last; }
 };
 
 /// How many strands (vertical planes) an azimuth bin is divided into, even, 2 to 8: no farther apart at r_max
@@ -36,11 +49,21 @@ std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands);
 void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result);
 
-/// The same, to the bit, for up to kMostProfiles positions side by side, results in their order. `kernels`:
-/// for tests that compare instruction sets.
+/// A plane, and the range bins whose marks are wanted of it. Others may be marked or not.
+struct ProfileWish {
+  double position;
+  RangeWindow bins;
+};
+
+/// The same for up to kMostProfiles planes side by side, results in their order: to the bit where all bins
+/// are wanted. Where farther ones are, the march begins at the first distance at which surface may lie in
+/// them, with the horizon of all that is nearer. `kernels`: for tests that compare instruction sets.
 constexpr int kMostProfiles = ProfileLanes::kLanes;
-void march_profiles(const FramePlan& plan, std::span<const double> positions,
+void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
                     std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
                     const LaneKernels& kernels = lane_kernels());
+
+/// The area that a march would find where every post of the grid is known, without one.
+ProfileArea area_of_known_ground(const FramePlan& plan, double position);
 
 }  // namespace obliq

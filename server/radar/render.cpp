@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/radar/batches.h"
+#include "server/radar/bin_states.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/sample_source.h"
 #include "server/radar/scattering.h"
@@ -32,41 +33,6 @@ struct FrameTables {
         speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(),
                 plan.bins().range_spacing_m, plan.bins().azimuth_width_rad, plan.settings().speckle_seed) {}
 };
-
-/// Gives every bin without samples its state, and measures coverage along the bins' centres. An azimuth bin
-/// that needs no states is marched along its centre alone.
-void decide_states(bool states, WedgeProfile& profile, Wedge& wedge) {
-  const auto n_range = static_cast<std::size_t>(wedge.bins.n_range);
-  const auto undecided = [](std::uint8_t value) {
-    return value != static_cast<std::uint8_t>(BinState::sampled);
-  };
-  const auto states_of = [&](int azimuth_bin) {
-    return wedge.bins.state.data() +
-           static_cast<std::size_t>(azimuth_bin - wedge.bins.first_azimuth) * n_range;
-  };
-  const int end = wedge.bins.first_azimuth + wedge.bins.n_azimuth;
-  std::vector<int> open;
-  for (int azimuth_bin = wedge.bins.first_azimuth; azimuth_bin < end; ++azimuth_bin)
-    if (states && std::any_of(states_of(azimuth_bin), states_of(azimuth_bin) + n_range, undecided))
-      open.push_back(azimuth_bin);
-  profile.prepare(open);
-  for (int azimuth_bin = wedge.bins.first_azimuth; azimuth_bin < end; ++azimuth_bin) {
-    const WedgeProfile::Area area = profile.area(azimuth_bin);
-    wedge.stats.sector_area_m2 += area.sector_m2;
-    wedge.stats.covered_area_m2 += area.covered_m2;
-  }
-  for (const int azimuth_bin : open) {
-    std::uint8_t* const state = states_of(azimuth_bin);
-    const BinMarks& marks = profile.marks(azimuth_bin);
-    for (std::size_t r = 0; r < n_range; ++r) {
-      if (!undecided(state[r])) continue;
-      const BinState decided = marks.visible[r]   ? BinState::not_sampled
-                               : marks.present[r] ? BinState::shadow
-                                                  : BinState::no_surface;
-      state[r] = static_cast<std::uint8_t>(decided);
-    }
-  }
-}
 
 /// The wedge that a thread has in hand, and its buffers, reused from wedge to wedge.
 class WedgeWork {
@@ -108,7 +74,12 @@ class WedgeWork {
       bins_.write(wedge_.bins);
     }
     const StageProbe probe(Stage::states);
-    decide_states(states, *profile_, wedge_);
+    for (int k = 0; k < wedge_.bins.n_azimuth; ++k) {
+      const ProfileArea area = profile_->area(wedge_.bins.first_azimuth + k);
+      wedge_.stats.sector_area_m2 += area.sector_m2;
+      wedge_.stats.covered_area_m2 += area.covered_m2;
+    }
+    if (states) decide_states(*profile_, wedge_.bins);
     return std::move(wedge_);
   }
 

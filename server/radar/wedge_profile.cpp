@@ -5,63 +5,93 @@
 
 namespace obliq {
 
+void BinMarks::add(const ProfileResult& strand, RangeWindow bins) {
+  for (auto r = static_cast<std::size_t>(bins.first); r < static_cast<std::size_t>(bins.last + 1); ++r) {
+    visible[r] |= strand.visible[r];
+    present[r] |= strand.present[r];
+  }
+}
+
 WedgeProfile::WedgeProfile(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
       range_(range),
       strands_(profile_strands(plan)),
-      profiles_(static_cast<std::size_t>(range.count) * static_cast<std::size_t>(strands_) + 1),
-      marks_(static_cast<std::size_t>(range.count)) {}
+      profiles_(static_cast<std::size_t>(range.count) * static_cast<std::size_t>(strands_) + 1) {}
 
-/// Between the edges of a bin: the centre, and the others as far as they say anything.
-bool WedgeProfile::counts(int strand) const {
-  return 2 * strand == strands_ ||
-         first_bin_of_strand(plan_, strand, strands_) < static_cast<std::size_t>(plan_.bins().n_range);
+/// The edges and the centre count everywhere, the others as far as they say anything.
+RangeWindow WedgeProfile::counting(int strand, RangeWindow bins) const {
+  if (strand == 0 || strand == strands_ || 2 * strand == strands_) return bins;
+  const auto first = static_cast<int>(first_bin_of_strand(plan_, strand, strands_));
+  return {std::max(bins.first, first), bins.last};
 }
 
-void WedgeProfile::prepare(const std::vector<int>& azimuth_bins) {
-  std::vector<std::size_t> wanted;
-  for (int bin = range_.first; bin < range_.first + range_.count; ++bin)
-    wanted.push_back(strand_of(bin, strands_ / 2));
-  for (const int bin : azimuth_bins)
+void WedgeProfile::want(Wanted& wanted, std::size_t strand, RangeWindow bins) {
+  if (bins.empty()) return;
+  RangeWindow& window = wanted[strand];
+  window = window.empty() ? bins
+                          : RangeWindow{std::min(window.first, bins.first), std::max(window.last, bins.last)};
+}
+
+void WedgeProfile::march_centres(const std::vector<Wish>& wishes) {
+  Wanted wanted(profiles_.size(), {0, -1});
+  for (const Wish& wish : wishes) want(wanted, centre_of(wish.azimuth_bin), wish.bins);
+  march(wanted);
+}
+
+void WedgeProfile::march_strands(const std::vector<Wish>& wishes) {
+  Wanted wanted(profiles_.size(), {0, -1});
+  for (const Wish& wish : wishes)
     for (int strand = 0; strand <= strands_; ++strand)
-      if (strand == 0 || strand == strands_ || counts(strand)) wanted.push_back(strand_of(bin, strand));
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  std::erase_if(wanted, [&](std::size_t strand) { return profiles_[strand].has_value(); });
-  for (std::size_t first = 0; first < wanted.size(); first += kMostProfiles) {
-    const std::size_t n = std::min<std::size_t>(kMostProfiles, wanted.size() - first);
-    std::array<double, kMostProfiles> positions;
+      want(wanted, strand_of(wish.azimuth_bin, strand), counting(strand, wish.bins));
+  march(wanted);
+}
+
+void WedgeProfile::march(Wanted& wanted) {
+  std::vector<std::size_t> open;
+  for (std::size_t strand = 0; strand < wanted.size(); ++strand) {
+    const RangeWindow known = profiles_[strand].bins;
+    if (wanted[strand].empty() || known.holds(wanted[strand])) continue;
+    want(wanted, strand, known);
+    open.push_back(strand);
+  }
+  for (std::size_t first = 0; first < open.size(); first += kMostProfiles) {
+    const std::size_t n = std::min<std::size_t>(kMostProfiles, open.size() - first);
+    std::array<ProfileWish, kMostProfiles> wishes;
     std::array<ProfileResult, kMostProfiles> results;
-    for (std::size_t k = 0; k < n; ++k) positions[k] = position(wanted[first + k]);
-    march_profiles(plan_, std::span(positions).first(n), std::span(results).first(n), spans_);
-    for (std::size_t k = 0; k < n; ++k) profiles_[wanted[first + k]] = std::move(results[k]);
+    for (std::size_t k = 0; k < n; ++k) wishes[k] = {position(open[first + k]), wanted[open[first + k]]};
+    march_profiles(plan_, std::span(wishes).first(n), std::span(results).first(n), spans_);
+    for (std::size_t k = 0; k < n; ++k) profiles_[open[first + k]] = {wishes[k].bins, std::move(results[k])};
   }
 }
 
-const BinMarks& WedgeProfile::marks(int azimuth_bin) {
-  std::optional<BinMarks>& slot = marks_[index(azimuth_bin)];
-  if (slot) return *slot;
-  BinMarks all;
+BinMarks WedgeProfile::marks(const Wish& wish) const {
+  BinMarks all(plan_.bins().n_range);
   for (int strand = 0; strand <= strands_; ++strand) {
-    if (strand == 0 || strand == strands_ || 2 * strand == strands_) {
-      all.add(profile(strand_of(azimuth_bin, strand)));
-    } else if (counts(strand)) {
-      all.add(profile(strand_of(azimuth_bin, strand)), first_bin_of_strand(plan_, strand, strands_));
-    }
+    const RangeWindow bins = counting(strand, wish.bins);
+    if (!bins.empty()) all.add(profiles_[strand_of(wish.azimuth_bin, strand)].result, bins);
   }
-  slot = std::move(all);
-  return *slot;
+  return all;
 }
 
-WedgeProfile::Area WedgeProfile::area(int azimuth_bin) {
-  const ProfileResult& centre = profile(strand_of(azimuth_bin, strands_ / 2));
-  return {centre.sector_area_m2, centre.covered_area_m2};
+std::vector<WedgeProfile::Wish> WedgeProfile::all_of_it() const {
+  std::vector<Wish> wishes;
+  for (int k = 0; k < range_.count; ++k) wishes.push_back({range_.first + k, whole()});
+  return wishes;
 }
 
-const ProfileResult& WedgeProfile::profile(std::size_t strand) {
-  std::optional<ProfileResult>& slot = profiles_[strand];
-  if (!slot) march_profile(plan_, position(strand), spans_, slot.emplace());
-  return *slot;
+const BinMarks& WedgeProfile::whole_marks(int azimuth_bin) {
+  if (whole_marks_.empty()) {
+    const std::vector<Wish> wishes = all_of_it();
+    march_strands(wishes);
+    for (const Wish& wish : wishes) whole_marks_.push_back(marks(wish));
+  }
+  return whole_marks_[index(azimuth_bin)];
+}
+
+ProfileArea WedgeProfile::area(int azimuth_bin) {
+  if (plan_.scene().tiles().whole()) return area_of_known_ground(plan_, position(centre_of(azimuth_bin)));
+  march_centres(all_of_it());
+  return centre(azimuth_bin).area;
 }
 
 }  // namespace obliq

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "server/radar/profile.h"
@@ -13,52 +12,63 @@ struct BinMarks {
   std::vector<std::uint8_t> visible;  ///< 1 where any strand sees surface
   std::vector<std::uint8_t> present;  ///< 1 where any strand has surface, seen or hidden
 
-  /// Joins another strand's marks, or several strands', from range bin `first` on.
-  template <class Marks>
-  void add(const Marks& other, std::size_t first = 0) {
-    visible.resize(other.visible.size());
-    present.resize(other.present.size());
-    for (std::size_t r = first; r < visible.size(); ++r) {
-      visible[r] |= other.visible[r];
-      present[r] |= other.present[r];
-    }
-  }
+  explicit BinMarks(int n_range = 0)
+      : visible(static_cast<std::size_t>(n_range)), present(static_cast<std::size_t>(n_range)) {}
+  /// Joins a strand's marks of some range bins.
+  void add(const ProfileResult& strand, RangeWindow bins);
 };
 
-/// Terrain profiles of a wedge's azimuth bins, marched when first asked for. Neighbours share the strand
-/// between them. Owned by one task.
+/// Terrain profiles of a wedge's azimuth bins. Neighbours share the strand between them. Owned by one task.
 class WedgeProfile {
  public:
   WedgeProfile(const FramePlan& plan, AzimuthRange range);
 
-  /// Marches what marks() of these azimuth bins and area() of all will ask for, side by side.
-  void prepare(const std::vector<int>& azimuth_bins);
+  /// An azimuth bin, and those of its range bins whose marks are wanted.
+  struct Wish {
+    int azimuth_bin;
+    RangeWindow bins;
+  };
+  /// Marches the strands of azimuth bins side by side, as far as no earlier march has answered.
+  void march_centres(const std::vector<Wish>& wishes);
+  void march_strands(const std::vector<Wish>& wishes);
 
-  /// All strands of an azimuth bin of the wedge.
-  const BinMarks& marks(int azimuth_bin);
+  /// Of what has been marched, right in the bins that were wished for.
+  const ProfileResult& centre(int azimuth_bin) const { return profiles_[centre_of(azimuth_bin)].result; }
+  BinMarks marks(const Wish& wish) const;
+
+  /// All strands of an azimuth bin, whole. The first call marches those of all of the wedge's.
+  const BinMarks& whole_marks(int azimuth_bin);
 
   /// Ground area of the sector in an azimuth bin and how much of it is known, along its centre.
-  struct Area {
-    double sector_m2 = 0;
-    double covered_m2 = 0;
-  };
-  Area area(int azimuth_bin);
+  ProfileArea area(int azimuth_bin);
 
  private:
+  struct Strand {
+    RangeWindow bins{0, -1};
+    ProfileResult result;
+  };
   std::size_t index(int azimuth_bin) const { return static_cast<std::size_t>(azimuth_bin - range_.first); }
   std::size_t strand_of(int azimuth_bin, int strand) const {
     return index(azimuth_bin) * static_cast<std::size_t>(strands_) + static_cast<std::size_t>(strand);
   }
+  std::size_t centre_of(int azimuth_bin) const { return strand_of(azimuth_bin, strands_ / 2); }
   /// In bins, from the sector's left edge.
   double position(std::size_t strand) const { return range_.first + static_cast<double>(strand) / strands_; }
-  bool counts(int strand) const;
-  const ProfileResult& profile(std::size_t strand);
+  /// Of the wished bins, those in which a strand counts.
+  RangeWindow counting(int strand, RangeWindow bins) const;
+  RangeWindow whole() const { return {0, plan_.bins().n_range - 1}; }
+  std::vector<Wish> all_of_it() const;
+
+  /// Strands and the range bins that are wanted of them: the least window around all wishes.
+  using Wanted = std::vector<RangeWindow>;
+  static void want(Wanted& wanted, std::size_t strand, RangeWindow bins);
+  void march(Wanted& wanted);
 
   const FramePlan& plan_;
   AzimuthRange range_;
   int strands_;
-  std::vector<std::optional<ProfileResult>> profiles_;  // [range.count strands + 1], the last an edge
-  std::vector<std::optional<BinMarks>> marks_;          // [range.count]
+  std::vector<Strand> profiles_;       // [range.count strands + 1], the last an edge
+  std::vector<BinMarks> whole_marks_;  // [range.count], or none yet
   std::vector<FootprintSpan> spans_;
 };
 

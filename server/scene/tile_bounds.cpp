@@ -29,6 +29,12 @@ TileBounds::Tile bounds_of(const HeightGrid& grid, int i0, int j0, int i_end, in
   return tile;
 }
 
+void join(TileBounds::Tile& tile, const TileBounds::Tile& other) {
+  tile.lowest_m = std::min(tile.lowest_m, other.lowest_m);
+  tile.highest_m = std::max(tile.highest_m, other.highest_m);
+  tile.whole = tile.whole && other.whole;
+}
+
 }  // namespace
 
 TileBounds::TileBounds(const HeightGrid& grid, int cells)
@@ -41,7 +47,7 @@ TileBounds::TileBounds(const HeightGrid& grid, int cells)
       tiles_[index(ti, tj)] = bounds_of(grid, ti * cells, tj * cells, std::min(grid.nx, (ti + 1) * cells + 1),
                                         std::min(grid.nz, (tj + 1) * cells + 1));
   });
-  find_lowest();
+  sum_up();
 }
 
 TileBounds::TileBounds(const TileBounds& finer, int factor)
@@ -49,21 +55,15 @@ TileBounds::TileBounds(const TileBounds& finer, int factor)
       tiles_x_((finer.tiles_x_ - 1) / factor + 1),
       tiles_z_((finer.tiles_z_ - 1) / factor + 1),
       tiles_(count(tiles_x_, tiles_z_), kNothing) {
-  for (int tj = 0; tj < finer.tiles_z_; ++tj) {
-    for (int ti = 0; ti < finer.tiles_x_; ++ti) {
-      Tile& tile = tiles_[index(ti / factor, tj / factor)];
-      const Tile& part = finer.tile(ti, tj);
-      tile.lowest_m = std::min(tile.lowest_m, part.lowest_m);
-      tile.highest_m = std::max(tile.highest_m, part.highest_m);
-      tile.whole = tile.whole && part.whole;
-    }
-  }
-  find_lowest();
+  for (int tj = 0; tj < finer.tiles_z_; ++tj)
+    for (int ti = 0; ti < finer.tiles_x_; ++ti)
+      join(tiles_[index(ti / factor, tj / factor)], finer.tile(ti, tj));
+  sum_up();
 }
 
-void TileBounds::find_lowest() {
-  lowest_m_ = std::numeric_limits<double>::infinity();
-  for (const Tile& tile : tiles_) lowest_m_ = std::min(lowest_m_, static_cast<double>(tile.lowest_m));
+void TileBounds::sum_up() {
+  all_ = kNothing;
+  for (const Tile& tile : tiles_) join(all_, tile);
 }
 
 }  // namespace obliq

@@ -27,17 +27,19 @@ class TileBounds {
   int tiles_z() const { return tiles_z_; }
   const Tile& tile(int ti, int tj) const { return tiles_[index(ti, tj)]; }
   std::size_t bytes() const { return tiles_.capacity() * sizeof(Tile); }
-  /// Over all tiles; +infinity without known ground.
-  double lowest_m() const { return lowest_m_; }
+  /// Over all tiles; as of a tile.
+  double lowest_m() const { return all_.lowest_m; }
+  double highest_m() const { return all_.highest_m; }
+  bool whole() const { return all_.whole; }
 
  private:
   std::size_t index(int ti, int tj) const {
     return static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) + static_cast<std::size_t>(ti);
   }
-  void find_lowest();
+  void sum_up();
 
   int cells_;
-  double lowest_m_ = 0;
+  Tile all_{};
   int tiles_x_;
   int tiles_z_;
   std::vector<Tile> tiles_;

@@ -122,7 +122,7 @@ TEST(Plates, NoLightFallsIntoBinsThatEveryProfileCallsHidden) {
         dark = 0;
         for (int a = 0; a < 64; ++a) {
           for (std::size_t r = 0; r < 128; ++r) {
-            if (profile.marks(a).visible[r]) continue;
+            if (profile.whole_marks(a).visible[r]) continue;
             ++dark;
             lit[static_cast<int>(plates)] += frame.bins.power_w[static_cast<std::size_t>(a) * 128 + r] > 0;
           }

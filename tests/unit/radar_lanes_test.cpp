@@ -244,17 +244,19 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
   EXPECT_GT(compared, 100000u);
 }
 
+/// The horizon of a walk over every cell.
+struct Walked {
+  PlaneHorizon horizon;
+  double antenna_y_m;
+  void ground(const GroundPiece& piece) {
+    for (const double d : {piece.d0_m, piece.d1_m})
+      horizon.raise(d, piece.start_m + piece.rise * d - antenna_y_m, false);
+  }
+  static void gap(double, double) {}
+  static bool enough() { return false; }
+};
+
 TEST(GroundHorizons, AreThoseOfAWalkOverEveryCell) {
-  struct Walked {
-    PlaneHorizon horizon;
-    double antenna_y_m;
-    void ground(const GroundPiece& piece) {
-      for (const double d : {piece.d0_m, piece.d1_m})
-        horizon.raise(d, piece.start_m + piece.rise * d - antenna_y_m, false);
-    }
-    static void gap(double, double) {}
-    static bool enough() { return false; }
-  };
   int found = 0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     test::RandomScene random = test::random_scene(seed);
@@ -278,6 +280,29 @@ TEST(GroundHorizons, AreThoseOfAWalkOverEveryCell) {
     }
   }
   EXPECT_GT(found, 1000);
+}
+
+TEST(GroundHorizons, AlongALineOfTheMeshAreThoseBesideIt) {
+  // From over a node, along grid lines and diagonals, and off them by what a sine or cosine is rounded by.
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::hills, 9000, 50)));
+  const HeightGrid& grid = scene->world().grid;
+  const glm::dvec3 antenna(grid.node_x_m(grid.nx / 2), 1500, grid.node_z_m(grid.nz / 2));
+  for (int k = 0; k < 8; ++k) {
+    for (const double off : {0.0, 1e-17, -1e-17, 6e-17, 2e-16, -2e-16, 1e-14, -1e-14, 1e-12, 1e-10}) {
+      const SinCos exact = sincos_turns(k / 8.0);
+      const SinCos bearing{exact.sin + off * exact.cos, exact.cos - off * exact.sin};
+      const SinCos apart{exact.sin + 1e-9 * exact.cos, exact.cos - 1e-9 * exact.sin};
+      for (const double to_m : {700.0, 2000.0, 5000.0}) {
+        const GroundRidge ridge(*scene, antenna, exact, 0, to_m);
+        const PlaneHorizon horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
+        Walked beside{{}, antenna.y};
+        GroundWalk(grid, antenna, apart.sin, apart.cos, 0, to_m).advance(to_m, beside);
+        EXPECT_LE(horizon.d_m, to_m) << k << ' ' << off;
+        EXPECT_NEAR(horizon.h_m / horizon.d_m, beside.horizon.h_m / beside.horizon.d_m, 1e-6)
+            << k << ' ' << off;
+      }
+    }
+  }
 }
 
 TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
