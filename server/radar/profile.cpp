@@ -11,6 +11,7 @@
 #include "server/radar/profile_march.h"
 #include "server/radar/roof_steps.h"
 #include "server/radar/sweep_samples.h"
+#include "server/radar/tile_walk.h"
 #include "server/radar/walking_planes.h"
 
 namespace obliq {
@@ -23,53 +24,20 @@ constexpr double kWorthwhile_cells = 64;
 /// More than what a distance is rounded by.
 constexpr double kSlack_m = 1e-3;
 
-/// The ground area of an azimuth bin between two distances, as far as it lies in the swath: between r_min and
-/// r_max at the median height.
-struct BinArea {
-  double width_rad;
-  double near_m;
-  double far_m;
-
-  explicit BinArea(const FramePlan& plan) : width_rad(plan.bins().azimuth_width_rad) {
-    const BinGrid& bins = plan.bins();
-    const glm::dvec3& antenna = plan.sector().antenna_m;
-    const double clearance = plan.extent().any
-                                 ? antenna.y - plan.extent().median_height_m -
-                                       plan.scene().world().frame.datum_y_m(antenna.x, antenna.z)
-                                 : 0.0;
-    near_m = std::sqrt(std::max(0.0, bins.r_min_m * bins.r_min_m - clearance * clearance));
-    far_m = std::sqrt(std::max(0.0, bins.r_max_m * bins.r_max_m - clearance * clearance));
-  }
-  double ring_m2(double d0, double d1) const {
-    const double a = std::clamp(d0, near_m, far_m);
-    const double b = std::clamp(d1, near_m, far_m);
-    return 0.5 * width_rad * (b - a) * (b + a);
-  }
-  double sector_m2() const { return ring_m2(near_m, far_m); }
-  /// What lies before and behind a walk, outside the grid.
-  double outside_m2(const GroundWalk& walk, double r_max_m) const {
-    return ring_m2(0, walk.at_m()) + ring_m2(walk.end_m(), r_max_m);
-  }
-  ProfileArea without(double missing_m2) const {
-    return {sector_m2(), std::max(0.0, sector_m2() - missing_m2)};
-  }
-};
-
 /// One vertical plane: its roofs and how far it has come.
 struct Plane {
   SinCos bearing;
   std::vector<RoofStep> roofs;
   std::size_t roof = 0;
   ProfileState state;
-  double missing_m2 = 0;  // ground area that is not known
 };
 
 /// Hands the ground of one plane to the marcher, cut at footprint edges, with roofs on top.
 class Surface {
  public:
   /// Begins at from_m. to_end: on to the plane's end, else no farther than the roofs that have begun.
-  Surface(Plane& plane, const BinArea& area, ProfileMarch& marcher, double from_m, bool to_end)
-      : plane_(plane), area_(area), marcher_(marcher), to_end_(to_end), from_m_(from_m), at_m_(from_m) {}
+  Surface(Plane& plane, ProfileMarch& marcher, double from_m, bool to_end)
+      : plane_(plane), marcher_(marcher), to_end_(to_end), from_m_(from_m), at_m_(from_m) {}
 
   void ground(const GroundPiece& piece) {
     if (plane_.roof < plane_.roofs.size()) {
@@ -80,9 +48,8 @@ class Surface {
     }
     at_m_ = piece.d1_m;
   }
-  void gap(double d0, double d1) {
+  void gap(double /*d0*/, double d1) {
     marcher_.gap();
-    plane_.missing_m2 += area_.ring_m2(d0, d1);
     at_m_ = d1;
   }
   bool enough() {
@@ -115,7 +82,6 @@ class Surface {
   }
 
   Plane& plane_;
-  const BinArea& area_;
   ProfileMarch& marcher_;
   bool to_end_;
   double from_m_;
@@ -142,10 +108,18 @@ Plane plane_at(const FramePlan& plan, double position, std::vector<FootprintSpan
   return plane;
 }
 
-void begin(const FramePlan& plan, const BinArea& area, ProfileResult& result) {
+void begin(const FramePlan& plan, ProfileResult& result) {
   result.visible.assign(static_cast<std::size_t>(plan.bins().n_range), 0);
   result.present.assign(static_cast<std::size_t>(plan.bins().n_range), 0);
-  result.area = {area.sector_m2(), 0};
+}
+
+/// All ground under and next to a roof.
+bool is_known(const Scene& scene, const glm::dvec3& antenna_m, SinCos bearing, const RoofStep& roof) {
+  bool known = true;
+  if (!scene.tiles().whole())
+    over_tiles(scene.fine_tiles(), scene.world().grid, antenna_m, bearing, roof.near_m, roof.far_m + kSlack_m,
+               [&](const TileBounds::Tile& tile, double, double) { known &= tile.whole; });
+  return known;
 }
 
 /// The ground distance before which no surface of a plane lies in range bin `first` or beyond: slant range
@@ -157,7 +131,7 @@ double start_m(const FramePlan& plan, const Plane& plane, int first) {
   double highest_m = tiles.highest_m();
   for (const RoofStep& roof : plane.roofs) {
     // No roofs are marched over unknown ground; under one, the horizon is straight up.
-    if (!tiles.whole() || !(roof.near_m > 0)) return 0;
+    if (!(roof.near_m > 0) || !is_known(plan.scene(), plan.sector().antenna_m, plane.bearing, roof)) return 0;
     highest_m = std::max(highest_m, roof.roof_y_m);
   }
   const double height_m =
@@ -198,9 +172,8 @@ GroundWalk set_out_for(const FramePlan& plan, Plane& plane, RangeWindow bins) {
           std::min(to_m, grid.r_max_m)};
 }
 
-void finish(const FramePlan& plan, const BinArea& area, Plane& plane, ProfileResult& result) {
+void finish(const FramePlan& plan, Plane& plane, ProfileResult& result) {
   ProfileMarch(plan.bins(), plan.sector().antenna_m.y, plane.state, result).gap();
-  result.area = area.without(plane.missing_m2);
 }
 
 }  // namespace
@@ -232,33 +205,21 @@ std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands) 
 
 void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result) {
-  const BinArea area(plan);
   const glm::dvec3& antenna = plan.sector().antenna_m;
-  begin(plan, area, result);
+  begin(plan, result);
   Plane plane = plane_at(plan, position, spans);
   GroundWalk walk(plan.scene().world().grid, antenna, plane.bearing.sin, plane.bearing.cos, 0,
                   plan.bins().r_max_m);
   if (walk.done()) return;
-  plane.missing_m2 = area.outside_m2(walk, plan.bins().r_max_m);
   ProfileMarch marcher(plan.bins(), antenna.y, plane.state, result);
-  Surface surface(plane, area, marcher, walk.at_m(), true);
+  Surface surface(plane, marcher, walk.at_m(), true);
   walk.advance(walk.end_m(), surface);
-  finish(plan, area, plane, result);
-}
-
-ProfileArea area_of_known_ground(const FramePlan& plan, double position) {
-  const BinArea area(plan);
-  const SinCos bearing = bearing_at(plan, position);
-  const double r_max_m = plan.bins().r_max_m;
-  const GroundWalk walk(plan.scene().world().grid, plan.sector().antenna_m, bearing.sin, bearing.cos, 0,
-                        r_max_m);
-  return walk.done() ? ProfileArea{area.sector_m2(), 0} : area.without(area.outside_m2(walk, r_max_m));
+  finish(plan, plane, result);
 }
 
 void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
                     std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
                     const LaneKernels& kernels) {
-  const BinArea area(plan);
   const BinGrid& bins = plan.bins();
   const HeightGrid& grid = plan.scene().world().grid;
   const glm::dvec3& antenna = plan.sector().antenna_m;
@@ -271,34 +232,30 @@ void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMostProfiles); ++lane) {
     lanes.end_m[lane] = -1;
     if (lane >= wishes.size()) continue;
-    begin(plan, area, results[lane]);
+    begin(plan, results[lane]);
     Plane& plane = planes.emplace_back(plane_at(plan, wishes[lane].position, spans));
     const GroundWalk walk = set_out_for(plan, plane, wishes[lane].bins);
     if (walk.done()) continue;
     set_out(lanes, lane, plane.bearing, walk);
-    lanes.missing_m2[lane] = area.outside_m2(walk, bins.r_max_m);
     lanes.state[lane] = plane.state;
     lanes.visible[lane] = results[lane].visible.data();
     lanes.present[lane] = results[lane].present.data();
     next_roof(lane);
   }
   const GroundScene scene{lane_grid(grid), antenna.x, antenna.y, antenna.z, kInfinity};
-  const ProfileBins marks{bins.n_range, bins.r_min_m, bins.r_max_m,  bins.range_spacing_m,
-                          area.near_m,  area.far_m,   area.width_rad};
+  const ProfileBins marks{bins.n_range, bins.r_min_m, bins.r_max_m, bins.range_spacing_m};
   while (const unsigned at_roof = kernels.march_profiles(scene, marks, lanes)) {
     // Cells with roofs in them, a plane at a time.
     for (std::size_t lane = 0; lane < planes.size(); ++lane) {
       if ((at_roof >> lane & 1) == 0) continue;
       Plane& plane = planes[lane];
       plane.state = lanes.state[lane];
-      plane.missing_m2 = lanes.missing_m2[lane];
       GroundWalk walk(grid, antenna, plane.bearing.sin, plane.bearing.cos, lanes.d_m[lane],
                       lanes.end_m[lane]);
       ProfileMarch marcher(bins, antenna.y, plane.state, results[lane]);
-      Surface surface(plane, area, marcher, walk.at_m(), false);
+      Surface surface(plane, marcher, walk.at_m(), false);
       walk.advance(walk.end_m(), surface);
       stand_at(lanes, lane, walk);
-      lanes.missing_m2[lane] = plane.missing_m2;
       lanes.state[lane] = plane.state;
       next_roof(lane);
     }
@@ -306,8 +263,7 @@ void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
   for (std::size_t lane = 0; lane < planes.size(); ++lane) {
     if (lanes.end_m[lane] < 0) continue;
     planes[lane].state = lanes.state[lane];
-    planes[lane].missing_m2 = lanes.missing_m2[lane];
-    finish(plan, area, planes[lane], results[lane]);
+    finish(plan, planes[lane], results[lane]);
   }
 }
 

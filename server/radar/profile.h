@@ -11,18 +11,11 @@
 
 namespace obliq {
 
-/// How much of an azimuth bin's ground is known.
-struct ProfileArea {
-  double sector_m2 = 0;   ///< of the azimuth bin between r_min and r_max
-  double covered_m2 = 0;  ///< of that, over known ground
-};
-
-/// Marks per range bin, and how much of the azimuth's ground is known.
+/// Marks per range bin.
 struct ProfileResult {
   std::vector<std::uint8_t> visible;  ///< [n_range] 1 where a visible piece of surface lies in the bin
   std::vector<std::uint8_t>
-      present;       ///< [n_range] 1 where any known surface, seen or hidden, lies in the bin
-  ProfileArea area;  ///< means nothing when only a part was asked for
+      present;  ///< [n_range] 1 where any known surface, seen or hidden, lies in the bin
 };
 
 /// Range bins from `first` to `last`.
@@ -62,8 +55,5 @@ constexpr int kMostProfiles = ProfileLanes::kLanes;
 void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
                     std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
                     const LaneKernels& kernels = lane_kernels());
-
-/// The area that a march would find where every post of the grid is known, without one.
-ProfileArea area_of_known_ground(const FramePlan& plan, double position);
 
 }  // namespace obliq

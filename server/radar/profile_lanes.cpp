@@ -74,7 +74,6 @@ unsigned march_profiles(const GroundScene& scene, const ProfileBins& bins, Profi
   const Lanes end_m = load_lanes(lanes.end_m);
   const Lanes roof_m = load_lanes(lanes.roof_m);
   Cells cells = cells_of(lanes);
-  Lanes missing = load_lanes(lanes.missing_m2);
   Lanes horizon_d = OBLIQ_LOAD(horizon_d_m);
   Lanes horizon_h = OBLIQ_LOAD(horizon_h_m);
   Lanes last_h = OBLIQ_LOAD(last_h_m);
@@ -96,9 +95,6 @@ unsigned march_profiles(const GroundScene& scene, const ProfileBins& bins, Profi
       visible.close(gap, bins, lanes.visible);
       present.close(gap, bins, lanes.present);
       joined = select(gap, Lanes{}, joined);
-      const Lanes a = clamp(cells.d, all_lanes(bins.near_m), all_lanes(bins.far_m));
-      const Lanes b = clamp(end, all_lanes(bins.near_m), all_lanes(bins.far_m));
-      missing = select(gap, missing + 0.5 * bins.width_rad * (b - a) * (b + a), missing);
     }
 
     const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
@@ -130,7 +126,6 @@ unsigned march_profiles(const GroundScene& scene, const ProfileBins& bins, Profi
     move_on(p, ends, active, active & (ends.nearest <= end_m), end, cells);
   }
   store_cells(lanes, cells);
-  store_lanes(lanes.missing_m2, missing);
   for (int lane = 0; lane < kLanes; ++lane)
     lanes.state[lane] = {
         horizon_d[lane],      horizon_h[lane],         visible.least2[lane], visible.greatest2[lane],

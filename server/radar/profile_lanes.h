@@ -19,18 +19,16 @@ struct ProfileState {
 
 /// Eight profiles over bare ground.
 struct ProfileLanes : WalkingPlanes {
-  double roof_m[kLanes];      ///< where the next roof begins; infinite without
-  double missing_m2[kLanes];  ///< ground area that is not known is added here
+  double roof_m[kLanes];  ///< where the next roof begins; infinite without
   ProfileState state[kLanes];
   std::uint8_t* visible[kLanes];  ///< [n_range] marks
   std::uint8_t* present[kLanes];
 };
 
-/// The range bins, and between which ground distances and over which width area is counted.
+/// The range bins.
 struct ProfileBins {
   int n_range;
   double r_min_m, r_max_m, range_spacing_m;
-  double near_m, far_m, width_rad;
 };
 
 /// Marches until planes come to cells with roofs, and returns a bit for each of those; 0 when all are at

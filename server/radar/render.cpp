@@ -12,6 +12,7 @@
 #include "server/radar/batches.h"
 #include "server/radar/bin_states.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/ground_area.h"
 #include "server/radar/sample_source.h"
 #include "server/radar/scattering.h"
 #include "server/radar/speckle.h"
@@ -75,7 +76,7 @@ class WedgeWork {
     }
     const StageProbe probe(Stage::states);
     for (int k = 0; k < wedge_.bins.n_azimuth; ++k) {
-      const ProfileArea area = profile_->area(wedge_.bins.first_azimuth + k);
+      const GroundArea area = ground_area(plan_, wedge_.bins.first_azimuth + k);
       wedge_.stats.sector_area_m2 += area.sector_m2;
       wedge_.stats.covered_area_m2 += area.covered_m2;
     }

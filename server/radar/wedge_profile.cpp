@@ -73,25 +73,14 @@ BinMarks WedgeProfile::marks(const Wish& wish) const {
   return all;
 }
 
-std::vector<WedgeProfile::Wish> WedgeProfile::all_of_it() const {
-  std::vector<Wish> wishes;
-  for (int k = 0; k < range_.count; ++k) wishes.push_back({range_.first + k, whole()});
-  return wishes;
-}
-
 const BinMarks& WedgeProfile::whole_marks(int azimuth_bin) {
   if (whole_marks_.empty()) {
-    const std::vector<Wish> wishes = all_of_it();
+    std::vector<Wish> wishes;
+    for (int k = 0; k < range_.count; ++k) wishes.push_back({range_.first + k, whole()});
     march_strands(wishes);
     for (const Wish& wish : wishes) whole_marks_.push_back(marks(wish));
   }
   return whole_marks_[index(azimuth_bin)];
-}
-
-ProfileArea WedgeProfile::area(int azimuth_bin) {
-  if (plan_.scene().tiles().whole()) return area_of_known_ground(plan_, position(centre_of(azimuth_bin)));
-  march_centres(all_of_it());
-  return centre(azimuth_bin).area;
 }
 
 }  // namespace obliq

@@ -39,9 +39,6 @@ class WedgeProfile {
   /// All strands of an azimuth bin, whole. The first call marches those of all of the wedge's.
   const BinMarks& whole_marks(int azimuth_bin);
 
-  /// Ground area of the sector in an azimuth bin and how much of it is known, along its centre.
-  ProfileArea area(int azimuth_bin);
-
  private:
   struct Strand {
     RangeWindow bins{0, -1};
@@ -57,7 +54,6 @@ class WedgeProfile {
   /// Of the wished bins, those in which a strand counts.
   RangeWindow counting(int strand, RangeWindow bins) const;
   RangeWindow whole() const { return {0, plan_.bins().n_range - 1}; }
-  std::vector<Wish> all_of_it() const;
 
   /// Strands and the range bins that are wanted of them: the least window around all wishes.
   using Wanted = std::vector<RangeWindow>;
