@@ -40,6 +40,11 @@ OBLIQ_LANES LaneBits load_bits(const std::uint32_t* from) {
   __builtin_memcpy(&narrow, from, sizeof narrow);
   return __builtin_convertvector(narrow, LaneBits);
 }
+OBLIQ_LANES LaneBits load_bits(const std::uint8_t* from) {
+  std::uint8_t narrow __attribute__((vector_size(8)));
+  __builtin_memcpy(&narrow, from, sizeof narrow);
+  return __builtin_convertvector(narrow, LaneBits);
+}
 OBLIQ_LANES LaneBits load_bits(const std::uint64_t* from) {
   LaneBits lanes;
   __builtin_memcpy(&lanes, from, sizeof lanes);

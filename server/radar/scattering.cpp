@@ -1,5 +1,6 @@
 #include "server/radar/scattering.h"
 
+#include <limits>
 #include <numbers>
 
 #include "server/radar/exact_math.h"
@@ -45,6 +46,11 @@ double ScatteringTable::cross_section_m2(std::uint8_t material, double projected
     }
   }
   return 0;
+}
+
+double ScatteringTable::constant_gamma(std::size_t material) const {
+  const Row& row = rows_[material];
+  return row.model == ScatteringModel::constant_gamma ? row.gamma : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace obliq

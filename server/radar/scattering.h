@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,10 @@ class ScatteringTable {
 
   /// sigma, square metres. projected_area_m2 = solid angle x slant range^2; cos_incidence in 0..1.
   double cross_section_m2(std::uint8_t material, double projected_area_m2, double cos_incidence) const;
+
+  std::size_t size() const { return rows_.size(); }
+  /// Of a material whose cross section is that times the projected area, whatever the incidence; else NaN.
+  double constant_gamma(std::size_t material) const;
 
  private:
   struct Row {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "server/radar/antenna_pattern.h"
@@ -31,6 +32,9 @@ WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, c
   cells_.r_max_m = bins.r_max_m;
   cells_.range_spacing_m = bins.range_spacing_m;
   speckle.describe_cells(cells_);
+  factors_.range_normalisation = plan.settings().range_normalisation;
+  for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
+    factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
   restart(range);
 }
 
@@ -49,12 +53,13 @@ void WedgeBins::restart(AzimuthRange range) {
 std::uint64_t WedgeBins::add(const SampleBatch& samples) {
   const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
   const AntennaPattern pattern(plan_.settings().gain_db);
-  const bool normalise = plan_.settings().range_normalisation;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
-  lane_kernels().place(cells_, samples.n, samples.slant_range_m.data(), samples.x_m.data(),
-                       samples.z_m.data(), placed_);
+  lane_kernels().place(cells_, factors_,
+                       {samples.n, samples.slant_range_m.data(), samples.x_m.data(), samples.z_m.data(),
+                        samples.solid_angle_sr.data(), samples.material.data()},
+                       placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
@@ -62,12 +67,13 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
     if (range_bin == PlacedSamples::kOutside || r < kNearest_m) continue;
     if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
       continue;
-    const double r2 = placed_.range2_m2[k];
-    const double sigma = scattering_.cross_section_m2(samples.material[k], samples.solid_angle_sr[k] * r2,
-                                                      samples.cos_incidence[k]);
+    double sigma = placed_.sigma_m2[k];
+    if (std::isnan(sigma))
+      sigma = scattering_.cross_section_m2(
+          samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
     // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
     const double gain = pattern.power_gain(samples.azimuth_offset_rad[k], samples.sin_elevation[k]);
-    const double power = range_constant_ * gain * gain * sigma / (normalise ? 1.0 : r2 * r2);
+    const double power = range_constant_ * gain * gain * sigma / placed_.spreading[k];
     const auto azimuth = static_cast<std::size_t>(samples.azimuth_bin[k] - range_.first);
     const std::size_t bin = azimuth * n_range + static_cast<std::size_t>(range_bin);
     power_w_[bin] += power;

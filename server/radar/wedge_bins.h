@@ -44,6 +44,7 @@ class WedgeBins {
   ScattererSums::Scratch scratch_;
   std::vector<ScattererSums> sums_;  // [range.count], ground speckle only
   SwathCells cells_;
+  EchoFactors factors_;
   PlacedSamples placed_;
 };
 
