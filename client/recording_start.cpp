@@ -60,7 +60,8 @@ Status read_start(RecordingReader& reader, const std::string& radar, RecordingSt
   if (start.descriptor) return {};
   std::string text = "no frame ";
   if (!radar.empty()) text += "of radar \"" + radar + "\" ";
-  if (reader.messages() == 0 && reader.fault().bytes == 0) text = "it is empty, so " + text;
+  if (reader.messages() == 0 && reader.fault().bytes == 0)
+    text = (reader.offset() == 0 ? "it is empty, so " : "it is not what `obliq record` writes: ") + text;
   return Status::failure(
       Outcome::bad_stream,
       text + "begins in it; it has " + std::to_string(reader.messages()) + " whole messages" +

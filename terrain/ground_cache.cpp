@@ -56,6 +56,10 @@ class File {
     struct stat status {};
     return ::fstat(descriptor_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
   }
+  bool is_regular() const {
+    struct stat status {};
+    return ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+  }
   bool read(void* to, std::size_t size, std::uint64_t at) const {
     return whole(size, [&](std::size_t done) {
       return ::pread(descriptor_, static_cast<char*>(to) + done, size - done, static_cast<off_t>(at + done));
@@ -183,10 +187,15 @@ std::string GroundCache::path_of(const CacheKey& key) const { return folder_ + "
 std::optional<GroundCache::Facts> GroundCache::load(const CacheKey& key, HeightGrid& grid) const {
   if (!usable(key)) return std::nullopt;
   const std::string path = path_of(key);
-  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe would never open
   if (!file.good()) {
     if (errno != ENOENT && errno != ENOTDIR)
       notes_.push_back("terrain.cache: " + path + " cannot be read: " + std::strerror(errno));
+    return std::nullopt;
+  }
+  if (!file.is_regular()) {
+    notes_.push_back("terrain.cache: " + path +
+                     " is no file; as long as it is there, this grid is made anew");
     return std::nullopt;
   }
   Head head;

@@ -128,6 +128,9 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
     if (shown == before) break;  // nothing to loop over
     clock.begin_again();
   } while (arguments.loop && !enough);
+  if (shown == 0)
+    throw InputError(arguments.file + ": no frame of radar " + start.radar +
+                     " is whole, so nothing was replayed" + (losses.any() ? "; " + losses.text() : ""));
   report(losses, arguments.file);
 }
 

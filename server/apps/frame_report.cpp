@@ -12,8 +12,11 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
   if (summary.coverage() < 1) {
-    std::fprintf(stderr, "warning: %.2g %% of the sector has no known ground\n",
-                 100 * (1 - summary.coverage()));
+    const double percent = 100 * (1 - summary.coverage());
+    std::fprintf(stderr,
+                 percent < 10 ? "warning: %.2g %% of the sector has no known ground\n"
+                              : "warning: %.0f %% of the sector has no known ground\n",
+                 percent);
   }
   if (descriptor.settings().frustum() == wire::SWEEP) {
     std::printf("%s: %llu planes", out.c_str(), static_cast<unsigned long long>(summary.rays()));

@@ -137,6 +137,8 @@ void read_cache(SceneReading& reading, SectionReader& reader, TerrainSpec& terra
   const auto* text = node->kind == Kind::value ? std::get_if<std::string>(&node->value) : nullptr;
   if (text == nullptr || text->empty()) {
     reader.complain(*node, "cache", "\"auto\", \"off\" or a folder");
+  } else if (text->front() == '~') {
+    reader.complain(*node, "cache", "\"auto\", \"off\" or a folder whose path is written out, without ~");
   } else if (*text == "off") {
     terrain.cache_folder.clear();
   } else if (*text != "auto") {

@@ -179,9 +179,11 @@ bool RenderThread::gives_way() const {
 
 void RenderThread::take_turn(const Choice& choice, std::unique_lock<std::mutex>& lock) {
   if (choice.ends_scan) {
-    const bool watched = live_[choice.index].rate_hz > 0;
+    const char* const reason = finishing_                        ? "the server is stopping"
+                               : live_[choice.index].rate_hz > 0 ? "the radar's settings changed"
+                                                                 : "nobody watches any more";
     lock.unlock();
-    end_scan(choice.index, watched ? "the radar's settings changed" : "nobody watches any more");
+    end_scan(choice.index, reason);
     lock.lock();
     return;
   }

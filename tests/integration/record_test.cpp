@@ -97,10 +97,21 @@ TEST_F(RecordTest, WhatIsWrongWithARecordingIsSaidInALine) {
   EXPECT_EQ(outcome.out.find("nothing left over"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("frame "), std::string::npos) << "the other frame is shown";
 
-  outcome = obliq({"replay", scene});
+  const std::string begun = folder.write("begun.obliq", whole.substr(0, whole.size() / 4));
+  outcome = obliq({"replay", begun, "--speed", "max"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("no frame begins in it; it has 0 whole messages"), std::string::npos)
+  EXPECT_NE(outcome.err.find(begun + ": no frame of radar main is whole, so nothing was replayed"),
+            std::string::npos)
       << outcome.err;
+  const std::string noise = folder.write("noise.obliq", std::string(100'000, 'x'));
+  for (const std::string& path : {scene, noise}) {
+    outcome = obliq({"replay", path});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.err.find("it is not what `obliq record` writes: no frame begins in it; it has 0 whole "
+                               "messages"),
+              std::string::npos)
+        << outcome.err;
+  }
   outcome = obliq({"replay", folder / "missing.obliq"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.err.find("missing.obliq: cannot be read: No such file"), std::string::npos)

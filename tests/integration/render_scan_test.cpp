@@ -156,6 +156,15 @@ TEST_F(ScanTest, ChangedSettingsEndThePassAndBeginAnother) {
   EXPECT_EQ(events_.aborts[0].frame_id(), events_.begins[0].frame_id());
 }
 
+TEST_F(ScanTest, APassThatTheServersEndCutsSaysSo) {
+  begin(ScanMode::sector);
+  advance_to(0.07);
+  ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 1; }));
+  thread_.finish();
+  ASSERT_TRUE(events_.wait([&] { return events_.aborts.size() == 1; }));
+  EXPECT_EQ(events_.aborts[0].reason(), "the server is stopping");
+}
+
 TEST_F(ScanTest, ADwellThatCannotBeRenderedEndsThePassAndIsTriedAgainWhenThePoseChanges) {
   begin(ScanMode::sector);
   advance_to(0.07);

@@ -218,7 +218,7 @@ TEST_F(SceneFile, TheCacheIsAutomaticOffOrAFolder) {
   EXPECT_EQ(folder("cache = \"off\""), "");
   EXPECT_EQ(folder("cache = \"/var/grids\""), "/var/grids");
   EXPECT_EQ(folder("cache = \"grids\"").find('/'), 0u) << "from the scene file's folder";
-  for (const std::string bad : {"true", "7", "\"\"", "[\"off\"]"})
+  for (const std::string bad : {"true", "7", "\"\"", "[\"off\"]", "\"~/grids\""})
     EXPECT_SAYS(complaint(kFlat + ("cache = " + bad)), "FILE:3: terrain.cache: found");
 }
 

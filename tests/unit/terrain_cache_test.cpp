@@ -1,5 +1,6 @@
 // Grids that are kept: the second load has the same bits, and nothing that has changed since is used.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <cmath>
@@ -252,6 +253,26 @@ TEST_F(TerrainCacheTest, DamageAtAnyByteIsSeenAndMended) {
                    swapped.begin() + static_cast<std::ptrdiff_t>(heights) + 8192);
   write_bytes(file, swapped);
   expect_mended("two blocks exchanged");
+}
+
+TEST_F(TerrainCacheTest, WhatIsNoFileInAFilesPlaceIsNamedAndPassedBy) {
+  load_world(spec);
+  ASSERT_EQ(kept().size(), 1u);
+  const fs::path grid = kept().front();
+  fs::remove(grid);
+  ASSERT_EQ(mkfifo(grid.c_str(), 0600), 0);
+  World world = load_world(spec);
+  EXPECT_TRUE(says(world, grid.string() + " is no file"));
+  expect_same(world, fresh());
+  EXPECT_TRUE(from_cache(load_world(spec))) << "a pipe is replaced";
+  fs::remove(grid);
+  fs::create_directory(grid);
+  for (int start = 0; start < 2; ++start) {
+    world = load_world(spec);
+    EXPECT_TRUE(says(world, grid.string() + " is no file"));
+    EXPECT_FALSE(says(world, "is damaged"));
+    expect_same(world, fresh());
+  }
 }
 
 TEST_F(TerrainCacheTest, AnotherGridsFileIsNotTakenForThisOnes) {
