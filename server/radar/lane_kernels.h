@@ -4,6 +4,7 @@
 
 #include "server/radar/aim_lanes.h"
 #include "server/radar/answer_lanes.h"
+#include "server/radar/cast_lanes.h"
 #include "server/radar/ground_lanes.h"
 #include "server/radar/hit_lanes.h"
 #include "server/radar/horizon_lanes.h"
@@ -28,6 +29,7 @@ struct LaneKernels {
   AnswerKernel answer_rays;
   HitKernel meet_ground;
   AimKernel aim;
+  CastKernel cast_ground;
 };
 
 /// Those of the widest set that this machine has.
@@ -53,6 +55,7 @@ inline LaneGrid lane_grid(const HeightGrid& grid) {
   std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                \
   int aim_pixels(const PixelCamera&, const PixelList&, const AimedRays&);                       \
   void meet_ground(const GroundRays&, GroundHits&);                                             \
+  void cast_ground(const GroundScene&, const CastRays&);                                        \
   }
 OBLIQ_DECLARE_LANES(sse)
 OBLIQ_DECLARE_LANES(avx2)

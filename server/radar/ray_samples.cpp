@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "server/radar/lane_kernels.h"
@@ -21,6 +22,7 @@ static_assert(GroundHits::kMost == kBatch);
 RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile)
     : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)) {
   if (!needs_tracer(plan.settings().frustum) && plan.extent().any) polar_.emplace(plan, range);
+  if (!polar_ && !std::getenv("OBLIQ_EMBREE") && plan.buildings_in(range).empty()) ground_trace_.emplace(plan, range);
   if (plan.settings().plates == PlateKind::nearest) return;
   if (!profile) own_profile_ = std::make_unique<WedgeProfile>(plan, range);
   spreader_ = make_plate_spreader(plan, range, profile ? *profile : *own_profile_);
@@ -56,6 +58,10 @@ bool RaySamples::trace(FrameStats& stats) {
   stats.rays += static_cast<std::uint64_t>(rays_.n);
   if (polar_) {
     polar_->trace(rays_, rough_.data());
+    return true;
+  }
+  if (ground_trace_) {
+    ground_trace_->trace(rays_, rough_.data());
     return true;
   }
   plan_.scene().tracer().trace(plan_.sector().antenna_m, rays_.dir_x.data(), rays_.dir_y.data(),

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/radar/ground_trace.h"
 #include "server/radar/hit_lanes.h"
 #include "server/radar/plate_spreader.h"
 #include "server/radar/polar_trace.h"
@@ -36,7 +37,8 @@ class RaySamples : public SampleSource {
   std::unique_ptr<RaySource> source_;
   std::unique_ptr<WedgeProfile> own_profile_;  // null when one was handed in, or none is needed
   std::unique_ptr<PlateSpreader> spreader_;    // null: nearest plates
-  std::optional<PolarTrace> polar_;            // nothing: Embree
+  std::optional<PolarTrace> polar_;
+  std::optional<GroundTrace> ground_trace_;    // neither: Embree
   RayBatch rays_;
   std::array<RoughHit, kBatch> rough_;
   std::array<std::optional<ExactHit>, kBatch> exact_;  // of spread plates

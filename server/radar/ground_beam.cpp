@@ -1,0 +1,89 @@
+#include "server/radar/ground_beam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace obliq {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// More than what bearings and slopes are rounded by.
+constexpr double kSlack = 1e-9;
+
+}  // namespace
+
+GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right)
+    : grid_(grid), antenna_y_m_(antenna_m.y) {
+  const double sin = left.sin + right.sin;
+  const double cos = left.cos + right.cos;
+  const double u = (antenna_m.x - grid.x0_m) / grid.cell_m;
+  const double v = (antenna_m.z - grid.z0_m) / grid.cell_m;
+  along_z_ = std::abs(cos) >= std::abs(sin);
+  rising_ = (along_z_ ? cos : sin) > 0;
+  start_ = along_z_ ? v : u;
+  across_ = along_z_ ? u : v;
+  lines_ = along_z_ ? grid.nz : grid.nx;
+  others_ = along_z_ ? grid.nx : grid.nz;
+  per_line_ = along_z_ ? grid.nx : 1;
+  per_other_ = along_z_ ? 1 : grid.nx;
+  const auto aside = [&](SinCos bearing) {
+    return along_z_ ? bearing.sin / std::abs(bearing.cos) : bearing.cos / std::abs(bearing.sin);
+  };
+  left_ = std::min(aside(left), aside(right)) - kSlack;
+  right_ = std::max(aside(left), aside(right)) + kSlack;
+  // The strip that the antenna stands over, or the first one ahead of it.
+  const double line = rising_ ? std::floor(start_) : std::ceil(start_);
+  first_line_ = static_cast<int>(rising_ ? std::clamp(line, 0.0, lines_ - 1.0) : std::clamp(line, 0.0, lines_ - 1.0));
+}
+
+/// The next strip, between two lines of posts; false at the grid's end.
+bool GroundBeam::add_strip() {
+  const int step = rising_ ? 1 : -1;
+  const int near_line = first_line_ + step * static_cast<int>(slope_.size());
+  const int far_line = near_line + step;
+  if (far_line < 0 || far_line >= lines_) return false;
+  const double near = std::max(0.0, step * (near_line - start_));
+  const double far = step * (far_line - start_);
+  float highest = -std::numeric_limits<float>::infinity();
+  if (far > 0) {
+    const double from = across_ + std::min(left_ * near, left_ * far);
+    const double to = across_ + std::max(right_ * near, right_ * far);
+    const double most = others_ - 1.0;
+    const auto first = static_cast<std::ptrdiff_t>(std::floor(std::clamp(from, 0.0, most)));
+    const auto last = static_cast<std::ptrdiff_t>(std::ceil(std::clamp(to, 0.0, most)));
+    const float* const a = grid_.y_m.data() + near_line * per_line_;
+    const float* const b = grid_.y_m.data() + far_line * per_line_;
+    for (std::ptrdiff_t k = first * per_other_; k <= last * per_other_; k += per_other_) {
+      // Unknown ground is not a number, and not greater.
+      highest = a[k] > highest ? a[k] : highest;
+      highest = b[k] > highest ? b[k] : highest;
+    }
+  }
+  const double above_m = static_cast<double>(highest) - antenna_y_m_;
+  const double distance_m = (above_m > 0 ? near : far) * grid_.cell_m;
+  const double slope = above_m == 0 ? 0 : above_m / distance_m;
+  slope_.push_back(slope_.empty() ? slope : std::max(slope_.back(), slope));
+  return true;
+}
+
+double GroundBeam::free_range_m(const glm::dvec3& direction) {
+  const double ahead = std::abs(along_z_ ? direction.z : direction.x);
+  const double slope = direction.y / ahead - kSlack;
+  std::size_t k = last_;
+  while (k > 0 && !(slope_[k - 1] < slope)) --k;
+  for (;; ++k) {
+    if (k == slope_.size() && !add_strip()) {
+      last_ = k;
+      return kInfinity;
+    }
+    if (!(slope_[k] < slope)) break;
+  }
+  last_ = k;
+  const int line = first_line_ + (rising_ ? 1 : -1) * static_cast<int>(k);
+  const double near = (rising_ ? line - start_ : start_ - line) * grid_.cell_m;
+  return near > 0 ? near / ahead : 0;
+}
+
+}  // namespace obliq

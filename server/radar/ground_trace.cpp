@@ -1,0 +1,98 @@
+#include "server/radar/ground_trace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/radar/ground_prefetch.h"
+#include "server/radar/lane_kernels.h"
+#include "server/scene/ray_answer.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A wider beam has less to look at, and its rays start sooner.
+constexpr double kMostCells = 4;     // across at the swath's end
+constexpr double kMost_rad = 0.125;  // so that a beam has one direction
+constexpr double kMostBeams = 256;   // of an azimuth bin
+
+}  // namespace
+
+GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan), first_bin_(range.first) {
+  const HeightGrid& grid = plan.scene().world().grid;
+  const Sector& sector = plan.sector();
+  const BinGrid& bins = plan.bins();
+  const double cells = bins.azimuth_width_rad * sector.r_max_m / grid.cell_m;
+  beams_a_bin_ = static_cast<std::size_t>(
+      std::clamp(std::ceil(std::max(cells / kMostCells, bins.azimuth_width_rad / kMost_rad)), 1.0, kMostBeams));
+  const auto edge = [&](double bin) {
+    return sincos_turns((sector.bearing_rad + bins.azimuth_edge_rad(bin)) / (2 * std::numbers::pi));
+  };
+  const std::size_t n = static_cast<std::size_t>(range.count) * beams_a_bin_;
+  for (std::size_t k = 0; k <= n; ++k)
+    edges_.push_back(edge(range.first + static_cast<double>(k) / static_cast<double>(beams_a_bin_)));
+  for (std::size_t k = 0; k < n; ++k) beams_.emplace_back(grid, sector.antenna_m, edges_[k], edges_[k + 1]);
+  over_grid_ = sector.antenna_m.x >= grid.x0_m && sector.antenna_m.x <= grid.x1_m() &&
+               sector.antenna_m.z >= grid.z0_m && sector.antenna_m.z <= grid.z1_m();
+  prefetch_ground(grid, sector.antenna_m, edges_.front(), edges_.back(), sector.r_max_m);
+}
+
+GroundBeam& GroundTrace::beam_of(int azimuth_bin, const glm::dvec3& direction) {
+  std::size_t beam = static_cast<std::size_t>(azimuth_bin - first_bin_) * beams_a_bin_;
+  const std::size_t last = beam + beams_a_bin_ - 1;
+  // Clockwise of the next beam's left edge.
+  while (beam < last &&
+         direction.x * edges_[beam + 1].cos - direction.z * edges_[beam + 1].sin > 0)
+    ++beam;
+  return beams_[beam];
+}
+
+/// Where a ray of an antenna beside the grid comes over it; infinite: never.
+double GroundTrace::entry_m(const glm::dvec3& direction) const {
+  const HeightGrid& grid = plan_.scene().world().grid;
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  double from = 0;
+  double to = kInfinity;
+  const auto within = [&](double at, double rate, double first, double last) {
+    if (rate == 0) {
+      if (at < first || at > last) to = -1;
+      return;
+    }
+    from = std::max(from, std::min((first - at) / rate, (last - at) / rate));
+    to = std::min(to, std::max((first - at) / rate, (last - at) / rate));
+  };
+  within(antenna.x, direction.x, grid.x0_m, grid.x1_m());
+  within(antenna.z, direction.z, grid.z0_m, grid.z1_m());
+  return from <= to ? from : kInfinity;
+}
+
+void GroundTrace::trace(const RayBatch& rays, RoughHit* hits) {
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  const auto n = static_cast<std::size_t>(rays.n);
+  const auto direction = [&](std::size_t k) {
+    return glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]);
+  };
+  for (std::size_t k = 0; k < n; ++k) {
+    from_m_[k] = beam_of(rays.azimuth_bin[k], direction(k)).free_range_m(direction(k));
+    if (!over_grid_) from_m_[k] = std::max(from_m_[k], entry_m(direction(k)));
+  }
+  // Beyond this a ray has left any grid.
+  constexpr double kFar_m = 1e8;
+  lane_kernels().cast_ground(
+      {lane_grid(plan_.scene().world().grid), antenna.x, antenna.y, antenna.z, kFar_m},
+      {rays.n, rays.dir_x.data(), rays.dir_y.data(), rays.dir_z.data(), from_m_.data(), range_m_.data()});
+  for (std::size_t k = 0; k < n; ++k) {
+    hits[k] = {};
+    if (range_m_[k] == CastRays::kUnder) {
+      hits[k] = walked_hit(plan_.scene(), antenna, direction(k));
+    } else if (!std::isnan(range_m_[k])) {
+      hits[k].kind = RoughHit::Kind::ground;
+      hits[k].distance_m = static_cast<float>(range_m_[k]);
+    }
+  }
+}
+
+}  // namespace obliq
