@@ -93,10 +93,12 @@ struct Corners {
 OBLIQ_LANES Corners corners(const LaneGrid& grid, LaneBits at) {
   const LaneBits above = at + static_cast<std::uint64_t>(grid.nx);
   Corners y;
-  y.y00 = gather(grid.y_m, at);
-  y.y10 = gather(grid.y_m, at + 1);
-  y.y01 = gather(grid.y_m, above);
-  y.y11 = gather(grid.y_m, above + 1);
+  const auto [y00, y10] = gather_pairs(grid.y_m, at);
+  const auto [y01, y11] = gather_pairs(grid.y_m, above);
+  y.y00 = y00;
+  y.y10 = y10;
+  y.y01 = y01;
+  y.y11 = y11;
   const Lanes all_four = (y.y00 + y.y10) + (y.y01 + y.y11);
   y.known = all_four == all_four;
   return y;

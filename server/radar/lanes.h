@@ -122,6 +122,26 @@ OBLIQ_LANES Lanes gather(const float* from, LaneBits at) {
   return found;
 #endif
 }
+/// from[at] and from[at + 1].
+struct LanePairs {
+  Lanes first, second;
+};
+OBLIQ_LANES LanePairs gather_pairs(const float* from, LaneBits at) {
+#if defined(__AVX512F__)
+  const __m512i pairs = _mm512_i64gather_epi64(__builtin_bit_cast(__m512i, at), from, sizeof(float));
+  const auto doubles = [](__m512i floats) __attribute__((always_inline)) {
+    return __builtin_bit_cast(Lanes, _mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32(floats))));
+  };
+  return {doubles(pairs), doubles(_mm512_srli_epi64(pairs, 32))};
+#else
+  LanePairs found{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    found.first[lane] = static_cast<double>(from[at[lane]]);
+    found.second[lane] = static_cast<double>(from[at[lane] + 1]);
+  }
+  return found;
+#endif
+}
 OBLIQ_LANES Lanes gather(const double* from, LaneBits at) {
 #if defined(__AVX512F__)
   return __builtin_bit_cast(Lanes,
