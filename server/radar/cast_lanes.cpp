@@ -13,7 +13,7 @@ struct Walkers : WalkingPlanes {
   int ray[kLanes];
 };
 
-constexpr int kRefill = 4;  // idle lanes that are worth a stop
+constexpr int kRefill = 5;  // idle lanes that are worth a stop
 
 /// Sets out rays in the lanes that are not in `busy`; returns those that are now.
 unsigned set_out(const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {

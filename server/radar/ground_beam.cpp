@@ -38,31 +38,37 @@ GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinC
   first_line_ = static_cast<int>(rising_ ? std::clamp(line, 0.0, lines_ - 1.0) : std::clamp(line, 0.0, lines_ - 1.0));
 }
 
+/// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it need.
+float GroundBeam::highest_of(int line) const {
+  const double middle = (rising_ ? 1 : -1) * (line - start_);
+  const double near = std::max(0.0, middle - 1);
+  const double far = std::max(0.0, middle + 1);
+  const double from = across_ + std::min(left_ * near, left_ * far);
+  const double to = across_ + std::max(right_ * near, right_ * far);
+  const double most = others_ - 1.0;
+  const auto first = static_cast<std::ptrdiff_t>(std::clamp(from, 0.0, most));
+  const auto last = static_cast<std::ptrdiff_t>(std::ceil(std::clamp(to, 0.0, most)));
+  const float* const heights = grid_.y_m.data() + line * per_line_;
+  float highest = -std::numeric_limits<float>::infinity();
+  for (std::ptrdiff_t k = first; k <= last; ++k) {
+    const float height = heights[k * per_other_];
+    highest = height > highest ? height : highest;  // unknown ground is not a number, and not greater
+  }
+  return highest;
+}
+
 /// The next strip, between two lines of posts; false at the grid's end.
 bool GroundBeam::add_strip() {
   const int step = rising_ ? 1 : -1;
   const int near_line = first_line_ + step * static_cast<int>(slope_.size());
   const int far_line = near_line + step;
   if (far_line < 0 || far_line >= lines_) return false;
+  if (slope_.empty()) near_highest_ = highest_of(near_line);
+  const float far_highest = highest_of(far_line);
+  const double above_m = static_cast<double>(std::max(near_highest_, far_highest)) - antenna_y_m_;
+  near_highest_ = far_highest;
   const double near = std::max(0.0, step * (near_line - start_));
-  const double far = step * (far_line - start_);
-  float highest = -std::numeric_limits<float>::infinity();
-  if (far > 0) {
-    const double from = across_ + std::min(left_ * near, left_ * far);
-    const double to = across_ + std::max(right_ * near, right_ * far);
-    const double most = others_ - 1.0;
-    const auto first = static_cast<std::ptrdiff_t>(std::floor(std::clamp(from, 0.0, most)));
-    const auto last = static_cast<std::ptrdiff_t>(std::ceil(std::clamp(to, 0.0, most)));
-    const float* const a = grid_.y_m.data() + near_line * per_line_;
-    const float* const b = grid_.y_m.data() + far_line * per_line_;
-    for (std::ptrdiff_t k = first * per_other_; k <= last * per_other_; k += per_other_) {
-      // Unknown ground is not a number, and not greater.
-      highest = a[k] > highest ? a[k] : highest;
-      highest = b[k] > highest ? b[k] : highest;
-    }
-  }
-  const double above_m = static_cast<double>(highest) - antenna_y_m_;
-  const double distance_m = (above_m > 0 ? near : far) * grid_.cell_m;
+  const double distance_m = (above_m > 0 ? near : step * (far_line - start_)) * grid_.cell_m;
   const double slope = above_m == 0 ? 0 : above_m / distance_m;
   slope_.push_back(slope_.empty() ? slope : std::max(slope_.back(), slope));
   return true;

@@ -20,6 +20,7 @@ class GroundBeam {
   double free_range_m(const glm::dvec3& direction);
 
  private:
+  float highest_of(int line) const;
   bool add_strip();
 
   const HeightGrid& grid_;
@@ -31,6 +32,7 @@ class GroundBeam {
   int lines_, others_;        // posts along the axis, and across
   std::ptrdiff_t per_line_, per_other_;
   int first_line_;            // the near line of the first strip
+  float near_highest_ = 0;    // of the near line of the next one
   std::vector<double> slope_; // of the strips: the greatest height over distance up to the end of it
   std::size_t last_ = 0;      // where the last ray's look ended: the next is mostly near
 };

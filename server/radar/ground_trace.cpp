@@ -15,7 +15,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A wider beam has less to look at, and its rays start sooner.
-constexpr double kMostCells = 4;     // across at the swath's end
+constexpr double kMostCells = 8;     // across at the swath's end
 constexpr double kMost_rad = 0.125;  // so that a beam has one direction
 constexpr double kMostBeams = 256;   // of an azimuth bin
 
@@ -35,8 +35,6 @@ GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan
   for (std::size_t k = 0; k <= n; ++k)
     edges_.push_back(edge(range.first + static_cast<double>(k) / static_cast<double>(beams_a_bin_)));
   for (std::size_t k = 0; k < n; ++k) beams_.emplace_back(grid, sector.antenna_m, edges_[k], edges_[k + 1]);
-  over_grid_ = sector.antenna_m.x >= grid.x0_m && sector.antenna_m.x <= grid.x1_m() &&
-               sector.antenna_m.z >= grid.z0_m && sector.antenna_m.z <= grid.z1_m();
   prefetch_ground(grid, sector.antenna_m, edges_.front(), edges_.back(), sector.r_max_m);
 }
 
@@ -50,23 +48,26 @@ GroundBeam& GroundTrace::beam_of(int azimuth_bin, const glm::dvec3& direction) {
   return beams_[beam];
 }
 
-/// Where a ray of an antenna beside the grid comes over it; infinite: never.
-double GroundTrace::entry_m(const glm::dvec3& direction) const {
+/// From where on a ray that meets nothing before `from_m` is to be walked: where it comes over the grid, if it
+/// is not there yet; infinite: nowhere.
+double GroundTrace::on_grid_m(double from_m, const glm::dvec3& direction) const {
   const HeightGrid& grid = plan_.scene().world().grid;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  double from = 0;
+  const double x = antenna.x + from_m * direction.x;
+  const double z = antenna.z + from_m * direction.z;
+  if (x >= grid.x0_m && x <= grid.x1_m() && z >= grid.z0_m && z <= grid.z1_m()) return from_m;
   double to = kInfinity;
   const auto within = [&](double at, double rate, double first, double last) {
     if (rate == 0) {
       if (at < first || at > last) to = -1;
       return;
     }
-    from = std::max(from, std::min((first - at) / rate, (last - at) / rate));
-    to = std::min(to, std::max((first - at) / rate, (last - at) / rate));
+    from_m = std::max(from_m, ((rate > 0 ? first : last) - at) / rate);
+    to = std::min(to, ((rate > 0 ? last : first) - at) / rate);
   };
   within(antenna.x, direction.x, grid.x0_m, grid.x1_m());
   within(antenna.z, direction.z, grid.z0_m, grid.z1_m());
-  return from <= to ? from : kInfinity;
+  return from_m <= to ? from_m : kInfinity;
 }
 
 void GroundTrace::trace(const RayBatch& rays, RoughHit* hits) {
@@ -76,8 +77,7 @@ void GroundTrace::trace(const RayBatch& rays, RoughHit* hits) {
     return glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]);
   };
   for (std::size_t k = 0; k < n; ++k) {
-    from_m_[k] = beam_of(rays.azimuth_bin[k], direction(k)).free_range_m(direction(k));
-    if (!over_grid_) from_m_[k] = std::max(from_m_[k], entry_m(direction(k)));
+    from_m_[k] = on_grid_m(beam_of(rays.azimuth_bin[k], direction(k)).free_range_m(direction(k)), direction(k));
   }
   // Beyond this a ray has left any grid.
   constexpr double kFar_m = 1e8;

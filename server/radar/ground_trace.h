@@ -19,12 +19,11 @@ class GroundTrace {
 
  private:
   GroundBeam& beam_of(int azimuth_bin, const glm::dvec3& direction);
-  double entry_m(const glm::dvec3& direction) const;
+  double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
   const FramePlan& plan_;
   int first_bin_;
   std::size_t beams_a_bin_;
-  bool over_grid_;
   std::vector<SinCos> edges_;  // left edges of the beams
   std::vector<GroundBeam> beams_;
   std::array<double, kBatch> from_m_;
