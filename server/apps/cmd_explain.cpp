@@ -33,7 +33,7 @@ void run(const SceneConfig& config, const ExplainArguments& arguments) {
   };
   const Explanation explanation =
       explain_scene({config.name, radar.name, config.world, config.materials, radar.settings, radar.pose,
-                     arguments.threads > 0 ? arguments.threads : config.threads, print_loaded},
+                     arguments.threads > 0 ? arguments.threads : config.threads, config.rays, print_loaded},
                     progress);
   std::fputs(plain_report(explanation).c_str(), stdout);
   if (arguments.out.empty()) return;

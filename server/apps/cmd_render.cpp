@@ -16,6 +16,7 @@
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/sample_source.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
 
@@ -49,8 +50,8 @@ class Stopwatch {
 std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, const SceneConfig& config,
                                    int threads, const RadarConfig& radar) {
   const StageProbe probe(Stage::build);
-  auto scene = std::make_shared<const Scene>(world, config.materials, threads);
-  if (needs_tracer(radar.settings.frustum)) scene->tracer(terminal_progress());
+  auto scene = std::make_shared<const Scene>(world, config.materials, threads, config.rays);
+  if (needs_tracer(*scene, radar.settings.frustum)) scene->tracer(terminal_progress());
   return scene;
 }
 

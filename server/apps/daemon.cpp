@@ -289,9 +289,10 @@ void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
   signature_ = scene_signature(config_);
   const auto say = [](const std::string& line) { spdlog::info("{}", line); };
-  readiness_.loading("terrain", 0);
-  meet_accuracy(config_, say, progress());
-  renderer_.emplace(build_scene(config_, say, progress()), config_.name);
+  const Progress tell = progress();
+  tell("terrain", 0);
+  meet_accuracy(config_, say, tell);
+  renderer_.emplace(build_scene(config_, say, tell), config_.name);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),
       [this](const SceneConfig& config, const std::stop_token& stop) {

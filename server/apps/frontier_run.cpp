@@ -107,7 +107,7 @@ class FrontierRun {
     const auto world = load_world_with_report(config);
     Ground ground;
     ground.pose = place_radar(*world, radar_);
-    ground.scene = std::make_shared<const Scene>(world, config.materials, threads_);
+    ground.scene = std::make_shared<const Scene>(world, config.materials, threads_, config.rays);
     ground.scene->tracer(terminal_progress());  // not while a frame is timed
     return ground;
   }

@@ -57,7 +57,7 @@ class AccuracySearch {
     WorldSpec spec = config_.world;
     spec.terrain.cell_m = cell_m;
     const auto world = std::make_shared<const World>(load_world(spec, progress_));
-    return std::make_shared<const Scene>(world, config_.materials, config_.threads);
+    return std::make_shared<const Scene>(world, config_.materials, config_.threads, config_.rays);
   }
 
   /// The source's own posting; half a range bin of made-up ground, which has none. Coarser where that is more

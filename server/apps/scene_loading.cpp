@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "server/control/process_memory.h"
+#include "server/radar/sample_source.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
 
@@ -106,9 +107,10 @@ std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
   say("scene " + config.name + ": loading terrain");
   auto world = std::make_shared<const World>(load_world(config.world, progress));
   for (const std::string& line : world_report_lines(*world)) say(line);
-  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads);
-  if (std::ranges::any_of(config.radars,
-                          [](const RadarConfig& radar) { return needs_tracer(radar.settings.frustum); })) {
+  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, config.rays);
+  if (std::ranges::any_of(config.radars, [&](const RadarConfig& radar) {
+        return needs_tracer(*scene, radar.settings.frustum);
+      })) {
     scene->tracer(progress);
     say(tracer_line(*scene));
   }
@@ -122,7 +124,7 @@ std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const
   auto world = std::make_shared<const World>(load_world(spec, [&](std::string_view, double) {
     if (stop.stop_requested()) throw InputError("given up: the server is stopping");
   }));
-  return std::make_shared<const Scene>(world, config.materials, 1);
+  return std::make_shared<const Scene>(world, config.materials, 1, config.rays);
 }
 
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {

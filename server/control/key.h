@@ -11,6 +11,7 @@
 #include "server/control/log_config.h"
 #include "server/radar/settings.h"
 #include "server/scene/materials.h"
+#include "server/scene/ray_method.h"
 #include "terrain/errors.h"
 #include "terrain/world_spec.h"
 
@@ -22,7 +23,7 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 /// Where a value lives.
 using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, FrustumKind*,
                           PlateKind*, ScanMode*, SpeckleKind*, HeightReference*, SyntheticKind*,
-                          ScatteringModel*, LogFormat*, LogLevel*>;
+                          ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

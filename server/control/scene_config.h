@@ -12,6 +12,7 @@
 #include "server/control/server_config.h"
 #include "server/control/stream_config.h"
 #include "server/scene/materials.h"
+#include "server/scene/ray_method.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
@@ -24,6 +25,7 @@ struct SceneConfig {
   std::vector<Material> materials;  ///< by material id
   std::vector<RadarConfig> radars;  ///< at least one; valid; names differ
   int threads = 0;                  ///< 0: all cores
+  RayMethod rays = RayMethod::march;
   ServerConfig server;
   StreamConfig stream;
   HttpConfig http;

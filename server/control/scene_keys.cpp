@@ -17,6 +17,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The lists follow their enumerations.
+constexpr std::array kRayMethods{Choice{"march"}, Choice{"embree"}};
 constexpr std::array kSyntheticKinds{Choice{"none"}, Choice{"flat"}, Choice{"ramp"}, Choice{"ridge"},
                                      Choice{"wall"}, Choice{"cone"}, Choice{"hills"}};
 constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"}};
@@ -81,6 +82,14 @@ const std::array kScene{
                  [](Scene& c) -> Slot { return &c.accuracy.max_gap_fraction; }},
     Entry<Scene>{{"run.threads", "", closed(0, 1024), {}, "Threads that render; 0: all cores."},
                  [](Scene& c) -> Slot { return &c.threads; }},
+    Entry<Scene>{
+        {"run.rays",
+         "",
+         {},
+         kRayMethods,
+         "How rays find the ground: by a march of its cells, with Embree for those that come near buildings; "
+         "or all by Embree, which takes longer. Same bits, but where a ray meets an edge to rounding."},
+        [](Scene& c) -> Slot { return &c.rays; }},
 };
 
 using Houses = BuildingSourceSpec;

@@ -9,6 +9,7 @@
 #include "server/explain/advice.h"
 #include "server/explain/table.h"
 #include "server/explain/verdict.h"
+#include "server/radar/sample_source.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
@@ -89,10 +90,10 @@ class Experiment {
   /// Builds and plans anew from the stage's world.
   void build(Stage& stage, const std::vector<Material>& materials) {
     take_down(stage);  // the old one's memory goes first
-    stage.scene = std::make_shared<const Scene>(stage.world, materials, input_.threads);
+    stage.scene = std::make_shared<const Scene>(stage.world, materials, input_.threads, input_.rays);
     stage.costs.grid_bytes = grid_bytes(*stage.world);
     stage.costs.building_bytes = building_bytes(stage.world->buildings);
-    if (needs_tracer(input_.settings.frustum)) {
+    if (needs_tracer(*stage.scene, input_.settings.frustum)) {
       const EmbreeTracer& tracer = stage.scene->tracer();
       stage.costs.build_s = tracer.build_s();
       stage.costs.tracer_bytes = tracer.bytes();

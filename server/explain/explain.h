@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/explain/explanation.h"
+#include "server/scene/ray_method.h"
 #include "terrain/progress.h"
 #include "terrain/world_spec.h"
 
@@ -16,7 +17,8 @@ struct ExplainInput {
   std::vector<Material> materials;
   RadarSettings settings;
   PoseSettings pose;
-  int threads = 0;                              ///< 0: all cores
+  int threads = 0;  ///< 0: all cores
+  RayMethod rays = RayMethod::march;
   std::function<void(const World&)> on_loaded;  ///< told of the scene as it is, before anything is changed
 };
 

@@ -5,6 +5,7 @@
 #include "server/output/describe_frame.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/pose.h"
+#include "server/radar/sample_source.h"
 
 namespace obliq::net {
 namespace {
@@ -74,7 +75,7 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
   PlanResult planned = plan_frame(scene, settings, *placed);
   result.errors = std::move(planned.errors);
   if (!planned.plan) return result;
-  if (needs_tracer(settings->settings.frustum)) {
+  if (needs_tracer(*scene, settings->settings.frustum)) {
     std::string fault;
     const TracerBuilder::State state = tracer_.ensure(scene, fault);
     if (state == TracerBuilder::State::failed)

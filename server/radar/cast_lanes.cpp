@@ -19,8 +19,7 @@ constexpr int kRefill = 5;  // idle lanes that are worth a stop
 unsigned set_out(const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {
   for (int lane = 0; lane < kLanes; ++lane) {
     if ((busy >> lane & 1) != 0) continue;
-    while (next < rays.n && !(rays.from_m[next] < __builtin_inf()))
-      rays.range_m[next++] = __builtin_nan("");
+    while (next < rays.n && !(rays.from_m[next] < __builtin_inf())) rays.range_m[next++] = __builtin_nan("");
     if (next == rays.n) break;
     walkers.sin_bearing[lane] = rays.dir_x[next];
     walkers.cos_bearing[lane] = rays.dir_z[next];

@@ -3,8 +3,8 @@
 
 namespace obliq {
 
-/// Rays from the antenna over bare ground: unit directions, and a slant range before which each meets nothing,
-/// at a point on the grid; infinite for one that meets nothing at all.
+/// Rays from the antenna over bare ground: unit directions, and a slant range before which each meets
+/// nothing, at a point on the grid; infinite for one that meets nothing at all.
 struct CastRays {
   static constexpr double kUnder = -1;  ///< the ray passes under the far edge of a void
   int n;

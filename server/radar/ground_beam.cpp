@@ -35,10 +35,12 @@ GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinC
   right_ = std::max(aside(left), aside(right)) + kSlack;
   // The strip that the antenna stands over, or the first one ahead of it.
   const double line = rising_ ? std::floor(start_) : std::ceil(start_);
-  first_line_ = static_cast<int>(rising_ ? std::clamp(line, 0.0, lines_ - 1.0) : std::clamp(line, 0.0, lines_ - 1.0));
+  first_line_ =
+      static_cast<int>(rising_ ? std::clamp(line, 0.0, lines_ - 1.0) : std::clamp(line, 0.0, lines_ - 1.0));
 }
 
-/// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it need.
+/// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it
+/// need.
 float GroundBeam::highest_of(int line) const {
   const double middle = (rising_ ? 1 : -1) * (line - start_);
   const double near = std::max(0.0, middle - 1);

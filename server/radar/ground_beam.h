@@ -7,9 +7,9 @@
 
 namespace obliq {
 
-/// A narrow stretch of bearings, and how high the ground in it stands at most, line of posts by line of posts:
-/// tells how far a ray goes before it can meet any. Distances are along the grid's axis that the beam goes
-/// along rather than across, so that a ray's height over them is a straight line.
+/// A narrow stretch of bearings, and how high the ground in it stands at most, line of posts by line of
+/// posts: tells how far a ray goes before it can meet any. Distances are along the grid's axis that the beam
+/// goes along rather than across, so that a ray's height over them is a straight line.
 class GroundBeam {
  public:
   /// Between two bearings that are much less than a right angle apart. The grid outlives the beam.
@@ -26,15 +26,15 @@ class GroundBeam {
   const HeightGrid& grid_;
   double antenna_y_m_;
   bool along_z_;
-  bool rising_;               // towards greater numbers of the lines
-  double start_, across_;     // the antenna in cells: along the axis, and across
-  double left_, right_;       // cells across a cell along
-  int lines_, others_;        // posts along the axis, and across
+  bool rising_;            // towards greater numbers of the lines
+  double start_, across_;  // the antenna in cells: along the axis, and across
+  double left_, right_;    // cells across a cell along
+  int lines_, others_;     // posts along the axis, and across
   std::ptrdiff_t per_line_, per_other_;
-  int first_line_;            // the near line of the first strip
-  float near_highest_ = 0;    // of the near line of the next one
-  std::vector<double> slope_; // of the strips: the greatest height over distance up to the end of it
-  std::size_t last_ = 0;      // where the last ray's look ended: the next is mostly near
+  int first_line_;             // the near line of the first strip
+  float near_highest_ = 0;     // of the near line of the next one
+  std::vector<double> slope_;  // of the strips: the greatest height over distance up to the end of it
+  std::size_t last_ = 0;       // where the last ray's look ended: the next is mostly near
 };
 
 }  // namespace obliq

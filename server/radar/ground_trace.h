@@ -1,24 +1,28 @@
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/ground_beam.h"
+#include "server/radar/roof_line.h"
 
 namespace obliq {
 
-/// What rays of one wedge meet first where nothing but ground is in sight, whatever way they lie. Each walks
-/// the grid by itself, but only from where the highest ground around its bearing first reaches up to it.
+/// What rays of one wedge meet first, whatever way they lie, as far as that is ground. Each walks the grid by
+/// itself, but only from where the highest ground around its bearing first reaches up to it: a few cells.
+/// Rays that might meet a building before are left to a ray tracer.
 class GroundTrace {
  public:
   GroundTrace(const FramePlan& plan, AzimuthRange range);
 
-  /// As EmbreeTracer::trace, of rays of the wedge, each in the azimuth bin that the batch says.
-  void trace(const RayBatch& rays, RoughHit* hits);
+  /// As EmbreeTracer::trace, of rays of the wedge, each in the azimuth bin that the batch says, but for the
+  /// rays that it returns: those are left, in the batch's packet order. Valid until the next call.
+  std::span<const std::uint16_t> trace(const RayBatch& rays, RoughHit* hits);
 
  private:
-  GroundBeam& beam_of(int azimuth_bin, const glm::dvec3& direction);
+  std::size_t beam_of(std::size_t bin, const glm::dvec3& direction) const;
   double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
   const FramePlan& plan_;
@@ -26,8 +30,11 @@ class GroundTrace {
   std::size_t beams_a_bin_;
   std::vector<SinCos> edges_;  // left edges of the beams
   std::vector<GroundBeam> beams_;
+  std::vector<RoofLine> roofs_;  // of the azimuth bins; empty where no building is in sight
   std::array<double, kBatch> from_m_;
+  std::array<double, kBatch> roof_m_;
   std::array<double, kBatch> range_m_;
+  std::array<std::uint16_t, kBatch> left_;
 };
 
 }  // namespace obliq

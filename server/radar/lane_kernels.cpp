@@ -7,8 +7,8 @@ namespace obliq {
 #define OBLIQ_LANE_KERNELS(isa)                                                                             \
   LaneKernels {                                                                                             \
 #isa, isa::speckle_lanes, isa::march_ground, isa::cut_ground, isa::highest_ground, isa::march_profiles, \
-        isa::place_samples, isa::merge_scatterers, isa::answer_rays, isa::meet_ground, isa::aim_pixels,      \
-        isa::cast_ground \
+        isa::place_samples, isa::merge_scatterers, isa::answer_rays, isa::meet_ground, isa::aim_pixels,     \
+        isa::cast_ground                                                                                    \
   }
 
 const std::vector<LaneKernels>& all_lane_kernels() {

@@ -44,12 +44,13 @@ void PolarTrace::trace(const RayBatch& rays, RoughHit* hits) {
     const std::uint32_t surface = surface_[at];
     hits[k] = surface == SweptRays::kUnder
                   ? walked_hit(plan_.scene(), plan_.sector().antenna_m,
-                                   glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]))
-                      : RoughHit{};
+                               glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]))
+                  : RoughHit{};
     if (surface == SweptRays::kUnder || surface == SweptRays::kNothing) continue;
     hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
     hits[k].kind = surface < SweptRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-    if (surface >= SweptRays::kFace) hits[k].triangle = triangle_of(plan_.scene().world().buildings, surface - SweptRays::kFace);
+    if (surface >= SweptRays::kFace)
+      hits[k].triangle = triangle_of(plan_.scene().world().buildings, surface - SweptRays::kFace);
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "server/radar/lane_kernels.h"
@@ -20,9 +19,7 @@ static_assert(GroundHits::kMost == kBatch);
 }  // namespace
 
 RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile)
-    : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)) {
-  if (!needs_tracer(plan.settings().frustum) && plan.extent().any) polar_.emplace(plan, range);
-  if (!polar_ && !std::getenv("OBLIQ_EMBREE") && plan.buildings_in(range).empty()) ground_trace_.emplace(plan, range);
+    : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)), trace_(plan, range) {
   if (plan.settings().plates == PlateKind::nearest) return;
   if (!profile) own_profile_ = std::make_unique<WedgeProfile>(plan, range);
   spreader_ = make_plate_spreader(plan, range, profile ? *profile : *own_profile_);
@@ -56,16 +53,7 @@ bool RaySamples::trace(FrameStats& stats) {
   }
   const StageProbe probe(Stage::trace);
   stats.rays += static_cast<std::uint64_t>(rays_.n);
-  if (polar_) {
-    polar_->trace(rays_, rough_.data());
-    return true;
-  }
-  if (ground_trace_) {
-    ground_trace_->trace(rays_, rough_.data());
-    return true;
-  }
-  plan_.scene().tracer().trace(plan_.sector().antenna_m, rays_.dir_x.data(), rays_.dir_y.data(),
-                               rays_.dir_z.data(), rays_.n, rough_.data(), rays_.packet_order.data());
+  trace_.trace(rays_, rough_.data());
   return true;
 }
 
@@ -89,8 +77,7 @@ bool RaySamples::on_ground(std::size_t k) const {
   const double range_m = ground_.slant_range_m[k];
   if (tap_ || std::isnan(range_m)) return false;
   const Scene& scene = plan_.scene();
-  // A march lets no ray through; beyond the swath, where it leaves buildings out, nothing is binned.
-  if (polar_ || scene.building_index().empty()) return true;
+  if (!trace_.by_embree(k) || scene.building_index().empty()) return true;
   const double y_m = plan_.sector().antenna_m.y + range_m * rays_.dir_y[k];
   return !ground_is_buried(scene, {ground_.x_m[k], y_m, ground_.z_m[k]});
 }

@@ -4,18 +4,17 @@
 #include <optional>
 #include <vector>
 
-#include "server/radar/ground_trace.h"
 #include "server/radar/hit_lanes.h"
 #include "server/radar/plate_spreader.h"
-#include "server/radar/polar_trace.h"
 #include "server/radar/ray_source.h"
+#include "server/radar/ray_trace.h"
 #include "server/radar/sample_source.h"
 
 namespace obliq {
 
-/// The three frusta: rays through pixels, traced by Embree or, where the frustum's columns are vertical
-/// planes (polar), by a march of each; re-intersected in double. With nearest plates one sample a hit, with
-/// spread plates one for every range bin and surface that the hit's pixel covers.
+/// The three frusta: rays through pixels, traced (ray_trace.h) and re-intersected in double. With nearest
+/// plates one sample a hit, with spread plates one for every range bin and surface that the hit's pixel
+/// covers.
 class RaySamples : public SampleSource {
  public:
   RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile);
@@ -37,8 +36,7 @@ class RaySamples : public SampleSource {
   std::unique_ptr<RaySource> source_;
   std::unique_ptr<WedgeProfile> own_profile_;  // null when one was handed in, or none is needed
   std::unique_ptr<PlateSpreader> spreader_;    // null: nearest plates
-  std::optional<PolarTrace> polar_;
-  std::optional<GroundTrace> ground_trace_;    // neither: Embree
+  RayTrace trace_;
   RayBatch rays_;
   std::array<RoughHit, kBatch> rough_;
   std::array<std::optional<ExactHit>, kBatch> exact_;  // of spread plates

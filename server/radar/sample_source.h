@@ -18,6 +18,10 @@ class SampleSource {
   virtual bool next(SampleBatch& samples, FrameStats& stats) = 0;
 };
 
+/// Whether frames may need scene.tracer(): all rays do, or those that come near buildings and do not lie in
+/// vertical planes, which are marched.
+bool needs_tracer(const Scene& scene, FrustumKind frustum);
+
 class WedgeProfile;  // server/radar/wedge_profile.h
 
 /// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks. `tap`

@@ -9,10 +9,6 @@
 namespace obliq {
 
 enum class FrustumKind { symmetric, oblique, polar, sweep };
-/// Whether its frames need Embree: what lies in vertical planes is answered by marching them.
-constexpr bool needs_tracer(FrustumKind kind) {
-  return kind == FrustumKind::symmetric || kind == FrustumKind::oblique;
-}
 /// How a hit is given to range bins: spread over all that its pixel covers, or whole to the bin of its own
 /// range, as the paper does it.
 enum class PlateKind { spread, nearest };

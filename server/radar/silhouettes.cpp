@@ -31,7 +31,7 @@ RoughBearings rough_bearings_of(const Buildings& all, const Sector& sector, std:
   const std::uint32_t ring = all.list[building].first_ring;
   const std::uint32_t begin = all.ring_start[ring];
   const std::uint32_t end = all.ring_start[ring + 1];
-  if (begin == end) return {HUGE_VAL, 0, 0};
+  if (begin == end) return {HUGE_VAL, HUGE_VAL, 0, 0};
   // The circle around the rectangle that bounds it.
   glm::vec2 low = all.ring_xz_m[begin];
   glm::vec2 high = low;
@@ -47,12 +47,12 @@ RoughBearings rough_bearings_of(const Buildings& all, const Sector& sector, std:
   const double distance = std::sqrt(right * right + ahead * ahead);
   if (distance < 4 * radius) {
     const Silhouette near = silhouette_of(all, sector, building);
-    return {near.near_m, near.from_rad, near.to_rad};
+    return {near.near_m, near.far_m, near.from_rad, near.to_rad};
   }
   // asin(x) < 1.02 x up to 1/4.
   const double to_side = 1.02 * radius / distance;
   const double bearing = std::atan2(right, ahead);
-  return {distance - radius, bearing - to_side, bearing + to_side};
+  return {distance - radius, distance + radius, bearing - to_side, bearing + to_side};
 }
 
 Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32_t building) {

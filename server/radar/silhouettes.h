@@ -21,6 +21,7 @@ struct Silhouette {
 /// Bounds of a building's bearings and of its distance, for a fraction of what the silhouette costs.
 struct RoughBearings {
   double near_m;    ///< nothing is nearer
+  double far_m;     ///< nor farther
   double from_rad;  ///< it lies between these, as in Silhouette
   double to_rad;
 };

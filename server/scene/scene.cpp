@@ -21,7 +21,8 @@ double highest_of(const World& world, const TileBounds& tiles) {
 
 }  // namespace
 
-Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads, TracerIsa isa)
+Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads, RayMethod rays,
+             TracerIsa isa)
     : world_(std::move(world)),
       materials_(std::move(materials)),
       fine_tiles_(world_->grid, TileBounds::kFineCells),
@@ -29,6 +30,7 @@ Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials
       building_index_(*world_),
       highest_m_(highest_of(*world_, tiles_)),
       threads_(threads),
+      rays_(rays),
       isa_(isa) {
   std::size_t highest = 0;
   for (std::uint8_t id : world_->surface_material) highest = std::max<std::size_t>(highest, id);

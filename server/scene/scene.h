@@ -6,6 +6,7 @@
 
 #include "server/scene/building_index.h"
 #include "server/scene/materials.h"
+#include "server/scene/ray_method.h"
 #include "server/scene/tile_bounds.h"
 #include "server/scene/tracer_isa.h"
 #include "terrain/progress.h"
@@ -22,15 +23,17 @@ class Scene {
   /// materials[id] for every material id in the world. threads: for building the tracer; 0 = all cores. isa:
   /// the tracer's instruction set, for tests that compare them.
   Scene(std::shared_ptr<const World> world, std::vector<Material> materials, int threads,
-        TracerIsa isa = TracerIsa::best);
+        RayMethod rays = RayMethod::march, TracerIsa isa = TracerIsa::best);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
   const World& world() const { return *world_; }
   const std::vector<Material>& materials() const { return materials_; }
-  /// Rays alone need it, and the sweep does without: built by the first call, while other callers wait, with
-  /// the same bits whoever calls. Throws InputError when it cannot be built; the next call tries again.
+  RayMethod rays() const { return rays_; }
+  /// Only some rays need it (needs_tracer in server/radar/sample_source.h): built by the first call, while
+  /// other callers wait, with the same bits whoever calls. Throws InputError when it cannot be built; the
+  /// next call tries again.
   const EmbreeTracer& tracer(const Progress& progress = {}) const;
   /// Null until tracer() has built it.
   const EmbreeTracer* built_tracer() const { return built_.load(std::memory_order_acquire); }
@@ -48,6 +51,7 @@ class Scene {
   BuildingIndex building_index_;
   double highest_m_;
   int threads_;
+  RayMethod rays_;
   TracerIsa isa_;
   mutable std::mutex building_;
   mutable std::unique_ptr<const EmbreeTracer> tracer_;  ///< guarded by building_

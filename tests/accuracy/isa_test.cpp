@@ -80,7 +80,7 @@ TEST(InstructionSets, AnswerTheSameButForRaysWithinFloatStepsOfAnEdge) {
       continue;
     }
     ++sets;
-    const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, isa);
+    const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, RayMethod::embree, isa);
     Hits hits;
     RenderOptions options;
     options.threads = 1;  // the tap is not locked

@@ -98,7 +98,7 @@ TEST(PaperBits, AreWhatTheyWereBeforePlatesCouldBeSpread) {
       std::printf("    %s: this processor has none\n", isa_name(isa));
       continue;
     }
-    const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, isa);
+    const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, RayMethod::embree, isa);
     for (const Case& k : kCases) {
       const RadarSettings settings = paper_settings(k);
       const Frame frame = render(scene, test::snapshot(settings), test::pose_over_origin(*world, 1500, 40),

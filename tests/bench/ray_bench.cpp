@@ -1,7 +1,7 @@
-// What a ray tracing frame costs beyond its rays: ray_bench SCENE.toml [--set KEY=VALUE] [--json FILE]
-// renders the scene's frame and traces the same rays by Embree alone, in turn, and prints both with their
-// ratio. With --peer FOLDER it leaves the rays and what they meet there and then traces them once for each
-// line that it reads: peers.py has other ray tracers do the same, in turn.
+// What a frame costs beyond its rays: ray_bench SCENE.toml [--set KEY=VALUE] [--json FILE] renders the
+// scene's frame and traces the same rays alone, each by a march and by Embree (run.rays), in turn, and prints
+// them with their ratios. With --peer FOLDER it leaves the rays and what they meet there and then traces them
+// once for each line that it reads: peers.py has other ray tracers do the same, in turn.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
@@ -22,9 +22,10 @@
 #include "server/control/scene_file.h"
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/polar_trace.h"
 #include "server/radar/ray_source.h"
+#include "server/radar/ray_trace.h"
 #include "server/radar/render.h"
+#include "server/radar/sample_source.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -96,7 +97,13 @@ void share_out(std::size_t n, int threads, const Work& work) {
 
 using Hits = std::array<RoughHit, kBatch>;
 
-/// Bare trace, as RaySamples does it; take(batch, hits) on the tracing thread.
+/// The same frame in scenes of the same world with both methods.
+struct Plans {
+  std::shared_ptr<const FramePlan> march;
+  std::shared_ptr<const FramePlan> embree;
+};
+
+/// Bare trace by Embree, of batches of rays in any order; take(batch, hits) on the tracing thread.
 template <typename Take>
 void trace(const FramePlan& plan, const Rays& rays, int threads, const Take& take) {
   share_out(rays.batches.size(), threads, [&](std::size_t k) {
@@ -108,27 +115,20 @@ void trace(const FramePlan& plan, const Rays& rays, int threads, const Take& tak
   });
 }
 
-/// The same of the polar frustum, by a march of its columns.
+/// The same by a march.
 template <typename Take>
 void march(const FramePlan& plan, const Rays& rays, int threads, const Take& take) {
   share_out(rays.wedges.size(), threads, [&](std::size_t wedge) {
-    PolarTrace polar(plan, rays.wedges[wedge].range);
+    RayTrace tracer(plan, rays.wedges[wedge].range);
     Hits hits;
     for (std::size_t k = rays.wedges[wedge].first; k < rays.wedges[wedge].end; ++k) {
-      polar.trace(*rays.batches[k], hits.data());
+      tracer.trace(*rays.batches[k], hits.data());
       take(k, hits);
     }
   });
 }
 
-void bare_trace(const FramePlan& plan, const Rays& rays, const Arguments& arguments) {
-  const auto forget = [](std::size_t, const Hits&) {};
-  if (arguments.march) {
-    march(plan, rays, arguments.threads, forget);
-  } else {
-    trace(plan, rays, arguments.threads, forget);
-  }
-}
+void forget(std::size_t, const Hits&) {}
 
 void whole_frame(const FramePlan& plan, int threads) {
   RenderOptions options;
@@ -181,7 +181,8 @@ void write_values(const std::string& path, const std::vector<Value>& values) {
 
 /// What all rays meet: range.f32: [n], infinite for none; triangle.u32: [n]. Our own rays.f32 beside it:
 /// [n][6] origin and direction. With --march the first two, named march.
-void leave_rays(const FramePlan& plan, const Rays& rays, const Arguments& arguments) {
+void leave_rays(const Plans& plans, const Rays& rays, const Arguments& arguments) {
+  const FramePlan& plan = *plans.embree;
   const glm::vec3 origin(plan.sector().antenna_m);
   std::vector<std::size_t> first{0};
   for (const auto& batch : rays.batches) first.push_back(first.back() + static_cast<std::size_t>(batch->n));
@@ -206,7 +207,7 @@ void leave_rays(const FramePlan& plan, const Rays& rays, const Arguments& argume
   };
   const std::string folder = arguments.peer + (arguments.march ? "/march." : "/");
   if (arguments.march) {
-    march(plan, rays, 1, take);
+    march(*plans.march, rays, 1, take);
   } else {
     trace(plan, rays, 1, take);
     write_values(folder + "rays.f32", ray);
@@ -216,16 +217,23 @@ void leave_rays(const FramePlan& plan, const Rays& rays, const Arguments& argume
 }
 
 /// One trace for each line of the standard input.
-void serve_peer(const FramePlan& plan, const Rays& rays, const Arguments& arguments) {
-  leave_rays(plan, rays, arguments);
+void serve_peer(const Plans& plans, const Rays& rays, const Arguments& arguments) {
+  leave_rays(plans, rays, arguments);
   if (arguments.march) {
-    std::printf("ready 0 obliq, a march of each column\n");
+    std::printf("ready 0 obliq, a march\n");
   } else {
-    std::printf("ready %.3f obliq, %s\n", plan.scene().tracer().build_s(), EmbreeTracer::version().c_str());
+    std::printf("ready %.3f obliq, %s\n", plans.embree->scene().tracer().build_s(),
+                EmbreeTracer::version().c_str());
   }
   std::fflush(stdout);
   for (std::string line; std::getline(std::cin, line);) {
-    const Spent run = spent([&] { bare_trace(plan, rays, arguments); });
+    const Spent run = spent([&] {
+      if (arguments.march) {
+        march(*plans.march, rays, arguments.threads, forget);
+      } else {
+        trace(*plans.embree, rays, arguments.threads, forget);
+      }
+    });
     std::printf("%.3f %.3f\n", run.wall_ms, run.cpu_ms);
     std::fflush(stdout);
   }
@@ -247,38 +255,46 @@ struct Times {
   nlohmann::ordered_json report() const {
     return {{"least_ms", least_ms()}, {"median_ms", median_ms()}, {"least_cpu_ms", least_cpu_ms()}};
   }
-  void print(const char* name) const {
-    std::printf("%-12s %10.1f %10.1f %14.1f\n", name, least_ms(), median_ms(), least_cpu_ms());
-  }
 };
 
-void measure_overhead(const FramePlan& plan, const Rays& rays, const Arguments& arguments) {
-  Times trace;
-  Times frame;
+void measure_overhead(const Plans& plans, const Rays& rays, const Arguments& arguments) {
+  const int threads = arguments.threads;
+  struct Run {
+    const char* key;
+    const char* name;
+    std::function<void()> work;
+    Times times;
+  };
+  std::vector<Run> runs{
+      {"trace", "trace by Embree", [&] { trace(*plans.embree, rays, threads, forget); }, {}},
+      {"march", "march", [&] { march(*plans.march, rays, threads, forget); }, {}},
+      {"frame", "whole frame", [&] { whole_frame(*plans.march, threads); }, {}},
+      {"embree_frame", "all by Embree", [&] { whole_frame(*plans.embree, threads); }, {}}};
   for (int k = 0; k <= arguments.repeats; ++k) {
-    const Spent bare = spent([&] { bare_trace(plan, rays, arguments); });
-    const Spent whole = spent([&] { whole_frame(plan, arguments.threads); });
-    if (k == 0) continue;  // memory is new
-    trace.add(bare);
-    frame.add(whole);
+    for (Run& run : runs) {
+      const Spent one = spent(run.work);
+      if (k > 0) run.times.add(one);  // memory is new at first
+    }
   }
-  const double overhead = frame.least_ms() / trace.least_ms();
-  std::printf("%.2f M rays, %d threads, %s, %d repeats in turn\n", static_cast<double>(rays.n) / 1e6,
-              arguments.threads, EmbreeTracer::version().c_str(), arguments.repeats);
-  std::printf("%-12s %10s %10s %14s\n", "", "least ms", "median ms", "least CPU ms");
-  trace.print(arguments.march ? "march" : "bare trace");
-  frame.print("whole frame");
-  std::printf("frame over trace: %.2f, of CPU time %.2f (target: at most %.2f)\n", overhead,
-              frame.least_cpu_ms() / trace.least_cpu_ms(), kAllowedOverhead);
+  const Times& bare = runs.front().times;
+  std::printf("%.2f M rays, %d threads, %s, %d repeats in turn\n", static_cast<double>(rays.n) / 1e6, threads,
+              EmbreeTracer::version().c_str(), arguments.repeats);
+  std::printf("%-16s %10s %10s %14s %12s %14s\n", "", "least ms", "median ms", "least CPU ms", "over trace",
+              "of CPU time");
+  nlohmann::ordered_json report{{"rays", rays.n},
+                                {"threads", threads},
+                                {"tracer", EmbreeTracer::version()},
+                                {"repeats", arguments.repeats}};
+  for (const Run& run : runs) {
+    std::printf("%-16s %10.1f %10.1f %14.1f %12.2f %14.2f\n", run.name, run.times.least_ms(),
+                run.times.median_ms(), run.times.least_cpu_ms(), run.times.least_ms() / bare.least_ms(),
+                run.times.least_cpu_ms() / bare.least_cpu_ms());
+    report[run.key] = run.times.report();
+  }
+  std::printf("(target for a whole frame: at most %.2f of the trace by Embree)\n", kAllowedOverhead);
   if (arguments.json.empty()) return;
-  const nlohmann::ordered_json report{{"rays", rays.n},
-                                      {"threads", arguments.threads},
-                                      {"tracer", EmbreeTracer::version()},
-                                      {"repeats", arguments.repeats},
-                                      {"trace", trace.report()},
-                                      {"frame", frame.report()},
-                                      {"frame_over_trace", overhead},
-                                      {"target", kAllowedOverhead}};
+  report["frame_over_trace"] = runs[2].times.least_ms() / bare.least_ms();
+  report["target"] = kAllowedOverhead;
   std::ofstream file(arguments.json);
   file << report.dump(1) << "\n";
   file.close();
@@ -291,21 +307,21 @@ void run(const Arguments& arguments) {
   if (radar.settings.frustum == FrustumKind::sweep)
     throw InputError(
         "frustum.kind: found \"sweep\"; allowed: \"symmetric\", \"oblique\", \"polar\", which have rays");
-  const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
-                                                   config.materials, arguments.threads);
-  if (arguments.march && radar.settings.frustum != FrustumKind::polar)
-    throw InputError("--march: found frustum.kind = \"" + frustum_name(radar.settings.frustum) +
-                     "\"; allowed: \"polar\", whose columns are vertical planes");
-  if (!arguments.march) scene->tracer();  // not while a frame is timed
-  const Pose pose = place_radar(scene->world(), radar);
+  const auto world = std::make_shared<const World>(load_world(config.world));
   const auto settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
-  const PlanResult planned = plan_frame(scene, settings, pose);
-  if (!planned.plan) throw InputError(all_text(planned.errors));
-  const Rays rays(*planned.plan);
+  const auto plan = [&](RayMethod method) {
+    const auto scene = std::make_shared<const Scene>(world, config.materials, arguments.threads, method);
+    if (needs_tracer(*scene, radar.settings.frustum)) scene->tracer();  // not while a frame is timed
+    const PlanResult planned = plan_frame(scene, settings, place_radar(*world, radar));
+    if (!planned.plan) throw InputError(all_text(planned.errors));
+    return planned.plan;
+  };
+  const Plans plans{plan(RayMethod::march), plan(RayMethod::embree)};
+  const Rays rays(*plans.march);
   if (arguments.peer.empty()) {
-    measure_overhead(*planned.plan, rays, arguments);
+    measure_overhead(plans, rays, arguments);
   } else {
-    serve_peer(*planned.plan, rays, arguments);
+    serve_peer(plans, rays, arguments);
   }
 }
 
@@ -322,8 +338,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", arguments.json, "File for the figures")->type_name("FILE");
   app.add_option("--peer", arguments.peer, "Folder for rays and hits; then a trace for each line read")
       ->type_name("FOLDER");
-  app.add_flag("--march", arguments.march,
-               "Polar: answer the rays by a march of each column, without Embree");
+  app.add_flag("--march", arguments.march, "With --peer: a march answers the rays, not Embree");
   CLI11_PARSE(app, argc, argv);
   try {
     obliq::run(arguments);

@@ -151,12 +151,7 @@ TEST(HardBinEdges, BearingsAWholeTurnApartAreOneBearing) {
       expect_same(frame(a), frame(b));
     }
   }
-  PoseSettings at;
-  at.latitude_deg = 33;
-  at.longitude_deg = -99.5;
-  std::vector<FieldError> errors;
-  at.bearing_deg = 360;
-  EXPECT_EQ(std::sin(place_antenna(flat_scene()->world(), at, errors)->bearing_world_rad), 0);
+  EXPECT_EQ(std::sin(test::pose_over_origin(flat_scene()->world(), 1000, 360).bearing_world_rad), 0);
 }
 
 TEST(HardBinEdges, OneBinHoldsTheEnergyOfAll) {

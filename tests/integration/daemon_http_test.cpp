@@ -86,7 +86,8 @@ TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {
 }
 
 TEST_F(DaemonHttpTest, EmbreeTakesNoMemoryUntilAFrustumCastsRays) {
-  const Daemon daemon({"--config", scene, "--set", "frustum.kind=sweep"}, folder.path());
+  const Daemon daemon({"--config", scene, "--set", "frustum.kind=sweep", "--set", "run.rays=embree"},
+                      folder.path());
   const auto embree = [&] {
     return value_of(http_get(http_port(daemon), "/metrics").body,
                     "obliq_scene_memory_bytes{kind=\"embree\"}");

@@ -99,9 +99,6 @@ RadarSettings small_radar() {
 class Turns : public ::testing::Test {
  protected:
   Turns() {
-    pose_.latitude_deg = 33.0;
-    pose_.longitude_deg = -99.5;
-    pose_.height_m = 1400;
     options_.threads = 1;
     options_.clock = [this] { return Time(std::chrono::milliseconds(now_ms_ += 50)); };
   }
@@ -137,7 +134,7 @@ class Turns : public ::testing::Test {
 
   const net::SceneRenderer renderer_{make_scene(load_world(synthetic_spec(SyntheticKind::hills, 7000, 100))),
                                      "hills"};
-  PoseSettings pose_;
+  PoseSettings pose_ = test::settings_over_origin(1400);
   std::atomic<std::int64_t> now_ms_ = 0;
   net::RenderThreadOptions options_;
   TurnCounter events_;

@@ -37,10 +37,10 @@ inline WorldSpec synthetic_spec(SyntheticKind kind, double reach_m, double cell_
   return spec;
 }
 
-inline std::shared_ptr<const Scene> make_scene(World world,
-                                               std::vector<Material> materials = two_materials()) {
+inline std::shared_ptr<const Scene> make_scene(World world, std::vector<Material> materials = two_materials(),
+                                               RayMethod rays = RayMethod::march) {
   return std::make_shared<const Scene>(std::make_shared<const World>(std::move(world)), std::move(materials),
-                                       0);
+                                       0, rays);
 }
 
 inline SettingsPtr snapshot(const RadarSettings& settings) {
@@ -48,14 +48,17 @@ inline SettingsPtr snapshot(const RadarSettings& settings) {
 }
 
 /// An antenna over the origin of synthetic_spec, looking north.
-inline Pose pose_over_origin(const World& world, double height_m, double bearing_deg = 0) {
+inline PoseSettings settings_over_origin(double height_m, double bearing_deg = 0) {
   PoseSettings settings;
   settings.latitude_deg = 33.0;
   settings.longitude_deg = -99.5;
   settings.height_m = height_m;
   settings.bearing_deg = bearing_deg;
+  return settings;
+}
+inline Pose pose_over_origin(const World& world, double height_m, double bearing_deg = 0) {
   std::vector<FieldError> errors;
-  const auto pose = place_antenna(world, settings, errors);
+  const auto pose = place_antenna(world, settings_over_origin(height_m, bearing_deg), errors);
   if (!pose) throw std::runtime_error(errors.front().text());
   return *pose;
 }

@@ -19,12 +19,10 @@ SettingsPtr settings_of(FrustumKind kind) {
 
 TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
   // Four million posts: no machine builds them in the moment that plan() waits.
-  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 20000, 20)));
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 20000, 20)),
+                                      test::two_materials(), RayMethod::embree);
   const net::SceneRenderer renderer(scene, "flat");
-  PoseSettings pose;
-  pose.latitude_deg = 33;
-  pose.longitude_deg = -99.5;
-  pose.height_m = 2000;
+  const PoseSettings pose = test::settings_over_origin(2000);
   EXPECT_TRUE(renderer.plan(settings_of(FrustumKind::sweep), pose).frame);
   EXPECT_EQ(scene->built_tracer(), nullptr);
 
@@ -37,14 +35,21 @@ TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
   EXPECT_NE(scene->built_tracer(), nullptr);
 }
 
-TEST(SceneRenderer, WhatCannotBePlannedBuildsNothing) {
+TEST(SceneRenderer, BareGroundNeedsNoRayTracer) {
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)));
   const net::SceneRenderer renderer(scene, "flat");
-  PoseSettings pose;
-  pose.latitude_deg = 33;
-  pose.longitude_deg = -99.5;
-  pose.height_m = -10;  // below the ground
-  EXPECT_FALSE(renderer.plan(settings_of(FrustumKind::oblique), pose).errors.empty());
+  for (const FrustumKind kind : {FrustumKind::oblique, FrustumKind::symmetric, FrustumKind::polar})
+    EXPECT_TRUE(renderer.plan(settings_of(kind), test::settings_over_origin(2000)).frame);
+  EXPECT_EQ(scene->built_tracer(), nullptr);
+}
+
+TEST(SceneRenderer, WhatCannotBePlannedBuildsNothing) {
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)),
+                                      test::two_materials(), RayMethod::embree);
+  const net::SceneRenderer renderer(scene, "flat");
+  EXPECT_FALSE(
+      renderer.plan(settings_of(FrustumKind::oblique), test::settings_over_origin(-10)).errors.empty())
+      << "below the ground";
   EXPECT_EQ(scene->built_tracer(), nullptr);
 }
 

@@ -61,12 +61,8 @@ TEST_F(PlanTest, NearestRangeBelowTheHeightAboveGroundIsRefusedForCamerasOnlyAnd
 }
 
 TEST_F(PlanTest, AntennaUnderTheGroundIsRefusedWithTheGroundsHeight) {
-  PoseSettings pose;
-  pose.latitude_deg = 33;
-  pose.longitude_deg = -99.5;
-  pose.height_m = -3;
   std::vector<FieldError> errors;
-  EXPECT_FALSE(place_antenna(scene_->world(), pose, errors));
+  EXPECT_FALSE(place_antenna(scene_->world(), test::settings_over_origin(-3), errors));
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_EQ(errors[0].text().substr(0, 43), "antenna.height_m: found 3.00 m below the gr");
 }
@@ -85,10 +81,8 @@ TEST_F(PlanTest, AntennaInsideABuildingIsRefusedAndAboveItsRoofOrBesideItIsNot) 
   spec.buildings = {source};
   const World world = load_world(spec);
   ASSERT_EQ(world.buildings.list.size(), 1u);
-  PoseSettings pose;
-  pose.latitude_deg = 33;
+  PoseSettings pose = test::settings_over_origin(20);
   pose.longitude_deg = -99.5007;
-  pose.height_m = 20;
   std::vector<FieldError> errors;
   EXPECT_FALSE(place_antenna(world, pose, errors));
   ASSERT_EQ(errors.size(), 1u);

@@ -153,6 +153,7 @@ TEST(RoughBearings, HoldTheSilhouette) {
       const Silhouette exact = silhouette_of(random.world.buildings, sector, b);
       const RoughBearings rough = rough_bearings_of(random.world.buildings, sector, b);
       EXPECT_LE(rough.near_m, exact.near_m) << random.text;
+      EXPECT_GE(rough.far_m, exact.far_m) << random.text;
       // Either may be a turn further on.
       const double turn =
           2 * std::numbers::pi * std::round((rough.from_rad - exact.from_rad) / (2 * std::numbers::pi));

@@ -1,0 +1,160 @@
+// How far rays go before they can meet ground or a roof, and the walk of eight rays from there on.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <vector>
+
+#include "server/radar/ground_beam.h"
+#include "server/radar/lane_kernels.h"
+#include "server/radar/roof_line.h"
+#include "server/scene/ray_answer.h"
+#include "tests/support/random_scenes.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+SinCos bearing_at(double bearing_rad) { return sincos_turns(bearing_rad / (2 * std::numbers::pi)); }
+
+/// A direction within a beam.
+glm::dvec3 ray_of(test::Dice& dice, double from_rad, double width_rad, double lowest_rad,
+                  double highest_rad) {
+  const SinCos bearing = bearing_at(from_rad + dice.unit() * width_rad);
+  const double elevation = dice.uniform(lowest_rad, highest_rad);
+  return {bearing.sin * std::cos(elevation), std::sin(elevation), bearing.cos * std::cos(elevation)};
+}
+
+TEST(GroundBeam, NoRayMeetsGroundBeforeItsFreeRange) {
+  int met = 0, free_and_met = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const test::RandomScene random = test::random_scene(seed);
+    const glm::dvec3 antenna = random.pose.antenna.m;
+    test::Dice dice(seed);
+    for (int k = 0; k < 20; ++k) {
+      const double from_rad =
+          dice.chance(0.3) ? dice.integer(0, 7) * std::numbers::pi / 4 : dice.uniform(0, 7);
+      const double width_rad = dice.chance(0.2) ? 0 : dice.logarithmic(1e-4, 0.125);
+      GroundBeam beam(random.world.grid, antenna, bearing_at(from_rad), bearing_at(from_rad + width_rad));
+      for (int ray = 0; ray < 10; ++ray) {
+        const glm::dvec3 direction = ray_of(dice, from_rad, width_rad, -1.57, 0.5);
+        const double free_m = beam.free_range_m(direction);
+        const auto hit = walk_ground(random.world, antenna, direction, 0, 1e6);
+        if (!hit) continue;
+        ++met;
+        free_and_met += free_m > 0 ? 1 : 0;
+        ASSERT_LE(free_m, hit->slant_range_m * (1 + 1e-9)) << random.text;
+      }
+    }
+  }
+  EXPECT_GT(met, 10000);
+  EXPECT_GT(free_and_met, met / 3);
+}
+
+TEST(GroundBeam, RaysOverHillsBeginAFewCellsBeforeTheGround) {
+  const World world = load_world(test::synthetic_spec(SyntheticKind::hills, 20000, 30));
+  const glm::dvec3 antenna{11, 2500, -17};
+  test::Dice dice(5);
+  double cells = 0;
+  int met = 0;
+  for (int k = 0; k < 100; ++k) {
+    const double from_rad = dice.uniform(0, 7);
+    GroundBeam beam(world.grid, antenna, bearing_at(from_rad), bearing_at(from_rad + 0.002));
+    for (int ray = 0; ray < 50; ++ray) {
+      const glm::dvec3 direction = ray_of(dice, from_rad, 0.002, -0.3, -0.1);
+      const auto hit = walk_ground(world, antenna, direction, 0, 1e6);
+      if (!hit) continue;
+      ++met;
+      cells += (hit->slant_range_m - beam.free_range_m(direction)) / world.grid.cell_m;
+    }
+  }
+  std::printf("    %d rays begin %.1f cells before the ground\n", met, cells / met);
+  EXPECT_GT(met, 4000);
+  EXPECT_LT(cells / met, 20);
+}
+
+TEST(RoofLine, NoRayMeetsABuildingBeforeItsFreeRange) {
+  int met = 0, free_and_met = 0, free_of_all = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    test::RandomScene random = test::random_scene(seed, {.most_prisms = 12});
+    const Buildings& all = random.world.buildings;
+    const glm::dvec3 antenna = random.pose.antenna.m;
+    const Sector sector(random.settings, random.pose);
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t b = 0; b < all.list.size(); ++b) numbers.push_back(b);
+    const RoofLine roofs(all, sector, numbers);
+    test::Dice dice(seed);
+    for (int ray = 0; ray < 300; ++ray) {
+      const glm::dvec3 direction = ray_of(dice, 0, 7, -1.57, 0.5);
+      const double free_m = roofs.free_range_m(direction);
+      for (const std::uint32_t b : numbers) {
+        const auto hit = cross_building(random.world, b, antenna, direction);
+        if (!hit) continue;
+        ++met;
+        free_and_met += free_m > 0 ? 1 : 0;
+        ASSERT_LE(free_m, hit->slant_range_m * (1 + 1e-9)) << random.text;
+      }
+      free_of_all += free_m == kInfinity ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met, 2000);
+  EXPECT_GT(free_and_met, met / 3);
+  EXPECT_GT(free_of_all, 5000);
+}
+
+TEST(CastGround, GivesTheSameBitsInAllInstructionSetsAndMeetsWhatTheWalkMeets) {
+  const World world = load_world(test::synthetic_spec(SyntheticKind::hills, 5000, 25));
+  const glm::dvec3 antenna{10, 1500, -20};
+  test::Dice dice(9);
+  constexpr int kRays = 997;
+  std::vector<double> x, y, z, from;
+  for (int k = 0; k < kRays; ++k) {
+    const glm::dvec3 direction = ray_of(dice, 0, 7, -1.57, 0.02);
+    x.push_back(direction.x);
+    y.push_back(direction.y);
+    z.push_back(direction.z);
+    from.push_back(k % 100 == 99 ? kInfinity : 0.0);
+  }
+  std::vector<double> first;
+  for (const LaneKernels& kernels : all_lane_kernels()) {
+    SCOPED_TRACE(kernels.name);
+    std::vector<double> range(kRays, -7.0);
+    kernels.cast_ground({lane_grid(world.grid), antenna.x, antenna.y, antenna.z, 1e8},
+                        {kRays, x.data(), y.data(), z.data(), from.data(), range.data()});
+    for (std::size_t k = 0; k < kRays; ++k) {
+      const auto hit = walk_ground(world, antenna, {x[k], y[k], z[k]}, 0, 1e6);
+      if (from[k] == kInfinity || !hit) {
+        EXPECT_TRUE(std::isnan(range[k])) << k;
+        range[k] = 0;
+      } else {
+        EXPECT_NEAR(range[k], hit->slant_range_m, 1e-7) << k;
+      }
+    }
+    if (first.empty()) first = range;
+    EXPECT_EQ(range, first);
+  }
+}
+
+TEST(CastGround, TellsOfARayThatPassesUnderTheEdgeOfAVoid) {
+  World world = load_world(test::synthetic_spec(SyntheticKind::ramp, 2000, 50));
+  HeightGrid& grid = world.grid;
+  const int middle = grid.nz / 2;
+  // Nothing is known just ahead of the antenna, and the ground beyond stands higher than the ray.
+  for (int j = middle - 1; j < middle + 6; ++j)
+    for (int i = 0; i < grid.nx; ++i) grid.y_m[grid.index(i, j)] = std::numeric_limits<float>::quiet_NaN();
+  for (int j = middle + 6; j < grid.nz; ++j)
+    for (int i = 0; i < grid.nx; ++i) grid.y_m[grid.index(i, j)] = 400;
+  const double x = 0, y = -0.01, z = std::sqrt(1 - y * y), from = 0;
+  for (const LaneKernels& kernels : all_lane_kernels()) {
+    double range = 0;
+    kernels.cast_ground({lane_grid(grid), 0, 300, 0, 1e8}, {1, &x, &y, &z, &from, &range});
+    EXPECT_EQ(range, CastRays::kUnder) << kernels.name;
+  }
+}
+
+}  // namespace
+}  // namespace obliq
