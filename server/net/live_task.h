@@ -4,28 +4,18 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/net/frame_encoder.h"
-#include "server/net/frame_renderer.h"
-#include "server/net/live_frames.h"
+#include "server/net/begun_frame.h"
 #include "server/net/render_thread.h"
 
 namespace obliq::net {
 
 /// It has begun, and others may have their turns before it ends.
-struct RenderThread::FrameInHand {
-  FrameInHand(FrameIdentity identity, std::uint64_t& sequence, const RadarSettings& settings)
-      : frame_id(identity.frame_id), encoder(std::move(identity), sequence), stats(settings) {}
+struct RenderThread::FrameInHand : BegunFrame {
+  using BegunFrame::BegunFrame;
 
-  const std::uint64_t frame_id;
-  LiveFramePtr frame;
-  FrameEncoder encoder;
-  FrameSum stats;
-  RenderedFrame rendered;
-  bool states = false;
   std::vector<AzimuthRange> azimuths;
   std::size_t part = 0;  ///< of the azimuths
-  std::unique_ptr<PlannedFrame> plan;
-  RenderPause pause;  ///< within the part
+  RenderPause pause;     ///< within the part
   Clock::time_point begun;
   std::shared_ptr<const LiveView> view;
   std::uint64_t generation = 0;  ///< of the renderer when it was planned

@@ -4,27 +4,17 @@
 #include <optional>
 #include <vector>
 
-#include "server/net/frame_encoder.h"
-#include "server/net/frame_renderer.h"
-#include "server/net/live_frames.h"
+#include "server/net/begun_frame.h"
 #include "server/net/render_thread.h"
 #include "server/net/scan_schedule.h"
 
 namespace obliq::net {
 
 /// A pass that has begun: one frame of the stream.
-struct ScanPass {
-  ScanPass(FrameIdentity identity, std::uint64_t& sequence, const RadarSettings& settings)
-      : frame_id(identity.frame_id), encoder(std::move(identity), sequence), stats(settings) {}
+struct ScanPass : BegunFrame {
+  using BegunFrame::BegunFrame;
 
-  const std::uint64_t frame_id;
-  LiveFramePtr frame;
-  FrameEncoder encoder;
-  FrameSum stats;
-  RenderedFrame rendered;
-  bool states = false;
   std::vector<bool> wanted;  ///< [wedges] that somebody asked for
-  std::unique_ptr<PlannedFrame> plan;
   PoseSettings planned_pose;
   std::vector<AzimuthRange> missed;
 };

@@ -49,6 +49,8 @@ class FramePlan {
   const PerspectiveFrustum& camera() const { return camera_; }
   const PolarRows& polar() const { return polar_; }
   double wavelength_m() const { return wavelength_m_; }
+  /// World angle of an azimuth position, in bins from the sector's left edge.
+  double bearing_rad(double position) const { return sector_.bearing_rad + bins_.azimuth_edge_rad(position); }
 
   /// All buildings whose bearings overlap an azimuth bin and that stand within building_reach_m(), by index,
   /// rising, and some that only come close to that.

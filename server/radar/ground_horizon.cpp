@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/radar/lane_kernels.h"
+#include "server/radar/tile_walk.h"
 
 namespace obliq {
 namespace {
@@ -42,12 +43,9 @@ class InwardLook {
   /// Raises the horizon by the ground between two distances, tile by tile.
   void look(const TileBounds& tiles, double from_m, double to_m) {
     const double tile_m = tiles.cells() * grid_.cell_m;
-    const auto tile_of = [&](double at, double first, int n) {
-      return std::clamp(static_cast<int>(std::floor((at - first) / tile_m)), 0, n - 1);
-    };
     double d = to_m;
-    int ti = tile_of(antenna_m_.x + d * bearing_.sin, grid_.x0_m, tiles.tiles_x());
-    int tj = tile_of(antenna_m_.z + d * bearing_.cos, grid_.z0_m, tiles.tiles_z());
+    int ti = tile_of(antenna_m_.x + d * bearing_.sin, grid_.x0_m, tile_m, tiles.tiles_x());
+    int tj = tile_of(antenna_m_.z + d * bearing_.cos, grid_.z0_m, tile_m, tiles.tiles_z());
     while (d > from_m && ti >= 0 && tj >= 0 && ti < tiles.tiles_x() && tj < tiles.tiles_z() &&
            !ridge_.hidden_by(horizon_, d)) {
       const double x = grid_.x0_m + (bearing_.sin > 0 ? ti : ti + 1) * tile_m;
@@ -110,9 +108,6 @@ GroundRidge::GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos
   const double tile_m = tiles.cells() * grid.cell_m;
   const double step_m = tile_m / 2;
   steps_per_m_ = 1 / step_m;
-  const auto tile_of = [&](double at, double first, int n) {
-    return static_cast<int>(std::clamp(std::floor((at - first) / tile_m), 0.0, n - 1.0));
-  };
   double highest_slope = -HUGE_VAL;
   for (double from = 0; from <= to_m; from += step_m) {
     const double to = from + step_m;
@@ -120,11 +115,11 @@ GroundRidge::GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos
     const double aside = to * half_width_rad + grid.cell_m;
     const double x0 = antenna_m.x + from * bearing.sin, x1 = antenna_m.x + to * bearing.sin;
     const double z0 = antenna_m.z + from * bearing.cos, z1 = antenna_m.z + to * bearing.cos;
-    const int ti1 = tile_of(std::max(x0, x1) + aside, grid.x0_m, tiles.tiles_x());
-    const int tj1 = tile_of(std::max(z0, z1) + aside, grid.z0_m, tiles.tiles_z());
+    const int ti1 = tile_of(std::max(x0, x1) + aside, grid.x0_m, tile_m, tiles.tiles_x());
+    const int tj1 = tile_of(std::max(z0, z1) + aside, grid.z0_m, tile_m, tiles.tiles_z());
     double highest = -HUGE_VAL;
-    for (int tj = tile_of(std::min(z0, z1) - aside, grid.z0_m, tiles.tiles_z()); tj <= tj1; ++tj)
-      for (int ti = tile_of(std::min(x0, x1) - aside, grid.x0_m, tiles.tiles_x()); ti <= ti1; ++ti)
+    for (int tj = tile_of(std::min(z0, z1) - aside, grid.z0_m, tile_m, tiles.tiles_z()); tj <= tj1; ++tj)
+      for (int ti = tile_of(std::min(x0, x1) - aside, grid.x0_m, tile_m, tiles.tiles_x()); ti <= ti1; ++ti)
         highest = std::max(highest, static_cast<double>(tiles.tile(ti, tj).highest_m));
     const double above_m = highest - antenna_m.y;
     highest_slope = std::max(highest_slope, above_m / (above_m > 0 ? from : to));

@@ -28,9 +28,7 @@ GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan
   const double cells = bins.azimuth_width_rad * sector.r_max_m / grid.cell_m;
   beams_a_bin_ = static_cast<std::size_t>(std::clamp(
       std::ceil(std::max(cells / kMostCells, bins.azimuth_width_rad / kMost_rad)), 1.0, kMostBeams));
-  const auto edge = [&](double bin) {
-    return sincos_turns((sector.bearing_rad + bins.azimuth_edge_rad(bin)) / (2 * std::numbers::pi));
-  };
+  const auto edge = [&](double bin) { return sincos_turns(plan.bearing_rad(bin) / (2 * std::numbers::pi)); };
   const std::size_t n = static_cast<std::size_t>(range.count) * beams_a_bin_;
   for (std::size_t k = 0; k <= n; ++k)
     edges_.push_back(edge(range.first + static_cast<double>(k) / static_cast<double>(beams_a_bin_)));

@@ -89,7 +89,7 @@ class Surface {
 };
 
 SinCos bearing_at(const FramePlan& plan, double position) {
-  const double bearing = plan.sector().bearing_rad + plan.bins().azimuth_edge_rad(position);
+  const double bearing = plan.bearing_rad(position);
   return {std::sin(bearing), std::cos(bearing)};
 }
 
@@ -159,9 +159,8 @@ PlaneHorizon horizon_at(const FramePlan& plan, const Plane& plane, double at_m) 
 GroundWalk set_out_for(const FramePlan& plan, Plane& plane, RangeWindow bins) {
   const BinGrid& grid = plan.bins();
   const double from_m = bins.first > 0 ? start_m(plan, plane, bins.first) : 0;
-  const double to_m = bins.last < grid.n_range - 1
-                          ? grid.r_min_m + (bins.last + 1) * grid.range_spacing_m + kSlack_m
-                          : grid.r_max_m;
+  const double to_m =
+      std::min(grid.r_max_m, grid.r_min_m + (bins.last + 1) * grid.range_spacing_m + kSlack_m);
   if (from_m > 0) {
     const PlaneHorizon horizon = horizon_at(plan, plane, from_m);
     plane.state.horizon_d_m = horizon.d_m;

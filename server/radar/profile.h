@@ -38,7 +38,7 @@ std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands);
 
 /// Marches the vertical plane at azimuth position `position` (in bins: azimuth bin a spans [a, a + 1]) from
 /// the nadir through every triangle edge, keeping the highest elevation met so far. `result` is reused
-/// between calls.
+/// between calls. Frames march eight planes at a time, below: this is the plain code that tests compare with.
 void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
                    ProfileResult& result);
 

@@ -23,9 +23,7 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
   {
     const StageProbe probe(Stage::ground);
     const Sector& sector = plan.sector();
-    const auto edge = [&](int bin) {
-      return sincos_turns((sector.bearing_rad + plan.bins().azimuth_edge_rad(bin)) / (2 * std::numbers::pi));
-    };
+    const auto edge = [&](int bin) { return sincos_turns(plan.bearing_rad(bin) / (2 * std::numbers::pi)); };
     prefetch_ground(plan.scene().world().grid, sector.antenna_m, edge(range.first),
                     edge(range.first + range.count), sector.r_max_m);
   }

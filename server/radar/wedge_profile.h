@@ -12,7 +12,7 @@ struct BinMarks {
   std::vector<std::uint8_t> visible;  ///< 1 where any strand sees surface
   std::vector<std::uint8_t> present;  ///< 1 where any strand has surface, seen or hidden
 
-  explicit BinMarks(int n_range = 0)
+  explicit BinMarks(int n_range)
       : visible(static_cast<std::size_t>(n_range)), present(static_cast<std::size_t>(n_range)) {}
   /// Joins a strand's marks of some range bins.
   void add(const ProfileResult& strand, RangeWindow bins);

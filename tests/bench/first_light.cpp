@@ -16,6 +16,7 @@
 #include "server/control/scene_file.h"
 #include "server/net/scene_renderer.h"
 #include "server/output/frame_files.h"
+#include "server/radar/sample_source.h"
 #include "tests/bench/numbers.h"
 #include "tests/bench/served.h"
 
@@ -173,7 +174,7 @@ void run(const Arguments& arguments) {
   const SceneConfig config = load_scene_file(arguments.scene, arguments.options);
   const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
                                                    config.materials, 0);
-  scene->tracer();  // not while a frame is timed
+  if (needs_tracer(*scene, RadarSettings{}.frustum)) scene->tracer();  // not while a frame is timed
   RadarConfig radar = choose_radar(config, "");
   std::printf("%d x %d bins, all planes, %d frames each; shares of the frame's time, median (90 %% below)\n",
               radar.settings.azimuth_bins, radar.settings.range_bins, arguments.frames);

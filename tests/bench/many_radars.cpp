@@ -18,6 +18,7 @@
 #include "server/net/frame_encoder.h"
 #include "server/net/scene_renderer.h"
 #include "server/output/frame_files.h"
+#include "server/radar/sample_source.h"
 #include "tests/bench/numbers.h"
 #include "tests/bench/served.h"
 
@@ -194,7 +195,7 @@ void run(const Arguments& arguments) {
   const SceneConfig config = load_scene_file(arguments.scene, arguments.options);
   const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
                                                    config.materials, 0);
-  scene->tracer();  // not while frames are timed
+  if (needs_tracer(*scene, FrustumKind::oblique)) scene->tracer();  // not while frames are timed
   const net::SceneRenderer renderer(scene, config.name);
   nlohmann::ordered_json report{{"radars", arguments.radars}, {"bins", arguments.bins}, {"slower", kSlower}};
   const double frame_s = frame_alone_s(renderer, radars_of(config, arguments, false), arguments);

@@ -17,13 +17,13 @@
 #include "server/control/scene_file.h"
 #include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile.h"
 #include "server/radar/ray_source.h"
 #include "server/radar/sample_source.h"
 #include "server/radar/scattering.h"
 #include "server/radar/speckle.h"
 #include "server/radar/swept_rays.h"
 #include "server/radar/wedge_bins.h"
+#include "server/radar/wedge_profile.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -31,26 +31,30 @@ namespace {
 
 struct Setting {
   std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Scene> traced;  ///< of the same world: Embree answers all rays
   Pose pose;
   RadarSettings settings;
+
+  Setting(World loaded, const std::vector<Material>& materials, const PoseSettings& at) {
+    const auto world = std::make_shared<const World>(std::move(loaded));
+    scene = std::make_shared<const Scene>(world, materials, 0);
+    traced = std::make_shared<const Scene>(world, materials, 0, RayMethod::embree);
+    traced->tracer();  // not while a frame is timed
+    if (needs_tracer(*scene, FrustumKind::oblique)) scene->tracer();
+    std::vector<FieldError> errors;
+    pose = place_antenna(*world, at, errors).value();
+  }
 };
 
 Setting hills() {
   WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 40000, 30);
   spec.terrain.shape.height_m = 800;
-  Setting setting;
-  setting.scene = test::make_scene(load_world(spec));
-  setting.pose = test::pose_over_origin(setting.scene->world(), 3000);
-  return setting;
+  return {load_world(spec), test::two_materials(), test::settings_over_origin(3000)};
 }
 
 Setting from_file(const char* path) {
   const SceneConfig config = load_scene_file(path, {});
-  Setting setting;
-  setting.scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
-                                                config.materials, 0);
-  std::vector<FieldError> errors;
-  setting.pose = place_antenna(setting.scene->world(), config.radars.at(0).pose, errors).value();
+  Setting setting(load_world(config.world), config.materials, config.radars.at(0).pose);
   setting.settings = config.radars.at(0).settings;
   return setting;
 }
@@ -58,20 +62,21 @@ Setting from_file(const char* path) {
 const Setting& setting() {
   static const Setting value = [] {
     const char* path = std::getenv("OBLIQ_BENCH_SCENE");
-    Setting made = path ? from_file(path) : hills();
-    made.scene->tracer();  // not while a frame is timed
-    return made;
+    return path ? from_file(path) : hills();
   }();
   return value;
 }
 
 std::shared_ptr<const FramePlan> plan_of(FrustumKind kind, SpeckleKind speckle = SpeckleKind::ground,
-                                         PlateKind plates = PlateKind::nearest) {
+                                         PlateKind plates = PlateKind::nearest,
+                                         RayMethod rays = RayMethod::march) {
   RadarSettings settings = setting().settings;
   settings.frustum = kind;
   settings.speckle = speckle;
   settings.plates = plates;
-  return plan_frame(setting().scene, test::snapshot(settings), setting().pose).plan;
+  return plan_frame(rays == RayMethod::march ? setting().scene : setting().traced, test::snapshot(settings),
+                    setting().pose)
+      .plan;
 }
 
 /// Hands wedges to `threads` threads; work(range, thread).
@@ -95,7 +100,8 @@ int threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concu
 /// All rays of a frame, made beforehand, traced by Embree alone: the floor that whole frames are held
 /// against.
 void BareTrace(benchmark::State& state) {
-  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)));
+  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)), SpeckleKind::ground, PlateKind::nearest,
+                            RayMethod::embree);
   std::vector<std::unique_ptr<RayBatch>> batches;
   for (int first = 0; first < plan->settings().azimuth_bins; first += kWedgeAzimuthBins) {
     const auto source =
@@ -166,8 +172,9 @@ void MarchedRays(benchmark::State& state) {
 }
 
 void WholeFrame(benchmark::State& state) {
-  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)),
-                            static_cast<SpeckleKind>(state.range(1)), static_cast<PlateKind>(state.range(2)));
+  const auto plan =
+      plan_of(static_cast<FrustumKind>(state.range(0)), static_cast<SpeckleKind>(state.range(1)),
+              static_cast<PlateKind>(state.range(2)), static_cast<RayMethod>(state.range(3)));
   double rays = 0;
   for (auto _ : state) {
     RenderOptions options;
@@ -289,15 +296,12 @@ void Binning(benchmark::State& state) {
   state.counters["Msample/s"] = benchmark::Counter(binned / 1e6, benchmark::Counter::kIsRate);
 }
 
-/// The states and the coverage of a frame: one profile for each azimuth bin.
+/// All profiles of a frame, whole, as spread plates need them; states need less.
 void Profiles(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::polar);
   for (auto _ : state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
-      std::vector<FootprintSpan> spans;
-      ProfileResult result;
-      for (int a = range.first; a < range.first + range.count; ++a)
-        march_profile(*plan, a + 0.5, spans, result);
+      benchmark::DoNotOptimize(WedgeProfile(*plan, range).whole_marks(range.first).visible.data());
     });
   }
 }
@@ -316,6 +320,8 @@ constexpr auto kGround = static_cast<std::int64_t>(SpeckleKind::ground);
 constexpr auto kGeometric = static_cast<std::int64_t>(SpeckleKind::geometric);
 constexpr auto kSpread = static_cast<std::int64_t>(PlateKind::spread);
 constexpr auto kNearest = static_cast<std::int64_t>(PlateKind::nearest);
+constexpr auto kMarch = static_cast<std::int64_t>(RayMethod::march);
+constexpr auto kEmbree = static_cast<std::int64_t>(RayMethod::embree);
 
 BENCHMARK(PlanFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(RayGeneration)
@@ -355,10 +361,11 @@ BENCHMARK(WholeSweepFrame)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(WholeFrame)
-    ->ArgNames({"frustum", "speckle", "plates"})
-    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kGround}, {kSpread, kNearest}})
-    ->Args({kOblique, kGeometric, kNearest})
-    ->Args({kPolar, kGeometric, kNearest})
+    ->ArgNames({"frustum", "speckle", "plates", "rays"})
+    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kGround}, {kSpread, kNearest}, {kMarch}})
+    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kGround}, {kNearest}, {kEmbree}})
+    ->Args({kOblique, kGeometric, kNearest, kMarch})
+    ->Args({kPolar, kGeometric, kNearest, kMarch})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
@@ -371,6 +378,7 @@ int main(int argc, char** argv) {
   benchmark::AddCustomContext("frustum", "0 symmetric, 1 oblique, 2 polar");
   benchmark::AddCustomContext("speckle", "0 ground, 1 geometric");
   benchmark::AddCustomContext("plates", "0 spread, 1 nearest");
+  benchmark::AddCustomContext("rays", "0 march, 1 embree");
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

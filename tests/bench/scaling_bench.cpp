@@ -24,6 +24,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/ground_walk.h"
 #include "server/radar/render.h"
+#include "server/radar/sample_source.h"
 #include "server/radar/swept_rays.h"
 #include "tests/support/scenes.h"
 
@@ -57,7 +58,7 @@ std::shared_ptr<const Scene> scene_of(const Setup& setup) {
     spec.prisms.push_back(prisms);
   }
   auto scene = test::make_scene(load_world(spec));
-  scene->tracer();  // not while a frame is timed
+  if (needs_tracer(*scene, FrustumKind::oblique)) scene->tracer();  // not while a frame is timed
   return scene;
 }
 
