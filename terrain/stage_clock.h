@@ -16,7 +16,7 @@ enum class Stage {
   build,      ///< the ray tracer's scene and the indexes over ground and buildings
   plan,       ///< what the wedges of a frame share
   rays,       ///< rays of a frustum: directions and solid angles
-  trace,      ///< Embree
+  trace,      ///< what rays meet: marched, or by Embree
   refine,     ///< hits again in double, leaks answered anew
   plates,     ///< spread plates: which bins a pixel covers
   buildings,  ///< the sweep: strands at buildings, with the ground before and behind them

@@ -31,6 +31,7 @@
 #include "server/log/service_log.h"
 #include "server/modbus/service.h"
 #include "server/net/io_thread.h"
+#include "server/net/keeping_renderer.h"
 #include "server/net/reserved_port.h"
 #include "server/net/scene_renderer.h"
 #include "server/net/security.h"
@@ -106,6 +107,7 @@ class Daemon {
   asio::steady_timer pulse_{io_.context()};
   std::unique_ptr<http::HttpServer> http_;
   std::optional<net::SceneRenderer> renderer_;
+  std::optional<net::KeepingRenderer> keeping_;
   std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
   std::optional<net::Server> server_;
   std::thread reader_;              ///< reads the scene file anew
@@ -293,6 +295,7 @@ void Daemon::load() {
   tell("terrain", 0);
   meet_accuracy(config_, say, tell);
   renderer_.emplace(build_scene(config_, say, tell), config_.name);
+  keeping_.emplace(*renderer_);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),
       [this](const SceneConfig& config, const std::stop_token& stop) {
@@ -317,7 +320,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
   options.on_once_frame = [this](const net::RenderedOnce& frame) { metrics_.once_frame(frame); };
   options.keeper_state = [this] { return keeper_->state(); };
   options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
-  server_.emplace(io_.context(), *renderer_, config_.radars, options, std::move(port));
+  server_.emplace(io_.context(), *keeping_, config_.radars, options, std::move(port));
   const modbus::Service modbus(config_.modbus, std::move(modbus_port), server_->panel());
   io_.post([this] {
     serving_ = &*server_;

@@ -24,6 +24,9 @@ class PlannedFrame {
   /// As obliq::render_wedges.
   virtual bool render(AzimuthRange azimuths, const RenderOptions& options) const = 0;
   virtual void summarise(const FrameStats& stats, wire::FrameSummary& summary) const = 0;
+  /// Buildings that what was rendered has seen; and those of an earlier frame whose wedges it has.
+  virtual std::vector<std::uint32_t> seen() const { return {}; }
+  virtual void see_again(const std::vector<std::uint32_t>& /*buildings*/) const {}
 };
 
 /// Called from several threads at once.

@@ -18,14 +18,6 @@ std::int64_t nanoseconds(std::chrono::steady_clock::time_point time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
 }
 
-/// The same antenna, whatever its number and time.
-bool same_antenna(PoseSettings a, const PoseSettings& b) {
-  a.sim_time_ns = b.sim_time_ns;
-  a.pose_id = b.pose_id;
-  a.valid_s = b.valid_s;
-  return a == b;
-}
-
 void add_span(std::vector<AzimuthRange>& spans, const AzimuthRange& more) {
   if (!spans.empty() && spans.back().first + spans.back().count == more.first) {
     spans.back().count += more.count;

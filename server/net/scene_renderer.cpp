@@ -28,6 +28,16 @@ class PlannedSceneFrame : public PlannedFrame {
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);
   }
+  std::vector<std::uint32_t> seen() const override {
+    std::vector<std::uint32_t> seen;
+    const auto n = static_cast<std::uint32_t>(scene_->world().buildings.list.size());
+    for (std::uint32_t b = 0; b < n; ++b)
+      if (plan_->building_seen(b)) seen.push_back(b);
+    return seen;
+  }
+  void see_again(const std::vector<std::uint32_t>& buildings) const override {
+    for (const std::uint32_t b : buildings) plan_->mark_building_seen(b);
+  }
 
  private:
   std::shared_ptr<const Scene> scene_;

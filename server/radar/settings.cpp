@@ -17,4 +17,11 @@ std::string frustum_name(FrustumKind kind) {
 
 std::string plates_name(PlateKind plates) { return plates == PlateKind::nearest ? "nearest" : "spread"; }
 
+bool same_antenna(PoseSettings a, const PoseSettings& b) {
+  a.sim_time_ns = b.sim_time_ns;
+  a.pose_id = b.pose_id;
+  a.valid_s = b.valid_s;
+  return a == b;
+}
+
 }  // namespace obliq

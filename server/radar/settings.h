@@ -60,6 +60,9 @@ struct PoseSettings {
   bool operator==(const PoseSettings&) const = default;
 };
 
+/// The same place, height and bearing, whenever and however long it is valid.
+bool same_antenna(PoseSettings a, const PoseSettings& b);
+
 /// A validated, published set of settings. Never changes; a change is a new snapshot with a new version.
 struct SettingsSnapshot {
   RadarSettings settings;

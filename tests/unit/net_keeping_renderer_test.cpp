@@ -1,0 +1,192 @@
+// Frames from where there was one before go out again, and only those.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "proto/obliq.pb.h"
+#include "server/net/keeping_renderer.h"
+#include "server/net/scene_renderer.h"
+#include "terrain/stage_clock.h"
+#include "tests/support/scenes.h"
+
+namespace obliq {
+namespace {
+
+constexpr AzimuthRange kAll{0, 32};
+
+SettingsPtr settings_of(FrustumKind kind) {
+  RadarSettings settings;
+  settings.frustum = kind;
+  settings.r_min_m = 2000;
+  settings.r_max_m = 8000;
+  settings.pixel_columns = settings.pixel_rows = 64;
+  settings.azimuth_bins = settings.range_bins = 32;
+  return test::snapshot(settings);
+}
+
+std::shared_ptr<const Scene> hills() {
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 10000, 50);
+  PrismSpec prisms;
+  prisms.per_km2 = 3;
+  spec.prisms = {prisms};
+  auto scene = test::make_scene(load_world(spec));
+  scene->tracer();  // or the first oblique frame would wait for it
+  return scene;
+}
+
+class KeepingRenderer : public testing::Test {
+ protected:
+  struct Result {
+    std::map<int, Wedge> wedges;
+    FrameStats stats;
+    std::uint32_t seen = 0;
+  };
+
+  /// Plans a frame and renders azimuth bins of it; counts what scenes_ is asked for.
+  Result frame(const SettingsPtr& settings, const PoseSettings& pose, bool states = true,
+               AzimuthRange azimuths = kAll) {
+    const auto planned = keeping_.plan(settings, pose);
+    Result result;
+    EXPECT_TRUE(planned.frame) << all_text(planned.errors);
+    if (!planned.frame) return result;
+    FrameSum sum(settings->settings);
+    RenderOptions options;
+    options.threads = 2;
+    options.states = states;
+    StageTimes times;
+    options.times = &times;
+    options.on_wedge = [&](Wedge&& wedge) {
+      sum.add(wedge);
+      result.wedges[wedge.index] = std::move(wedge);
+    };
+    EXPECT_TRUE(planned.frame->render(azimuths, options));
+    rendered_ = times.threads() > 0;
+    result.stats = sum.total();
+    wire::FrameSummary summary;
+    planned.frame->summarise(result.stats, summary);
+    result.seen = summary.buildings_seen();
+    return result;
+  }
+
+  static void expect_same(const Result& a, const Result& b) {
+    ASSERT_EQ(a.wedges.size(), b.wedges.size());
+    for (const auto& [index, wedge] : a.wedges) {
+      const Wedge& other = b.wedges.at(index);
+      EXPECT_EQ(wedge.bins.iq, other.bins.iq);
+      EXPECT_EQ(wedge.bins.power_w, other.bins.power_w);
+      EXPECT_EQ(wedge.bins.count, other.bins.count);
+      EXPECT_EQ(wedge.bins.state, other.bins.state);
+    }
+    EXPECT_EQ(a.stats.rays, b.stats.rays);
+    EXPECT_EQ(a.stats.samples, b.stats.samples);
+    EXPECT_EQ(a.seen, b.seen);
+  }
+
+  net::SceneRenderer scenes_{hills(), "hills"};
+  net::KeepingRenderer keeping_{scenes_};
+  bool rendered_ = false;  // by the last frame()
+  PoseSettings pose_ = test::settings_over_origin(1500);
+};
+
+TEST_F(KeepingRenderer, TheThirdFrameFromOnePlaceIsTheSecondOne) {
+  for (const FrustumKind kind : {FrustumKind::sweep, FrustumKind::oblique}) {
+    const SettingsPtr settings = settings_of(kind);
+    const Result first = frame(settings, pose_);
+    EXPECT_TRUE(rendered_);
+    const std::size_t before = keeping_.kept_bytes();
+    frame(settings, pose_);
+    EXPECT_TRUE(rendered_);
+    EXPECT_EQ(keeping_.kept_bytes() - before, 32u * 32u * (8 + 8 + 4 + 1));
+    pose_.pose_id = 7;  // another number for the same place
+    pose_.sim_time_ns = 5;
+    for (int k = 0; k < 2; ++k) {
+      expect_same(frame(settings, pose_), first);
+      EXPECT_FALSE(rendered_);
+    }
+    EXPECT_GT(first.seen, 0u);
+  }
+}
+
+TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
+  SettingsPtr settings = settings_of(FrustumKind::sweep);
+  const auto until_kept = [&] {
+    for (int k = 0; k < 3; ++k) frame(settings, pose_);
+    EXPECT_FALSE(rendered_);
+  };
+  until_kept();
+  pose_.bearing_deg = 1;
+  const Result turned = frame(settings, pose_);
+  EXPECT_TRUE(rendered_) << "another bearing";
+  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  until_kept();
+  settings = settings_of(FrustumKind::sweep);
+  frame(settings, pose_);
+  EXPECT_TRUE(rendered_) << "another snapshot of settings";
+  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  until_kept();
+  scenes_.replace(hills());
+  expect_same(frame(settings, pose_), turned);
+  EXPECT_TRUE(rendered_) << "another scene";
+  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+}
+
+TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
+  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  for (int k = 0; k < 3; ++k) frame(settings, pose_, false, {8, 8});
+  EXPECT_FALSE(rendered_);
+  frame(settings, pose_, true, {8, 8});
+  EXPECT_TRUE(rendered_) << "its states were not asked for";
+  frame(settings, pose_, false, {8, 8});
+  EXPECT_FALSE(rendered_);
+  const Result whole = frame(settings, pose_);
+  EXPECT_TRUE(rendered_);
+  expect_same(frame(settings, pose_), whole);
+  EXPECT_FALSE(rendered_);
+}
+
+TEST_F(KeepingRenderer, AFrameThatPausesIsKeptWhole) {
+  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  const Result first = frame(settings, pose_);
+  const auto planned = keeping_.plan(settings, pose_);
+  RenderPause pause;
+  pause.batches = 1;
+  RenderOptions options;
+  options.threads = 1;
+  options.pause = &pause;
+  int pauses = 0;
+  do {
+    EXPECT_TRUE(planned.frame->render(kAll, options));
+    ++pauses;
+  } while (pause.begun);
+  EXPECT_GT(pauses, 4);
+  expect_same(frame(settings, pose_), first);
+  EXPECT_FALSE(rendered_);
+}
+
+TEST_F(KeepingRenderer, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
+  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  frame(settings, pose_);
+  std::stop_source stop;
+  RenderOptions options;
+  options.threads = 1;
+  options.stop = stop.get_token();
+  options.on_wedge = [&](Wedge&&) { stop.request_stop(); };
+  EXPECT_FALSE(keeping_.plan(settings, pose_).frame->render(kAll, options));
+  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  frame(settings, pose_);
+  EXPECT_TRUE(rendered_);
+  EXPECT_FALSE(keeping_.plan(settings, pose_).frame->render(kAll, options));
+}
+
+TEST_F(KeepingRenderer, NoMoreIsKeptThanAllowed) {
+  const net::KeepingRenderer small(scenes_, 1000);
+  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_TRUE(small.plan(settings, pose_).frame->render(kAll, {}));
+    EXPECT_EQ(small.kept_bytes(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace obliq
