@@ -16,16 +16,20 @@ struct Walkers : WalkingPlanes {
 constexpr int kRefill = 5;  // idle lanes that are worth a stop
 
 /// Sets out rays in the lanes that are not in `busy`; returns those that are now.
-unsigned set_out(const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {
-  for (int lane = 0; lane < kLanes; ++lane) {
+unsigned set_out(const GroundScene& scene, const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {
+  // A component that is all but 0 is none: its reciprocal would be infinite.
+  const auto component = [](double c) { return c < 1e-200 && c > -1e-200 ? 0.0 : c; };
+  for (int lane = 0; lane < kLanes && next < rays.n; ++lane) {
     if ((busy >> lane & 1) != 0) continue;
-    while (next < rays.n && !(rays.from_m[next] < __builtin_inf())) rays.range_m[next++] = __builtin_nan("");
-    if (next == rays.n) break;
-    walkers.sin_bearing[lane] = rays.dir_x[next];
-    walkers.cos_bearing[lane] = rays.dir_z[next];
-    walkers.dir_y[lane] = rays.dir_y[next];
-    walkers.d_m[lane] = rays.from_m[next];
-    walkers.ray[lane] = next++;
+    const int ray = rays.order[next++];
+    walkers.sin_bearing[lane] = component(rays.dir_x[ray]);
+    walkers.cos_bearing[lane] = component(rays.dir_z[ray]);
+    walkers.dir_y[lane] = rays.dir_y[ray];
+    walkers.d_m[lane] = rays.from_m[ray];
+    // Below all ground nothing is met from above. A metre more, for flat ground.
+    const double to_m = (rays.lowest_m - 1) / rays.dir_y[ray];
+    walkers.end_m[lane] = rays.dir_y[ray] < 0 && to_m < scene.last_start_m ? to_m : scene.last_start_m;
+    walkers.ray[lane] = ray;
     busy |= 1u << lane;
   }
   return busy;
@@ -39,21 +43,25 @@ void cast_ground(const GroundScene& scene, const CastRays& rays) {
   PlaneRates p{};
   Cells cells{};
   Lanes dir_y{};
+  Lanes end_m{};
+  Lanes cells_left{};
+  LaneFlags above{};  // over known ground at the end of the last piece of it
   unsigned busy = 0;
-  const Lanes end_m = all_lanes(scene.last_start_m);
   for (int next = 0;;) {
     if (next < rays.n && __builtin_popcount(busy) <= kLanes - kRefill) {
       store_cells(walkers, cells);
-      const unsigned before = busy;
-      busy = set_out(rays, next, busy, walkers);
+      const LaneFlags before = flags_of(busy);
+      busy = set_out(scene, rays, next, busy, walkers);
       p = plane_rates(scene, walkers);
       cells = cells_of(walkers);
       dir_y = load_lanes(walkers.dir_y);
+      end_m = load_lanes(walkers.end_m);
       const Lanes i = clamp(floor_of(p.start_u + cells.d * p.rate_u), Lanes{}, all_lanes(grid.nx - 2));
       const Lanes j = clamp(floor_of(p.start_v + cells.d * p.rate_v), Lanes{}, all_lanes(grid.nz - 2));
-      const LaneFlags fresh = flags_of(busy & ~before);
-      cells.i = select(fresh, i, cells.i);
-      cells.j = select(fresh, j, cells.j);
+      cells.i = select(before, cells.i, i);
+      cells.j = select(before, cells.j, j);
+      cells_left = select(before, cells_left, all_lanes(rays.most_cells));
+      above &= before;
     }
     if (busy == 0) break;
     const LaneFlags active = flags_of(busy) & (cells.d < end_m) & cells.on(grid);
@@ -62,25 +70,31 @@ void cast_ground(const GroundScene& scene, const CastRays& rays) {
     const Corners y = corners(grid, integers_of(cells.number(grid, active)));
     LaneFlags open = active;
     Lanes range = all_lanes(__builtin_nan(""));
+    // Behind a void a ray may be below the ground: it goes on until it meets some from above.
     const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
         __attribute__((always_inline)) {
       const Lanes start = cut.start - scene.antenna_y_m;
-      const LaneFlags under = where & open & (dir_y * d0 < start + cut.rise * d0);
-      const LaneFlags hit = where & open & ~under & (start < 0.0) & (dir_y * d1 < start + cut.rise * d1);
-      range = select(under, all_lanes(CastRays::kUnder),
-                     select(hit, clamp(start / (dir_y - cut.rise), d0, d1), range));
-      open &= ~(under | hit);
+      const LaneFlags below0 = dir_y * d0 < start + cut.rise * d0;
+      const LaneFlags below1 = dir_y * d1 < start + cut.rise * d1;
+      // Where it was above it has met the edge between.
+      const LaneFlags hit = where & open & ((below0 & above) | (~below0 & below1 & (start < 0.0)));
+      range = select(hit, select(below0, d0, clamp(start / (dir_y - cut.rise), d0, d1)), range);
+      open &= ~hit;
+      above = (where & ~below1) | (~where & above);
     };
+    above &= y.known;
     visit_triangles(p, cells, y, active & y.known, end, triangle);
     move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
-    const unsigned left = mask_of(open);
-    if (const unsigned done = busy & ~left; done != 0) {
-      for (unsigned mask = done; mask != 0; mask &= mask - 1) {
-        const int lane = __builtin_ctz(mask);
-        rays.range_m[walkers.ray[lane]] = range[lane];
-      }
-      busy = left;
+    cells_left -= 1.0;
+    const LaneFlags tired = open & (cells_left <= 0.0);
+    range = select(tired, all_lanes(CastRays::kTired), range);
+    const unsigned left = mask_of(open & ~tired);
+    for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
+      const int lane = __builtin_ctz(mask);
+      rays.range_m[walkers.ray[lane]] = range[lane];
+      rays.from_m[walkers.ray[lane]] = cells.d[lane];
     }
+    busy = left;
   }
 }
 

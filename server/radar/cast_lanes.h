@@ -1,18 +1,23 @@
 #pragma once
+#include <cstdint>
+
 #include "server/radar/ground_lanes.h"
 
 namespace obliq {
 
 /// Rays from the antenna over bare ground: unit directions, and a slant range before which each meets
-/// nothing, at a point on the grid; infinite for one that meets nothing at all.
+/// nothing, at a point on the grid.
 struct CastRays {
-  static constexpr double kUnder = -1;  ///< the ray passes under the far edge of a void
+  static constexpr double kTired = -1;  ///< has crossed `most_cells` and met nothing so far
+  const std::uint16_t* order;           ///< [n] the rays' numbers
   int n;
+  int most_cells;
+  double lowest_m;  ///< height above the antenna that no ground lies below
   const double* dir_x;
   const double* dir_y;
   const double* dir_z;
-  const double* from_m;
-  double* range_m;  ///< slant range of what the ray meets first; NaN: nothing; or kUnder
+  double* from_m;   ///< of a tired ray: how far it has come
+  double* range_m;  ///< slant range of what the ray meets first from above; NaN: nothing; or kTired
 };
 
 using CastKernel = void (*)(const GroundScene&, const CastRays&);

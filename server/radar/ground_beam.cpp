@@ -33,10 +33,9 @@ GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinC
   };
   left_ = std::min(aside(left), aside(right)) - kSlack;
   right_ = std::max(aside(left), aside(right)) + kSlack;
-  // The strip that the antenna stands over, or the first one ahead of it.
-  const double line = rising_ ? std::floor(start_) : std::ceil(start_);
-  first_line_ =
-      static_cast<int>(rising_ ? std::clamp(line, 0.0, lines_ - 1.0) : std::clamp(line, 0.0, lines_ - 1.0));
+  // The strip that the antenna stands over, or the first one ahead of it; beyond the grid's end its last one.
+  first_line_ = static_cast<int>(rising_ ? std::clamp(std::floor(start_), 0.0, lines_ - 2.0)
+                                         : std::clamp(std::ceil(start_), 1.0, lines_ - 1.0));
 }
 
 /// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it
@@ -67,31 +66,54 @@ bool GroundBeam::add_strip() {
   if (far_line < 0 || far_line >= lines_) return false;
   if (slope_.empty()) near_highest_ = highest_of(near_line);
   const float far_highest = highest_of(far_line);
-  const double above_m = static_cast<double>(std::max(near_highest_, far_highest)) - antenna_y_m_;
+  const double highest = static_cast<double>(std::max(near_highest_, far_highest));
+  const double above_m = highest - antenna_y_m_;
   near_highest_ = far_highest;
-  const double near = std::max(0.0, step * (near_line - start_));
-  const double distance_m = (above_m > 0 ? near : step * (far_line - start_)) * grid_.cell_m;
-  const double slope = above_m == 0 ? 0 : above_m / distance_m;
-  slope_.push_back(slope_.empty() ? slope : std::max(slope_.back(), slope));
+  const double far_m = step * (far_line - start_) * grid_.cell_m;
+  const double distance_m = above_m > 0 ? near_m(slope_.size()) : far_m;
+  double slope = -kInfinity;  // nothing is known, or all lies behind
+  if (far_m > 0 && highest > -kInfinity) slope = above_m == 0 ? 0 : above_m / distance_m;
+  const float up = std::nextafter(static_cast<float>(slope), std::numeric_limits<float>::infinity());
+  own_slope_.push_back(slope == -kInfinity ? static_cast<float>(slope) : up);
+  slope_.push_back(slope_.empty() ? own_slope_.back() : std::max(slope_.back(), own_slope_.back()));
   return true;
 }
 
-double GroundBeam::free_range_m(const glm::dvec3& direction) {
+/// The strip that holds a distance along the axis.
+std::size_t GroundBeam::strip_at(double ahead_m) const {
+  const double cells = ahead_m / grid_.cell_m;
+  const double strip =
+      rising_ ? std::floor(start_ + cells) - first_line_ : first_line_ - std::ceil(start_ - cells);
+  return static_cast<std::size_t>(std::clamp(strip, 0.0, static_cast<double>(lines_)));
+}
+
+/// Where a strip begins.
+double GroundBeam::near_m(std::size_t strip) const {
+  const int line = first_line_ + (rising_ ? 1 : -1) * static_cast<int>(strip);
+  return std::max(0.0, (rising_ ? line - start_ : start_ - line) * grid_.cell_m);
+}
+
+double GroundBeam::free_range_m(const glm::dvec3& direction, double from_m) {
   const double ahead = std::abs(along_z_ ? direction.z : direction.x);
   const double slope = direction.y / ahead - kSlack;
   std::size_t k = last_;
-  while (k > 0 && !(slope_[k - 1] < slope)) --k;
-  for (;; ++k) {
-    if (k == slope_.size() && !add_strip()) {
-      last_ = k;
-      return kInfinity;
+  const std::vector<float>* reached = &slope_;
+  if (from_m > 0) {
+    k = strip_at(from_m * ahead);
+    reached = &own_slope_;
+    while (slope_.size() < k && add_strip()) {
     }
-    if (!(slope_[k] < slope)) break;
+  } else {
+    while (k > 0 && !(slope_[k - 1] < slope)) --k;
   }
-  last_ = k;
-  const int line = first_line_ + (rising_ ? 1 : -1) * static_cast<int>(k);
-  const double near = (rising_ ? line - start_ : start_ - line) * grid_.cell_m;
-  return near > 0 ? near / ahead : 0;
+  for (;; ++k) {
+    if (k >= slope_.size() && !add_strip()) break;
+    if (!((*reached)[k] < slope)) break;
+  }
+  if (from_m == 0) last_ = std::min(k, slope_.size());
+  if (k >= slope_.size()) return kInfinity;
+  const double near = near_m(k);
+  return std::max(from_m, near > 0 ? near / ahead : 0);
 }
 
 }  // namespace obliq

@@ -7,17 +7,21 @@
 
 #include "server/radar/ground_prefetch.h"
 #include "server/radar/lane_kernels.h"
-#include "server/scene/ray_answer.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// A wider beam has less to look at, and its rays start sooner.
 constexpr double kMostCells = 8;     // across at the swath's end
 constexpr double kMost_rad = 0.125;  // so that a beam has one direction
-constexpr double kMostBeams = 256;   // of an azimuth bin
+constexpr double kMostBeams = 64;    // of an azimuth bin
+/// After so many cells a ray asks again how far it is free: it has passed what it began for.
+constexpr int kStretch = 24;
+/// Beyond this a ray has left any grid.
+constexpr double kFar_m = 1e8;
 
 }  // namespace
 
@@ -25,14 +29,22 @@ GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan
   const HeightGrid& grid = plan.scene().world().grid;
   const Sector& sector = plan.sector();
   const BinGrid& bins = plan.bins();
+  const auto edge = [&](double bin) { return sincos_turns(plan.bearing_rad(bin) / (2 * std::numbers::pi)); };
   const double cells = bins.azimuth_width_rad * sector.r_max_m / grid.cell_m;
   beams_a_bin_ = static_cast<std::size_t>(std::clamp(
       std::ceil(std::max(cells / kMostCells, bins.azimuth_width_rad / kMost_rad)), 1.0, kMostBeams));
-  const auto edge = [&](double bin) { return sincos_turns(plan.bearing_rad(bin) / (2 * std::numbers::pi)); };
-  const std::size_t n = static_cast<std::size_t>(range.count) * beams_a_bin_;
-  for (std::size_t k = 0; k <= n; ++k)
-    edges_.push_back(edge(range.first + static_cast<double>(k) / static_cast<double>(beams_a_bin_)));
-  for (std::size_t k = 0; k < n; ++k) beams_.emplace_back(grid, sector.antenna_m, edges_[k], edges_[k + 1]);
+  bin_turns_ = bins.azimuth_width_rad / (2 * std::numbers::pi);
+  wide_ = bin_turns_ > 0.1;
+  edges_.push_back(edge(range.first));
+  for (int bin = range.first; bin < range.first + range.count; ++bin) {
+    middle_rad_.push_back(plan.bearing_rad(bin + 0.5));
+    last_beam_.push_back(beams_.size());
+    for (std::size_t k = 1; k <= beams_a_bin_; ++k) {
+      const SinCos left = edges_.back();
+      edges_.push_back(edge(bin + static_cast<double>(k) / static_cast<double>(beams_a_bin_)));
+      beams_.emplace_back(grid, sector.antenna_m, left, edges_.back());
+    }
+  }
   if (!plan.buildings_in(range).empty())
     for (int bin = range.first; bin < range.first + range.count; ++bin)
       roofs_.emplace_back(plan.scene().world().buildings, sector, plan.buildings_in(bin));
@@ -40,12 +52,25 @@ GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan
 }
 
 /// The beam of a ray in the wedge's azimuth bin number `bin`.
-std::size_t GroundTrace::beam_of(std::size_t bin, const glm::dvec3& direction) const {
-  std::size_t beam = bin * beams_a_bin_;
-  const std::size_t last = beam + beams_a_bin_ - 1;
-  // Clockwise of the next beam's left edge.
-  while (beam < last && direction.x * edges_[beam + 1].cos - direction.z * edges_[beam + 1].sin > 0) ++beam;
-  return beam;
+GroundBeam* GroundTrace::beam_of(std::size_t bin, const glm::dvec3& direction) {
+  if (beams_a_bin_ == 1) return &beams_[bin];
+  const std::size_t first = bin * beams_a_bin_;
+  const std::size_t last = first + beams_a_bin_ - 1;
+  std::size_t& beam = last_beam_[bin];
+  if (wide_) {
+    const double turns = (bearing_of(direction.x, direction.z) - middle_rad_[bin]) / (2 * std::numbers::pi);
+    const double at = 0.5 + (turns - nearest_integer(turns)) / bin_turns_;  // of the bin
+    const auto n = static_cast<double>(beams_a_bin_);
+    beam = first + static_cast<std::size_t>(std::clamp(std::floor(at * n), 0.0, n - 1));
+  } else {
+    // The last ray's beam or one beside it. Edge k is the left one of beam k.
+    const auto right_of = [&](std::size_t k) {
+      return direction.x * edges_[k].cos - direction.z * edges_[k].sin >= 0;
+    };
+    while (beam < last && right_of(beam + 1)) ++beam;
+    while (beam > first && !right_of(beam)) --beam;
+  }
+  return &beams_[beam];
 }
 
 /// From where on a ray that meets nothing before `from_m` is to be walked: where it comes over the grid, if
@@ -76,28 +101,42 @@ std::span<const std::uint16_t> GroundTrace::trace(const RayBatch& rays, RoughHit
   const auto direction = [&](std::size_t k) {
     return glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]);
   };
+  std::size_t walking = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const auto bin = static_cast<std::size_t>(rays.azimuth_bin[k] - first_bin_);
-    const double free_m = beams_[beam_of(bin, direction(k))].free_range_m(direction(k));
+    beam_[k] = beam_of(bin, direction(k));
+    const double free_m = beam_[k]->free_range_m(direction(k));
     roof_m_[k] = roofs_.empty() ? kInfinity : roofs_[bin].free_range_m(direction(k));
+    range_m_[k] = kNone;
     // Not walked where a roof comes first.
     from_m_[k] = roof_m_[k] < free_m ? kInfinity : on_grid_m(free_m, direction(k));
+    if (from_m_[k] < kInfinity) walking_[walking++] = static_cast<std::uint16_t>(k);
   }
-  // Beyond this a ray has left any grid.
-  constexpr double kFar_m = 1e8;
-  lane_kernels().cast_ground(
-      {lane_grid(plan_.scene().world().grid), antenna.x, antenna.y, antenna.z, kFar_m},
-      {rays.n, rays.dir_x.data(), rays.dir_y.data(), rays.dir_z.data(), from_m_.data(), range_m_.data()});
+  while (walking > 0) {
+    lane_kernels().cast_ground(
+        {lane_grid(plan_.scene().world().grid), antenna.x, antenna.y, antenna.z, kFar_m},
+        {walking_.data(), static_cast<int>(walking), kStretch, plan_.scene().tiles().lowest_m() - antenna.y,
+         rays.dir_x.data(), rays.dir_y.data(), rays.dir_z.data(), from_m_.data(), range_m_.data()});
+    std::size_t tired = 0;
+    for (std::size_t at = 0; at < walking; ++at) {
+      const std::size_t k = walking_[at];
+      if (range_m_[k] != CastRays::kTired) continue;
+      range_m_[k] = kNone;
+      const double free_m = beam_[k]->free_range_m(direction(k), from_m_[k]);
+      if (!(free_m < kInfinity)) continue;
+      // Where it is not free of anything it steps back, so as to come to the next edge from above.
+      from_m_[k] = free_m > from_m_[k] ? free_m : from_m_[k] - plan_.scene().world().grid.cell_m / 2;
+      walking_[tired++] = static_cast<std::uint16_t>(k);
+    }
+    walking = tired;
+  }
   std::size_t left = 0;
   for (std::size_t at = 0; at < n; ++at) {
     const std::size_t k = rays.packet_order[at];
-    const double range_m = range_m_[k];
     hits[k] = {};
-    if (range_m == CastRays::kUnder) {
-      hits[k] = walked_hit(plan_.scene(), antenna, direction(k));
-    } else if (range_m <= roof_m_[k]) {
+    if (range_m_[k] <= roof_m_[k]) {
       hits[k].kind = RoughHit::Kind::ground;
-      hits[k].distance_m = static_cast<float>(range_m);
+      hits[k].distance_m = static_cast<float>(range_m_[k]);
     } else if (roof_m_[k] < kInfinity) {
       left_[left++] = static_cast<std::uint16_t>(k);
     }

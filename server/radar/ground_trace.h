@@ -22,18 +22,26 @@ class GroundTrace {
   std::span<const std::uint16_t> trace(const RayBatch& rays, RoughHit* hits);
 
  private:
-  std::size_t beam_of(std::size_t bin, const glm::dvec3& direction) const;
+  GroundBeam* beam_of(std::size_t bin, const glm::dvec3& direction);
   double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
   const FramePlan& plan_;
   int first_bin_;
   std::size_t beams_a_bin_;
-  std::vector<SinCos> edges_;  // left edges of the beams
+  double bin_turns_;  // an azimuth bin's width
+  bool wide_;         // much of a turn
+  // Of the azimuth bins:
+  std::vector<double> middle_rad_;
+  std::vector<std::size_t> last_beam_;  // that a ray lay in
+  std::vector<SinCos> edges_;           // of the beams, from the left one of the first on
   std::vector<GroundBeam> beams_;
   std::vector<RoofLine> roofs_;  // of the azimuth bins; empty where no building is in sight
+  // Of the batch's rays:
+  std::array<GroundBeam*, kBatch> beam_;
   std::array<double, kBatch> from_m_;
   std::array<double, kBatch> roof_m_;
   std::array<double, kBatch> range_m_;
+  std::array<std::uint16_t, kBatch> walking_;
   std::array<std::uint16_t, kBatch> left_;
 };
 

@@ -95,6 +95,7 @@ ExactHit RaySamples::ground_hit(std::size_t k) const {
 
 /// What any ray meets first, in double.
 std::optional<ExactHit> RaySamples::exact_hit(std::size_t k, FrameStats& stats) {
+  if (rough_[k].kind == RoughHit::Kind::none && !trace_.by_embree(k)) return std::nullopt;  // it is sure
   const Sector& sector = plan_.sector();
   const glm::dvec3 direction(rays_.dir_x[k], rays_.dir_y[k], rays_.dir_z[k]);
   const RayAnswer answer = answer_ray(plan_.scene(), sector.antenna_m, direction, rough_[k]);

@@ -166,8 +166,7 @@ def report_of(tracers, folder, arguments):
         if tracer is not ours:
             row |= {"speedup": row["least_ms"] / min(ours.wall_ms), "speedup_cpu": row["least_cpu_ms"] / min(ours.cpu_ms),
                     "target": TARGETS.get(round(report["cell_m"]), {}).get(name), "differ": agreement(folder, name)}
-        if "march" in tracers:
-            row["march_speedup"] = row["least_ms"] / min(tracers["march"].wall_ms)
+        row["march_speedup"] = row["least_ms"] / min(tracers["march"].wall_ms)
         report["tracers"][name] = row
     return report
 
@@ -183,8 +182,7 @@ def print_table(report):
         if "speedup" in row:
             line += (f"{row['speedup']:9.2f}x{row['speedup_cpu']:8.2f}x{row['target'] or '-':>8}  "
                      + ", ".join(map(str, row["differ"].values())))
-        if "march_speedup" in row:
-            line += f"; the march is {row['march_speedup']:.1f} times as quick"
+        line += f"; the march is {row['march_speedup']:.1f} times as quick"
         print(line)
 
 
@@ -195,9 +193,7 @@ def compare(arguments):
                    check=True)
     common = ["--threads", str(arguments.threads)]
     ours = [f"{arguments.bin}/ray_bench", arguments.scene, *settings, *common, "--peer", folder]
-    tracers = {"obliq": Tracer(ours)}
-    if "frustum.kind=polar" in arguments.set:
-        tracers["march"] = Tracer([*ours, "--march"])
+    tracers = {"obliq": Tracer(ours), "march": Tracer([*ours, "--march"])}
     for name in PEERS:
         tracers[name] = Tracer([sys.executable, __file__, "--peer", name, "--folder", folder, *common])
     for _ in range(arguments.repeats):
