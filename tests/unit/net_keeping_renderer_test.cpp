@@ -8,22 +8,12 @@
 #include "server/net/keeping_renderer.h"
 #include "server/net/scene_renderer.h"
 #include "terrain/stage_clock.h"
-#include "tests/support/scenes.h"
+#include "tests/support/small_settings.h"
 
 namespace obliq {
 namespace {
 
 constexpr AzimuthRange kAll{0, 32};
-
-SettingsPtr settings_of(FrustumKind kind) {
-  RadarSettings settings;
-  settings.frustum = kind;
-  settings.r_min_m = 2000;
-  settings.r_max_m = 8000;
-  settings.pixel_columns = settings.pixel_rows = 64;
-  settings.azimuth_bins = settings.range_bins = 32;
-  return test::snapshot(settings);
-}
 
 std::shared_ptr<const Scene> hills() {
   WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 10000, 50);
@@ -91,7 +81,7 @@ class KeepingRenderer : public testing::Test {
 
 TEST_F(KeepingRenderer, TheThirdFrameFromOnePlaceIsTheSecondOne) {
   for (const FrustumKind kind : {FrustumKind::sweep, FrustumKind::oblique}) {
-    const SettingsPtr settings = settings_of(kind);
+    const SettingsPtr settings = test::small_settings(kind);
     const Result first = frame(settings, pose_);
     EXPECT_TRUE(rendered_);
     const std::size_t before = keeping_.kept_bytes();
@@ -109,7 +99,7 @@ TEST_F(KeepingRenderer, TheThirdFrameFromOnePlaceIsTheSecondOne) {
 }
 
 TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
-  SettingsPtr settings = settings_of(FrustumKind::sweep);
+  SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const auto until_kept = [&] {
     for (int k = 0; k < 3; ++k) frame(settings, pose_);
     EXPECT_FALSE(rendered_);
@@ -120,7 +110,7 @@ TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
   EXPECT_TRUE(rendered_) << "another bearing";
   EXPECT_EQ(keeping_.kept_bytes(), 0u);
   until_kept();
-  settings = settings_of(FrustumKind::sweep);
+  settings = test::small_settings(FrustumKind::sweep);
   frame(settings, pose_);
   EXPECT_TRUE(rendered_) << "another snapshot of settings";
   EXPECT_EQ(keeping_.kept_bytes(), 0u);
@@ -132,7 +122,7 @@ TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
 }
 
 TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
-  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 3; ++k) frame(settings, pose_, false, {8, 8});
   EXPECT_FALSE(rendered_);
   frame(settings, pose_, true, {8, 8});
@@ -146,7 +136,7 @@ TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
 }
 
 TEST_F(KeepingRenderer, AFrameThatPausesIsKeptWhole) {
-  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const Result first = frame(settings, pose_);
   const auto planned = keeping_.plan(settings, pose_);
   RenderPause pause;
@@ -165,7 +155,7 @@ TEST_F(KeepingRenderer, AFrameThatPausesIsKeptWhole) {
 }
 
 TEST_F(KeepingRenderer, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
-  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   frame(settings, pose_);
   std::stop_source stop;
   RenderOptions options;
@@ -181,7 +171,7 @@ TEST_F(KeepingRenderer, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
 
 TEST_F(KeepingRenderer, NoMoreIsKeptThanAllowed) {
   const net::KeepingRenderer small(scenes_, 1000);
-  const SettingsPtr settings = settings_of(FrustumKind::sweep);
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 3; ++k) {
     EXPECT_TRUE(small.plan(settings, pose_).frame->render(kAll, {}));
     EXPECT_EQ(small.kept_bytes(), 0u);

@@ -2,20 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "server/net/scene_renderer.h"
-#include "tests/support/scenes.h"
+#include "tests/support/small_settings.h"
 
 namespace obliq {
 namespace {
-
-SettingsPtr settings_of(FrustumKind kind) {
-  RadarSettings settings;
-  settings.frustum = kind;
-  settings.r_min_m = 2000;
-  settings.r_max_m = 8000;
-  settings.pixel_columns = settings.pixel_rows = 64;
-  settings.azimuth_bins = settings.range_bins = 32;
-  return test::snapshot(settings);
-}
 
 TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
   // Four million posts: no machine builds them in the moment that plan() waits.
@@ -23,14 +13,15 @@ TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
                                       test::two_materials(), RayMethod::embree);
   const net::SceneRenderer renderer(scene, "flat");
   const PoseSettings pose = test::settings_over_origin(2000);
-  EXPECT_TRUE(renderer.plan(settings_of(FrustumKind::sweep), pose).frame);
+  EXPECT_TRUE(renderer.plan(test::small_settings(FrustumKind::sweep), pose).frame);
   EXPECT_EQ(scene->built_tracer(), nullptr);
 
-  auto cast = renderer.plan(settings_of(FrustumKind::oblique), pose);
+  auto cast = renderer.plan(test::small_settings(FrustumKind::oblique), pose);
   EXPECT_FALSE(cast.frame);
   EXPECT_TRUE(cast.errors.empty()) << all_text(cast.errors);
-  EXPECT_TRUE(renderer.plan(settings_of(FrustumKind::sweep), pose).frame);
-  while (!cast.frame && cast.errors.empty()) cast = renderer.plan(settings_of(FrustumKind::oblique), pose);
+  EXPECT_TRUE(renderer.plan(test::small_settings(FrustumKind::sweep), pose).frame);
+  while (!cast.frame && cast.errors.empty())
+    cast = renderer.plan(test::small_settings(FrustumKind::oblique), pose);
   EXPECT_TRUE(cast.frame) << all_text(cast.errors);
   EXPECT_NE(scene->built_tracer(), nullptr);
 }
@@ -39,7 +30,7 @@ TEST(SceneRenderer, BareGroundNeedsNoRayTracer) {
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)));
   const net::SceneRenderer renderer(scene, "flat");
   for (const FrustumKind kind : {FrustumKind::oblique, FrustumKind::symmetric, FrustumKind::polar})
-    EXPECT_TRUE(renderer.plan(settings_of(kind), test::settings_over_origin(2000)).frame);
+    EXPECT_TRUE(renderer.plan(test::small_settings(kind), test::settings_over_origin(2000)).frame);
   EXPECT_EQ(scene->built_tracer(), nullptr);
 }
 
@@ -47,8 +38,8 @@ TEST(SceneRenderer, WhatCannotBePlannedBuildsNothing) {
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)),
                                       test::two_materials(), RayMethod::embree);
   const net::SceneRenderer renderer(scene, "flat");
-  EXPECT_FALSE(
-      renderer.plan(settings_of(FrustumKind::oblique), test::settings_over_origin(-10)).errors.empty())
+  EXPECT_FALSE(renderer.plan(test::small_settings(FrustumKind::oblique), test::settings_over_origin(-10))
+                   .errors.empty())
       << "below the ground";
   EXPECT_EQ(scene->built_tracer(), nullptr);
 }
