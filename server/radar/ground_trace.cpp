@@ -25,7 +25,8 @@ constexpr double kFar_m = 1e8;
 
 }  // namespace
 
-GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan), first_bin_(range.first) {
+GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath)
+    : plan_(plan), first_bin_(range.first), beyond_swath_(beyond_swath) {
   const HeightGrid& grid = plan.scene().world().grid;
   const Sector& sector = plan.sector();
   const BinGrid& bins = plan.bins();
@@ -73,6 +74,13 @@ GroundBeam* GroundTrace::beam_of(std::size_t bin, const glm::dvec3& direction) {
   return &beams_[beam];
 }
 
+/// Slant range from which on a ray may meet buildings that are not in the plan's lists; infinite: there are
+/// none.
+double GroundTrace::unknown_from_m(const glm::dvec3& direction) const {
+  if (!beyond_swath_ || plan_.scene().world().buildings.list.empty()) return kInfinity;
+  return plan_.building_reach_m() / std::sqrt(direction.x * direction.x + direction.z * direction.z);
+}
+
 /// From where on a ray that meets nothing before `from_m` is to be walked: where it comes over the grid, if
 /// it is not there yet; infinite: nowhere.
 double GroundTrace::on_grid_m(double from_m, const glm::dvec3& direction) const {
@@ -106,7 +114,8 @@ std::span<const std::uint16_t> GroundTrace::trace(const RayBatch& rays, RoughHit
     const auto bin = static_cast<std::size_t>(rays.azimuth_bin[k] - first_bin_);
     beam_[k] = beam_of(bin, direction(k));
     const double free_m = beam_[k]->free_range_m(direction(k));
-    roof_m_[k] = roofs_.empty() ? kInfinity : roofs_[bin].free_range_m(direction(k));
+    roof_m_[k] = std::min(unknown_from_m(direction(k)),
+                          roofs_.empty() ? kInfinity : roofs_[bin].free_range_m(direction(k)));
     range_m_[k] = kNone;
     // Not walked where a roof comes first.
     from_m_[k] = roof_m_[k] < free_m ? kInfinity : on_grid_m(free_m, direction(k));

@@ -15,7 +15,8 @@ namespace obliq {
 /// Rays that might meet a building before are left to a ray tracer.
 class GroundTrace {
  public:
-  GroundTrace(const FramePlan& plan, AzimuthRange range);
+  /// beyond_swath: buildings there count too, though nothing of them is binned.
+  GroundTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath);
 
   /// As EmbreeTracer::trace, of rays of the wedge, each in the azimuth bin that the batch says, but for the
   /// rays that it returns: those are left, in the batch's packet order. Valid until the next call.
@@ -23,10 +24,12 @@ class GroundTrace {
 
  private:
   GroundBeam* beam_of(std::size_t bin, const glm::dvec3& direction);
+  double unknown_from_m(const glm::dvec3& direction) const;
   double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
   const FramePlan& plan_;
   int first_bin_;
+  bool beyond_swath_;
   std::size_t beams_a_bin_;
   double bin_turns_;  // an azimuth bin's width
   bool wide_;         // much of a turn

@@ -19,7 +19,7 @@ static_assert(GroundHits::kMost == kBatch);
 }  // namespace
 
 RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile)
-    : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)), trace_(plan, range) {
+    : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)), trace_(plan, range, tap != nullptr) {
   if (plan.settings().plates == PlateKind::nearest) return;
   if (!profile) own_profile_ = std::make_unique<WedgeProfile>(plan, range);
   spreader_ = make_plate_spreader(plan, range, profile ? *profile : *own_profile_);

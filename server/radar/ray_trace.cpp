@@ -6,12 +6,12 @@
 
 namespace obliq {
 
-RayTrace::RayTrace(const FramePlan& plan, AzimuthRange range) : plan_(plan) {
+RayTrace::RayTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath) : plan_(plan) {
   if (plan.scene().rays() == RayMethod::embree || !plan.extent().any) return;
   if (plan.settings().frustum == FrustumKind::polar) {
     polar_.emplace(plan, range);
   } else {
-    ground_.emplace(plan, range);
+    ground_.emplace(plan, range, beyond_swath);
   }
 }
 

@@ -13,7 +13,8 @@ namespace obliq {
 /// by one, and Embree traces those that come near buildings.
 class RayTrace {
  public:
-  RayTrace(const FramePlan& plan, AzimuthRange range);
+  /// beyond_swath: for textures, which show what no bin holds (of the polar frustum still without buildings).
+  RayTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath = false);
 
   /// As EmbreeTracer::trace, of rays that the plan's RaySource made for the wedge.
   void trace(const RayBatch& rays, RoughHit* hits);
