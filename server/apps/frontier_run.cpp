@@ -19,6 +19,7 @@
 #include "server/output/frontier_markdown.h"
 #include "server/output/frontier_plot.h"
 #include "server/output/frontier_table.h"
+#include "server/radar/sample_source.h"
 #include "server/scene/embree_tracer.h"
 #include "terrain/errors.h"
 #include "terrain/hash.h"
@@ -108,7 +109,8 @@ class FrontierRun {
     Ground ground;
     ground.pose = place_radar(*world, radar_);
     ground.scene = std::make_shared<const Scene>(world, config.materials, threads_, config.rays);
-    ground.scene->tracer(terminal_progress());  // not while a frame is timed
+    if (needs_tracer(*ground.scene, FrustumKind::oblique))
+      ground.scene->tracer(terminal_progress());  // not while a frame is timed
     return ground;
   }
 

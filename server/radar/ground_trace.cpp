@@ -46,7 +46,7 @@ GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range, bool beyond_
       beams_.emplace_back(grid, sector.antenna_m, left, edges_.back());
     }
   }
-  if (!plan.buildings_in(range).empty())
+  if (!plan.scene().world().buildings.list.empty())
     for (int bin = range.first; bin < range.first + range.count; ++bin)
       roofs_.emplace_back(plan.scene().world().buildings, sector, plan.buildings_in(bin));
   prefetch_ground(grid, sector.antenna_m, edges_.front(), edges_.back(), sector.r_max_m);

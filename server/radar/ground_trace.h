@@ -38,7 +38,7 @@ class GroundTrace {
   std::vector<std::size_t> last_beam_;  // that a ray lay in
   std::vector<SinCos> edges_;           // of the beams, from the left one of the first on
   std::vector<GroundBeam> beams_;
-  std::vector<RoofLine> roofs_;  // of the azimuth bins; empty where no building is in sight
+  std::vector<RoofLine> roofs_;  // of the azimuth bins; empty where there are no buildings
   // Of the batch's rays:
   std::array<GroundBeam*, kBatch> beam_;
   std::array<double, kBatch> from_m_;

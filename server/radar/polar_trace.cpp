@@ -1,5 +1,6 @@
 #include "server/radar/polar_trace.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "server/radar/polar_columns.h"
@@ -42,16 +43,33 @@ void PolarTrace::trace(const RayBatch& rays, RoughHit* hits) {
     // Texture rows run from the top down.
     const std::size_t at = column * rows + (rows - 1 - rays.pixel[k] / columns);
     const std::uint32_t surface = surface_[at];
-    hits[k] = surface == SweptRays::kUnder
-                  ? walked_hit(plan_.scene(), plan_.sector().antenna_m,
-                               glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]))
-                  : RoughHit{};
+    hits[k] = surface == SweptRays::kUnder ? walk(rays, k) : RoughHit{};
     if (surface == SweptRays::kUnder || surface == SweptRays::kNothing) continue;
     hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
     hits[k].kind = surface < SweptRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-    if (surface >= SweptRays::kFace)
-      hits[k].triangle = triangle_of(plan_.scene().world().buildings, surface - SweptRays::kFace);
+    if (surface >= SweptRays::kFace) hits[k].triangle = triangle_of(surface - SweptRays::kFace);
   }
+}
+
+/// What a ray meets on its own walk.
+RoughHit PolarTrace::walk(const RayBatch& rays, std::size_t k) const {
+  const auto found = first_hit(plan_.scene(), plan_.sector().antenna_m,
+                               glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]));
+  RoughHit hit;
+  if (!found) return hit;
+  hit.distance_m = static_cast<float>(found->slant_range_m);
+  hit.kind = found->face == kNoFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
+  if (found->face != kNoFace) hit.triangle = triangle_of(found->face);
+  return hit;
+}
+
+/// One of a face's triangles.
+std::uint32_t PolarTrace::triangle_of(std::uint32_t face) const {
+  const Buildings& all = plan_.scene().world().buildings;
+  const Building& building = all.list[all.faces[face].building];
+  const auto first = all.triangle_face.begin() + building.first_triangle;
+  return static_cast<std::uint32_t>(std::find(first, first + building.n_triangles, face) -
+                                    all.triangle_face.begin());
 }
 
 }  // namespace obliq

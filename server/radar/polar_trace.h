@@ -18,6 +18,8 @@ class PolarTrace {
 
  private:
   void march();
+  RoughHit walk(const RayBatch& rays, std::size_t k) const;
+  std::uint32_t triangle_of(std::uint32_t face) const;
 
   const FramePlan& plan_;
   AzimuthRange range_;

@@ -26,6 +26,7 @@ RoofLine::RoofLine(const Buildings& all, const Sector& sector, std::span<const s
 }
 
 double RoofLine::free_range_m(const glm::dvec3& direction) const {
+  if (roofs_.empty()) return std::numeric_limits<double>::infinity();
   const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
   const double slope = direction.y / level - kSlack;
   const auto first = std::partition_point(roofs_.begin(), roofs_.end(),

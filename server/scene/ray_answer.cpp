@@ -121,21 +121,4 @@ RayAnswer answer_ray(const Scene& scene, const glm::dvec3& origin_m, const glm::
   return answer;
 }
 
-RoughHit walked_hit(const Scene& scene, const glm::dvec3& origin_m, const glm::dvec3& direction) {
-  const auto found = first_hit(scene, origin_m, direction);
-  RoughHit hit;
-  if (!found) return hit;
-  hit.distance_m = static_cast<float>(found->slant_range_m);
-  hit.kind = found->face == kNoFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-  if (found->face != kNoFace) hit.triangle = triangle_of(scene.world().buildings, found->face);
-  return hit;
-}
-
-std::uint32_t triangle_of(const Buildings& all, std::uint32_t face) {
-  const Building& building = all.list[all.faces[face].building];
-  const auto first = all.triangle_face.begin() + building.first_triangle;
-  return static_cast<std::uint32_t>(std::find(first, first + building.n_triangles, face) -
-                                    all.triangle_face.begin());
-}
-
 }  // namespace obliq

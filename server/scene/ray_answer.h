@@ -31,10 +31,4 @@ bool ground_is_buried(const Scene& scene, const glm::dvec3& point_m);
 std::optional<ExactHit> first_hit(const Scene& scene, const glm::dvec3& origin_m,
                                   const glm::dvec3& direction);
 
-/// The same as a tracer would report it.
-RoughHit walked_hit(const Scene& scene, const glm::dvec3& origin_m, const glm::dvec3& direction);
-
-/// One of a building face's triangles.
-std::uint32_t triangle_of(const Buildings& all, std::uint32_t face);
-
 }  // namespace obliq
