@@ -95,9 +95,8 @@ void fill_errors(const View& view, const TruthBins& truth, const std::vector<std
     measured.errors[static_cast<int>(Returns::terrain)] = measured.errors[static_cast<int>(Returns::all)];
     return;
   }
-  const BuildingErrors missed = missed_buildings(truth.buildings, [&](std::uint32_t i) {
-    return match[i] != kNoBuilding && plan.building_seen(match[i]);
-  });
+  const BuildingErrors missed = missed_buildings(
+      truth.buildings, [&](std::uint32_t i) { return match[i] != kNoBuilding && plan.seen().has(match[i]); });
   measured.errors[static_cast<int>(Returns::all)].buildings = missed;
   measured.errors[static_cast<int>(Returns::buildings)].buildings = missed;
   const auto fresh = plan_or_throw(view);

@@ -303,7 +303,10 @@ void Daemon::load() {
         if (renderer_->scene()->built_tracer() != nullptr) scene->tracer();  // not when a frame waits for it
         return scene;
       },
-      [this](std::shared_ptr<const Scene> scene) { renderer_->replace(std::move(scene)); });
+      [this](std::shared_ptr<const Scene> scene) {
+        renderer_->replace(std::move(scene));
+        keeping_->forget();
+      });
   for (const RadarConfig& radar : config_.radars) {
     check_radar(*renderer_, radar);
     metrics_.add_radar(radar.name);

@@ -27,6 +27,9 @@ class PlannedFrame {
   /// Buildings that what was rendered has seen; and those of an earlier frame whose wedges it has.
   virtual std::vector<std::uint32_t> seen() const { return {}; }
   virtual void see_again(const std::vector<std::uint32_t>& /*buildings*/) const {}
+  /// The same frame once more, of which nothing has been rendered, with another number and date of the same
+  /// antenna. Null: it must be planned anew.
+  virtual std::unique_ptr<PlannedFrame> again(const PoseSettings& /*pose*/) const { return nullptr; }
 };
 
 /// Called from several threads at once.

@@ -34,11 +34,19 @@ class KeepingRenderer::Place {
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
 
-  /// Its radar has other settings now, or has gone.
-  bool is_over() const { return settings_.expired(); }
+  /// Its radar has other settings now, or has gone, or there is another scene.
+  bool is_over(std::uint64_t generation) const { return settings_.expired() || generation_ != generation; }
   bool is_of(const SettingsPtr& settings) const { return settings_.lock() == settings; }
-  bool is_at(const PoseSettings& pose, std::uint64_t generation) const {
-    return same_antenna(pose_, pose) && generation_ == generation;
+  bool is_at(const PoseSettings& pose) const { return same_antenna(pose_, pose); }
+
+  /// The frame of before for another number and date; null when there is none to go by.
+  std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const {
+    const auto frame = planned();
+    return frame ? frame->again(pose) : nullptr;
+  }
+  void keep(std::shared_ptr<const PlannedFrame> frame) {
+    const std::lock_guard lock(mutex_);
+    frame_ = std::move(frame);
   }
 
   std::shared_ptr<const Part> find(AzimuthRange azimuths, bool states) const {
@@ -61,18 +69,24 @@ class KeepingRenderer::Place {
   }
 
  private:
+  std::shared_ptr<const PlannedFrame> planned() const {
+    const std::lock_guard lock(mutex_);
+    return frame_;
+  }
+
   std::weak_ptr<const SettingsSnapshot> settings_;
   PoseSettings pose_;
   std::uint64_t generation_;
   std::shared_ptr<Budget> budget_;
-  mutable std::mutex mutex_;  ///< guards parts_
+  mutable std::mutex mutex_;  ///< guards the rest
+  std::shared_ptr<const PlannedFrame> frame_;
   std::vector<std::shared_ptr<const Part>> parts_;
 };
 
 /// A frame from a place where there was one before.
 class KeepingRenderer::Frame : public PlannedFrame {
  public:
-  Frame(std::unique_ptr<PlannedFrame> frame, std::shared_ptr<Place> place)
+  Frame(std::shared_ptr<const PlannedFrame> frame, std::shared_ptr<Place> place)
       : frame_(std::move(frame)), place_(std::move(place)) {}
 
   const PlannedFrame& frame() const { return *frame_; }
@@ -119,7 +133,7 @@ class KeepingRenderer::Frame : public PlannedFrame {
     return true;
   }
 
-  std::unique_ptr<const PlannedFrame> frame_;
+  std::shared_ptr<const PlannedFrame> frame_;
   std::shared_ptr<Place> place_;
   mutable std::shared_ptr<Part> fresh_;  // while it is being rendered, by one thread
 };
@@ -133,7 +147,21 @@ KeepingRenderer::~KeepingRenderer() = default;
 
 FrameRenderer::Plan KeepingRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
   const std::uint64_t generation = renderer_.generation();
-  return keep(renderer_.plan(settings, pose), generation, settings, pose);
+  if (const auto place = find(settings, pose, generation))
+    if (auto again = place->again(pose)) return {std::make_unique<Frame>(std::move(again), place), {}, {}};
+  Plan plan = renderer_.plan(settings, pose);
+  // Another scene may have come while the frame was planned.
+  if (!plan.frame || plan.settings || renderer_.generation() != generation) return plan;
+  const auto place = find(settings, pose, generation);
+  if (!place) {
+    const std::lock_guard lock(mutex_);
+    places_.push_back(std::make_shared<Place>(settings, pose, generation, budget_));
+    return plan;
+  }
+  std::shared_ptr<const PlannedFrame> frame = std::move(plan.frame);
+  place->keep(frame);
+  plan.frame = std::make_unique<Frame>(std::move(frame), place);
+  return plan;
 }
 
 FrameRenderer::Plan KeepingRenderer::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
@@ -143,21 +171,21 @@ FrameRenderer::Plan KeepingRenderer::plan_again(const PlannedFrame& frame, const
   return renderer_.plan_again(ours ? ours->frame() : frame, settings, pose);
 }
 
-FrameRenderer::Plan KeepingRenderer::keep(Plan plan, std::uint64_t generation, const SettingsPtr& settings,
-                                          const PoseSettings& pose) const {
-  // Another scene may have come while the frame was planned.
-  if (!plan.frame || plan.settings || renderer_.generation() != generation) return plan;
+void KeepingRenderer::forget() {
+  const std::lock_guard lock(mutex_);
+  places_.clear();
+}
+
+/// Where a radar was before, if it is there still; places that radars have left are forgotten.
+std::shared_ptr<KeepingRenderer::Place> KeepingRenderer::find(const SettingsPtr& settings,
+                                                              const PoseSettings& pose,
+                                                              std::uint64_t generation) const {
   const std::lock_guard lock(mutex_);
   std::erase_if(places_, [&](const auto& place) {
-    return place->is_over() || (place->is_of(settings) && !place->is_at(pose, generation));
+    return place->is_over(generation) || (place->is_of(settings) && !place->is_at(pose));
   });
   const auto place = std::ranges::find_if(places_, [&](const auto& p) { return p->is_of(settings); });
-  if (place == places_.end()) {
-    places_.push_back(std::make_shared<Place>(settings, pose, generation, budget_));
-  } else {
-    plan.frame = std::make_unique<Frame>(std::move(plan.frame), *place);
-  }
-  return plan;
+  return place == places_.end() ? nullptr : *place;
 }
 
 }  // namespace obliq::net

@@ -9,10 +9,10 @@
 
 namespace obliq::net {
 
-/// Renders nothing twice: while a radar's settings, its antenna and the scene stay what they were, the wedges
-/// of the frame before go out again, which have the same bits. So an antenna that stands still, or scans from
-/// where it stands, costs next to nothing. Nothing is kept of the first frame at a place, so that a flight
-/// takes no memory.
+/// Renders nothing twice: while a radar's settings, its antenna and the scene stay what they were, the plan
+/// and the wedges of the frame before are taken again, which have the same bits. So an antenna that stands
+/// still, or scans from where it stands, costs next to nothing. Nothing is kept of the first frame at a
+/// place, so that a flight takes no memory.
 class KeepingRenderer : public FrameRenderer {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{128} << 20;
@@ -29,6 +29,9 @@ class KeepingRenderer : public FrameRenderer {
   std::string fixed() const override { return renderer_.fixed(); }
   wire::PlaneSet planes() const override { return renderer_.planes(); }
 
+  /// Lets go of all that is kept, and of the scene that it was planned in. From any thread.
+  void forget();
+
   /// Bytes of bins that are kept.
   std::size_t kept_bytes() const { return budget_->used; }
 
@@ -39,7 +42,8 @@ class KeepingRenderer : public FrameRenderer {
   };
   class Place;
   class Frame;
-  Plan keep(Plan plan, std::uint64_t generation, const SettingsPtr& settings, const PoseSettings& pose) const;
+  std::shared_ptr<Place> find(const SettingsPtr& settings, const PoseSettings& pose,
+                              std::uint64_t generation) const;
 
   const FrameRenderer& renderer_;
   std::shared_ptr<Budget> budget_;

@@ -28,15 +28,12 @@ class PlannedSceneFrame : public PlannedFrame {
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);
   }
-  std::vector<std::uint32_t> seen() const override {
-    std::vector<std::uint32_t> seen;
-    const auto n = static_cast<std::uint32_t>(scene_->world().buildings.list.size());
-    for (std::uint32_t b = 0; b < n; ++b)
-      if (plan_->building_seen(b)) seen.push_back(b);
-    return seen;
-  }
+  std::vector<std::uint32_t> seen() const override { return plan_->seen().list(); }
   void see_again(const std::vector<std::uint32_t>& buildings) const override {
-    for (const std::uint32_t b : buildings) plan_->mark_building_seen(b);
+    plan_->seen().mark(buildings);
+  }
+  std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const override {
+    return std::make_unique<PlannedSceneFrame>(scene_, plan_->again(pose), scene_name_);
   }
 
  private:
@@ -93,7 +90,7 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
           {"frustum.kind", "a frustum whose rays are traced", "\"polar\" or \"sweep\": " + fault}};
     if (state != TracerBuilder::State::built) return result;
   }
-  if (before != nullptr) planned.plan->add_seen(*before);
+  if (before != nullptr) planned.plan->seen().mark(before->seen().list());  // the dwells of a pass add up
   result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
   return result;
 }

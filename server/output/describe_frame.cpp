@@ -140,7 +140,7 @@ void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::Frame
   summary.set_repaired(stats.repaired);
   summary.set_rejected(stats.rejected);
   summary.set_coverage(stats.coverage());
-  summary.set_buildings_seen(plan.buildings_seen());
+  summary.set_buildings_seen(plan.seen().count());
 }
 
 }  // namespace obliq

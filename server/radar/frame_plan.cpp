@@ -50,19 +50,26 @@ void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
 
 }  // namespace
 
-FramePlan::FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, const Pose& pose)
+FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose)
     : scene_(std::move(scene)),
-      snapshot_(std::move(snapshot)),
+      snapshot_(snapshot),
       pose_(pose),
-      sector_(snapshot_->settings, pose),
+      sector_(snapshot_.settings, pose),
       extent_(measure_sector(*scene_, sector_)),
       box_(pose.antenna.m.y - extent_.bottom_y_m, extent_.top_y_m - extent_.bottom_y_m, sector_.r_min_m,
            sector_.r_max_m, sector_.width_rad),
-      bins_(bin_grid(snapshot_->settings)),
-      wavelength_m_(kSpeedOfLight_m_s / (snapshot_->settings.frequency_ghz * 1e9)),
+      bins_(bin_grid(snapshot_.settings)),
+      wavelength_m_(kSpeedOfLight_m_s / (snapshot_.settings.frequency_ghz * 1e9)),
       buildings_by_azimuth_(static_cast<std::size_t>(bins_.n_azimuth)),
-      seen_(scene_->world().buildings.list.size()) {
+      seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())) {
   sort_buildings_by_azimuth();
+}
+
+std::shared_ptr<FramePlan> FramePlan::again(const PoseSettings& pose) const {
+  std::shared_ptr<FramePlan> plan(new FramePlan(*this));
+  plan->pose_.settings = pose;
+  plan->seen_ = std::make_shared<SeenBuildings>(scene_->world().buildings.list.size());
+  return plan;
 }
 
 double FramePlan::building_reach_m() const { return sector_.r_max_m + 2 * scene_->world().grid.cell_m; }
@@ -99,20 +106,9 @@ void FramePlan::sort_buildings_by_azimuth() {
   }
 }
 
-void FramePlan::add_seen(const FramePlan& earlier) const {
-  for (std::uint32_t b = 0; b < seen_.size(); ++b)
-    if (earlier.building_seen(b)) mark_building_seen(b);
-}
-
-std::uint32_t FramePlan::buildings_seen() const {
-  std::uint32_t n = 0;
-  for (const auto& flag : seen_) n += flag.load(std::memory_order_relaxed);
-  return n;
-}
-
-PlanResult plan_frame(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, const Pose& pose) {
+PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {
   PlanResult result;
-  auto plan = std::make_shared<FramePlan>(std::move(scene), std::move(snapshot), pose);
+  auto plan = std::make_shared<FramePlan>(std::move(scene), *snapshot, pose);
   check_frustum(*plan, result.errors);
   if (!result.errors.empty()) return result;
   const RadarSettings& settings = plan->settings();

@@ -1,5 +1,4 @@
 #pragma once
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "server/radar/polar_rows.h"
 #include "server/radar/render.h"
 #include "server/radar/sector.h"
+#include "server/radar/seen_buildings.h"
 
 namespace obliq {
 
@@ -31,15 +31,17 @@ struct BinGrid {
   double azimuth_edge_rad(double k) const { return azimuth_start_rad + k * azimuth_width_rad; }
 };
 
-/// Everything about a frame that its wedges share, worked out once. Immutable but for the seen-building
-/// flags.
+/// Everything about a frame that its wedges share, worked out once. Immutable but for the buildings seen.
 class FramePlan {
  public:
-  FramePlan(std::shared_ptr<const Scene> scene, SettingsPtr snapshot, const Pose& pose);
+  FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose);
+
+  /// The same for another frame, with another number and date of the same antenna, and no building seen yet.
+  std::shared_ptr<FramePlan> again(const PoseSettings& pose) const;
 
   const Scene& scene() const { return *scene_; }
-  const RadarSettings& settings() const { return snapshot_->settings; }
-  std::uint64_t settings_version() const { return snapshot_->version; }
+  const RadarSettings& settings() const { return snapshot_.settings; }
+  std::uint64_t settings_version() const { return snapshot_.version; }
   const Pose& pose() const { return pose_; }
   const Sector& sector() const { return sector_; }
   const SectorExtent& extent() const { return extent_; }
@@ -64,24 +66,16 @@ class FramePlan {
   /// swath counts, or nearer bins would depend on where the swath ends.
   double building_reach_m() const;
 
-  void mark_building_seen(std::uint32_t building) const {
-    // Written once, so that threads do not take the line from each other for nothing.
-    if (!building_seen(building)) seen_[building].store(1, std::memory_order_relaxed);
-  }
-  bool building_seen(std::uint32_t building) const {
-    return seen_[building].load(std::memory_order_relaxed) != 0;
-  }
-  std::uint32_t buildings_seen() const;
-  /// Marks the buildings that an earlier plan in the same scene has seen, so that the dwells of a pass add
-  /// up.
-  void add_seen(const FramePlan& earlier) const;
+  /// By this frame's wedges.
+  SeenBuildings& seen() const { return *seen_; }
 
  private:
-  friend PlanResult plan_frame(std::shared_ptr<const Scene>, SettingsPtr, const Pose&);
+  friend PlanResult plan_frame(std::shared_ptr<const Scene>, const SettingsPtr&, const Pose&);
+  FramePlan(const FramePlan&) = default;  // shares what has been seen
   void sort_buildings_by_azimuth();
 
   std::shared_ptr<const Scene> scene_;
-  SettingsPtr snapshot_;
+  SettingsSnapshot snapshot_;  // a copy, so that a plan which is kept does not keep a radar's settings alive
   Pose pose_;
   Sector sector_;
   SectorExtent extent_;
@@ -91,7 +85,7 @@ class FramePlan {
   PolarRows polar_;
   double wavelength_m_;
   std::vector<std::vector<std::uint32_t>> buildings_by_azimuth_;
-  mutable std::vector<std::atomic<std::uint8_t>> seen_;
+  std::shared_ptr<SeenBuildings> seen_;
 };
 
 }  // namespace obliq

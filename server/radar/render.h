@@ -32,7 +32,7 @@ struct PlanResult {
   std::shared_ptr<const FramePlan> plan;
   std::vector<FieldError> errors;
 };
-PlanResult plan_frame(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose);
+PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const Pose& pose);
 
 struct Wedge {
   int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge

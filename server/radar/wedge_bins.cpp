@@ -80,7 +80,7 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
     ++count_[bin];
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
-      plan_.mark_building_seen(plan_.scene().world().buildings.faces[marked = samples.face[k]].building);
+      plan_.seen().mark(plan_.scene().world().buildings.faces[marked = samples.face[k]].building);
     if (geometric) {
       const double round_trips = 2 * r / plan_.wavelength_m();
       const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

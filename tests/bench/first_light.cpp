@@ -1,6 +1,7 @@
 // How soon a client on the loopback has something to show: its first wedge, and the last byte of the frame
 // after its last wedge has been binned, both as shares of the frame's time (from the begin of its plan to its
-// last byte at the client). A server with the real renderer, and a client that checks every message.
+// last byte at the client). And how many frames of a radar that stands still a client gets, which are not
+// rendered anew. A server with the real renderer, and a client that checks every message.
 //   first_light SCENE.toml [--set KEY=VALUE] [--frames N] [--json FILE]
 #include <CLI/CLI.hpp>
 #include <atomic>
@@ -14,6 +15,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/scene_loading.h"
 #include "server/control/scene_file.h"
+#include "server/net/keeping_renderer.h"
 #include "server/net/scene_renderer.h"
 #include "server/output/frame_files.h"
 #include "server/radar/sample_source.h"
@@ -122,32 +124,54 @@ struct Figures {
   double last_byte_p90 = 0;
 };
 
+/// A server of one radar and a client that is sent every frame of it with all planes, one after the other.
+class Watched {
+ public:
+  Watched(const net::FrameRenderer& renderer, const RadarConfig& radar)
+      : server_(renderer, {radar}, options()) {
+    check(client_.connect({"127.0.0.1", server_.port()}));
+    client_.set_handler(&watcher);
+    subscription_.set_radar(radar.name);
+    subscription_.set_rate_hz(kAny_hz);
+    subscription_.set_lossless(true);
+    check(client_.subscribe(subscription_));
+  }
+
+  void set_rate(double rate_hz) {
+    subscription_.set_rate_hz(rate_hz);
+    check(client_.unsubscribe(subscription_.radar()));
+    check(client_.subscribe(subscription_));
+  }
+  Clock::time_point next_frame() {
+    for (watcher.ended = false; !watcher.ended;) check(client_.receive(kLong));
+    return Clock::now();
+  }
+
+  Watcher watcher;
+
+ private:
+  static constexpr double kAny_hz = 10000;
+  static net::ServerOptions options() {
+    net::ServerOptions options;
+    options.max_rate_hz = kAny_hz;
+    return options;
+  }
+
+  bench::Served server_;
+  client::Client client_;
+  wire::Subscribe subscription_;
+};
+
 Figures measure(const std::shared_ptr<const Scene>& scene, const RadarConfig& radar, int frames) {
   Moments moments;
   const WatchedRenderer renderer(scene, moments);
-  net::ServerOptions options;
-  options.max_rate_hz = 10000;
-  const bench::Served server(renderer, {radar}, options);
-  client::Client client;
-  check(client.connect({"127.0.0.1", server.port()}));
-  Watcher watcher;
-  client.set_handler(&watcher);
-  wire::Subscribe subscription;
-  subscription.set_radar(radar.name);
-  subscription.set_rate_hz(10000);
-  subscription.set_lossless(true);
-  check(client.subscribe(subscription));
-  const auto next_frame = [&] {
-    for (watcher.ended = false; !watcher.ended;) check(client.receive(kLong));
-    return Clock::now();
-  };
+  Watched watched(renderer, radar);
+  const auto next_frame = [&] { return watched.next_frame(); };
   next_frame();
   // So seldom that one frame is over, on both sides, before the next begins.
   const auto start = Clock::now();
   next_frame();
-  subscription.set_rate_hz(0.4 / seconds_between(start, Clock::now()));
-  check(client.unsubscribe(radar.name));
-  check(client.subscribe(subscription));
+  watched.set_rate(0.4 / seconds_between(start, Clock::now()));
   next_frame();
 
   std::vector<double> frame_s, first, last, binned;
@@ -156,11 +180,23 @@ Figures measure(const std::shared_ptr<const Scene>& scene, const RadarConfig& ra
     const auto begin = moments.begin.load();
     frame_s.push_back(seconds_between(begin, end));
     binned.push_back(seconds_between(begin, moments.first_binned) / frame_s.back());
-    first.push_back(seconds_between(begin, watcher.first_wedge) / frame_s.back());
+    first.push_back(seconds_between(begin, watched.watcher.first_wedge) / frame_s.back());
     last.push_back(seconds_between(moments.last_binned, end) / frame_s.back());
   }
   return {bench::quantile(frame_s, 0.5), bench::quantile(binned, 0.5), bench::quantile(first, 0.5),
           bench::quantile(first, 0.9),   bench::quantile(last, 0.5),   bench::quantile(last, 0.9)};
+}
+
+/// Frames a second of a radar that stands still, as the daemon serves them.
+double standing_per_s(const std::shared_ptr<const Scene>& scene, const RadarConfig& radar, int frames) {
+  const net::SceneRenderer scenes(scene, "hills");
+  const net::KeepingRenderer renderer(scenes);
+  Watched watched(renderer, radar);
+  for (int k = 0; k < 4; ++k) watched.next_frame();  // from the third on they are repeated
+  const auto start = Clock::now();
+  Clock::time_point end;
+  for (int k = 0; k < frames; ++k) end = watched.next_frame();
+  return frames / seconds_between(start, end);
 }
 
 struct Arguments {
@@ -190,8 +226,11 @@ void run(const Arguments& arguments) {
         "%.0f %%); last byte %.1f %% (%.1f %%, target: within %.0f %%) after the last wedge was binned\n",
         name, 1000 * f.frame_s, 100 * f.first_binned, 100 * f.first_at_client, 100 * f.first_at_client_p90,
         100 * kFirstTarget, 100 * f.last_byte, 100 * f.last_byte_p90, 100 * kLastTarget);
+    const double standing = standing_per_s(scene, radar, 5 * arguments.frames);
+    std::printf("%-8s %.1f frames a second while the radar stands still\n", name, standing);
     std::fflush(stdout);
     report[name] = {{"frame_s", f.frame_s},
+                    {"standing_frames_per_s", standing},
                     {"first_wedge", f.first_at_client},
                     {"first_wedge_p90", f.first_at_client_p90},
                     {"last_byte", f.last_byte},

@@ -25,6 +25,15 @@ std::shared_ptr<const Scene> hills() {
   return scene;
 }
 
+struct CountingRenderer : net::SceneRenderer {
+  using SceneRenderer::SceneRenderer;
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override {
+    ++plans;
+    return SceneRenderer::plan(settings, pose);
+  }
+  mutable int plans = 0;
+};
+
 class KeepingRenderer : public testing::Test {
  protected:
   struct Result {
@@ -73,7 +82,7 @@ class KeepingRenderer : public testing::Test {
     EXPECT_EQ(a.seen, b.seen);
   }
 
-  net::SceneRenderer scenes_{hills(), "hills"};
+  CountingRenderer scenes_{hills(), "hills"};
   net::KeepingRenderer keeping_{scenes_};
   bool rendered_ = false;  // by the last frame()
   PoseSettings pose_ = test::settings_over_origin(1500);
@@ -119,6 +128,36 @@ TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
   expect_same(frame(settings, pose_), turned);
   EXPECT_TRUE(rendered_) << "another scene";
   EXPECT_EQ(keeping_.kept_bytes(), 0u);
+}
+
+TEST_F(KeepingRenderer, NothingKeepsASceneOrSettingsThatHaveGone) {
+  SettingsPtr settings = test::small_settings(FrustumKind::sweep);
+  for (int k = 0; k < 3; ++k) frame(settings, pose_);
+  const std::weak_ptr<const SettingsSnapshot> old_settings = settings;
+  settings = test::small_settings(FrustumKind::sweep);
+  EXPECT_TRUE(old_settings.expired());
+  for (int k = 0; k < 3; ++k) frame(settings, pose_);
+  const std::weak_ptr<const Scene> old_scene = scenes_.scene();
+  scenes_.replace(hills());
+  keeping_.forget();
+  EXPECT_TRUE(old_scene.expired());
+  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+}
+
+TEST_F(KeepingRenderer, ARepeatedFrameIsNotPlannedAnewAndHasItsOwnNumber) {
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
+  for (int k = 0; k < 2; ++k) frame(settings, pose_);
+  pose_.pose_id = 7;
+  pose_.sim_time_ns = 5;
+  const auto planned = keeping_.plan(settings, pose_);
+  wire::FrameDescriptor descriptor;
+  planned.frame->describe("radar", descriptor);
+  EXPECT_EQ(descriptor.pose().pose_id(), 7u);
+  EXPECT_EQ(descriptor.pose().sim_time_ns(), 5);
+  wire::FrameSummary summary;
+  planned.frame->summarise({}, summary);
+  EXPECT_EQ(summary.buildings_seen(), 0u) << "nothing of it has been rendered yet";
+  EXPECT_EQ(scenes_.plans, 2);
 }
 
 TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
