@@ -20,10 +20,8 @@ ColumnPlates::ColumnPlates(const FramePlan& plan)
     : plan_(plan),
       rows_(static_cast<int>(plan.polar().ray_rad.size())),
       surface_(plan.scene().world(), plan.sector().antenna_m) {
-  for (const double edge_rad : plan.polar().edge_rad) {
-    const SinCos at = sincos_turns(edge_rad / (2 * std::numbers::pi));
-    edge_slope_.push_back(at.cos > 0 ? at.sin / at.cos : at.sin * kInfinity);
-  }
+  for (const SinCos& edge : plan.polar().edge)
+    edge_slope_.push_back(edge.cos > 0 ? edge.sin / edge.cos : edge.sin * kInfinity);
 }
 
 ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "server/radar/metres_text.h"
@@ -129,6 +130,10 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& sna
       case FrustumKind::polar:
         plan->polar_ = polar_rows(plan->sector_, plan->extent_, plan->box_, plan->scene_->world().frame,
                                   settings.pixel_rows);
+        if (plan->scene_->rays() == RayMethod::march)
+          plan->swept_rays_ =
+              std::make_shared<const SweptRays>(*plan->scene_, plan->sector_.antenna_m, plan->polar_.ray,
+                                                std::numeric_limits<double>::infinity());
         break;
       case FrustumKind::sweep:
         break;

@@ -50,6 +50,10 @@ OBLIQ_LANES LaneBits load_bits(const std::uint64_t* from) {
   __builtin_memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
+OBLIQ_LANES void store_words(std::uint32_t* to, LaneBits lanes) {
+  const LaneWords narrow = __builtin_convertvector(lanes, LaneWords);
+  __builtin_memcpy(to, &narrow, sizeof narrow);
+}
 OBLIQ_LANES void store_bits(std::uint64_t* to, LaneBits lanes) { __builtin_memcpy(to, &lanes, sizeof lanes); }
 OBLIQ_LANES void store_lanes(double* to, Lanes lanes) { __builtin_memcpy(to, &lanes, sizeof lanes); }
 

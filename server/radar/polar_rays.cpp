@@ -2,14 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 
 namespace obliq {
-namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
-
-}  // namespace
 
 PolarRays::PolarRays(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
@@ -67,9 +61,9 @@ bool PolarRays::add_rows(RayBatch& batch) {
 /// True when the row's rays reach the swath.
 bool PolarRays::begin_row(Row& row, std::size_t number) const {
   const PolarRows& rows = plan_.polar();
-  row.elevation = sincos_turns(rows.ray_rad[number] / kTurn);
-  const double low = sincos_turns(rows.edge_rad[number] / kTurn).sin;
-  const double high = sincos_turns(rows.edge_rad[number + 1] / kTurn).sin;
+  row.elevation = rows.ray[number];
+  const double low = rows.edge[number].sin;
+  const double high = rows.edge[number + 1].sin;
   row.solid_angle_sr = width_rad_ * (high - low);
   // Texture rows run from the top (far) down, polar rows from near to far.
   row.first_pixel = static_cast<std::uint32_t>(rows.ray_rad.size() - 1 - number) *

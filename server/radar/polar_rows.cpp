@@ -40,9 +40,13 @@ void add_even_elevations(PolarRows& rows, double to_rad, int n) {
   }
 }
 
-}  // namespace
+std::vector<SinCos> sincos_of(const std::vector<double>& angles_rad) {
+  std::vector<SinCos> found;
+  for (const double angle_rad : angles_rad) found.push_back(sincos_turns(angle_rad / (2 * std::numbers::pi)));
+  return found;
+}
 
-PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const SectorBox& box,
+PolarRows row_angles(const Sector& sector, const SectorExtent& extent, const SectorBox& box,
                      const WorldFrame& frame, int n) {
   constexpr double kHalfPi = std::numbers::pi / 2;
   PolarRows rows;
@@ -75,6 +79,16 @@ PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const Sec
     }
   }
   add_even_elevations(rows, highest, n);
+  return rows;
+}
+
+}  // namespace
+
+PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const SectorBox& box,
+                     const WorldFrame& frame, int n) {
+  PolarRows rows = row_angles(sector, extent, box, frame, n);
+  rows.edge = sincos_of(rows.edge_rad);
+  rows.ray = sincos_of(rows.ray_rad);
   return rows;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "server/radar/exact_math.h"
 #include "server/radar/sector.h"
 #include "terrain/frames.h"
 
@@ -10,6 +11,8 @@ namespace obliq {
 struct PolarRows {
   std::vector<double> edge_rad;  ///< [rows + 1], rising
   std::vector<double> ray_rad;   ///< [rows], inside their rows
+  std::vector<SinCos> edge;      ///< of edge_rad
+  std::vector<SinCos> ray;       ///< of ray_rad
   int ground_rows = 0;           ///< how many of them step evenly in slant range; the rest step in elevation
 };
 

@@ -1,7 +1,6 @@
 #include "server/radar/polar_trace.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "server/radar/polar_columns.h"
 #include "server/scene/ray_answer.h"
@@ -9,10 +8,7 @@
 namespace obliq {
 
 PolarTrace::PolarTrace(const FramePlan& plan, AzimuthRange range)
-    : plan_(plan),
-      range_(range),
-      rays_(plan.scene(), plan.sector().antenna_m, plan.polar().ray_rad,
-            std::numeric_limits<double>::infinity()) {}
+    : plan_(plan), range_(range), rays_(plan.swept_rays()) {}
 
 void PolarTrace::march() {
   marched_ = true;
@@ -38,10 +34,16 @@ void PolarTrace::trace(const RayBatch& rays, RoughHit* hits) {
   if (!marched_) march();
   const auto columns = static_cast<std::uint32_t>(plan_.settings().pixel_columns);
   const std::size_t rows = rays_.rays();
+  std::uint32_t first_of_row = 0;
+  std::size_t row = rows - 1;
   for (std::size_t k = 0; k < static_cast<std::size_t>(rays.n); ++k) {
-    const std::uint32_t column = rays.pixel[k] % columns - static_cast<std::uint32_t>(first_column_);
     // Texture rows run from the top down.
-    const std::size_t at = column * rows + (rows - 1 - rays.pixel[k] / columns);
+    const std::uint32_t pixel = rays.pixel[k];
+    if (pixel - first_of_row >= columns) {
+      row = rows - 1 - pixel / columns;
+      first_of_row = pixel / columns * columns;
+    }
+    const std::size_t at = (pixel - first_of_row - static_cast<std::uint32_t>(first_column_)) * rows + row;
     const std::uint32_t surface = surface_[at];
     hits[k] = surface == SweptRays::kUnder ? walk(rays, k) : RoughHit{};
     if (surface == SweptRays::kUnder || surface == SweptRays::kNothing) continue;

@@ -23,7 +23,7 @@ class PolarTrace {
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  SweptRays rays_;
+  const SweptRays& rays_;
   int first_column_ = 0;
   bool marched_ = false;
   std::vector<double> slant_range_m_;   // [columns][rows]

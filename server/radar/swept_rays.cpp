@@ -4,11 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
-#include "server/radar/ground_prefetch.h"
 #include "server/radar/sweep_plane.h"
 #include "server/radar/walking_planes.h"
 
@@ -31,6 +29,7 @@ struct AnswerVisible {
     for (; rows.slope[next] * high_d < high_h; ++next) {
       const double slope = rows.slope[next];
       if (slope * low_d < low_h) {
+        slant_range_m[next] = 0;
         surface[next] = SweptRays::kUnder;
         continue;
       }
@@ -53,7 +52,7 @@ struct SweptRays::Roofs {
   SinCos bearing;
 };
 
-SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const double> elevation_rad,
+SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const SinCos> elevation,
                      double reach_m, const LaneKernels& kernels)
     : world_(scene.world()),
       antenna_m_(antenna_m),
@@ -66,8 +65,7 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
                                            farther(antenna_m.z, grid.z0_m, grid.z1_m())));
   if (static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.nz) >= kFace / 2)
     throw std::length_error("SweptRays: the grid has 2^30 posts or more");
-  for (const double elevation : elevation_rad) {
-    const SinCos at = sincos_turns(elevation / (2 * std::numbers::pi));
+  for (const SinCos at : elevation) {
     slope_.push_back(at.sin / at.cos);
     secant_.push_back(1 / at.cos);
   }
@@ -81,10 +79,6 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
 
 void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings,
                        std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
-  std::fill(slant_range_m.begin(), slant_range_m.end(), 0.0);
-  std::fill(surface.begin(), surface.end(), kNothing);
-  if (bearings.empty()) return;
-  prefetch_ground(world_.grid, antenna_m_, bearings.front(), bearings.back(), reach_m_);
   RayLanes lanes{};
   lanes.slant_range_m = slant_range_m.data();
   lanes.surface = surface.data();
@@ -107,6 +101,12 @@ void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::ui
   while (const unsigned at_roof = kernels_.answer_rays(ground_, rows, lanes))
     for (std::size_t k = 0; k < bearings.size(); ++k)
       if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], lanes);
+  for (std::size_t k = 0; k < bearings.size(); ++k) {
+    const auto unanswered = static_cast<std::ptrdiff_t>(k * rays() + lanes.next[k]);
+    const auto end = static_cast<std::ptrdiff_t>((k + 1) * rays());
+    std::fill(slant_range_m.begin() + unanswered, slant_range_m.begin() + end, 0.0);
+    std::fill(surface.begin() + unanswered, surface.begin() + end, kNothing);
+  }
 }
 
 /// Takes one plane past the roofs that it stands before.

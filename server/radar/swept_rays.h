@@ -24,9 +24,9 @@ class SweptRays {
   static constexpr std::uint32_t kUnder = kUnderVoid;
   static constexpr std::uint32_t kNothing = 0xffffffffu;
 
-  /// `elevation_rad`: rising, above -pi/2 and below pi/2. Hits lie at ground distances up to `reach_m`.
+  /// `elevation`: rising, above -pi/2 and below pi/2. Hits lie at ground distances up to `reach_m`.
   /// Throws std::length_error when the grid has 2^30 posts or more. `kernels`: for tests.
-  SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const double> elevation_rad,
+  SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const SinCos> elevation,
             double reach_m, const LaneKernels& kernels = lane_kernels());
 
   std::size_t rays() const { return slope_.size() - 1; }

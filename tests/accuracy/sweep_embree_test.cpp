@@ -115,7 +115,9 @@ struct Answers {
     std::vector<std::uint32_t> buildings(scene.world().buildings.list.size());
     std::iota(buildings.begin(), buildings.end(), 0u);
     const SinCos bearing = sincos_turns(bearing_rad / (2 * M_PI));
-    SweptRays(scene, antenna_m, elevation_rad, HUGE_VAL)
+    std::vector<SinCos> elevation;
+    for (const double angle_rad : elevation_rad) elevation.push_back(sincos_turns(angle_rad / (2 * M_PI)));
+    SweptRays(scene, antenna_m, elevation, HUGE_VAL)
         .answer(std::span(&bearing, 1), buildings, slant_range_m, surface);
   }
 };

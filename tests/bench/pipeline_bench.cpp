@@ -134,7 +134,7 @@ void BareTrace(benchmark::State& state) {
 void MarchedRays(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::polar);
   const int columns = plan->settings().pixel_columns;
-  const SweptRays rays(plan->scene(), plan->sector().antenna_m, plan->polar().ray_rad, plan->bins().r_max_m);
+  const SweptRays rays(plan->scene(), plan->sector().antenna_m, plan->polar().ray, plan->bins().r_max_m);
   const auto n = static_cast<std::size_t>(columns) * rays.rays();
   std::vector<double> slant_range_m(n);
   std::vector<std::uint32_t> surface(n);

@@ -329,20 +329,19 @@ TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
     const auto scene = test::scene_of(random);
     std::vector<std::uint32_t> buildings(scene->world().buildings.list.size());
     for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
-    std::vector<double> elevation_rad;
-    for (int k = -150; k < 150; ++k) elevation_rad.push_back(k / 100.0);
+    std::vector<SinCos> elevation;
+    for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
     std::vector<SinCos> bearings;
     for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
-    const std::size_t n = elevation_rad.size();
+    const std::size_t n = elevation.size();
     std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
     std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
-    const SweptRays rays(*scene, antenna, elevation_rad, HUGE_VAL);
+    const SweptRays rays(*scene, antenna, elevation, HUGE_VAL);
     for (std::size_t k = 0; k < bearings.size(); ++k)
       rays.answer(std::span(bearings).subspan(k, 1), buildings, std::span(expected_m).subspan(k * n, n),
                   std::span(expected).subspan(k * n, n));
     for (const LaneKernels& kernels : all_lane_kernels()) {
-      SweptRays(*scene, antenna, elevation_rad, HUGE_VAL, kernels)
-          .answer(bearings, buildings, found_m, found);
+      SweptRays(*scene, antenna, elevation, HUGE_VAL, kernels).answer(bearings, buildings, found_m, found);
       EXPECT_EQ(found_m, expected_m) << kernels.name << " seed " << seed;
       EXPECT_EQ(found, expected) << kernels.name << " seed " << seed;
     }
@@ -364,12 +363,12 @@ TEST(SweptRays, EndWithinABuildingWhenTheirReachDoes) {
       const double centre_m = std::hypot(to.x, to.z);
       if (!(centre_m > 1)) continue;
       const SinCos bearing{to.x / centre_m, to.z / centre_m};
-      const double elevation_rad = std::atan2(to.y, centre_m) - 1e-3;
+      const SinCos elevation = sincos_turns((std::atan2(to.y, centre_m) - 1e-3) / (2 * M_PI));
       double slant_range_m = 0;
       std::uint32_t surface = 0;
       // Through the middle of the roof, and where the reach ends just before, on and behind it.
       for (const double reach_m : {centre_m - 1e-9, centre_m, 1.001 * centre_m, HUGE_VAL}) {
-        SweptRays(*scene, antenna, std::span(&elevation_rad, 1), reach_m)
+        SweptRays(*scene, antenna, std::span(&elevation, 1), reach_m)
             .answer(std::span(&bearing, 1), std::span(&building, 1), std::span(&slant_range_m, 1),
                     std::span(&surface, 1));
         on_roofs += surface != SweptRays::kNothing && surface >= SweptRays::kFace ? 1 : 0;
