@@ -5,13 +5,9 @@
 #include "server/radar/answer_lanes.h"
 
 #include "server/radar/cell_lanes.h"
-#include "server/radar/cell_prefetch.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
-
-/// How far ahead heights are asked for: memory answers by then.
-constexpr double kAhead_cells = 32;
 
 /// Triangles that the planes have passed, a row for each that some plane sees.
 struct Rises {
@@ -124,8 +120,7 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
     }
     const LaneBits at = integers_of(cells.number(grid, active));
     const Corners y = corners(grid, at);
-    const Lanes ahead = cells.d + kAhead_cells * grid.cell_m;
-    prefetch_cells(grid, p.start_u + ahead * p.rate_u, p.start_v + ahead * p.rate_v);
+    prefetch_ahead(grid, p, cells);
     const LaneFlags known = active & y.known;
     const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
         __attribute__((always_inline)) {

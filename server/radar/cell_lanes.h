@@ -1,6 +1,7 @@
 #pragma once
 // Eight vertical planes that walk the grid side by side, cell by cell, outwards: what the marches over ground
 // have in common. To the bit as GroundWalk.
+#include "server/radar/cell_prefetch.h"
 #include "server/radar/ground_lanes.h"
 #include "server/radar/lanes.h"
 
@@ -54,6 +55,12 @@ OBLIQ_LANES void store_cells(WalkingPlanes& planes, const Cells& cells) {
   store_lanes(planes.d_m, cells.d);
   store_lanes(planes.i, cells.i);
   store_lanes(planes.j, cells.j);
+}
+
+/// Asks for the heights that planes come to 32 cells later: memory has answered by then.
+OBLIQ_LANES void prefetch_ahead(const LaneGrid& grid, const PlaneRates& p, const Cells& cells) {
+  const Lanes ahead = cells.d + 32 * grid.cell_m;
+  prefetch_cells(grid, p.start_u + ahead * p.rate_u, p.start_v + ahead * p.rate_v);
 }
 
 /// Ground distances at which planes meet the two grid lines ahead, and the nearer one.

@@ -51,6 +51,7 @@ bool march_ground(const GroundScene& scene, GroundLanes& lanes, GroundPieces& pi
     const Lanes end = greatest(cells.d, least(ends.nearest, to));
     const Lanes cell = cells.number(grid, active);
     const Corners y = corners(grid, integers_of(cell));
+    prefetch_ahead(grid, p, cells);
     const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
         __attribute__((always_inline)) {
       const Lanes start = cut.start - scene.antenna_y_m;

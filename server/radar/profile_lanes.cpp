@@ -90,6 +90,7 @@ unsigned march_profiles(const GroundScene& scene, const ProfileBins& bins, Profi
     if (at_roof != 0) break;
 
     const Corners y = corners(grid, integers_of(cells.number(grid, active)));
+    prefetch_ahead(grid, p, cells);
     const LaneFlags known = active & y.known;
     if (const LaneFlags gap = active & ~known; any(gap)) {
       visible.close(gap, bins, lanes.visible);

@@ -1,9 +1,7 @@
 #include "server/radar/sweep_samples.h"
 
 #include <algorithm>
-#include <numbers>
 
-#include "server/radar/ground_prefetch.h"
 #include "server/radar/sweep_column.h"
 #include "terrain/stage_clock.h"
 
@@ -20,13 +18,6 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
       first_(range.first),
       sampler_(plan),
       ground_(plan) {
-  {
-    const StageProbe probe(Stage::ground);
-    const Sector& sector = plan.sector();
-    const auto edge = [&](int bin) { return sincos_turns(plan.bearing_rad(bin) / (2 * std::numbers::pi)); };
-    prefetch_ground(plan.scene().world().grid, sector.antenna_m, edge(range.first),
-                    edge(range.first + range.count), sector.r_max_m);
-  }
   const StageProbe probe(Stage::buildings);
   for (const std::uint32_t b : plan.buildings_in(range)) {
     silhouettes_.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
