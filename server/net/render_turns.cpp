@@ -7,7 +7,9 @@
 namespace obliq::net {
 namespace {
 
-/// As long as nothing is known. Newcomers of equal cost are then served one after the other.
+/// As long as nothing is known, a newcomer has so long to show that it is quick. Those that are not are then
+/// served one after the other, as if all of them cost the same.
+constexpr double kTrial_s = 0.05;
 constexpr double kUnknown_s = 1;
 /// Pieces of one party vary by this much on a machine that others use too: none is interrupted for it just
 /// before its end.
@@ -30,6 +32,7 @@ double RenderTurns::expected_s(const Party& party) const {
   if (!like_s)
     for (const Party& other : parties_)
       if (other.last_s) like_s = std::min(like_s.value_or(kUnknown_s), *other.last_s);
+  if (!like_s && party.spent_s < kTrial_s) return kTrial_s;
   double expected_s = std::max(kLeast_s, kMargin * like_s.value_or(kUnknown_s));
   while (expected_s < party.spent_s) expected_s *= 2;
   return expected_s;

@@ -123,10 +123,17 @@ TEST(RenderTurns, AFrameThatTakesLittleLongerThanTheLastOneIsNotInterruptedForIt
   EXPECT_EQ(turns.first(), other) << "twice as long: it may take any time";
 }
 
-TEST(RenderTurns, NewcomersOfEqualCostAreServedOneAfterTheOther) {
+TEST(RenderTurns, NewcomersOfEqualCostAreServedOneAfterTheOtherWhenAllHaveHadATrial) {
   std::vector<Radar> radars(16, Radar{0.01, 0.3});
-  run(radars, 8 * 0.3);
-  for (std::size_t k = 0; k < radars.size(); ++k) EXPECT_EQ(radars[k].done, k < 8 ? 1u : 0u) << k;
+  run(radars, 16 * 0.05 + 6 * 0.25);
+  for (std::size_t k = 0; k < radars.size(); ++k) EXPECT_EQ(radars[k].done, k < 6 ? 1u : 0u) << k;
+}
+
+TEST(RenderTurns, QuickNewcomersDoNotWaitForASlowOneThatNobodyKnows) {
+  std::vector<Radar> radars(16, Radar{0.01, 0.03});
+  radars[0].cost_s = 0.5;
+  run(radars, 0.05 + 15 * 0.03);
+  for (std::size_t k = 1; k < radars.size(); ++k) EXPECT_EQ(radars[k].done, 1u) << k;
 }
 
 TEST(RenderTurns, OneSlowRadarTakesNothingFromThoseWithinTheirShares) {
