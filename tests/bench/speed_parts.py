@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 PAPER = "tests/bench/paper_hills.toml"
+CITY = "tests/bench/city.toml"
 
 
 @dataclass
@@ -190,15 +191,24 @@ def peer_words(figures):
 # ---- A client's view
 
 def light_commands(folder_of_programs, folder):
-    return [[folder_of_programs / "first_light", PAPER, "--json", folder / "light.json"]]
+    program = folder_of_programs / "first_light"
+    return [[program, PAPER, "--json", folder / "light.json"],
+            [program, CITY, "--frames", "5", "--json", folder / "light_city.json"]]
+
+
+def light_figures(_, folder):
+    return {scene: read(folder / f"{file}.json") for scene, file in (("hills", "light"), ("100,000 buildings", "light_city"))}
 
 
 def light_words(figures):
-    rows = [[name, ms(f["frame_s"]), share(f["first_wedge"]), share(f["last_byte"])] for name, f in figures["frusta"].items()]
+    rows = [[scene, name, ms(f["frame_s"]), share(f["first_wedge"]), share(f["last_byte"]), f"{f['standing_frames_per_s']:.0f}"]
+            for scene, of_scene in figures.items() for name, f in of_scene["frusta"].items()]
+    figures = figures["hills"]
     return ("`first_light`: when a client on the loopback has the first wedge with all planes, and how long after the last wedge was "
             f"binned it has the last byte, as shares of the frame's time; targets {share(figures['target_first_wedge'])} and "
-            f"{share(figures['target_last_byte'])}."
-            + table(["frustum", "frame", "first wedge", "last byte"], rows))
+            f"{share(figures['target_last_byte'])}. A radar that stands still renders nothing anew: how many of its frames a second a "
+            "client gets."
+            + table(["scene", "frustum", "frame", "first wedge", "last byte", "standing still, frames/s"], rows))
 
 
 def many_commands(folder_of_programs, folder):
@@ -235,7 +245,7 @@ PARTS = [
     Part("rays", "Beside the bare trace", ray_commands, ray_figures, ray_words),
     Part("sweep", "The sweep", sweep_commands, sweep_figures, sweep_words),
     Part("peers", "Beside other ray tracers", peer_commands, peer_figures, peer_words),
-    Part("first_light", "First light", light_commands, lambda _, folder: read(folder / "light.json"), light_words),
+    Part("first_light", "First light", light_commands, light_figures, light_words),
     Part("many_radars", "Many radars, one scene", many_commands, lambda _, folder: read(folder / "many.json"), many_words),
     Part("stream", "The stream beside a bare socket loop", lambda bin_folder, _: [[bin_folder / "stream_bench"]], median_line,
          lambda figures: f"`stream_bench`, {figures['line']}."),
