@@ -1,7 +1,7 @@
 // First hits on bare ground of rays that lie in eight vertical planes. The planes walk side by side and note
 // the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a plane
-// come in rising order, and so do these slopes: a ray meets the first triangle that rises above it. Both
-// steps go without a branch that depends on where rays fall, which no processor foresees.
+// come in rising order, and so do these slopes: a ray meets the first triangle that rises above it. Neither
+// step branches by where rays fall, which no processor foresees.
 #include "server/radar/answer_lanes.h"
 
 #include "server/radar/cell_lanes.h"
