@@ -37,6 +37,7 @@ class KeepingRenderer::Place {
   /// Its radar has other settings now, or has gone, or there is another scene.
   bool is_over(std::uint64_t generation) const { return settings_.expired() || generation_ != generation; }
   bool is_of(const SettingsPtr& settings) const { return settings_.lock() == settings; }
+  const PoseSettings& pose() const { return pose_; }
   bool is_at(const PoseSettings& pose) const { return same_antenna(pose_, pose); }
 
   /// The frame of before for another number and date; null when there is none to go by.
@@ -105,6 +106,7 @@ class KeepingRenderer::Frame : public PlannedFrame {
       fresh_ = std::make_shared<Part>();
       fresh_->azimuths = azimuths;
       fresh_->states = options.states;
+      part_ = frame_->again(place_->pose());  // knows what this part alone has seen
     }
     RenderOptions with_copy = options;
     with_copy.on_wedge = [&](Wedge&& wedge) {
@@ -112,13 +114,15 @@ class KeepingRenderer::Frame : public PlannedFrame {
       fresh_->wedges.push_back(wedge);
       if (options.on_wedge) options.on_wedge(std::move(wedge));
     };
-    const bool done = frame_->render(azimuths, with_copy);
+    const bool done = (part_ ? *part_ : *frame_).render(azimuths, with_copy);
     if (options.pause && options.pause->begun) return done;  // there is more to come
-    if (done) {
-      fresh_->seen = frame_->seen();
+    if (done && part_) {
+      fresh_->seen = part_->seen();
+      frame_->see_again(fresh_->seen);
       place_->keep(fresh_);
     }
     fresh_ = nullptr;
+    part_ = nullptr;
     return done;
   }
 
@@ -136,6 +140,7 @@ class KeepingRenderer::Frame : public PlannedFrame {
   std::shared_ptr<const PlannedFrame> frame_;
   std::shared_ptr<Place> place_;
   mutable std::shared_ptr<Part> fresh_;  // while it is being rendered, by one thread
+  mutable std::unique_ptr<const PlannedFrame> part_;
 };
 
 KeepingRenderer::KeepingRenderer(const FrameRenderer& renderer, std::size_t most_bytes)

@@ -12,6 +12,7 @@ namespace {
 /// Triangles that the planes have passed, a row for each that some plane sees.
 struct Rises {
   static constexpr int kMost = 128;
+  static constexpr int kMostOfCells = 4;  // two triangles, each with what passes under it
   using Row = double[kLanes];
   int n = 0;
   double slope[kLanes][kMost + kLanes];  // the greatest so far, of each plane by itself
@@ -91,7 +92,9 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
   Cells cells = cells_of(lanes);
   const LaneBits next = load_bits(lanes.next);
   const LaneFlags some = next > 0;
+  // All that is nearer lies below the next ray; where there is none, nothing is left to look for.
   Lanes horizon = select(some, gather(rows.slope, some ? next - 1 : next), -infinite);
+  horizon = select(next >= rows.n, infinite, horizon);
   const Lanes highest = all_lanes(rows.n > 0 ? rows.slope[rows.n - 1] : -__builtin_inf());
   // Ground that begins higher than what is nearer leaves rays that pass under it: behind a void.
   LaneFlags beginning = cells.d == cells.d;
@@ -114,7 +117,7 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
     const Lanes end = greatest(cells.d, least(ends.nearest, end_m));
     at_roof = mask_of(active & (roof_m <= end));
     if (at_roof != 0) break;
-    if (rises.n > Rises::kMost - 3) {
+    if (rises.n > Rises::kMost - Rises::kMostOfCells) {
       answer(rises, rows, lanes);
       rises.n = 0;
     }

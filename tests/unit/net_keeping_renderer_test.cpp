@@ -174,6 +174,18 @@ TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
   EXPECT_FALSE(rendered_);
 }
 
+TEST_F(KeepingRenderer, APartThatIsRepeatedHasSeenNoBuildingsOfTheOthers) {
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
+  const std::uint32_t alone = frame(settings, pose_, false, {16, 8}).seen;
+  const auto planned = keeping_.plan(settings, pose_);
+  EXPECT_TRUE(planned.frame->render({0, 8}, {}));
+  EXPECT_TRUE(planned.frame->render({16, 8}, {}));
+  wire::FrameSummary both;
+  planned.frame->summarise({}, both);
+  EXPECT_GT(both.buildings_seen(), alone);
+  EXPECT_EQ(frame(settings, pose_, false, {16, 8}).seen, alone);
+}
+
 TEST_F(KeepingRenderer, AFrameThatPausesIsKeptWhole) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const Result first = frame(settings, pose_);

@@ -16,6 +16,7 @@
 #include "server/radar/sweep_ground.h"
 #include "server/radar/swept_rays.h"
 #include "terrain/hash.h"
+#include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
@@ -348,6 +349,40 @@ TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
     for (const std::uint32_t surface : expected) hits += surface != SweptRays::kNothing ? 1 : 0;
   }
   EXPECT_GT(hits, 10000);
+}
+
+TEST(SweptRays, AnswerBehindAVoidWhereverItBegins) {
+  // One plane runs along a line of the grid, where triangles have no extent, and the others beside it: a cell
+  // behind the void has as much to note as a cell can have, at every state of the lists that notes fill.
+  std::vector<SinCos> bearings;
+  for (int k = -3; k < 5; ++k) bearings.push_back({-std::sqrt(1 - 1e-6 * k * k), 1e-3 * k});
+  std::vector<SinCos> elevation;
+  for (double slope = -0.97941; slope < -100 / 850.0; slope += 0.003)
+    elevation.push_back({slope / std::hypot(1, slope), 1 / std::hypot(1, slope)});
+  const std::size_t n = elevation.size();
+  std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
+  std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
+  int under = 0;
+  for (double void_m = 200; void_m < 1800; void_m += 10) {
+    const auto scene = test::make_scene(test::made_world(
+        2000, 10, [&](double x_m, double) { return x_m == -void_m ? test::kUnknown : 0.0; }));
+    const glm::dvec3 antenna(0, 100, 0);
+    for (const LaneKernels& kernels : all_lane_kernels()) {
+      const SweptRays rays(*scene, antenna, elevation, HUGE_VAL, kernels);
+      for (std::size_t k = 0; k < bearings.size(); ++k)
+        rays.answer(std::span(bearings).subspan(k, 1), {}, std::span(expected_m).subspan(k * n, n),
+                    std::span(expected).subspan(k * n, n));
+      rays.answer(bearings, {}, found_m, found);
+      ASSERT_EQ(found_m, expected_m) << kernels.name << ", void at " << void_m;
+      ASSERT_EQ(found, expected) << kernels.name << ", void at " << void_m;
+    }
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      under += found[k] == SweptRays::kUnder ? 1 : 0;
+      if (found[k] == SweptRays::kUnder || found[k] == SweptRays::kNothing) continue;
+      ASSERT_NEAR(found_m[k], -antenna.y / elevation[k % n].sin, 1e-9) << "flat ground";
+    }
+  }
+  EXPECT_GT(under, 1000);
 }
 
 TEST(SweptRays, EndWithinABuildingWhenTheirReachDoes) {
