@@ -133,7 +133,8 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
       };
       if (any(where & beginning)) {
         const Lanes first = slope_at(d0);
-        const LaneFlags under = where & beginning & (first > horizon);
+        // Nothing is under the antenna itself, at 0 or -0.
+        const LaneFlags under = where & beginning & (d0 > 0.0) & (first > horizon);
         if (any(under)) {
           horizon = select(under, first, horizon);
           note(all_lanes(-1), Lanes{}, Lanes{}, Lanes{}, LaneBits{} + std::uint64_t{kUnderVoid});

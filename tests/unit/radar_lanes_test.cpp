@@ -14,9 +14,7 @@
 #include "server/radar/scatterer_sums.h"
 #include "server/radar/speckle.h"
 #include "server/radar/sweep_ground.h"
-#include "server/radar/swept_rays.h"
 #include "terrain/hash.h"
-#include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
@@ -320,97 +318,6 @@ TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
       EXPECT_EQ(point.h_m, expected.h_m) << kernels.name;
     }
   }
-}
-
-TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
-  int hits = 0;
-  for (std::uint64_t seed = 500; seed < 540; ++seed) {
-    test::RandomScene random = test::random_scene(seed);
-    const glm::dvec3 antenna = random.pose.antenna.m;
-    const auto scene = test::scene_of(random);
-    std::vector<std::uint32_t> buildings(scene->world().buildings.list.size());
-    for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
-    std::vector<SinCos> elevation;
-    for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
-    std::vector<SinCos> bearings;
-    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
-    const std::size_t n = elevation.size();
-    std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
-    std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
-    const SweptRays rays(*scene, antenna, elevation, HUGE_VAL);
-    for (std::size_t k = 0; k < bearings.size(); ++k)
-      rays.answer(std::span(bearings).subspan(k, 1), buildings, std::span(expected_m).subspan(k * n, n),
-                  std::span(expected).subspan(k * n, n));
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      SweptRays(*scene, antenna, elevation, HUGE_VAL, kernels).answer(bearings, buildings, found_m, found);
-      EXPECT_EQ(found_m, expected_m) << kernels.name << " seed " << seed;
-      EXPECT_EQ(found, expected) << kernels.name << " seed " << seed;
-    }
-    for (const std::uint32_t surface : expected) hits += surface != SweptRays::kNothing ? 1 : 0;
-  }
-  EXPECT_GT(hits, 10000);
-}
-
-TEST(SweptRays, AnswerBehindAVoidWhereverItBegins) {
-  // One plane runs along a line of the grid, where triangles have no extent, and the others beside it: a cell
-  // behind the void has as much to note as a cell can have, at every state of the lists that notes fill.
-  std::vector<SinCos> bearings;
-  for (int k = -3; k < 5; ++k) bearings.push_back({-std::sqrt(1 - 1e-6 * k * k), 1e-3 * k});
-  std::vector<SinCos> elevation;
-  for (double slope = -0.97941; slope < -100 / 850.0; slope += 0.003)
-    elevation.push_back({slope / std::hypot(1, slope), 1 / std::hypot(1, slope)});
-  const std::size_t n = elevation.size();
-  std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
-  std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
-  int under = 0;
-  for (double void_m = 200; void_m < 1800; void_m += 10) {
-    const auto scene = test::make_scene(test::made_world(
-        2000, 10, [&](double x_m, double) { return x_m == -void_m ? test::kUnknown : 0.0; }));
-    const glm::dvec3 antenna(0, 100, 0);
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      const SweptRays rays(*scene, antenna, elevation, HUGE_VAL, kernels);
-      for (std::size_t k = 0; k < bearings.size(); ++k)
-        rays.answer(std::span(bearings).subspan(k, 1), {}, std::span(expected_m).subspan(k * n, n),
-                    std::span(expected).subspan(k * n, n));
-      rays.answer(bearings, {}, found_m, found);
-      ASSERT_EQ(found_m, expected_m) << kernels.name << ", void at " << void_m;
-      ASSERT_EQ(found, expected) << kernels.name << ", void at " << void_m;
-    }
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      under += found[k] == SweptRays::kUnder ? 1 : 0;
-      if (found[k] == SweptRays::kUnder || found[k] == SweptRays::kNothing) continue;
-      ASSERT_NEAR(found_m[k], -antenna.y / elevation[k % n].sin, 1e-9) << "flat ground";
-    }
-  }
-  EXPECT_GT(under, 1000);
-}
-
-TEST(SweptRays, EndWithinABuildingWhenTheirReachDoes) {
-  int on_roofs = 0;
-  for (std::uint64_t seed = 600; seed < 700; ++seed) {
-    test::RandomScene random = test::random_scene(seed);
-    const glm::dvec3 antenna = random.pose.antenna.m;
-    const auto scene = test::scene_of(random);
-    const World& world = scene->world();
-    for (std::uint32_t building = 0; building < world.buildings.list.size(); ++building) {
-      const glm::dvec3 to =
-          world.buildings.faces[world.buildings.list[building].first_face].centre_m - antenna;
-      const double centre_m = std::hypot(to.x, to.z);
-      if (!(centre_m > 1)) continue;
-      const SinCos bearing{to.x / centre_m, to.z / centre_m};
-      const SinCos elevation = sincos_turns((std::atan2(to.y, centre_m) - 1e-3) / (2 * M_PI));
-      double slant_range_m = 0;
-      std::uint32_t surface = 0;
-      // Through the middle of the roof, and where the reach ends just before, on and behind it.
-      for (const double reach_m : {centre_m - 1e-9, centre_m, 1.001 * centre_m, HUGE_VAL}) {
-        SweptRays(*scene, antenna, std::span(&elevation, 1), reach_m)
-            .answer(std::span(&bearing, 1), std::span(&building, 1), std::span(&slant_range_m, 1),
-                    std::span(&surface, 1));
-        on_roofs += surface != SweptRays::kNothing && surface >= SweptRays::kFace ? 1 : 0;
-      }
-    }
-  }
-  EXPECT_GT(on_roofs, 50);
 }
 
 }  // namespace
