@@ -79,7 +79,7 @@ void print_camera(const FramePlan& plan) {
 
 void print_polar(const FramePlan& plan) {
   const PolarRows& rows = plan.polar();
-  const auto n = rows.ray_rad.size();
+  const auto n = rows.ray.size();
   if (n == 0) return;
   std::printf("  %d rows even in slant range at the median height, %zu even in elevation above them\n",
               rows.ground_rows, n - static_cast<std::size_t>(rows.ground_rows));

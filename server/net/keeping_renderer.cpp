@@ -103,20 +103,21 @@ class KeepingRenderer::Frame : public PlannedFrame {
     const bool goes_on = options.pause && options.pause->begun;
     if (!goes_on) {
       if (const auto part = place_->find(azimuths, options.states)) return repeat(*part, options);
+      part_ = frame_->again(place_->pose());  // knows what this part alone has seen
       fresh_ = std::make_shared<Part>();
       fresh_->azimuths = azimuths;
       fresh_->states = options.states;
-      part_ = frame_->again(place_->pose());  // knows what this part alone has seen
     }
+    if (!part_) return frame_->render(azimuths, options);
     RenderOptions with_copy = options;
     with_copy.on_wedge = [&](Wedge&& wedge) {
       fresh_->bytes += bytes_of(wedge.bins);
       fresh_->wedges.push_back(wedge);
       if (options.on_wedge) options.on_wedge(std::move(wedge));
     };
-    const bool done = (part_ ? *part_ : *frame_).render(azimuths, with_copy);
+    const bool done = part_->render(azimuths, with_copy);
     if (options.pause && options.pause->begun) return done;  // there is more to come
-    if (done && part_) {
+    if (done) {
       fresh_->seen = part_->seen();
       frame_->see_again(fresh_->seen);
       place_->keep(fresh_);

@@ -18,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ColumnPlates::ColumnPlates(const FramePlan& plan)
     : plan_(plan),
-      rows_(static_cast<int>(plan.polar().ray_rad.size())),
+      rows_(static_cast<int>(plan.polar().ray.size())),
       surface_(plan.scene().world(), plan.sector().antenna_m) {
   for (const SinCos& edge : plan.polar().edge)
     edge_slope_.push_back(edge.cos > 0 ? edge.sin / edge.cos : edge.sin * kInfinity);

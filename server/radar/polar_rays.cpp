@@ -13,7 +13,7 @@ PolarRays::PolarRays(const FramePlan& plan, AzimuthRange range)
 
 bool PolarRays::next(RayBatch& batch) {
   batch.n = 0;
-  const std::size_t rows = plan_.polar().ray_rad.size();
+  const std::size_t rows = plan_.polar().ray.size();
   while (row_ < rows && !batch.full()) {
     if (taken_ == 0 && row_ % kSquare == 0 && kSquare * columns_.size() <= kBatch) {
       if (!add_rows(batch)) break;
@@ -44,7 +44,7 @@ bool PolarRays::next(RayBatch& batch) {
 bool PolarRays::add_rows(RayBatch& batch) {
   std::array<Row, kSquare> rows;
   std::array<PixelSpan, kSquare> spans;
-  const std::size_t end = std::min(row_ + kSquare, plan_.polar().ray_rad.size());
+  const std::size_t end = std::min(row_ + kSquare, plan_.polar().ray.size());
   for (std::size_t row = row_; row < end; ++row)
     if (begin_row(rows[row - row_], row)) spans[row - row_] = {0, static_cast<int>(columns_.size())};
   const PixelRows pixels(static_cast<int>(row_), spans);
@@ -66,7 +66,7 @@ bool PolarRays::begin_row(Row& row, std::size_t number) const {
   const double high = rows.edge[number + 1].sin;
   row.solid_angle_sr = width_rad_ * (high - low);
   // Texture rows run from the top (far) down, polar rows from near to far.
-  row.first_pixel = static_cast<std::uint32_t>(rows.ray_rad.size() - 1 - number) *
+  row.first_pixel = static_cast<std::uint32_t>(rows.ray.size() - 1 - number) *
                     static_cast<std::uint32_t>(plan_.settings().pixel_columns);
   return swath_.reaches(row.elevation.sin) ||
          (plan_.settings().plates == PlateKind::spread && (swath_.reaches(low) || swath_.reaches(high)));

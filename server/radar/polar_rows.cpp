@@ -32,21 +32,24 @@ struct MedianSphere {
   }
 };
 
+SinCos sincos_of(double angle_rad) { return sincos_turns(angle_rad / (2 * std::numbers::pi)); }
+
+void add_edge(PolarRows& rows, double edge_rad) {
+  rows.edge_rad.push_back(edge_rad);
+  rows.edge.push_back(sincos_of(edge_rad));
+}
+
 void add_even_elevations(PolarRows& rows, double to_rad, int n) {
   const double from = rows.edge_rad.back();
   for (int k = 1; k <= n; ++k) {
-    rows.edge_rad.push_back(from + (to_rad - from) * k / n);
-    rows.ray_rad.push_back(from + (to_rad - from) * (k - 0.5) / n);
+    add_edge(rows, from + (to_rad - from) * k / n);
+    rows.ray.push_back(sincos_of(from + (to_rad - from) * (k - 0.5) / n));
   }
 }
 
-std::vector<SinCos> sincos_of(const std::vector<double>& angles_rad) {
-  std::vector<SinCos> found;
-  for (const double angle_rad : angles_rad) found.push_back(sincos_turns(angle_rad / (2 * std::numbers::pi)));
-  return found;
-}
+}  // namespace
 
-PolarRows row_angles(const Sector& sector, const SectorExtent& extent, const SectorBox& box,
+PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const SectorBox& box,
                      const WorldFrame& frame, int n) {
   constexpr double kHalfPi = std::numbers::pi / 2;
   PolarRows rows;
@@ -54,7 +57,7 @@ PolarRows row_angles(const Sector& sector, const SectorExtent& extent, const Sec
                             ? -std::asin(std::min(1.0, box.antenna_above_bottom_m / sector.r_min_m))
                             : 0.0;
   const double highest = std::clamp(extent.highest_elevation_rad, lowest + 1e-9, kHalfPi);
-  rows.edge_rad.push_back(lowest);
+  add_edge(rows, lowest);
   MedianSphere sphere;
   sphere.curvature = 1 / (frame.radius_factor() * kMeanEarthRadius_m);
   const double datum_y = frame.datum_y_m(sector.antenna_m.x, sector.antenna_m.z);
@@ -71,24 +74,14 @@ PolarRows row_angles(const Sector& sector, const SectorExtent& extent, const Sec
       for (int k = 1; k <= rows.ground_rows; ++k) {
         const double edge_m = r_start + (r_end - r_start) * k / rows.ground_rows;
         const double ray_m = r_start + (r_end - r_start) * (k - 0.5) / rows.ground_rows;
-        rows.ray_rad.push_back(-std::asin(std::min(1.0, sphere.sin_depression(ray_m))));
-        rows.edge_rad.push_back(-std::asin(std::min(1.0, sphere.sin_depression(edge_m))));
+        rows.ray.push_back(sincos_of(-std::asin(std::min(1.0, sphere.sin_depression(ray_m)))));
+        add_edge(rows, -std::asin(std::min(1.0, sphere.sin_depression(edge_m))));
       }
       if (above_rows > 0) add_even_elevations(rows, highest, above_rows);
       return rows;
     }
   }
   add_even_elevations(rows, highest, n);
-  return rows;
-}
-
-}  // namespace
-
-PolarRows polar_rows(const Sector& sector, const SectorExtent& extent, const SectorBox& box,
-                     const WorldFrame& frame, int n) {
-  PolarRows rows = row_angles(sector, extent, box, frame, n);
-  rows.edge = sincos_of(rows.edge_rad);
-  rows.ray = sincos_of(rows.ray_rad);
   return rows;
 }
 

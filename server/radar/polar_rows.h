@@ -10,9 +10,8 @@ namespace obliq {
 /// Row edges and ray elevations of the polar frustum, from the nearest row to the highest. Radians.
 struct PolarRows {
   std::vector<double> edge_rad;  ///< [rows + 1], rising
-  std::vector<double> ray_rad;   ///< [rows], inside their rows
   std::vector<SinCos> edge;      ///< of edge_rad
-  std::vector<SinCos> ray;       ///< of ray_rad
+  std::vector<SinCos> ray;       ///< [rows], of the rays' elevations, inside their rows
   int ground_rows = 0;           ///< how many of them step evenly in slant range; the rest step in elevation
 };
 

@@ -166,17 +166,16 @@ Figures measure(const std::shared_ptr<const Scene>& scene, const RadarConfig& ra
   Moments moments;
   const WatchedRenderer renderer(scene, moments);
   Watched watched(renderer, radar);
-  const auto next_frame = [&] { return watched.next_frame(); };
-  next_frame();
+  watched.next_frame();
   // So seldom that one frame is over, on both sides, before the next begins.
   const auto start = Clock::now();
-  next_frame();
+  watched.next_frame();
   watched.set_rate(0.4 / seconds_between(start, Clock::now()));
-  next_frame();
+  watched.next_frame();
 
   std::vector<double> frame_s, first, last, binned;
   for (int n = 0; n < frames; ++n) {
-    const auto end = next_frame();
+    const auto end = watched.next_frame();
     const auto begin = moments.begin.load();
     frame_s.push_back(seconds_between(begin, end));
     binned.push_back(seconds_between(begin, moments.first_binned) / frame_s.back());
