@@ -4,7 +4,7 @@
 #
 #   deploy/build-image.sh [bookworm|trixie]      default: bookworm
 #
-# Needs root, and buildah and debootstrap (apt-get install buildah debootstrap). The images stay in
+# Needs root; installs buildah and debootstrap where they are missing. The images stay in
 # $OBLIQ_IMAGES (default: obliq-images in $TMPDIR or /var/tmp), which deploy/check-image.sh reads and
 # `deploy/build-image.sh clean` removes. OBLIQ_JOBS: compilers at a time. OBLIQ_TARGET: a stage to stop after.
 set -euo pipefail
@@ -25,6 +25,8 @@ case "${1-}" in
     ;;
   *) die "unknown suite '$1'; allowed: bookworm, trixie, clean" ;;
 esac
+as_root
+"$root"/deploy/install-deps.sh image
 need buildah debootstrap unshare apt-get
 
 # archive LABEL: where this machine's apt finds Debian (LABEL Debian) or its security updates (Debian-Security).

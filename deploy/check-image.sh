@@ -31,6 +31,8 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+as_root
+"$root"/deploy/install-deps.sh image
 need buildah unshare setpriv python3
 image=$(image_name "$suite")
 has_image "$image" || die "no image $image in $store: run deploy/build-image.sh $suite first"

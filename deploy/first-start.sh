@@ -56,6 +56,8 @@ server=$folder/server       # obliqd's: certificate, key, tokens
 scrape=$folder/scrape       # the metrics' collector's: the authority's certificate, a viewer's token
 client=$folder/client       # what obliq needs: the same certificate, a viewer's token of its own
 console=$folder/console     # the dashboards' password
+# A folder made here may be entered by all, so that the service's user gets to its part of it; the parts are closed.
+(umask 022 && mkdir -p "$folder")
 for part in "$authority" "$server" "$scrape" "$client" "$console"; do
   mkdir -p "$part"
   chmod 0750 "$part"

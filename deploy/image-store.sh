@@ -8,9 +8,12 @@ die() {
   exit 1
 }
 
+as_root() {
+  [ "$(id -u)" -eq 0 ] || die "run it as root: it makes a system in a folder and runs programs in it"
+}
+
 need() {
   local program
-  [ "$(id -u)" -eq 0 ] || die "run it as root: it makes a system in a folder and runs programs in it"
   for program in "$@"; do
     command -v "$program" >/dev/null || die "'$program' is not installed"
   done

@@ -2,7 +2,7 @@
 # Installs the Debian packages that obliq needs, and only those that are missing: a second run touches no
 # network and asks for no rights.
 #
-#   deploy/install-deps.sh [build] [test] [fuzz] [demo]      default: build
+#   deploy/install-deps.sh [build] [test] [fuzz] [demo] [image]      default: build
 set -euo pipefail
 
 build_packages=(
@@ -24,6 +24,7 @@ test_packages=(
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
 )
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
+image_packages=(buildah debootstrap python3 python3-numpy)     # build-image.sh, check-image.sh
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)
 
 die() {
@@ -38,12 +39,13 @@ for group in "$@"; do
     build) wanted+=("${build_packages[@]}") ;;
     test) wanted+=("${test_packages[@]}") ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
+    image) wanted+=("${image_packages[@]}") ;;
     demo) wanted+=("${demo_packages[@]}") ;;
     -h | --help)
       sed -n '2,5s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
-    *) die "unknown group '$group'; allowed: build, test, fuzz, demo" ;;
+    *) die "unknown group '$group'; allowed: build, test, fuzz, demo, image" ;;
   esac
 done
 

@@ -1,10 +1,11 @@
 #include "server/control/process_memory.h"
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
+#include <string>
 
 namespace obliq {
 
@@ -17,9 +18,17 @@ std::int64_t resident_bytes() {
 }
 
 std::int64_t peak_resident_bytes() {
-  rusage usage{};
-  if (::getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return std::max(std::int64_t{usage.ru_maxrss} * 1024, resident_bytes());  // the kernel counts roughly
+  std::ifstream file("/proc/self/status");
+  std::string word;
+  while (file >> word) {
+    if (word == "VmHWM:") {
+      std::int64_t kilobytes = 0;
+      return file >> kilobytes ? std::max(kilobytes * 1024, resident_bytes())
+                               : 0;  // the kernel counts roughly
+    }
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0;
 }
 
 }  // namespace obliq
