@@ -9,6 +9,7 @@
 
 #include "terrain/errors.h"
 #include "terrain/gdal_messages.h"
+#include "terrain/regular_file.h"
 
 namespace obliq {
 namespace {
@@ -67,6 +68,7 @@ std::vector<std::string> Raster::files() const {
 GDALRasterBand& Raster::band() const { return *dataset_->GetRasterBand(1); }
 
 void Raster::open() {
+  refuse_endless_file(field_ + ": " + path_, path_);
   GdalMessages messages;
   dataset_.reset(opened(path_, GDAL_OF_RASTER).release());
   if (!dataset_) {

@@ -8,6 +8,7 @@
 #include "terrain/errors.h"
 #include "terrain/gdal_messages.h"
 #include "terrain/projection.h"
+#include "terrain/regular_file.h"
 
 namespace obliq {
 namespace {
@@ -20,6 +21,7 @@ using Dataset = std::unique_ptr<GDALDataset>;
 }
 
 Dataset opened(const VectorQuery& query) {
+  refuse_endless_file(query.key + ": " + query.path, query.path);
   const GdalMessages messages;
   Dataset dataset(
       GDALDataset::Open(query.path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));

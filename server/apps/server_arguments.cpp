@@ -16,6 +16,7 @@
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
 #include "terrain/errors.h"
+#include "terrain/regular_file.h"
 
 namespace obliq {
 namespace {
@@ -53,6 +54,7 @@ void set_parameter(const std::string& name, const ConfigNode& node, RadarConfig&
 
 /// The first line that is neither empty nor a comment.
 std::string read_token(const std::string& path) {
+  refuse_endless_file("--token-file: " + path, path);
   struct stat status {};
   std::ifstream file(path);
   if (!file || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "terrain/regular_file.h"
+
 namespace obliq {
 
 namespace {
@@ -31,6 +33,7 @@ std::string read_file(const std::filesystem::path& path) {
   std::error_code ignored;  // what cannot be looked at cannot be opened either, and says why below
   if (std::filesystem::is_directory(path, ignored))
     throw InputError(name + ": found a folder; allowed: a scene file (TOML)");
+  refuse_endless_file(name, name);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(name + ": cannot be read: " + std::strerror(errno));

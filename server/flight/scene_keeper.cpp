@@ -48,8 +48,13 @@ void check_size(const SceneConfig& config, const SceneWindow& window) {
 
 }  // namespace
 
-SceneKeeper::SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap)
-    : build_(std::move(build)), swap_(std::move(swap)), config_(std::move(config)), scene_(std::move(scene)) {
+SceneKeeper::SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap,
+                         Now now)
+    : build_(std::move(build)),
+      swap_(std::move(swap)),
+      now_(std::move(now)),
+      config_(std::move(config)),
+      scene_(std::move(scene)) {
   state_.window = window_of(config_);
   keep_cell(config_, *scene_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -73,11 +78,10 @@ void SceneKeeper::reload(SceneConfig config, Done done) {
 }
 
 void SceneKeeper::poses_changed(std::vector<RadarPlace> radars) {
-  const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
   radars_ = std::move(radars);
-  speed_.note(radars_, now);
-  if (!state_.building && window_is_due(now)) changed_.notify_all();
+  speed_.note(radars_, now_());
+  if (!state_.building && window_due()) changed_.notify_all();
 }
 
 SceneKeeper::State SceneKeeper::state() const {
@@ -87,12 +91,17 @@ SceneKeeper::State SceneKeeper::state() const {
 
 double SceneKeeper::lead_s() const { return kLeastLead_s + 2 * state_.last_build_s; }
 
-bool SceneKeeper::window_is_due(Clock::time_point now) const {
-  if (now < not_before_) return false;
-  return needs_next_window(config_, state_.window, radars_, speed_.ahead(radars_, lead_s()));
+std::optional<SceneWindow> SceneKeeper::window_due() const {
+  const auto now = now_();
+  if (now < not_before_) return std::nullopt;
+  const auto ahead = speed_.ahead(radars_, lead_s(), now);
+  if (!needs_next_window(config_, state_.window, radars_, ahead)) return std::nullopt;
+  SceneWindow next = next_window(config_, state_.window, radars_, ahead);
+  if (is_same(next, state_.window)) return std::nullopt;  // built again it would be no better
+  return next;
 }
 
-std::optional<SceneKeeper::Request> SceneKeeper::next_request(Clock::time_point now) {
+std::optional<SceneKeeper::Request> SceneKeeper::next_request() {
   if (reload_) {
     std::optional<Request> request = std::exchange(reload_, std::nullopt);
     // The new file's window, unless the radars have been moved since the start.
@@ -101,16 +110,16 @@ std::optional<SceneKeeper::Request> SceneKeeper::next_request(Clock::time_point 
       request->window = next_window(request->config, request->window, radars_, radars_);
     return request;
   }
-  if (!window_is_due(now)) return std::nullopt;
-  const auto ahead = speed_.ahead(radars_, lead_s());
-  return Request{config_, next_window(config_, state_.window, radars_, ahead), nullptr};
+  auto window = window_due();
+  if (!window) return std::nullopt;
+  return Request{config_, std::move(*window), nullptr};
 }
 
 void SceneKeeper::run(const std::stop_token& stop) {
   if (!lower_own_priority()) spdlog::warn("terrain is loaded at the same priority as frames are rendered");
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    if (auto request = next_request(Clock::now())) {
+    if (auto request = next_request()) {
       serve(std::move(*request), stop, lock);
       continue;
     }
@@ -123,10 +132,10 @@ void SceneKeeper::run(const std::stop_token& stop) {
     }
     if (retired_) {
       changed_.wait_for(lock, stop, kLook, [] { return false; });
-    } else if (Clock::now() < not_before_) {
-      changed_.wait_until(lock, stop, not_before_, [this] { return reload_.has_value(); });
+    } else if (const auto now = now_(); now < not_before_) {
+      changed_.wait_for(lock, stop, not_before_ - now, [this] { return reload_.has_value(); });
     } else {
-      changed_.wait(lock, stop, [this] { return reload_ || window_is_due(Clock::now()); });
+      changed_.wait(lock, stop, [this] { return reload_ || window_due(); });
     }
   }
 }
@@ -197,7 +206,7 @@ void SceneKeeper::note_failure(const Request& request, const std::string& error)
     return;
   }
   pause_s_ = std::clamp(2 * pause_s_, kFirstPause_s, kLongestPause_s);
-  not_before_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(pause_s_));
+  not_before_ = now_() + std::chrono::duration_cast<Clock::duration>(Seconds(pause_s_));
   spdlog::error(
       "the next window of terrain cannot be loaded: {}; the old one serves on, its coverage says what is "
       "missing. Tried again in {:.0f} s; terrain.dem has to name elevation models of where the radars are",

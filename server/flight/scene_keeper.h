@@ -33,8 +33,13 @@ class SceneKeeper {
   /// the old one serves on.
   using Done = std::function<void(const std::string& error)>;
 
-  /// `scene` serves now and was built from `config`; neither may be null nor empty.
-  SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap);
+  using Clock = std::chrono::steady_clock;
+  using Now = std::function<Clock::time_point()>;
+
+  /// `scene` serves now and was built from `config`; neither may be null nor empty. now: by which speed is
+  /// measured and failures are paused after; called on any thread.
+  SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap,
+              Now now = Clock::now);
   ~SceneKeeper();  // stops and joins; a build in hand is given up as soon as it can be
   SceneKeeper(const SceneKeeper&) = delete;
   SceneKeeper& operator=(const SceneKeeper&) = delete;
@@ -50,7 +55,6 @@ class SceneKeeper {
   State state() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Request {
     SceneConfig config;
     SceneWindow window;
@@ -59,14 +63,15 @@ class SceneKeeper {
 
   void run(const std::stop_token& stop);
   double lead_s() const;
-  bool window_is_due(Clock::time_point now) const;
-  std::optional<Request> next_request(Clock::time_point now);
+  std::optional<SceneWindow> window_due() const;
+  std::optional<Request> next_request();
   void serve(Request request, const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
   void wait_for_retired(const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
   void note_failure(const Request& request, const std::string& error);
 
   const Build build_;
   const Swap swap_;
+  const Now now_;
 
   mutable std::mutex mutex_;  ///< guards everything below but the thread
   std::condition_variable_any changed_;

@@ -3,6 +3,7 @@
 namespace obliq {
 
 void Speedometer::note(std::span<const RadarPlace> radars, Time now) {
+  heard_ = now;
   const double elapsed_s = std::chrono::duration<double>(now - since_).count();
   const bool comparable = to_.size() == radars.size();
   if (comparable && elapsed_s < 0.5) return;
@@ -12,9 +13,10 @@ void Speedometer::note(std::span<const RadarPlace> radars, Time now) {
   since_ = now;
 }
 
-std::vector<RadarPlace> Speedometer::ahead(std::span<const RadarPlace> radars, double later_s) const {
+std::vector<RadarPlace> Speedometer::ahead(std::span<const RadarPlace> radars, double later_s,
+                                           Time now) const {
   std::vector<RadarPlace> places(radars.begin(), radars.end());
-  if (elapsed_s_ <= 0 || from_.size() != places.size()) return places;
+  if (now - heard_ > kStandsAfter || elapsed_s_ <= 0 || from_.size() != places.size()) return places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const LonLat& from = from_[i].position;
     const LonLat moved = towards(from, to_[i].position, later_s / elapsed_s_);

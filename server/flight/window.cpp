@@ -13,8 +13,9 @@ namespace {
 constexpr double kEarlyOrigin = 0.75;
 /// A window is due when this share of its margin is used up.
 constexpr double kDueMargin = 0.5;
-/// A new one is laid ahead by at most this share: the radar has to be in it all the time.
-constexpr double kMostAhead = 0.6;
+/// A new one is laid ahead by at most this share: the radar has to be in it all the time, and a radar that
+/// stops has not used up what makes the next one due.
+constexpr double kMostAhead = 0.45;
 /// Radars of short range get this much more ground, or they would leave it within seconds.
 constexpr double kLeastMargin_m = 1000;
 
@@ -29,6 +30,15 @@ double reach_limit_m(const SceneConfig& config) {
 
 double counted_range_m(const SceneConfig& config, const RadarPlace& radar) {
   return std::min(radar.r_max_m, reach_limit_m(config));
+}
+
+double next_radius_m(double range_m) { return std::max(loaded_radius_m(range_m), range_m + kLeastMargin_m); }
+
+/// From here towards there, as far as the next window can be laid ahead.
+LonLat within_reach(const LonLat& here, const LonLat& there, double range_m) {
+  const double most_m = kMostAhead * (next_radius_m(range_m) - range_m);
+  const double far_m = distance_m(here, there);
+  return far_m > most_m ? towards(here, there, most_m / far_m) : there;
 }
 
 /// Whether the reach holds all that is seen from a place, with a share of the margin left.
@@ -51,6 +61,16 @@ double distance_m(const LonLat& a, const LonLat& b) {
 }
 
 SceneWindow window_of(const SceneConfig& config) { return {config.world.origin, config.world.reaches}; }
+
+bool is_same(const SceneWindow& a, const SceneWindow& b) {
+  const auto same_place = [](const LonLat& p, const LonLat& q) {
+    return p.longitude_deg == q.longitude_deg && p.latitude_deg == q.latitude_deg;
+  };
+  return same_place(a.origin, b.origin) &&
+         std::ranges::equal(a.reaches, b.reaches, [&](const Reach& p, const Reach& q) {
+           return same_place(p.centre, q.centre) && p.radius_m == q.radius_m;
+         });
+}
 
 SceneConfig aimed_at(const SceneConfig& config, const SceneWindow& window) {
   SceneConfig aimed = config;
@@ -77,12 +97,9 @@ SceneWindow next_window(const SceneConfig& config, const SceneWindow& current,
   next.reaches.clear();
   for (std::size_t i = 0; i < radars.size(); ++i) {
     const double range_m = counted_range_m(config, radars[i]);
-    const double radius_m = std::max(loaded_radius_m(range_m), range_m + kLeastMargin_m);
     const LonLat& here = radars[i].position;
     const LonLat& there = i < ahead.size() ? ahead[i].position : here;
-    const double far_m = distance_m(here, there);
-    const double share = std::min(1.0, kMostAhead * (radius_m - range_m) / std::max(far_m, 1.0));
-    next.reaches.push_back({far_m > 0 ? towards(here, there, share) : here, radius_m});
+    next.reaches.push_back({within_reach(here, there, range_m), next_radius_m(range_m)});
   }
   return next;
 }
@@ -92,15 +109,17 @@ bool needs_next_window(const SceneConfig& config, const SceneWindow& current,
   if (!config.flight.enabled || radars.empty()) return false;
   if (distance_m(radars.front().position, current.origin) > config.flight.reorigin_km * 1000) return true;
   if (!config.world.terrain.area.empty()) return false;
-  const auto uncovered = [&](std::span<const RadarPlace> places, double share_left) {
-    return std::ranges::any_of(places, [&](const RadarPlace& place) {
-      const double range_m = counted_range_m(config, place);
-      return std::ranges::none_of(current.reaches, [&](const Reach& reach) {
-        return covers(reach, place.position, range_m, share_left);
-      });
-    });
-  };
-  return uncovered(radars, 0) || uncovered(ahead.empty() ? radars : ahead, 1 - kDueMargin);
+  for (std::size_t i = 0; i < radars.size(); ++i) {
+    const double range_m = counted_range_m(config, radars[i]);
+    const auto covered = [&](const LonLat& place, double share_left) {
+      return std::ranges::any_of(
+          current.reaches, [&](const Reach& reach) { return covers(reach, place, range_m, share_left); });
+    };
+    const LonLat& here = radars[i].position;
+    const LonLat& there = i < ahead.size() ? ahead[i].position : here;
+    if (!covered(here, 0) || !covered(within_reach(here, there, range_m), 1 - kDueMargin)) return true;
+  }
+  return false;
 }
 
 double window_posts(const SceneWindow& window, double cell_m) {

@@ -23,6 +23,8 @@ struct SceneWindow {
 /// The window that a configuration is aimed at.
 SceneWindow window_of(const SceneConfig& config);
 
+bool is_same(const SceneWindow& a, const SceneWindow& b);
+
 /// The configuration aimed at a window: its terrain, buildings and prisms stay where they are on the earth.
 /// Synthetic shapes stay at the place that they had in `config`.
 SceneConfig aimed_at(const SceneConfig& config, const SceneWindow& window);
@@ -36,7 +38,9 @@ SceneWindow next_window(const SceneConfig& config, const SceneWindow& current,
 
 /// Whether it is time to build the next window: a radar's reach has left the current one, or will have used
 /// up half of the margin when the radar is where `ahead` says; or the first radar is reorigin_km away from
-/// the origin. With a [terrain] area the area stays, and only the origin moves.
+/// the origin. `ahead` counts as far as next_window can reach, and what next_window gives is not due again
+/// while the radars stay or stop: else windows would be built without end. With a [terrain] area the area
+/// stays, and only the origin moves.
 bool needs_next_window(const SceneConfig& config, const SceneWindow& current,
                        std::span<const RadarPlace> radars, std::span<const RadarPlace> ahead);
 

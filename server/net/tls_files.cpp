@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "terrain/errors.h"
+#include "terrain/regular_file.h"
 
 namespace obliq::net {
 
@@ -28,6 +29,7 @@ std::string openssl_reason() {
 
 /// OpenSSL's own words for a file that is not there are not for people.
 void demand_readable(const std::string& key, const std::string& path) {
+  refuse_endless_file(key + ": " + path, path);
   std::FILE* file = std::fopen(path.c_str(), "rbe");
   if (file == nullptr) throw InputError(key + ": " + path + ": " + std::system_category().message(errno));
   std::fclose(file);

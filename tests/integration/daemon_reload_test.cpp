@@ -1,5 +1,6 @@
 // SIGHUP: the scene file is read anew while clients are served.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <csignal>
 
@@ -97,6 +98,31 @@ TEST_F(DaemonReload, AFileThatIsGoneOrAnElevationModelThatIsNotThereChangesNothi
   daemon.send_signal(SIGHUP);
   ASSERT_TRUE(frames_until_log("scene.toml"));
   EXPECT_EQ(next_frame(), before);
+}
+
+TEST_F(DaemonReload, APipeWhereAFileBelongsIsRefusedByNameAndLaterReloadsGoOn) {
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string is_pipe = pipe + ": found a pipe; allowed: a regular file";
+  const auto buildings = [](const std::string& source) {
+    return kFlat + std::string("[[buildings]]\nsource = \"") + source + "\"\n";
+  };
+  for (const auto& [terrain, said] : std::vector<std::pair<std::string, std::string>>{
+           {"dem = \"" + pipe + "\"\n", "[terrain] dem: " + is_pipe},
+           {buildings(pipe), "[[buildings]] source: " + is_pipe},
+           {buildings("/dev/zero"), "[[buildings]] source: /dev/zero: found a device; allowed: a regular"}}) {
+    folder.write("scene.toml", scene_text(terrain));
+    daemon.send_signal(SIGHUP);
+    ASSERT_TRUE(frames_until_log(said));
+  }
+  std::filesystem::remove(scene);
+  ASSERT_EQ(mkfifo(scene.c_str(), 0600), 0);
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log(scene + ": found a pipe; allowed: a regular file"));
+  std::filesystem::remove(scene);
+  folder.write("scene.toml", scene_text(kHighRidge));
+  daemon.send_signal(SIGHUP);
+  ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
 }
 
 TEST_F(DaemonReload, LimitsChangeAtOnceAndPortsAreNamedAsNeedingARestart) {

@@ -1,6 +1,7 @@
 // TLS: frames arrive as without it, nobody is let in or talked to who should not be, and a certificate can be
 // exchanged while clients are connected.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <future>
 
@@ -238,6 +239,10 @@ TEST_F(TlsTest, WhatIsWrongWithTheFilesIsSaidWithTheirNames) {
   EXPECT_EQ(complaint(own.certificate, own.key), "");
   says(complaint(folder / "none", own.key), "server.tls_certificate", folder / "none", "No such file");
   says(complaint(own.certificate, folder / "none"), "server.tls_key", folder / "none", "No such file");
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  says(complaint(pipe, own.key), "server.tls_certificate", pipe, "found a pipe; allowed: a regular file");
+  says(complaint(own.certificate, pipe), "server.tls_key", pipe, "found a pipe; allowed: a regular file");
   says(complaint(rubbish, own.key), "server.tls_certificate", rubbish, "allowed: a PEM file");
   says(complaint(own.certificate, rubbish), "server.tls_key", rubbish, "allowed: a PEM file");
   says(complaint(own.certificate, other.key), "server.tls_key", other.key,

@@ -1,10 +1,12 @@
 // The keeper with a stand-in for loading: what it builds, when, and what it does when that fails.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <future>
 
 #include "server/control/aim_world.h"
+#include "server/control/scene_file.h"
 #include "server/flight/scene_keeper.h"
 #include "terrain/errors.h"
 #include "tests/support/scenes.h"
@@ -121,6 +123,69 @@ TEST(SceneKeeper, AFlightOutOfTheLoadedAreaGetsTheNextWindowAroundIt) {
   ASSERT_TRUE(built[0].world.terrain.shape.anchor.has_value());
   EXPECT_EQ(built[0].world.terrain.shape.anchor->longitude_deg, -99);
   EXPECT_EQ(built[0].world.terrain.cell_m, 50) << "what \"auto\" gave the first scene";
+}
+
+/// The time of a test: the keeper's clock.
+struct TestClock {
+  std::atomic<std::int64_t> ms = 1'000'000;
+  SceneKeeper::Now now() {
+    return [this] { return SceneKeeper::Clock::time_point(std::chrono::milliseconds(ms)); };
+  }
+};
+
+/// What has been built when nothing more comes. A keeper that loads without end loads hundreds of these
+/// scenes meanwhile.
+std::size_t built_in_the_end(Yard& yard) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  return yard.wait_built(0).size();
+}
+
+/// Two jumps, a second apart; then nothing more is heard.
+void expect_one_window_a_jump(const SceneConfig& config, double jump_km) {
+  const LonLat start = config.world.origin;
+  Yard yard;
+  TestClock clock;
+  SceneKeeper keeper(config, tiny_scene(), yard.build(), yard.swap(), clock.now());
+  for (int k = 0; k < 3; ++k) {
+    keeper.poses_changed({{{start.longitude_deg, start.latitude_deg + jump_km / 111.195 * k},
+                           config.radars[0].settings.r_max_m}});
+    if (k > 0) {
+      EXPECT_EQ(yard.wait_swaps(k), k);
+    }
+    EXPECT_EQ(built_in_the_end(yard), k) << "after jump " << k;
+    clock.ms += 1000;
+  }
+  for (const int later_ms : {1500, 5000, 60000}) {
+    clock.ms += later_ms;
+    EXPECT_EQ(built_in_the_end(yard), 2u);
+  }
+}
+
+TEST(SceneKeeper, AJumpLoadsOneWindowAndNoMore) {
+  expect_one_window_a_jump(flat_config(), 6);
+  expect_one_window_a_jump(flat_config(), 80);
+}
+
+TEST(SceneKeeper, AJumpInTheQuickStartsHillsLoadsOneWindowAndNoMore) {
+  expect_one_window_a_jump(
+      load_scene_file(OBLIQ_SOURCE_DIR "/deploy/scenes/demo_hills.toml", {{"frustum.kind=sweep"}}), 8);
+}
+
+TEST(SceneKeeper, AFastFlightAtShortRangeLoadsAWindowForEveryHalfMargin) {
+  constexpr double kShort_m = 4000;  // margin 1 km
+  SceneConfig config = flat_config();
+  config.radars[0].settings.r_max_m = kShort_m;
+  aim_world(config);
+  Yard yard;
+  TestClock clock;
+  SceneKeeper keeper(config, tiny_scene(), yard.build(), yard.swap(), clock.now());
+  for (int i = 0; i <= 140; ++i) {  // 250 m/s for 14 s, told of at 10 Hz
+    keeper.poses_changed(at(0.025 * i, kShort_m));
+    clock.ms += 100;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // what is due is built at once
+  }
+  EXPECT_GE(yard.wait_swaps(1), 1);
+  EXPECT_LE(built_in_the_end(yard), 8u) << "3.5 km, half a kilometre each, and one for the start";
 }
 
 TEST(SceneKeeper, ASceneThatCannotBeLoadedLeavesTheOldOneAndIsNotTriedAgainAtOnce) {
