@@ -35,7 +35,7 @@ struct RecordingStart {
   RecordingStart(RecordingStart&&) noexcept;
   RecordingStart& operator=(RecordingStart&&) noexcept;
   std::string radar;
-  wire::PlaneSet planes = 0;  ///< that the first frame brought
+  wire::PlaneSet planes = 0;  ///< of the first frame that brought any
   std::int64_t utc_ns = 0;    ///< of the first frame
   std::unique_ptr<wire::FrameDescriptor> descriptor;
 };
@@ -51,8 +51,8 @@ struct RecordingLosses {
 /// Of the same recording, read twice and perhaps not to its end.
 const RecordingLosses& more_of(const RecordingLosses& a, const RecordingLosses& b);
 
-/// Reads as far as the first frame's end. `radar` empty: whichever comes first. bad_stream when no frame of
-/// it begins.
+/// Reads as far as the end of the first frame that has values. `radar` empty: whichever comes first.
+/// bad_stream when no frame of it begins.
 Status read_start(RecordingReader& reader, const std::string& radar, RecordingStart& start);
 
 /// Whole frames of one radar. One frame is held at a time. For one thread at a time.

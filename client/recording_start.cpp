@@ -12,13 +12,18 @@ RecordingStart& RecordingStart::operator=(RecordingStart&&) noexcept = default;
 
 namespace {
 
-/// Hears the first frame of a radar, just enough to know its planes.
+/// Hears a radar's frames as far as the first that has values, just enough to know its planes.
 class FirstFrame : public FrameHandler {
  public:
   FirstFrame(const std::string& radar, RecordingStart& start) : radar_(radar), start_(start) {}
 
   Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
-    if (start_.descriptor || (!radar_.empty() && begin.frame().radar() != radar_)) return {};
+    if (start_.planes != 0 || (!radar_.empty() && begin.frame().radar() != radar_)) return {};
+    if (start_.descriptor) {
+      // A frame without any value came before it: all of its dwells were missed, or it was given up.
+      if (begin.frame().radar() == start_.radar) stream_id_ = header.stream_id;
+      return {};
+    }
     start_.radar = begin.frame().radar();
     start_.utc_ns = header.utc_ns;
     start_.descriptor = std::make_unique<wire::FrameDescriptor>(begin.frame());
@@ -34,7 +39,7 @@ class FirstFrame : public FrameHandler {
     return {};
   }
   Status on_end(const wire::FrameHeader& header, const wire::FrameEnd&) override {
-    done_ = start_.descriptor && header.stream_id == stream_id_;
+    done_ = start_.planes != 0 && header.stream_id == stream_id_;
     return {};
   }
   bool done() const { return done_; }

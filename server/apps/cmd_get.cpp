@@ -1,6 +1,7 @@
 // `obliq get`: one frame from a server to files, the same files that `obliq render` writes.
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <utility>
 
@@ -57,8 +58,9 @@ wire::RenderOnce request_for(client::Client& client, const GetArguments& argumen
   return request;
 }
 
-client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& request) {
-  client::FrameAssembler frames;
+client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& request,
+                                     wire::PlaneSet planes) {
+  client::FrameAssembler frames(planes);
   client.set_handler(&frames);
   require(client.render_once(request));
   const Progress progress = terminal_progress();
@@ -74,21 +76,25 @@ client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& r
 }
 
 void run(const GetArguments& arguments) {
+  const wire::PlaneSet planes = wanted_planes(arguments.stream);
   prepare_output_folder(arguments.out);
   const auto start = std::chrono::steady_clock::now();
   client::Client client = connect_to_server(arguments.server, "obliq get");
   wire::RenderOnce request = request_for(client, arguments);
-  client::AssembledFrame frame = receive_frame(client, request);
+  client::AssembledFrame frame = receive_frame(client, request, planes);
   const double received_s = seconds_since(start);
 
   const BinBlock bins = take_bins(frame);
-  write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins,
-                    arguments.north_up ? MapUp::north : MapUp::bearing);
+  FrameFileOptions options;
+  options.up = arguments.north_up ? MapUp::north : MapUp::bearing;
+  const std::string missing =
+      write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins, options);
   const double written_s = seconds_since(start);
   write_timing(
       arguments.out,
       {{"render_s", frame.render_s}, {"receive_s", received_s}, {"write_s", written_s - received_s}});
 
+  if (!missing.empty()) std::fprintf(stderr, "warning: %s: %s\n", arguments.out.c_str(), missing.c_str());
   print_frame_report(
       arguments.out, *frame.descriptor, *frame.summary,
       "in " + milliseconds_text(frame.render_s) + ", here after " + milliseconds_text(received_s));

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cinttypes>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -16,7 +15,6 @@
 #include "server/apps/commands.h"
 #include "server/apps/interrupts.h"
 #include "server/apps/number_option.h"
-#include "server/apps/plane_argument.h"
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
@@ -33,7 +31,6 @@ struct RecordArguments {
   std::uint64_t frames = 0;
   double seconds = 0;
   StreamArguments stream;
-  std::string planes;
   bool lossless = false;
   bool force = false;
   int reconnect_s = 0;
@@ -137,11 +134,8 @@ client::Status receive_all(client::ResumingClient& client, const RecordArguments
 }
 
 void run(const RecordArguments& arguments) {
-  const wire::PlaneSet planes =
-      arguments.planes.empty() ? wire::kAllPlanes : planes_from_names(arguments.planes);
+  (void)wanted_planes(arguments.stream);  // bad names are refused before anything is done
   heed_interrupts();
-  // A file that may grow no further is reported as such, not by the signal's default, which is to die.
-  (void)std::signal(SIGXFSZ, SIG_IGN);
   client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
   resume.give_up = interrupted;
   client::ResumingClient client(connect_to_server(arguments.server, "obliq record"), resume);
@@ -161,9 +155,6 @@ void run(const RecordArguments& arguments) {
   request.set_rate_hz(arguments.rate_hz);
   request.set_lossless(arguments.lossless);
   ask_for(arguments.stream, request);
-  for (int plane = 0; plane < wire::kPlanes; ++plane) {
-    if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
-  }
   require(client.subscribe(request));
   require(recorder.begin());
   client::Status status = receive_all(client, arguments, recorder, radar);
@@ -198,8 +189,6 @@ void add_record(CLI::App& app) {
   command->add_option("--seconds", arguments->seconds, "Stop after so long; 0: go on")
       ->type_name("S")
       ->check(number_from(0, kMostSeconds));
-  command->add_option("--planes", arguments->planes, "Only these of iq,power,count,state; without: all")
-      ->type_name("NAMES");
   command->add_flag("--lossless", arguments->lossless,
                     "Leave no frame out: the radar waits for the disk. Needs the role controller");
   add_reconnect_argument(*command, arguments->reconnect_s);

@@ -106,9 +106,10 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   wire::FrameSummary summary;
   describe_frame(*planned.plan, radar.name, config.name, descriptor);
   summarise_frame(*planned.plan, frame.stats, summary);
-  write_frame_files(arguments.out, descriptor, summary, frame.bins,
-                    arguments.north_up ? MapUp::north : MapUp::bearing);
-  if (textures) textures->write(std::filesystem::path(arguments.out) / "samples.exr");
+  FrameFileOptions files;
+  files.up = arguments.north_up ? MapUp::north : MapUp::bearing;
+  files.samples = textures.get();
+  write_frame_files(arguments.out, descriptor, summary, frame.bins, files);
   seconds["write_s"] = watch.lap();
   if (arguments.profile) {
     Profile profile = profile_frames({scene, snapshot, pose, radar.name, config.name, threads});

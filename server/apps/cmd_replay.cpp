@@ -6,20 +6,20 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/interrupts.h"
+#include "server/apps/newest_files.h"
 #include "server/apps/number_option.h"
-#include "server/apps/received_bins.h"
 #include "server/apps/replay_renderer.h"
 #include "server/apps/server_arguments.h"
 #include "server/control/settings_message.h"
 #include "server/net/exposure.h"
 #include "server/net/server.h"
-#include "server/output/frame_files.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -96,7 +96,8 @@ std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
 }
 
 void show(const ReplayArguments& arguments, const client::RecordingStart& start, double speed) {
-  if (!arguments.out.empty()) prepare_output_folder(arguments.out);
+  std::optional<NewestFiles> files;
+  if (!arguments.out.empty()) files.emplace(arguments.out);
   ReplayClock clock(speed);
   std::uint64_t shown = 0;
   bool enough = false;
@@ -112,10 +113,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
       if (found != RecordedFrames::Found::frame) continue;
       std::this_thread::sleep_until(clock.due(recorded.end_utc_ns));
       print_frame(recorded, start.utc_ns);
-      if (!arguments.out.empty()) {
-        const BinBlock bins = take_bins(recorded.frame);
-        write_frame_files(arguments.out, *recorded.frame.descriptor, *recorded.frame.summary, bins);
-      }
+      if (files) files->write(std::move(recorded.frame));
       enough = arguments.frames != 0 && ++shown >= arguments.frames;
       if (arguments.frames == 0) ++shown;
     }
@@ -187,7 +185,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
 void run(const ReplayArguments& arguments) {
   const double speed = speed_of(arguments.speed);
   client::RecordingStart start = start_of(arguments);
-  if (start.planes == 0) warn("its first frame has no values");
+  if (start.planes == 0) warn("none of its frames has values");
   if (arguments.serve) {
     serve(arguments, std::move(start), speed);
   } else {

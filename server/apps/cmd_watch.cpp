@@ -3,17 +3,17 @@
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/newest_files.h"
 #include "server/apps/number_option.h"
-#include "server/apps/received_bins.h"
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
-#include "server/output/frame_files.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -38,6 +38,7 @@ double milliseconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-6; }
 /// An assembler that also takes the times along the way.
 class TimedFrames : public client::FrameAssembler {
  public:
+  using FrameAssembler::FrameAssembler;
   client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
     first_wedge_ns_ = 0;
     scan_ = begin.has_scan() ? std::make_unique<wire::ScanPass>(begin.scan()) : nullptr;
@@ -86,17 +87,14 @@ class TimedFrames : public client::FrameAssembler {
   std::uint64_t bytes_ = 0;
 };
 
-void write(const std::string& out, client::AssembledFrame frame) {
-  const BinBlock bins = take_bins(frame);
-  write_frame_files(out, *frame.descriptor, *frame.summary, bins);
-}
-
 void run(const WatchArguments& arguments) {
-  if (!arguments.out.empty()) prepare_output_folder(arguments.out);
+  const wire::PlaneSet planes = wanted_planes(arguments.stream);
+  std::optional<NewestFiles> files;
+  if (!arguments.out.empty()) files.emplace(arguments.out);
   client::ResumingClient client(connect_to_server(arguments.server, "obliq watch"),
                                 reconnecting(arguments.reconnect_s));
   const std::string radar = choose_remote_radar(client.client(), arguments.server);
-  TimedFrames frames;
+  TimedFrames frames(planes);
   client.client().set_handler(&frames);
   wire::Subscribe request;
   request.set_radar(radar);
@@ -115,7 +113,7 @@ void run(const WatchArguments& arguments) {
     require(status);
     if (frames.state() != client::FrameAssembler::State::complete) continue;
     client::AssembledFrame frame = frames.take();
-    if (!arguments.out.empty()) write(arguments.out, std::move(frame));
+    if (files) files->write(std::move(frame));
     ++seen;
   }
 }

@@ -1,5 +1,6 @@
 // The `obliq` command: parses the line, runs one sub-command, turns any failure into one line on stderr.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -28,6 +29,8 @@ int complain(std::string what, int code = kFailed) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file that may grow no further is reported as such, not by the signal's default, which is to die.
+  (void)std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
       "Radar ground maps of real terrain: azimuth x range bins of complex I&Q, and pictures of them.",
       "obliq"};

@@ -7,6 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "proto/plane_coding.h"
+#include "server/apps/plane_argument.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -22,6 +23,9 @@ void write_request(const StreamArguments& arguments, Request& request) {
   const wire::Window window{parse_bin_run(arguments.azimuths, "--azimuths"),
                             parse_bin_run(arguments.ranges, "--ranges")};
   if (!window.is_whole()) wire::write_window(window, *request.mutable_window());
+  const wire::PlaneSet planes = wanted_planes(arguments);
+  for (int plane = 0; plane < wire::kPlanes; ++plane)
+    if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
 }
 
 }  // namespace
@@ -46,6 +50,8 @@ void add_stream_arguments(CLI::App& app, StreamArguments& arguments) {
          "::4")
       ->type_name("FIRST:END:STEP");
   app.add_option("--ranges", arguments.ranges, "Only these range bins, alike")->type_name("FIRST:END:STEP");
+  app.add_option("--planes", arguments.planes, "Only these of iq,power,count,state; without: all")
+      ->type_name("NAMES");
 }
 
 void ask_for(const StreamArguments& arguments, wire::Subscribe& request) {
@@ -53,6 +59,10 @@ void ask_for(const StreamArguments& arguments, wire::Subscribe& request) {
 }
 void ask_for(const StreamArguments& arguments, wire::RenderOnce& request) {
   write_request(arguments, request);
+}
+
+wire::PlaneSet wanted_planes(const StreamArguments& arguments) {
+  return arguments.planes.empty() ? wire::kAllPlanes : planes_from_names(arguments.planes);
 }
 
 wire::BinRun parse_bin_run(const std::string& text, const std::string& option) {

@@ -11,6 +11,7 @@ class FrameSummary;
 }  // namespace obliq::wire
 
 namespace obliq {
+class SampleTextures;
 
 /// Which way ground_map.png points; ground_map.tif is always north up.
 enum class MapUp { bearing, north };
@@ -18,13 +19,22 @@ enum class MapUp { bearing, north };
 /// Makes the folder and proves that it can be written, before any long work. Throws InputError.
 void prepare_output_folder(const std::filesystem::path& directory);
 
-/// Writes bins.npy, power.npy, count.npy, state.npy, frame.json, ground_map.png and ground_map.tif into
-/// `directory` (created if missing). The one writer behind `obliq render` and `obliq get`: the same
-/// descriptor, summary and bins give the same files, bit for bit. Throws InputError that names the file.
-void write_frame_files(const std::filesystem::path& directory, const wire::FrameDescriptor& descriptor,
-                       const wire::FrameSummary& summary, const BinBlock& bins, MapUp up = MapUp::bearing);
+struct FrameFileOptions {
+  MapUp up = MapUp::bearing;
+  const SampleTextures* samples = nullptr;  ///< for samples.exr
+};
 
-/// Writes a whole text file. Throws InputError that names it.
+/// Writes bins.npy, power.npy, count.npy, state.npy, ground_map.png, ground_map.tif and, last, frame.json
+/// into `directory` (created if missing): all of them or, where one cannot be written, none. A plane that
+/// `bins` does not have gives no file, and an older frame's file of that name goes; the sentence that comes
+/// back says which, and is empty when all are there. The one writer behind `obliq render` and `obliq get`:
+/// the same descriptor, summary and bins give the same files, bit for bit. Throws InputError that names the
+/// file.
+std::string write_frame_files(const std::filesystem::path& directory, const wire::FrameDescriptor& descriptor,
+                              const wire::FrameSummary& summary, const BinBlock& bins,
+                              const FrameFileOptions& options = {});
+
+/// Writes a text file, whole or not at all. Throws InputError that names it.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
 /// Writes timing.json, seconds by stage: outside the bit-for-bit promise. `profile`: a JSON object of its

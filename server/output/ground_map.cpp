@@ -106,7 +106,14 @@ void check_described(const wire::FrameDescriptor& d) {
           "frame descriptor: found a position or bearing that is no number; allowed: finite numbers");
 }
 
+double magnitude_of(const BinBlock& bins, std::size_t bin) {
+  if (!bins.iq.empty()) return std::abs(std::complex<double>(bins.iq[bin]));
+  return bins.power_w.empty() ? 0 : std::sqrt(bins.power_w[bin]);
+}
+
 }  // namespace
+
+bool can_be_drawn(const BinBlock& bins) { return !bins.iq.empty() || !bins.power_w.empty(); }
 
 GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, double up_bearing_rad) {
   check_described(d);
@@ -121,6 +128,7 @@ GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, do
   GroundMap map;
   map.up_rad = up_bearing_rad;
   map.antenna_above_m = above;
+  map.of_power = bins.iq.empty();
   const double extent = std::max(bounds.right - bounds.left, bounds.top - bounds.bottom);
   map.pixel_m = std::max(d.range_spacing_m(), extent / kMaxSide);
   map.width =
@@ -165,11 +173,14 @@ GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, do
                                   static_cast<std::size_t>(range);
           const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) +
                                     static_cast<std::size_t>(column);
-          map.state[pixel] = bins.state[bin];
           map.slant_range_m[pixel] = static_cast<float>(r);
-          const double magnitude = std::abs(std::complex<double>(bins.iq[bin]));
-          if (bins.count[bin] > 0 && magnitude > 0)
+          const bool empty = !bins.count.empty() && bins.count[bin] == 0;
+          const double magnitude = empty ? 0 : magnitude_of(bins, bin);
+          if (magnitude > 0 && std::isfinite(magnitude))
             map.magnitude_db[pixel] = static_cast<float>(20 * std::log10(magnitude));
+          map.state[pixel] = !bins.state.empty() ? bins.state[bin]
+                             : magnitude > 0     ? static_cast<std::uint8_t>(BinState::sampled)
+                                                 : GroundMap::kUnknown;
         }
       }
     }

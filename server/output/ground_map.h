@@ -20,15 +20,21 @@ struct GroundMap {
   double top_m = 0;            ///< north (or ahead) of the antenna, top edge of pixel row 0
   double antenna_above_m = 0;  ///< antenna above the reference height
   double up_rad = 0;           ///< true bearing of the picture's up direction; 0 for north up
+  bool of_power = false;       ///< magnitude_db is of the power, because the frame has no I&Q
   std::vector<float>
       magnitude_db;  ///< [height][width] 20 log10 |I&Q|, dB re sqrt(W); kNoValue where that is 0
   std::vector<float> slant_range_m;  ///< [height][width]
   std::vector<std::uint8_t> state;   ///< [height][width] BinState; kOutside off the sector
   static constexpr float kNoValue = -9999;
   static constexpr std::uint8_t kOutside = 255;
+  static constexpr std::uint8_t kUnknown = 254;  ///< nothing came back, and the frame has no states
 };
 
-/// up_bearing_rad: true bearing that points up, 0 for a north-up map. Nearest bin, no interpolation.
+/// Whether there is something to see in them: I&Q or power.
+bool can_be_drawn(const BinBlock& bins);
+
+/// up_bearing_rad: true bearing that points up, 0 for a north-up map. Nearest bin, no interpolation. Planes
+/// that the frame does not have may be empty.
 GroundMap map_to_ground(const wire::FrameDescriptor& descriptor, const BinBlock& bins, double up_bearing_rad);
 
 }  // namespace obliq

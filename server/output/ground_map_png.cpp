@@ -110,6 +110,10 @@ class Picture {
     white_db_ = std::max(percentile(0.997), black_db_ + 10);
   }
 
+  bool without_states() const {
+    return std::ranges::find(map_.state, GroundMap::kUnknown) != map_.state.end();
+  }
+
   Colour colour_of(std::size_t pixel) const {
     switch (map_.state[pixel]) {
       case GroundMap::kOutside:
@@ -119,6 +123,7 @@ class Picture {
       case static_cast<std::uint8_t>(BinState::no_surface):
         return kNoSurface;
       case static_cast<std::uint8_t>(BinState::shadow):
+      case GroundMap::kUnknown:
         return kShadow;
       default:
         break;
@@ -282,10 +287,11 @@ class Picture {
       cairo_rectangle(c_, kMargin + k, bar_y, 1.5, 14);
       cairo_fill(c_);
     }
-    std::snprintf(line, sizeof line, "%.0f dB of |I&Q|%s", white_db_ - black_db_, compensate_ ? " x r²" : "");
+    std::snprintf(line, sizeof line, "%.0f dB of %s%s", white_db_ - black_db_,
+                  map_.of_power ? "power" : "|I&Q|", compensate_ ? " x r²" : "");
     ink(kInk, 0.9);
     text(kMargin + 208, bar_y + 12, 12, line, 0);
-    swatch(kMargin + 380, bar_y, kShadow, "shadow");
+    swatch(kMargin + 380, bar_y, kShadow, without_states() ? "no echo" : "shadow");
     swatch(kMargin + 470, bar_y, kNotSampled, "not sampled");
     swatch(kMargin + 590, bar_y, kNoSurface, "no known ground");
   }

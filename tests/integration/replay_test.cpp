@@ -9,6 +9,7 @@
 #include "client/client.h"
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
+#include "server/net/frame_encoder.h"
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
@@ -144,6 +145,72 @@ TEST_F(RecordTest, ARecordingOfAPartOfTheBinsIsReplayedToFiles) {
   EXPECT_EQ(replayed.code, 0) << replayed.err;
   EXPECT_NE(replayed.out.find(", nothing left over"), std::string::npos) << replayed.out << replayed.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "part" / "power.npy"));
+}
+
+TEST_F(RecordTest, ARecordingOfSomePlanesIsReplayedToTheirFilesWithAWordAboutTheOthers) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  const std::map<std::string, std::string> name_of = {
+      {"iq", "bins.npy"}, {"power", "power.npy"}, {"count", "count.npy"}, {"state", "state.npy"}};
+  for (const std::string planes :
+       {"iq", "power", "count", "state", "iq,count", "iq,state", "power,state", "iq,count,state"}) {
+    ASSERT_EQ(
+        obliq(record(daemon.address(), {"--out", file, "--force", "--frames", "1", "--planes", planes})).code,
+        0);
+    for (const auto& command :
+         {std::vector<std::string>{"replay", file, "--speed", "max"},
+          {"get", "--server", daemon.address(), "--radar", "main", "--planes", planes},
+          {"watch", "--server", daemon.address(), "--radar", "main", "--planes", planes, "--frames", "1"}}) {
+      std::filesystem::remove_all(folder / "out");
+      auto arguments = command;
+      arguments.insert(arguments.end(), {"--out", folder / "out"});
+      const Outcome outcome = obliq(arguments);
+      EXPECT_EQ(outcome.code, 0) << command[0] << " " << planes << ": " << outcome.err;
+      EXPECT_NE(outcome.err.find("the frame came without "), std::string::npos) << outcome.err;
+      for (const auto& [plane, name] : name_of) {
+        const bool wanted = ("," + planes + ",").find("," + plane + ",") != std::string::npos;
+        EXPECT_EQ(std::filesystem::exists(folder / "out" / name), wanted)
+            << command[0] << " " << planes << " " << name;
+      }
+      const bool drawn = planes.find("iq") != std::string::npos || planes.find("power") != std::string::npos;
+      EXPECT_EQ(std::filesystem::exists(folder / "out" / "ground_map.png"), drawn)
+          << command[0] << " " << planes;
+    }
+  }
+}
+
+/// A frame of which a scanning antenna missed everything: no block, and a FrameEnd that says so.
+void add_missed_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence) {
+  net::FrameEncoder encoder({.stream_id = 1, .frame_id = frame_id}, sequence);
+  wire::FrameDescriptor descriptor;
+  descriptor.set_radar("main");
+  descriptor.set_frame_id(frame_id);
+  descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);
+  descriptor.mutable_settings()->set_range_bins(kMadeRanges);
+  for (const auto& block : encoder.begin(descriptor)) recording.add(block->bytes, block->type, frame_id);
+  wire::FrameSummary summary;
+  summary.set_frame_id(frame_id);
+  const auto end = encoder.end(summary, 0.001, {{0, kMadeAzimuths}});
+  recording.add(end->bytes, end->type, frame_id);
+}
+
+TEST_F(RecordTest, AFrameThatEndsWithoutABlockIsReplayedToFilesAndHidesNoFrameBehindIt) {
+  MadeRecording recording;
+  std::uint64_t sequence = 0;
+  add_missed_frame(recording, 1, sequence);
+  const Outcome alone = obliq(
+      {"replay", folder.write("none.obliq", recording.bytes), "--speed", "max", "--out", folder / "none"});
+  EXPECT_EQ(alone.code, 0) << alone.err;
+  EXPECT_NE(alone.err.find("none of its frames has values"), std::string::npos) << alone.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "none" / "frame.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "none" / "bins.npy"));
+
+  add_frame(recording, 2, sequence);
+  client::RecordingStart start;
+  std::unique_ptr<client::RecordingReader> reader;
+  ASSERT_TRUE(client::RecordingReader::open(folder.write("both.obliq", recording.bytes), reader).ok());
+  ASSERT_TRUE(client::read_start(*reader, "", start).ok());
+  EXPECT_EQ(start.planes, wire::kAllPlanes);
+  EXPECT_EQ(start.descriptor->frame_id(), 1u);
 }
 
 TEST_F(RecordTest, PlanesThatWereNotRecordedAreNotServed) {

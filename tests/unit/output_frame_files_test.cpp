@@ -4,8 +4,10 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -55,17 +57,19 @@ class FrameFilesTest : public testing::Test {
   }
 
   void render_to(const fs::path& folder, SampleTap* tap = nullptr) {
+    render_frame(tap);
+    EXPECT_EQ(write_frame_files(folder, descriptor_, summary_, frame_.bins), "");
+  }
+
+  void render_frame(SampleTap* tap = nullptr) {
     const Pose pose = test::pose_over_origin(scene_->world(), 1200, 40);
     plan_ = plan_frame(scene_, test::snapshot(settings_), pose).plan;
     ASSERT_TRUE(plan_);
     RenderOptions options;
     options.tap = tap;
     frame_ = render(scene_, test::snapshot(settings_), pose, {0, settings_.azimuth_bins}, options);
-    wire::FrameDescriptor descriptor;
-    wire::FrameSummary summary;
-    describe_frame(*plan_, "main", "test", descriptor);
-    summarise_frame(*plan_, frame_.stats, summary);
-    write_frame_files(folder, descriptor, summary, frame_.bins);
+    describe_frame(*plan_, "main", "test", descriptor_);
+    summarise_frame(*plan_, frame_.stats, summary_);
   }
 
   fs::path folder_;
@@ -73,7 +77,16 @@ class FrameFilesTest : public testing::Test {
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const FramePlan> plan_;
   Frame frame_;
+  wire::FrameDescriptor descriptor_;
+  wire::FrameSummary summary_;
 };
+
+/// Every file of a folder with its bytes, hidden ones too.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files[entry.path().filename()] = slurp(entry);
+  return files;
+}
 
 TEST_F(FrameFilesTest, TheSameFrameGivesTheSameBytes) {
   render_to(folder_ / "a");
@@ -170,6 +183,64 @@ TEST_F(FrameFilesTest, OpenExrTexturesHoldDoubleRangesInTwoChannels) {
       EXPECT_EQ(material[pixel], 0u);
     }
   }
+}
+
+TEST_F(FrameFilesTest, WhenTheDiskIsFullTheFilesOfTheFrameBeforeStayAndNoPartOfTheNewOne) {
+  render_to(folder_);
+  const auto before = contents(folder_);
+  settings_.azimuth_bins = 90;
+  render_frame();
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const auto heed = std::signal(SIGXFSZ, SIG_IGN);
+  // Room for the larger frame's bins.npy (24 kB) or for nothing at all, not for its maps.
+  for (const rlim_t bytes : {rlim_t{30000}, rlim_t{1000}}) {
+    const rlimit tight{bytes, limit.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    std::string said;
+    try {
+      write_frame_files(folder_, descriptor_, summary_, frame_.bins);
+    } catch (const InputError& error) {
+      said = error.what();
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    EXPECT_TRUE(said.starts_with((folder_ / "").string())) << said;
+    EXPECT_NE(said.find(": cannot be written ("), std::string::npos) << said;
+    EXPECT_EQ(said.find(".new"), std::string::npos) << said;
+    EXPECT_TRUE(contents(folder_) == before);
+  }
+  std::signal(SIGXFSZ, heed);
+  EXPECT_EQ(write_frame_files(folder_, descriptor_, summary_, frame_.bins), "");
+  EXPECT_EQ(contents(folder_).size(), before.size());
+}
+
+TEST_F(FrameFilesTest, AFrameOfAPartOfThePlanesHasTheirFilesAndASentenceAboutTheOthers) {
+  render_to(folder_);
+  const std::map<std::string, std::string> whole = contents(folder_);
+  const BinBlock all = frame_.bins;
+  for (int planes = 0; planes < 16; ++planes) {
+    BinBlock some = all;
+    if (!(planes & 1)) some.iq.clear();
+    if (!(planes & 2)) some.power_w.clear();
+    if (!(planes & 4)) some.count.clear();
+    if (!(planes & 8)) some.state.clear();
+    const std::string said = write_frame_files(folder_, descriptor_, summary_, some);
+    const auto files = contents(folder_);
+    int bit = 1;
+    for (const std::string name : {"bins.npy", "power.npy", "count.npy", "state.npy"}) {
+      const bool there = planes & bit;
+      EXPECT_EQ(files.contains(name), there) << planes << " " << name;
+      if (there) EXPECT_TRUE(files.at(name) == whole.at(name)) << planes << " " << name;
+      EXPECT_EQ(said.find(name) == std::string::npos, there) << planes << ": " << said;
+      bit *= 2;
+    }
+    const bool drawn = planes & 3;
+    EXPECT_EQ(files.contains("ground_map.png"), drawn) << planes;
+    EXPECT_EQ(files.contains("ground_map.tif"), drawn) << planes;
+    EXPECT_TRUE(files.contains("frame.json")) << planes;
+    EXPECT_EQ(said.empty(), planes == 15) << said;
+  }
+  EXPECT_TRUE(contents(folder_) == whole);
 }
 
 TEST_F(FrameFilesTest, AFolderThatCannotBeWrittenIsNamed) {
