@@ -101,7 +101,10 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_range_start_m(bins.r_min_m);
   descriptor.set_range_spacing_m(bins.range_spacing_m);
   descriptor.set_phase_sign(-1);
-  descriptor.set_unit("sqrt(W)");
+  // Normalised amplitudes are multiplied by r^2.
+  const bool normalised = plan.settings().range_normalisation;
+  descriptor.set_unit(normalised ? "sqrt(W) m^2" : "sqrt(W)");
+  descriptor.set_power_unit(normalised ? "W m^4" : "W");
   descriptor.set_azimuth_reference("clockwise from the antenna's true north");
   descriptor.set_bottom_y_m(plan.extent().bottom_y_m);
   descriptor.set_top_y_m(plan.extent().top_y_m);

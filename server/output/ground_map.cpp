@@ -129,6 +129,7 @@ GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, do
   map.up_rad = up_bearing_rad;
   map.antenna_above_m = above;
   map.of_power = bins.iq.empty();
+  map.unit = map.of_power ? d.power_unit() : d.unit();
   const double extent = std::max(bounds.right - bounds.left, bounds.top - bounds.bottom);
   map.pixel_m = std::max(d.range_spacing_m(), extent / kMaxSide);
   map.width =

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "server/radar/bins.h"
@@ -16,13 +17,13 @@ struct GroundMap {
   int width = 0;
   int height = 0;
   double pixel_m = 0;
-  double left_m = 0;           ///< east (or right) of the antenna, left edge of pixel column 0
-  double top_m = 0;            ///< north (or ahead) of the antenna, top edge of pixel row 0
-  double antenna_above_m = 0;  ///< antenna above the reference height
-  double up_rad = 0;           ///< true bearing of the picture's up direction; 0 for north up
-  bool of_power = false;       ///< magnitude_db is of the power, because the frame has no I&Q
-  std::vector<float>
-      magnitude_db;  ///< [height][width] 20 log10 |I&Q|, dB re sqrt(W); kNoValue where that is 0
+  double left_m = 0;                 ///< east (or right) of the antenna, left edge of pixel column 0
+  double top_m = 0;                  ///< north (or ahead) of the antenna, top edge of pixel row 0
+  double antenna_above_m = 0;        ///< antenna above the reference height
+  double up_rad = 0;                 ///< true bearing of the picture's up direction; 0 for north up
+  bool of_power = false;             ///< magnitude_db is of the power, because the frame has no I&Q
+  std::string unit;                  ///< of what magnitude_db is the level of, as the frame's descriptor says
+  std::vector<float> magnitude_db;   ///< [height][width] 20 log10 |I&Q|, dB re unit; kNoValue where that is 0
   std::vector<float> slant_range_m;  ///< [height][width]
   std::vector<std::uint8_t> state;   ///< [height][width] BinState; kOutside off the sector
   static constexpr float kNoValue = -9999;

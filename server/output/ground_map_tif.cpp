@@ -55,7 +55,8 @@ void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& ma
   if (crs.importFromProj4(definition) != OGRERR_NONE) fail();
   double transform[6] = {map.left_m, map.pixel_m, 0, map.top_m, 0, -map.pixel_m};
   if (file->SetSpatialRef(&crs) != CE_None || file->SetGeoTransform(transform) != CE_None) fail();
-  file->GetRasterBand(1)->SetDescription(map.of_power ? "power, dB re W" : "magnitude, dB re sqrt(W)");
+  file->GetRasterBand(1)->SetDescription(
+      ((map.of_power ? "power, dB re " : "magnitude, dB re ") + map.unit).c_str());
   file->GetRasterBand(2)->SetDescription(
       "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 254 not known, 255 outside");
   if (file->GetRasterBand(1)->SetNoDataValue(static_cast<double>(GroundMap::kNoValue)) != CE_None) fail();

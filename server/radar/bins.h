@@ -20,8 +20,8 @@ struct BinBlock {
   int first_azimuth = 0;
   int n_azimuth = 0;
   int n_range = 0;
-  std::vector<std::complex<float>> iq;  ///< sqrt(W), phase -4 pi r / lambda
-  std::vector<double> power_w;          ///< sum of sample powers
+  std::vector<std::complex<float>> iq;  ///< sqrt(W), normalised sqrt(W) m^2; phase -4 pi r / lambda
+  std::vector<double> power_w;          ///< sum of sample powers; normalised in W m^4
   /// Samples in the bin. With nearest plates one a hit; a spread plate has one in every bin and on every
   /// surface that it covers, so that the frame's samples outnumber its hits.
   std::vector<std::uint32_t> count;

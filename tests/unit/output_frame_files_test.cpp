@@ -185,6 +185,35 @@ TEST_F(FrameFilesTest, OpenExrTexturesHoldDoubleRangesInTwoChannels) {
   }
 }
 
+/// What GDAL's own program says about a file.
+std::string gdalinfo(const fs::path& file) {
+  const fs::path said = file.string() + ".said";
+  const int code = std::system(("gdalinfo '" + file.string() + "' > '" + said.string() + "' 2>&1").c_str());
+  return code == 0 ? slurp(said) : "";
+}
+
+TEST_F(FrameFilesTest, AmplitudesTimesTheSquareOfTheRangeHaveSquareMetresInTheirUnit) {
+  const bool readable = std::system("gdalinfo --version > /dev/null 2>&1") == 0;
+  double largest[2] = {0, 0};
+  for (const bool normalised : {false, true}) {
+    settings_.range_normalisation = normalised;
+    render_to(folder_);
+    const auto frame = nlohmann::json::parse(slurp(folder_ / "frame.json"))["frame"];
+    EXPECT_EQ(frame["unit"], normalised ? "sqrt(W) m^2" : "sqrt(W)");
+    EXPECT_EQ(frame["power_unit"], normalised ? "W m^4" : "W");
+    if (readable) {
+      EXPECT_NE(gdalinfo(folder_ / "ground_map.tif")
+                    .find(normalised ? "Description = magnitude, dB re sqrt(W) m^2\n"
+                                     : "Description = magnitude, dB re sqrt(W)\n"),
+                std::string::npos);
+    }
+    for (const double power : frame_.bins.power_w) largest[normalised] = std::max(largest[normalised], power);
+  }
+  // Both are the same echo: the ratio is the fourth power of a range of the swath, 1.5 to 9 km.
+  EXPECT_GT(largest[1] / largest[0], std::pow(1500.0, 4));
+  EXPECT_LT(largest[1] / largest[0], std::pow(9000.0, 4));
+}
+
 TEST_F(FrameFilesTest, WhenTheDiskIsFullTheFilesOfTheFrameBeforeStayAndNoPartOfTheNewOne) {
   render_to(folder_);
   const auto before = contents(folder_);
