@@ -22,7 +22,7 @@ void NewFiles::add(const std::string& name, const Writer& writer) {
     writer(path);
   } catch (const InputError& error) {
     std::string text = error.what();
-    if (const auto at = text.find(path.string()); at != std::string::npos)
+    for (auto at = text.find(path.string()); at != std::string::npos; at = text.find(path.string(), at + 1))
       text.replace(at, path.string().size(), (directory_ / name).string());
     throw InputError(text);
   }

@@ -160,19 +160,19 @@ TEST_F(RecordTest, ARecordingOfSomePlanesIsReplayedToTheirFilesWithAWordAboutThe
          {std::vector<std::string>{"replay", file, "--speed", "max"},
           {"get", "--server", daemon.address(), "--radar", "main", "--planes", planes},
           {"watch", "--server", daemon.address(), "--radar", "main", "--planes", planes, "--frames", "1"}}) {
-      std::filesystem::remove_all(folder / "out");
+      std::filesystem::remove_all(folder / "files");
       auto arguments = command;
-      arguments.insert(arguments.end(), {"--out", folder / "out"});
+      arguments.insert(arguments.end(), {"--out", folder / "files"});
       const Outcome outcome = obliq(arguments);
       EXPECT_EQ(outcome.code, 0) << command[0] << " " << planes << ": " << outcome.err;
       EXPECT_NE(outcome.err.find("the frame came without "), std::string::npos) << outcome.err;
       for (const auto& [plane, name] : name_of) {
         const bool wanted = ("," + planes + ",").find("," + plane + ",") != std::string::npos;
-        EXPECT_EQ(std::filesystem::exists(folder / "out" / name), wanted)
+        EXPECT_EQ(std::filesystem::exists(folder / "files" / name), wanted)
             << command[0] << " " << planes << " " << name;
       }
       const bool drawn = planes.find("iq") != std::string::npos || planes.find("power") != std::string::npos;
-      EXPECT_EQ(std::filesystem::exists(folder / "out" / "ground_map.png"), drawn)
+      EXPECT_EQ(std::filesystem::exists(folder / "files" / "ground_map.png"), drawn)
           << command[0] << " " << planes;
     }
   }

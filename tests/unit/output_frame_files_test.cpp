@@ -68,6 +68,7 @@ class FrameFilesTest : public testing::Test {
     RenderOptions options;
     options.tap = tap;
     frame_ = render(scene_, test::snapshot(settings_), pose, {0, settings_.azimuth_bins}, options);
+    descriptor_.Clear();
     describe_frame(*plan_, "main", "test", descriptor_);
     summarise_frame(*plan_, frame_.stats, summary_);
   }
@@ -259,7 +260,7 @@ TEST_F(FrameFilesTest, AFrameOfAPartOfThePlanesHasTheirFilesAndASentenceAboutThe
     for (const std::string name : {"bins.npy", "power.npy", "count.npy", "state.npy"}) {
       const bool there = planes & bit;
       EXPECT_EQ(files.contains(name), there) << planes << " " << name;
-      if (there) EXPECT_TRUE(files.at(name) == whole.at(name)) << planes << " " << name;
+      EXPECT_TRUE(!there || files.at(name) == whole.at(name)) << planes << " " << name;
       EXPECT_EQ(said.find(name) == std::string::npos, there) << planes << ": " << said;
       bit *= 2;
     }
