@@ -86,6 +86,20 @@ class TimedFrames : public client::FrameAssembler {
   std::uint64_t bytes_ = 0;
 };
 
+/// A frame's warnings on stderr, as long as they are new: their numbers may differ from frame to frame.
+class NewWarnings {
+ public:
+  void say(const wire::FrameSummary& summary) {
+    if (summary.warnings_size() > said_)
+      for (const std::string& warning : summary.warnings())
+        std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    said_ = summary.warnings_size();
+  }
+
+ private:
+  int said_ = 0;
+};
+
 void write(const std::string& out, client::AssembledFrame frame) {
   const BinBlock bins = take_bins(frame);
   write_frame_files(out, *frame.descriptor, *frame.summary, bins);
@@ -104,6 +118,7 @@ void run(const WatchArguments& arguments) {
   request.set_lossless(arguments.lossless);
   ask_for(arguments.stream, request);
   require(client.subscribe(request));
+  NewWarnings warnings;
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
     if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
@@ -115,6 +130,7 @@ void run(const WatchArguments& arguments) {
     require(status);
     if (frames.state() != client::FrameAssembler::State::complete) continue;
     client::AssembledFrame frame = frames.take();
+    warnings.say(*frame.summary);
     if (!arguments.out.empty()) write(arguments.out, std::move(frame));
     ++seen;
   }

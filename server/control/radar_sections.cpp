@@ -31,6 +31,11 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
       radar.set_at[name] = reader.table().find(local)->where;
   }
   if (section == "frustum") {
+    const auto searched = [&](const char* side) {
+      const ConfigNode* node = reader.table().find(side);
+      return node != nullptr && node->searched;
+    };
+    if (searched("pixel_columns") && searched("pixel_rows")) radar.config.finds_pixels = true;
     // A good one has been split into columns and rows before (overrides.h).
     if (const ConfigNode* pixels = reader.take("pixels"))
       reader.complain(*pixels, "pixels",
@@ -71,6 +76,7 @@ RadarReading read_radar(SceneReading& reading, const ConfigNode& table) {
   read_sub_sections(reader, reading.complaints, radar);
   reader.finish();
 
+  radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   for (const FieldError& error : validate(radar.config)) {
     const auto at = radar.set_at.find(error.field);
     reading.complaints.add(at != radar.set_at.end() ? at->second : table.where, error);

@@ -116,12 +116,13 @@ class Picture {
         return kPaper;
       case static_cast<std::uint8_t>(BinState::not_sampled):
         return kNotSampled;
-      case static_cast<std::uint8_t>(BinState::no_surface):
-        return kNoSurface;
       case static_cast<std::uint8_t>(BinState::shadow):
+      case static_cast<std::uint8_t>(BinState::nearer_than_ground):
         return kShadow;
-      default:
+      case static_cast<std::uint8_t>(BinState::sampled):
         break;
+      default:  // no surface, and what a later server may say
+        return kNoSurface;
     }
     if (map_.magnitude_db[pixel] == GroundMap::kNoValue) return kShadow;
     const double level = (shown_db(map_, pixel, compensate_) - black_db_) / (white_db_ - black_db_);
@@ -285,9 +286,9 @@ class Picture {
     std::snprintf(line, sizeof line, "%.0f dB of |I&Q|%s", white_db_ - black_db_, compensate_ ? " x r²" : "");
     ink(kInk, 0.9);
     text(kMargin + 208, bar_y + 12, 12, line, 0);
-    swatch(kMargin + 380, bar_y, kShadow, "shadow");
-    swatch(kMargin + 470, bar_y, kNotSampled, "not sampled");
-    swatch(kMargin + 590, bar_y, kNoSurface, "no known ground");
+    swatch(kMargin + 350, bar_y, kShadow, "shadow, altitude hole");
+    swatch(kMargin + 520, bar_y, kNotSampled, "not sampled");
+    swatch(kMargin + 630, bar_y, kNoSurface, "no known ground");
   }
 
   const GroundMap& map_;

@@ -57,7 +57,8 @@ void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& ma
   if (file->SetSpatialRef(&crs) != CE_None || file->SetGeoTransform(transform) != CE_None) fail();
   file->GetRasterBand(1)->SetDescription("magnitude, dB re sqrt(W)");
   file->GetRasterBand(2)->SetDescription(
-      "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 255 outside");
+      "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 4 no ground at this range, 255 "
+      "outside");
   if (file->GetRasterBand(1)->SetNoDataValue(static_cast<double>(GroundMap::kNoValue)) != CE_None) fail();
   auto* magnitude = const_cast<float*>(map.magnitude_db.data());
   auto* state = const_cast<std::uint8_t*>(map.state.data());
