@@ -31,11 +31,15 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
       radar.set_at[name] = reader.table().find(local)->where;
   }
   if (section == "frustum") {
-    const auto searched = [&](const char* side) {
-      const ConfigNode* node = reader.table().find(side);
-      return node != nullptr && node->searched;
-    };
-    if (searched("pixel_columns") && searched("pixel_rows")) radar.config.finds_pixels = true;
+    // What a radar names itself beats what all share.
+    bool any = false;
+    bool searched = true;
+    for (const char* side : {"pixel_columns", "pixel_rows"})
+      if (const ConfigNode* node = reader.table().find(side)) {
+        any = true;
+        searched &= node->searched;
+      }
+    if (any) radar.config.finds_pixels = searched;
     // A good one has been split into columns and rows before (overrides.h).
     if (const ConfigNode* pixels = reader.take("pixels"))
       reader.complain(*pixels, "pixels",

@@ -73,6 +73,8 @@ TEST_F(Quality, ObliqueIsToFindItsPixelsUnlessTheyAreNamed) {
   EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.pixels=300"}).radars[0].finds_pixels);
   EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.kind=polar"}).radars[0].finds_pixels);
   EXPECT_TRUE(read(kFlat, {"frustum.quality=oblique"}).radars[0].finds_pixels);
+  EXPECT_FALSE(
+      read(std::string(kFlat) + quality + "[[radar]]\nfrustum.pixels = 300\n").radars[0].finds_pixels);
   const std::string printed = print_config(read(std::string(kFlat) + quality));
   EXPECT_NE(printed.find("quality = \"oblique\""), std::string::npos) << printed;
   EXPECT_TRUE(read(printed).radars[0].finds_pixels) << "what is printed can be read again";
