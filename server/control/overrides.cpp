@@ -208,8 +208,8 @@ void choose_frustum(ConfigNode& root, std::vector<std::string>& notes) {
     nothing.push_back(radar_name(*radar));
     ConfigNode chosen;
     chosen.where = "default";
-    for (ConfigNode& node : quality_nodes(*find_quality(kDefaultQuality), chosen))
-      merge(*radar, nest("frustum." + node.key, std::move(node)));
+    for (const ConfigNode& node : quality_nodes(*find_quality(kDefaultQuality), chosen))
+      merge(*radar, nest("frustum." + node.key, node));
   }
   const auto note = [&](const std::vector<std::string>& names, const std::string& text) {
     if (names.empty()) return;
