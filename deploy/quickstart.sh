@@ -89,9 +89,10 @@ if [ -z "$server" ]; then
   exit 1
 fi
 
-step "5/6 two frames over TCP"
-"$programs/obliq" get --server "$server" --out "$out"
-"$programs/obliq" get --server "$server" --set frustum.kind=symmetric --out "$out/symmetric"
+step "5/6 three frames over TCP: rendering time, gaps (lit bins without a sample) and their share"
+"$programs/obliq" get --server "$server" --radar oblique --out "$out/oblique"
+"$programs/obliq" get --server "$server" --radar main --out "$out"
+"$programs/obliq" get --server "$server" --radar oblique --set frustum.kind=symmetric --out "$out/symmetric"
 
 step "6/6 stop the daemon"
 stop_daemon
@@ -100,7 +101,8 @@ step_end
 cat <<TEXT
 
 Done in $SECONDS s. The radar ground map:
-  $out/ground_map.png
+  $out/ground_map.png             by the sweep, planes through the ground
+  $out/oblique/ground_map.png     the same view by the oblique frustum, rays cast with Embree
   $out/ground_map.tif             the same, georeferenced (any GIS opens it)
   $out/bins.npy                   complex I&Q, azimuth x range; frame.json beside it says what is what
   $out/symmetric/ground_map.png   the same view through an ordinary camera: look at the far half
@@ -108,7 +110,7 @@ Done in $SECONDS s. The radar ground map:
 Try next:
   # a daemon of your own, and a client that looks elsewhere
   $programs/obliqd --config $scene &
-  $programs/obliq get --wait 60 --set antenna.bearing_deg=20 --set frustum.quality=standard --out out/mine
+  $programs/obliq get --wait 60 --set antenna.bearing_deg=20 --out out/mine
   # the same without a daemon; every parameter; the range steps of the frusta
   $programs/obliq render $scene --out out/render
   $programs/obliq parameters

@@ -25,6 +25,7 @@ struct ExplainArguments {
 void run(const SceneConfig& config, const ExplainArguments& arguments) {
   if (!arguments.out.empty()) prepare_output_folder(arguments.out);
   const RadarConfig& radar = choose_radar(config, arguments.radar);
+  say_notes(config);
   say_accuracy_is_ignored(config, "explain");
   const Progress progress = terminal_progress();
   const auto print_loaded = [&](const World& world) {
@@ -49,7 +50,8 @@ void add_explain(CLI::App& app) {
       "explain", "What each ingredient of a scene changes in its bins, what it costs, whether it is needed");
   auto arguments = std::make_shared<ExplainArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", arguments->radar, "Which radar, when the scene has several")
+  command
+      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
       ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for explain.md and explain.csv (made if missing)")
       ->type_name("DIR");

@@ -39,7 +39,8 @@ void add_frontier(CLI::App& app) {
   auto arguments = std::make_shared<FrontierArguments>();
   FrontierOptions& options = arguments->options;
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", options.radar, "Which radar, when the scene has several")->type_name("NAME");
+  command->add_option("--radar", options.radar, "Which radar; without: the only one, or the one named main")
+      ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for table, report and pictures (made if missing)")
       ->type_name("DIR");
   command->add_flag("--quick", arguments->quick,
@@ -81,6 +82,7 @@ void add_frontier(CLI::App& app) {
       throw InputError("frontier: --out: found nothing; allowed: a folder for the table and the pictures");
     arguments->options.out = arguments->out;
     if (arguments->quick) make_quick(*command, arguments->options);
+    say_notes(*config);
     say_accuracy_is_ignored(*config, "frontier");
     run_frontier(*config, arguments->options);
   });

@@ -143,7 +143,10 @@ void run(const FrustumArguments& arguments) {
   if (arguments.scene.file.empty())
     throw InputError("frustum: found no scene file; allowed: SCENE, --flat-check or --figure6");
   if (auto config = open_scene(arguments.scene)) {
+    say_notes(*config);
     meet_accuracy(*config, say_on_terminal, terminal_progress());
+    config->accuracy = {};  // done
+    say_accuracy_is_ignored(*config, "frustum");
     print_scene(*config, arguments);
   }
 }
@@ -155,7 +158,8 @@ void add_frustum(CLI::App& app) {
   auto arguments = std::make_shared<FrustumArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
   command->get_option("SCENE")->required(false);
-  command->add_option("--radar", arguments->radar, "Which radar, when the scene has several")
+  command
+      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
       ->type_name("NAME");
   command->add_flag("--flat-check", arguments->flat_check,
                     "Step sizes over flat ground, the paper's simplification");

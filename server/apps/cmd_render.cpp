@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/find_pixels.h"
 #include "server/apps/frame_report.h"
 #include "server/apps/meet_accuracy.h"
 #include "server/apps/number_option.h"
@@ -59,7 +60,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   std::map<std::string, double> seconds;
   Stopwatch watch;
   prepare_output_folder(arguments.out);
-  const RadarConfig& radar = choose_radar(config, arguments.radar);
+  RadarConfig radar = choose_radar(config, arguments.radar);
   if (arguments.samples && radar.settings.frustum == FrustumKind::sweep)
     throw InputError(
         "render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
@@ -75,6 +76,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   if (scene->built_tracer() != nullptr) say_on_terminal(tracer_line(*scene));
   say_on_terminal(scene_memory_line(*scene));
 
+  find_pixels(scene, radar, {config.server.max_pixels, threads}, say_on_terminal, terminal_progress());
   const Pose pose = place_radar(*world, radar);
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   watch.lap();
@@ -130,7 +132,8 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Render one frame of a scene to files, without a server");
   auto arguments = std::make_shared<RenderArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", arguments->radar, "Which radar, when the scene has several")
+  command
+      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
       ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
@@ -146,6 +149,7 @@ void add_render(CLI::App& app) {
     if (!config) return;
     if (arguments->out.empty())
       throw InputError("render: --out: found nothing; allowed: a folder for the files");
+    say_notes(*config);
     meet_accuracy(*config, say_on_terminal, terminal_progress());
     run(*config, *arguments);
   });

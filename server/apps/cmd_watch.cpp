@@ -87,6 +87,20 @@ class TimedFrames : public client::FrameAssembler {
   std::uint64_t bytes_ = 0;
 };
 
+/// A frame's warnings on stderr, as long as they are new: their numbers may differ from frame to frame.
+class NewWarnings {
+ public:
+  void say(const wire::FrameSummary& summary) {
+    if (summary.warnings_size() > said_)
+      for (const std::string& warning : summary.warnings())
+        std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    said_ = summary.warnings_size();
+  }
+
+ private:
+  int said_ = 0;
+};
+
 void run(const WatchArguments& arguments) {
   const wire::PlaneSet planes = wanted_planes(arguments.stream);
   std::optional<NewestFiles> files;
@@ -102,6 +116,7 @@ void run(const WatchArguments& arguments) {
   request.set_lossless(arguments.lossless);
   ask_for(arguments.stream, request);
   require(client.subscribe(request));
+  NewWarnings warnings;
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
     if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
@@ -113,6 +128,7 @@ void run(const WatchArguments& arguments) {
     require(status);
     if (frames.state() != client::FrameAssembler::State::complete) continue;
     client::AssembledFrame frame = frames.take();
+    warnings.say(*frame.summary);
     if (files) files->write(std::move(frame));
     ++seen;
   }

@@ -17,6 +17,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/build_info.h"
+#include "server/apps/find_pixels.h"
 #include "server/apps/meet_accuracy.h"
 #include "server/apps/reload.h"
 #include "server/apps/scene_loading.h"
@@ -292,9 +293,13 @@ void Daemon::load() {
   signature_ = scene_signature(config_);
   const auto say = [](const std::string& line) { spdlog::info("{}", line); };
   const Progress tell = progress();
+  for (const std::string& note : config_.notes) say(note);
   tell("terrain", 0);
   meet_accuracy(config_, say, tell);
-  renderer_.emplace(build_scene(config_, say, tell), config_.name);
+  const auto scene = build_scene(config_, say, tell);
+  for (RadarConfig& radar : config_.radars)
+    find_pixels(scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
+  renderer_.emplace(scene, config_.name);
   keeping_.emplace(*renderer_);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),

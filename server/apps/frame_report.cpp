@@ -8,9 +8,8 @@ namespace obliq {
 
 void print_frame_report(const std::string& out, const wire::FrameDescriptor& descriptor,
                         const wire::FrameSummary& summary, const std::string& times) {
-  for (const std::string& warning : descriptor.warnings()) {
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  }
+  for (const auto* warnings : {&descriptor.warnings(), &summary.warnings()})
+    for (const std::string& warning : *warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (summary.coverage() < 1) {
     const double percent = 100 * (1 - summary.coverage());
     std::fprintf(stderr,
@@ -24,6 +23,11 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
     std::printf("%s: %.2f M rays", out.c_str(), static_cast<double>(summary.rays()) / 1e6);
   }
   std::printf(", %.2f M samples %s", static_cast<double>(summary.samples()) / 1e6, times.c_str());
+  if (summary.lit_bins() > 0)
+    std::printf(
+        ", %llu gaps: %.2f %% of the lit bins unsampled",
+        static_cast<unsigned long long>(summary.unsampled_bins()),
+        100 * static_cast<double>(summary.unsampled_bins()) / static_cast<double>(summary.lit_bins()));
   if (descriptor.buildings_in_scene() > 0) {
     std::printf(", %u of %u buildings seen", summary.buildings_seen(), descriptor.buildings_in_scene());
   }

@@ -48,6 +48,7 @@ class AccuracySearch {
     for (const ProbedRadar& p : radars_) {
       say_what_changes(p.radar->settings, p.chosen);
       p.radar->settings = with_sampling(p.radar->settings, p.chosen);
+      p.radar->finds_pixels = false;
       report(p, cell_m);
     }
   }

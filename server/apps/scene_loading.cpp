@@ -27,7 +27,8 @@ std::string source_error_line(const SourceError& error) {
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name) {
   std::string names;
   for (const RadarConfig& radar : config.radars) {
-    if (radar.name == name || (name.empty() && config.radars.size() == 1)) return radar;
+    if (radar.name == name || (name.empty() && (config.radars.size() == 1 || radar.name == kUsualRadar)))
+      return radar;
     names += (names.empty() ? "" : ", ") + radar.name;
   }
   throw InputError("--radar: found " + (name.empty() ? "nothing" : "\"" + name + "\"") +
@@ -52,9 +53,19 @@ Progress terminal_progress() {
 
 void say_on_terminal(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
+void say_notes(const SceneConfig& config) {
+  for (const std::string& note : config.notes) say_on_terminal(note);
+}
+
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program) {
   if (config.accuracy.asks())
     say_on_terminal(program + ": [accuracy] is left out here; pixels and cells are those of the scene file");
+  for (const RadarConfig& radar : config.radars)
+    if (radar.finds_pixels)
+      say_on_terminal(
+          program + ": radar \"" + radar.name +
+          "\": the pixels of frustum.quality = \"oblique\" are found by render and obliqd; here it has " +
+          std::to_string(radar.settings.pixel_columns) + " x " + std::to_string(radar.settings.pixel_rows));
 }
 
 std::vector<std::string> world_report_lines(const World& world) {

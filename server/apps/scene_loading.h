@@ -14,7 +14,10 @@
 
 namespace obliq {
 
-/// The named radar, or the only one. Throws InputError that lists the names.
+/// Of several radars, the one that is taken where none is named.
+constexpr std::string_view kUsualRadar = "main";
+
+/// The named radar, or the only one, or kUsualRadar. Throws InputError that lists the names.
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name);
 
 /// Places the radar's antenna. Throws InputError with every reason why it cannot stand there.
@@ -26,7 +29,11 @@ Progress terminal_progress();
 /// One line on stderr.
 void say_on_terminal(const std::string& line);
 
-/// One line on stderr where the scene has an [accuracy], for a program that has no use for it.
+/// What was chosen for the user, a line each on stderr.
+void say_notes(const SceneConfig& config);
+
+/// A line on stderr where the scene has an [accuracy], or pixels that are to be found, for a program that has
+/// no use for it.
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program);
 
 /// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.

@@ -11,6 +11,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/number_option.h"
+#include "server/apps/scene_loading.h"
 #include "server/control/complaints.h"
 #include "server/control/config_tree.h"
 #include "server/control/parameters.h"
@@ -81,7 +82,8 @@ void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
   app.add_option("--server", arguments.server, "Where obliqd listens")
       ->type_name("HOST[:PORT]")
       ->default_val("127.0.0.1:7420");
-  app.add_option("--radar", arguments.radar, "Which radar, when the server has several")->type_name("NAME");
+  app.add_option("--radar", arguments.radar, "Which radar; without: the only one, or the one named main")
+      ->type_name("NAME");
   app.add_flag("--tls", arguments.tls.enabled, "The server speaks TLS");
   app.add_option("--ca", arguments.tls.ca_file,
                  "Whom to trust to vouch for the server, instead of whom this machine trusts; with --tls")
@@ -134,7 +136,9 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
   const wire::Welcome& welcome = client.welcome();
   std::string names;
   for (const std::string& radar : welcome.radars()) {
-    if (radar == arguments.radar || (arguments.radar.empty() && welcome.radars_size() == 1)) return radar;
+    if (radar == arguments.radar ||
+        (arguments.radar.empty() && (welcome.radars_size() == 1 || radar == kUsualRadar)))
+      return radar;
     names += (names.empty() ? "" : ", ") + radar;
   }
   if (names.empty()) throw InputError("the server has no radars");
@@ -171,6 +175,12 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       const QualityPreset* preset = text != nullptr ? find_quality(*text) : nullptr;
       if (preset == nullptr) {
         complaints.add("--set", {name, node.found_text(), quality_names()});
+        continue;
+      }
+      if (preset->searched) {
+        complaints.add("--set",
+                       {name, node.found_text() + ", whose pixels obliqd finds for radars of its scene file",
+                        "frustum.kind=oblique with frustum.pixels, or another quality"});
         continue;
       }
       for (const ConfigNode& expanded : quality_nodes(*preset, node)) {

@@ -180,6 +180,51 @@ void settle_pixels(ConfigNode& root) {
   }
 }
 
+/// A radar's own table and what all share, of a section.
+std::vector<const ConfigNode*> holders_of(const ConfigNode& radar, const ConfigNode& root,
+                                          std::string_view section) {
+  std::vector<const ConfigNode*> holders;
+  for (const ConfigNode* holder : {&radar, &root})
+    if (const ConfigNode* table = holder->find(section)) holders.push_back(table);
+  return holders;
+}
+
+/// Says which frustum a radar has whose kind nobody named, and gives it one where nothing of it is named at
+/// all.
+void choose_frustum(ConfigNode& root, std::vector<std::string>& notes) {
+  std::vector<std::string> nothing, no_kind;
+  const std::vector<ConfigNode*> radars = radar_tables(root);
+  for (ConfigNode* radar : radars) {
+    bool named = false;
+    bool kind = false;
+    for (const ConfigNode* frustum : holders_of(*radar, root, "frustum")) {
+      named |= frustum->kind != Kind::table || !frustum->items.empty();
+      kind |= frustum->find("kind") != nullptr || frustum->find("quality") != nullptr;
+    }
+    if (named) {
+      if (!kind) no_kind.push_back(radar_name(*radar));
+      continue;
+    }
+    nothing.push_back(radar_name(*radar));
+    ConfigNode chosen;
+    chosen.where = "default";
+    for (const ConfigNode& node : quality_nodes(*find_quality(kDefaultQuality), chosen))
+      merge(*radar, nest("frustum." + node.key, node));
+  }
+  const auto note = [&](const std::vector<std::string>& names, const std::string& text) {
+    if (names.empty()) return;
+    std::string whose;
+    if (names.size() < radars.size())
+      for (const std::string& name : names) whose += (whose.empty() ? "radar " : ", ") + name;
+    notes.push_back(whose + (whose.empty() ? "" : ": ") + text);
+  };
+  note(nothing, "no frustum named: sweep \"" + std::string(kDefaultQuality) +
+                    "\"; frustum.kind = \"oblique\" casts rays with Embree");
+  note(no_kind,
+       "frustum.kind is not named: \"oblique\", rays cast with Embree; frustum.quality = \"standard\" takes "
+       "the sweep");
+}
+
 void apply_environment(ConfigNode& root, Complaints& complaints) {
   const std::vector<std::string> keys = keys_for_environment();
   std::vector<std::string> names;
@@ -236,7 +281,8 @@ void apply_flag(ConfigNode& root, const std::string& flag, Complaints& complaint
 
 }  // namespace
 
-void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Complaints& complaints) {
+void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Complaints& complaints,
+                     std::vector<std::string>& notes) {
   expand_frustum(root);
   for (ConfigNode* table : radar_tables(root)) expand_frustum(*table);
   apply_environment(root, complaints);
@@ -245,6 +291,7 @@ void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Co
     return key_of_flag(flag) == kQualityKey;  // first, so that a key of its own wins wherever it stands
   });
   for (const std::string& flag : ordered) apply_flag(root, flag, complaints);
+  choose_frustum(root, notes);
   settle_pixels(root);
 }
 

@@ -70,8 +70,12 @@ std::string quality_page() {
       "or "
       "the same\ncommand line names itself win. Pixels that go with the bins end at 16384. A scene that "
       "names "
-      "nothing of this keeps\nthe oblique frustum with 2048 x 2048 pixels, spread over the bins that they "
-      "cover. A variable's key beats\na file's quality and a flag's quality beats a variable's and a file's "
+      "nothing of `[frustum]` has\nthe quality `standard`; one that names pixels or plates, but no kind, and "
+      "a RenderOnce "
+      "without a frustum, have the oblique frustum,\nspread over the bins that its pixels cover. `oblique` "
+      "looks for its "
+      "pixels when `obliqd` or `obliq render` has loaded\nthe scene. A variable's key beats\na file's "
+      "quality and a flag's quality beats a variable's and a file's "
       "keys."
       "\n\nMeasured over Los Angeles (`deploy/scenes/losangeles.toml`, terrain and 14,535 buildings) against "
       "the reference\nrenderer, whole frames on two threads, by `obliq frontier`. E: power error of the lit "
@@ -80,9 +84,9 @@ std::string quality_page() {
       "|\n|---|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
     page += "|" + cell(code(p.name)) + cell(std::string(p.kind)) + cell(std::string(p.plates)) +
-            cell(pixels_cell(p.columns, p.columns_per_bin, "azimuth bins")) +
-            cell(pixels_cell(p.rows, p.rows_per_bin, "range bins")) + cell(std::string(p.meaning)) +
-            cell(std::string(p.measured)) + "\n";
+            cell(p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins")) +
+            cell(p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins")) +
+            cell(std::string(p.meaning)) + cell(std::string(p.measured)) + "\n";
   return page;
 }
 

@@ -124,8 +124,11 @@ std::string materials(const SceneConfig& config) {
 
 std::string parameter_lines(const std::string& prefix, RadarConfig radar) {
   std::string text;
+  if (radar.finds_pixels && prefix == "frustum.")
+    text += line("quality", "\"oblique\"",
+                 "Finds pixel_columns and pixel_rows when the scene is loaded. [restart]");
   for (const Parameter& p : parameters())
-    if (p.key.name.starts_with(prefix))
+    if (p.key.name.starts_with(prefix) && !(radar.finds_pixels && p.key.name.starts_with("frustum.pixel_")))
       text += entry_line(p.key.name.substr(prefix.size()), p.key, p.slot(radar),
                          p.change == Change::live ? "live" : "restart");
   return text;

@@ -10,14 +10,20 @@ namespace {
 constexpr double kMostPixels = 16384;  // the limit of frustum.pixel_columns and pixel_rows
 
 constexpr std::array kPresets{
-    QualityPreset{"paper", "oblique", "nearest", 2048, 2048, 0, 0,
+    QualityPreset{"paper", "oblique", "nearest", 2048, 2048, 0, 0, false,
                   "The paper's own sampling, bit for bit: to compare with it.",
                   "529 ms; E 0.75, median 1.7 dB, gaps 45 %, 277 of 1,815 buildings missed"},
-    QualityPreset{"draft", "sweep", "spread", 0, 0, 1, 2, "Quickest: for a picture that follows the hand.",
+    QualityPreset{
+        "oblique", "oblique", "spread", 2048, 2048, 0, 0, true,
+        "The oblique frustum, cast with Embree, and as many pixels as leave at most 3 % of the lit bins "
+        "without a sample, found when the scene is loaded.",
+        "pixels as found"},
+    QualityPreset{"draft", "sweep", "spread", 0, 0, 1, 2, false,
+                  "Quickest: for a picture that follows the hand.",
                   "370 ms; E 0.011, median 0.043 dB, gaps 1.8 %, no building missed"},
-    QualityPreset{"standard", "sweep", "spread", 0, 0, 2, 2, "For everyday use.",
+    QualityPreset{"standard", "sweep", "spread", 0, 0, 2, 2, false, "For everyday use.",
                   "497 ms; E 0.0068, median 0.012 dB, gaps 0.81 %, no building missed"},
-    QualityPreset{"reference", "sweep", "spread", 0, 0, 8, 2, "To judge the others by.",
+    QualityPreset{"reference", "sweep", "spread", 0, 0, 8, 2, false, "To judge the others by.",
                   "1491 ms; E 0.0014, median 0.0008 dB, gaps 0.09 %, no building missed"},
 };
 
@@ -29,10 +35,12 @@ ConfigNode text_node(std::string_view key, std::string_view text, const ConfigNo
   return node;
 }
 
-ConfigNode pixel_node(std::string_view key, int pixels, double per_bin, const ConfigNode& quality) {
+ConfigNode pixel_node(std::string_view key, int pixels, double per_bin, bool searched,
+                      const ConfigNode& quality) {
   ConfigNode node = text_node(key, "", quality);
   node.value = std::int64_t{pixels};
   node.per_bin = pixels > 0 ? 0 : per_bin;
+  node.searched = searched;
   return node;
 }
 
@@ -54,8 +62,8 @@ std::string quality_names() {
 
 std::vector<ConfigNode> quality_nodes(const QualityPreset& preset, const ConfigNode& quality) {
   return {text_node("kind", preset.kind, quality), text_node("plates", preset.plates, quality),
-          pixel_node("pixel_columns", preset.columns, preset.columns_per_bin, quality),
-          pixel_node("pixel_rows", preset.rows, preset.rows_per_bin, quality)};
+          pixel_node("pixel_columns", preset.columns, preset.columns_per_bin, preset.searched, quality),
+          pixel_node("pixel_rows", preset.rows, preset.rows_per_bin, preset.searched, quality)};
 }
 
 int pixels_for_bins(double per_bin, int bins) {

@@ -17,11 +17,15 @@ struct QualityPreset {
   int rows = 0;     ///< 0: rows_per_bin for each range bin
   double columns_per_bin = 0;
   double rows_per_bin = 0;
+  bool searched = false;      ///< columns and rows are to be found; those above are a beginning
   std::string_view meaning;   ///< for whom it is, in a sentence
   std::string_view measured;  ///< error and time, on what scene
 };
 
 std::span<const QualityPreset> quality_presets();
+
+/// Of a scene that names nothing of its frustum.
+constexpr std::string_view kDefaultQuality = "standard";
 
 /// The preset of that name, or null.
 const QualityPreset* find_quality(std::string_view name);

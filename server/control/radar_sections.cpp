@@ -31,6 +31,15 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
       radar.set_at[name] = reader.table().find(local)->where;
   }
   if (section == "frustum") {
+    // What a radar names itself beats what all share.
+    bool any = false;
+    bool searched = true;
+    for (const char* side : {"pixel_columns", "pixel_rows"})
+      if (const ConfigNode* node = reader.table().find(side)) {
+        any = true;
+        searched &= node->searched;
+      }
+    if (any) radar.config.finds_pixels = searched;
     // A good one has been split into columns and rows before (overrides.h).
     if (const ConfigNode* pixels = reader.take("pixels"))
       reader.complain(*pixels, "pixels",
@@ -71,6 +80,7 @@ RadarReading read_radar(SceneReading& reading, const ConfigNode& table) {
   read_sub_sections(reader, reading.complaints, radar);
   reader.finish();
 
+  radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   for (const FieldError& error : validate(radar.config)) {
     const auto at = radar.set_at.find(error.field);
     reading.complaints.add(at != radar.set_at.end() ? at->second : table.where, error);

@@ -29,7 +29,7 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   config.name = path.stem().string();
 
   Complaints complaints;
-  apply_overrides(root, options.set, complaints);
+  apply_overrides(root, options.set, complaints, config.notes);
 
   SectionReader top(root, "", complaints);
   SceneReading reading{config, top, complaints, std::filesystem::absolute(path).parent_path()};

@@ -157,8 +157,10 @@ constexpr std::array kSpecial{
         "$XDG_CACHE_HOME/obliq, else ~/.cache/obliq; off where the first of them that is set is empty."},
     SpecialKey{"modbus.allow", "a list of addresses and networks, such as \"10.0.0.0/24\"", "[]",
                "Who may connect to Modbus; empty: anybody who can reach the address."},
-    SpecialKey{"frustum.quality", "\"paper\" | \"draft\" | \"standard\" | \"reference\"", "",
-               "Sets kind, plates, pixel_columns and pixel_rows."},
+    SpecialKey{
+        "frustum.quality", "\"paper\" | \"oblique\" | \"draft\" | \"standard\" | \"reference\"",
+        "\"standard\"",
+        "Sets kind, plates, pixel_columns and pixel_rows; the default where nothing of [frustum] is named."},
     SpecialKey{"frustum.pixels", "a number, or [columns, rows]", "2048",
                "Sets pixel_columns and pixel_rows."},
     SpecialKey{"buildings.source", "a path", "", "Outlines: any OGR path."},

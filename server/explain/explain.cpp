@@ -10,6 +10,7 @@
 #include "server/explain/table.h"
 #include "server/explain/verdict.h"
 #include "server/radar/sample_source.h"
+#include "server/radar/unsampled.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
@@ -167,7 +168,7 @@ class Experiment {
       throw InputError("radar \"" + input_.radar +
                        "\": found no power in the bins; allowed: a scene with visible, "
                        "reflecting ground in sector and range");
-    own_frame(stage);
+    result_.unsampled = unsampled_warning(own_frame(stage).stats, input_.settings);
     result_.costs = stage.costs;
     stage.costs.load_s = 0;  // what is made of this world from now on is not loaded again
 

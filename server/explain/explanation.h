@@ -86,6 +86,7 @@ struct Explanation {
   PowerChange measurement_noise;  ///< the comparison source against itself at another density
   PowerChange wall_noise;         ///< the same of the source that walls are compared with
   PowerChange frustum_noise;      ///< the scene's own frustum against the comparison source
+  std::string unsampled;  ///< where too many lit bins hold no sample: how many, and what would mend it
   SpeckleMeasure ground_speckle;
   SpeckleMeasure geometric_speckle;
   std::vector<Comparison> comparisons;

@@ -181,6 +181,7 @@ std::string plain_report(const Explanation& all) {
   for (const Comparison& c : all.comparisons)
     if (!c.threshold.empty()) text += wrapped(c.name, c.threshold, kWidth, kLabel);
   text += "\nVERDICT\n\n";
+  if (!all.unsampled.empty()) text += wrapped("sampling", all.unsampled + ".", kWidth, kLabel);
   for (const Comparison& c : all.comparisons) text += wrapped(c.name, c.advice, kWidth, kLabel);
   if (!star_text(all).empty()) text += wrapped("", star_text(all), kWidth, 2);
   return text;
@@ -201,6 +202,7 @@ std::string markdown_report(const Explanation& all) {
   text += "\n## From where on it matters\n\n";
   for (const Comparison& c : all.comparisons) item(title(c), c.threshold);
   text += "\n## Verdict\n\n";
+  if (!all.unsampled.empty()) item("sampling", all.unsampled + ".");
   for (const Comparison& c : all.comparisons) item(c.name, c.advice);
   if (!star_text(all).empty()) text += "\n\\" + star_text(all) + "\n";
   return text;

@@ -6,15 +6,21 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
+#include "server/explain/thresholds.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/unsampled.h"
 #include "terrain/constants.h"
 
 namespace obliq {
 namespace {
 
-/// Above this height the 4/3 rule is not to be trusted (design section 1: 24 m of height at 100 km from 3
-/// km).
+/// Above this height over the ground an effective-earth factor is not to be trusted without a look.
 constexpr double kLowAltitude_m = 3000;
+/// Refractivity of the standard atmosphere, N0 exp(-h / H) (ITU-R P.453-14, eq. 10).
+constexpr double kRefractivity = 315e-6;
+constexpr double kScaleHeight_m = 7350;
+/// What is worth a word.
+constexpr double kNoticeable_db = 0.1;
 /// Beyond this distance from the scene origin the world's vertical leans noticeably (design section 1).
 constexpr double kFarFromOrigin_m = 20000;
 
@@ -32,7 +38,7 @@ const char* model_name(ScatteringModel model) {
 
 template <typename... Values>
 std::string sentence(const char* format, Values... values) {
-  char text[256];
+  char text[320];
   std::snprintf(text, sizeof text, format, values...);
   return text;
 }
@@ -47,13 +53,44 @@ double shear_bound_m(const FramePlan& plan, double off_origin_m) {
   return tilt * std::max(std::abs(antenna_y_m - extent.bottom_y_m), std::abs(antenna_y_m - extent.top_y_m));
 }
 
+/// 1/k of the standard atmosphere's mean gradient between two heights above the datum.
+double standard_curvature(double low_m, double high_m) {
+  const double lost =
+      kRefractivity * (std::exp(-low_m / kScaleHeight_m) - std::exp(-high_m / kScaleHeight_m));
+  return 1 - kMeanEarthRadius_m * lost / (high_m - low_m);
+}
+
+/// Where an effective-earth factor may be wrong for so high an antenna: what the standard atmosphere's own
+/// would change at the far edge, or short of the horizon. Empty where that is nothing to speak of.
+std::string refraction_warning(const FramePlan& plan) {
+  const WorldFrame& frame = plan.scene().world().frame;
+  const double k = frame.radius_factor();
+  if (k == 1 || !std::isfinite(k) || !plan.extent().any) return {};
+  const double antenna_m = frame.geodetic_from_world(plan.pose().antenna).height_m;
+  const double ground_y_m = plan.pose().ground_y_m;
+  const double above_m = std::isnan(ground_y_m) ? antenna_m - plan.extent().median_height_m
+                                                : plan.pose().antenna.m.y - ground_y_m;
+  if (!(above_m > kLowAltitude_m)) return {};
+  const double standard = standard_curvature(antenna_m - above_m, antenna_m);
+  const double range_m = std::min(plan.bins().r_max_m, 0.9 * horizon_m(above_m, std::max(1 / k, standard)));
+  if (!(range_m > above_m)) return {};
+  const double ground_range_m = std::sqrt((range_m - above_m) * (range_m + above_m));
+  const double moved_m = std::abs(ground_slant_range_m(ground_range_m, above_m, standard) -
+                                  ground_slant_range_m(ground_range_m, above_m, 1 / k));
+  const double change_db = std::abs(10 * std::log10(curved_ground_power_ratio(range_m, above_m, standard) /
+                                                    curved_ground_power_ratio(range_m, above_m, 1 / k)));
+  if (moved_m <= plan.bins().range_spacing_m / 2 && change_db <= kNoticeable_db) return {};
+  return sentence(
+      "antenna %.0f m above the ground: earth.radius_factor = %.4g is a rule for below %.0f m; by the "
+      "standard atmosphere it would be %.4g here, which moves level ground at %.0f km by %.2g m and "
+      "changes its power by %.2g dB",
+      above_m, k, kLowAltitude_m, 1 / standard, range_m / 1000, moved_m, change_db);
+}
+
 void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescriptor& descriptor) {
   const WorldFrame& frame = plan.scene().world().frame;
-  const double above_m = frame.geodetic_from_world(plan.pose().antenna).height_m;
-  if (frame.radius_factor() != 1 && std::isfinite(frame.radius_factor()) && above_m > kLowAltitude_m)
-    descriptor.add_warnings(
-        sentence("antenna at %.0f m: an effective-earth factor of %.4g is a rule for below %.0f m", above_m,
-                 frame.radius_factor(), kLowAltitude_m));
+  if (const std::string warning = refraction_warning(plan); !warning.empty())
+    descriptor.add_warnings(warning);
   if (off_origin_m > kFarFromOrigin_m && std::isfinite(frame.radius_factor()))
     descriptor.add_warnings(
         sentence("antenna %.1f km from the scene origin: azimuths are off by up to %.3g degrees, slant "
@@ -144,6 +181,10 @@ void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::Frame
   summary.set_rejected(stats.rejected);
   summary.set_coverage(stats.coverage());
   summary.set_buildings_seen(plan.seen().count());
+  summary.set_lit_bins(stats.lit_bins);
+  summary.set_unsampled_bins(stats.unsampled_bins);
+  if (const std::string warning = unsampled_warning(stats, plan.settings()); !warning.empty())
+    summary.add_warnings(warning);
 }
 
 }  // namespace obliq

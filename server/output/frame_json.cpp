@@ -108,7 +108,11 @@ std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::Fram
   root["frame"].erase("frame_id");
   root["frame"].erase("settings_version");
   root["summary"].erase("frame_id");
-  root["bin_states"] = {{"0", "not sampled"}, {"1", "sampled"}, {"2", "shadow"}, {"3", "no known surface"}};
+  root["bin_states"] = {{"0", "not sampled"},
+                        {"1", "sampled"},
+                        {"2", "shadow"},
+                        {"3", "no known surface"},
+                        {"4", "no ground at this range"}};
   if (!descriptor.has_window()) root["frame"].erase("window");
   const auto window =
       wire::cut_window(wire::read_window(descriptor.window()),

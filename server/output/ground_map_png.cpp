@@ -120,13 +120,14 @@ class Picture {
         return kPaper;
       case static_cast<std::uint8_t>(BinState::not_sampled):
         return kNotSampled;
-      case static_cast<std::uint8_t>(BinState::no_surface):
-        return kNoSurface;
       case static_cast<std::uint8_t>(BinState::shadow):
       case GroundMap::kUnknown:
+      case static_cast<std::uint8_t>(BinState::nearer_than_ground):
         return kShadow;
-      default:
+      case static_cast<std::uint8_t>(BinState::sampled):
         break;
+      default:  // no surface, and what a later server may say
+        return kNoSurface;
     }
     if (map_.magnitude_db[pixel] == GroundMap::kNoValue) return kShadow;
     const double level = (shown_db(map_, pixel, compensate_) - black_db_) / (white_db_ - black_db_);
@@ -291,9 +292,9 @@ class Picture {
                   map_.of_power ? "power" : "|I&Q|", compensate_ ? " x r²" : "");
     ink(kInk, 0.9);
     text(kMargin + 208, bar_y + 12, 12, line, 0);
-    swatch(kMargin + 380, bar_y, kShadow, without_states() ? "no echo" : "shadow");
-    swatch(kMargin + 470, bar_y, kNotSampled, "not sampled");
-    swatch(kMargin + 590, bar_y, kNoSurface, "no known ground");
+    swatch(kMargin + 350, bar_y, kShadow, without_states() ? "no echo" : "shadow, altitude hole");
+    swatch(kMargin + 520, bar_y, kNotSampled, "not sampled");
+    swatch(kMargin + 630, bar_y, kNoSurface, "no known ground");
   }
 
   const GroundMap& map_;

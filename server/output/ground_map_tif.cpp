@@ -58,7 +58,8 @@ void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& ma
   file->GetRasterBand(1)->SetDescription(
       ((map.of_power ? "power, dB re " : "magnitude, dB re ") + map.unit).c_str());
   file->GetRasterBand(2)->SetDescription(
-      "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 254 not known, 255 outside");
+      "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 4 no ground at this range, 254 not "
+      "known, 255 outside");
   if (file->GetRasterBand(1)->SetNoDataValue(static_cast<double>(GroundMap::kNoValue)) != CE_None) fail();
   auto* magnitude = const_cast<float*>(map.magnitude_db.data());
   auto* state = const_cast<std::uint8_t*>(map.state.data());

@@ -31,7 +31,7 @@ void narrow(BinBlock& block, std::vector<Wish>& wishes, const IsOpen& is_open) {
 
 }  // namespace
 
-void decide_states(WedgeProfile& profile, BinBlock& block) {
+void decide_states(const FramePlan& plan, WedgeProfile& profile, BinBlock& block) {
   std::vector<Wish> open;
   for (int k = 0; k < block.n_azimuth; ++k) open.push_back({block.first_azimuth + k, {0, block.n_range - 1}});
   narrow(block, open, [](int, int) { return true; });
@@ -40,15 +40,25 @@ void decide_states(WedgeProfile& profile, BinBlock& block) {
     return profile.centre(azimuth_bin).visible[static_cast<std::size_t>(r)] == 0;
   });
   profile.march_strands(open);
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  const double below_m = antenna.y - plan.scene().world().grid.height_at_m(antenna.x, antenna.z);
+  // Where the ground below is nearer than the swath, what the swath lacks is missing beyond it. NaN over a
+  // void.
+  const bool has_hole = below_m >= plan.bins().r_min_m;
   // The others are what they were to begin with: not sampled, though the centre sees them.
   for (const Wish& wish : open) {
     const BinMarks marks = profile.marks(wish);
+    // A wish leaves out nearer bins only where they hold surface.
+    bool before_surface = has_hole && wish.bins.first == 0;
     std::uint8_t* const state = states_of(block, wish.azimuth_bin);
     for (int r = wish.bins.first; r <= wish.bins.last; ++r) {
       const auto k = static_cast<std::size_t>(r);
-      if (state[k] == static_cast<std::uint8_t>(BinState::sampled)) continue;
+      const bool sampled = state[k] == static_cast<std::uint8_t>(BinState::sampled);
+      before_surface = before_surface && !sampled && !marks.present[k];
+      if (sampled) continue;
       const BinState decided = marks.visible[k]   ? BinState::not_sampled
                                : marks.present[k] ? BinState::shadow
+                               : before_surface   ? BinState::nearer_than_ground
                                                   : BinState::no_surface;
       state[k] = static_cast<std::uint8_t>(decided);
     }

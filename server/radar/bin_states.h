@@ -8,6 +8,6 @@ namespace obliq {
 /// where they can still say something: along an azimuth bin's centre from its first undecided bin to its
 /// last, and on its other strands around those that the centre does not see. `block`: of the profile's wedge,
 /// not sampled where it has no samples.
-void decide_states(WedgeProfile& profile, BinBlock& block);
+void decide_states(const FramePlan& plan, WedgeProfile& profile, BinBlock& block);
 
 }  // namespace obliq

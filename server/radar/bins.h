@@ -11,7 +11,9 @@ enum class BinState : std::uint8_t {
   not_sampled = 0,  ///< a visible piece of surface lies in the bin, no ray hit it
   sampled = 1,
   shadow = 2,      ///< known surface there, all of it hidden
-  no_surface = 3,  ///< void, outside the elevation model, or nearer than the ground
+  no_surface = 3,  ///< void, or outside the elevation model
+  nearer_than_ground =
+      4,  ///< altitude hole: nearer than all surface of its azimuth, the antenna over known ground
 };
 
 /// A run of azimuth bins [first_azimuth, first_azimuth + n_azimuth) of the full range swath.
@@ -49,6 +51,9 @@ struct FrameStats {
   std::uint64_t rejected = 0;  ///< leaked rays without an answer: not binned
   double sector_area_m2 = 0;   ///< ground area of the sector between r_min and r_max
   double covered_area_m2 = 0;  ///< of that, over known ground
+  std::uint64_t lit_bins =
+      0;  ///< that hold visible surface, sampled or not; 0 where no states were asked for
+  std::uint64_t unsampled_bins = 0;  ///< of those
 
   void add(const FrameStats& other) {
     rays += other.rays;
@@ -58,9 +63,15 @@ struct FrameStats {
     rejected += other.rejected;
     sector_area_m2 += other.sector_area_m2;
     covered_area_m2 += other.covered_area_m2;
+    lit_bins += other.lit_bins;
+    unsampled_bins += other.unsampled_bins;
   }
   /// Fraction of the sector that known ground covers, 0..1.
   double coverage() const { return sector_area_m2 > 0 ? covered_area_m2 / sector_area_m2 : 0; }
+  /// Fraction of the lit bins that no sample fell into, 0..1.
+  double unsampled_share() const {
+    return lit_bins > 0 ? static_cast<double>(unsampled_bins) / static_cast<double>(lit_bins) : 0;
+  }
 };
 
 }  // namespace obliq

@@ -41,12 +41,13 @@ void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
     errors.push_back(
         {"radar.r_min_m", metres_text(settings.r_min_m),
          "at least the antenna's height above the ground, " + metres_text(above_ground_m) +
-             ", with the symmetric and oblique frusta; any with frustum.kind \"polar\" or \"sweep\""});
+             ", with the symmetric and oblique frusta; any with frustum.quality = \"standard\", the sweep"});
   if (settings.frustum == FrustumKind::oblique && plan.extent().any && plan.box().kappa_m <= 0)
-    errors.push_back({"frustum.kind",
-                      "\"oblique\" with the antenna " + metres_text(-plan.box().kappa_m) +
-                          " below the highest ground or roof in the sector",
-                      "an antenna above it, or frustum.kind \"polar\" or \"sweep\""});
+    errors.push_back(
+        {"frustum.kind",
+         "\"oblique\" with the antenna " + metres_text(-plan.box().kappa_m) +
+             " below the highest ground or roof in the sector",
+         "an antenna above it, or frustum.quality = \"standard\", the sweep, which sees from anywhere"});
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ PerspectiveFrustum symmetric_frustum(const SectorBox& box, double sector_rad, in
       if (!(depth > 1e-6 * across))
         throw InputError(
             "radar.sector_deg: a corner of the sector lies beside or behind the symmetric camera; allowed: a "
-            "narrower sector, a lower antenna, or frustum.kind \"oblique\", \"polar\" or \"sweep\"");
+            "narrower sector, a lower antenna, or frustum.quality = \"standard\", the sweep");
       tangent = std::max(tangent, across / depth);
     }
   }

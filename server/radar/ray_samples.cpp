@@ -16,6 +16,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 static_assert(GroundHits::kMost == kBatch);
 
+/// Samples that are handed out and still kept: what waits behind them is moved seldom.
+constexpr std::size_t kMostUnloaded = 8 * kBatch;
+
 }  // namespace
 
 RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile)
@@ -35,12 +38,12 @@ bool RaySamples::next(SampleBatch& samples, FrameStats& stats) {
     return true;
   }
   if (!finished_ && spread_.size() - unloaded_ < kBatch) {
-    if (trace(stats)) {
-      take_spread(stats);
-    } else {
+    if (spread_rays_ == rays_.n && !next_rays(stats)) {
       const StageProbe probe(Stage::plates);
       spreader_->finish(spread_);
       finished_ = true;
+    } else {
+      spread_some();
     }
   }
   return unload(samples) || !finished_;
@@ -145,19 +148,27 @@ void RaySamples::take_nearest(SampleBatch& samples, FrameStats& stats) {
   }
 }
 
-void RaySamples::take_spread(FrameStats& stats) {
-  const auto n = static_cast<std::size_t>(rays_.n);
-  {
-    const StageProbe probe(Stage::refine);
-    meet_ground();
-    for (std::size_t k = 0; k < n; ++k) {
-      const bool ground = on_ground(k);
-      stats.hits += ground ? 1 : 0;
-      exact_[k] = ground ? ground_hit(k) : exact_hit(k, stats);
-    }
+/// Meets the next rays' surfaces; false when no ray was left.
+bool RaySamples::next_rays(FrameStats& stats) {
+  if (!trace(stats)) return false;
+  const StageProbe probe(Stage::refine);
+  meet_ground();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(rays_.n); ++k) {
+    const bool ground = on_ground(k);
+    stats.hits += ground ? 1 : 0;
+    exact_[k] = ground ? ground_hit(k) : exact_hit(k, stats);
   }
+  spread_rays_ = 0;
+  return true;
+}
+
+/// Spreads rays until a batch of samples waits: one of them may cover all range bins.
+void RaySamples::spread_some() {
   const StageProbe probe(Stage::plates);
-  for (std::size_t k = 0; k < n; ++k) spreader_->take(rays_, k, exact_[k] ? &*exact_[k] : nullptr, spread_);
+  for (; spread_rays_ < rays_.n && spread_.size() - unloaded_ < kBatch; ++spread_rays_) {
+    const auto k = static_cast<std::size_t>(spread_rays_);
+    spreader_->take(rays_, k, exact_[k] ? &*exact_[k] : nullptr, spread_);
+  }
 }
 
 /// Moves waiting samples into the batch; false when none was left.
@@ -179,8 +190,8 @@ bool RaySamples::unload(SampleBatch& samples) {
   }
   samples.n = static_cast<int>(n);
   unloaded_ += n;
-  if (unloaded_ == spread_.size()) {
-    spread_.clear();
+  if (unloaded_ == spread_.size() || unloaded_ >= kMostUnloaded) {
+    spread_.erase(spread_.begin(), spread_.begin() + static_cast<std::ptrdiff_t>(unloaded_));
     unloaded_ = 0;
   }
   return n > 0;

@@ -24,7 +24,8 @@ class RaySamples : public SampleSource {
  private:
   bool trace(FrameStats& stats);
   void take_nearest(SampleBatch& samples, FrameStats& stats);
-  void take_spread(FrameStats& stats);
+  bool next_rays(FrameStats& stats);
+  void spread_some();
   bool unload(SampleBatch& samples);
   void meet_ground();
   std::optional<ExactHit> exact_hit(std::size_t k, FrameStats& stats);
@@ -44,6 +45,7 @@ class RaySamples : public SampleSource {
   GroundHits ground_;
   std::vector<Sample> spread_;  // made, not yet handed out from unloaded_ on
   std::size_t unloaded_ = 0;
+  int spread_rays_ = 0;  // of the batch
   bool finished_ = false;
 };
 

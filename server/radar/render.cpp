@@ -35,6 +35,14 @@ struct FrameTables {
                 plan.bins().range_spacing_m, plan.bins().azimuth_width_rad, plan.settings().speckle_seed) {}
 };
 
+void count_lit(const BinBlock& bins, FrameStats& stats) {
+  const auto of = [&](BinState state) {
+    return static_cast<std::uint64_t>(std::ranges::count(bins.state, static_cast<std::uint8_t>(state)));
+  };
+  stats.unsampled_bins = of(BinState::not_sampled);
+  stats.lit_bins = of(BinState::sampled) + stats.unsampled_bins;
+}
+
 /// The wedge that a thread has in hand, and its buffers, reused from wedge to wedge.
 class WedgeWork {
  public:
@@ -80,7 +88,10 @@ class WedgeWork {
       wedge_.stats.sector_area_m2 += area.sector_m2;
       wedge_.stats.covered_area_m2 += area.covered_m2;
     }
-    if (states) decide_states(*profile_, wedge_.bins);
+    if (states) {
+      decide_states(plan_, *profile_, wedge_.bins);
+      count_lit(wedge_.bins, wedge_.stats);
+    }
     return std::move(wedge_);
   }
 
@@ -135,6 +146,7 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
     const StageClock clock(options.times);
     int batches = options.pause ? std::max(1, options.pause->batches / threads) : 0;
     const auto may_go_on = [&] {
+      if (options.stop.stop_requested()) return false;
       if (!options.pause) return true;
       return --batches > 0 && !(options.pause->is_due && options.pause->is_due());
     };
@@ -148,7 +160,7 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
           work->begin(index, options.tap);
         }
         if (!work->take(may_go_on)) {
-          paused = true;
+          if (!options.stop.stop_requested()) paused = true;
           return;
         }
         Wedge wedge = work->finish(options.states);
@@ -171,7 +183,7 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
     work_until_done(begun->work[0]);
   }
   if (failure) std::rethrow_exception(failure);
-  if (paused) options.pause->begun = std::move(begun);
+  if (paused && !options.stop.stop_requested()) options.pause->begun = std::move(begun);
   return !options.stop.stop_requested();
 }
 

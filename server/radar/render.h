@@ -61,7 +61,7 @@ struct RenderOptions {
   int threads = 0;                        ///< 0 = all cores
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
-  std::stop_token stop;                   ///< no further wedge is begun after a stop request
+  std::stop_token stop;                   ///< no further wedge or batch is begun after a stop request
   bool states = true;            ///< false: bins without samples all say not_sampled, which is quicker
   SampleTap* tap = nullptr;      ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;  ///< null: does not pause

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 
+#include "server/radar/wall_edge.h"
+
 namespace obliq {
 
 void SweepPlane::cut_roofs(double from_m) {
@@ -39,18 +41,10 @@ void SweepPlane::raise_by_roofs(PlaneHorizon& horizon, const FootprintSpan& befo
 
 SweepPlane::WallPlane SweepPlane::wall_plane(const RoofStep& step) const {
   const Buildings& all = world_->buildings;
-  const Building& building = all.list[step.building];
-  std::uint32_t edge = step.wall - building.first_face - 1;
-  std::uint32_t ring = building.first_ring;
-  while (edge >= all.ring_start[ring + 1] - all.ring_start[ring]) {
-    edge -= all.ring_start[ring + 1] - all.ring_start[ring];
-    ++ring;
-  }
-  const std::uint32_t begin = all.ring_start[ring];
-  const std::uint32_t size = all.ring_start[ring + 1] - begin;
+  const WallEdge edge = edge_of_wall(all, step.wall);
   const glm::dvec2 antenna(antenna_m_.x, antenna_m_.z);
-  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[begin + edge]) - antenna;
-  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[begin + (edge + 1) % size]) - antenna;
+  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[edge.from]) - antenna;
+  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[edge.to]) - antenna;
   const glm::dvec2 along = b - a;
   const double length2 = along.x * along.x + along.y * along.y;
   if (!(length2 > 0)) return {0, 0, 0, 0, 0};

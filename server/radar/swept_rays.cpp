@@ -58,6 +58,7 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
       antenna_m_(antenna_m),
       ground_{lane_grid(scene.world().grid), antenna_m.x, antenna_m.y, antenna_m.z, reach_m},
       kernels_(kernels),
+      top_m_(scene.highest_m() - antenna_m.y),
       reach_m_(reach_m) {
   const HeightGrid& grid = world_.grid;
   const auto farther = [](double at, double first, double last) { return std::max(at - first, last - at); };
@@ -69,26 +70,30 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
     slope_.push_back(at.sin / at.cos);
     secant_.push_back(1 / at.cos);
   }
-  // What stands no higher than `top` has slopes of at most top / d. A little less, for flat ground.
-  const double top = scene.highest_m() - antenna_m.y;
-  if (!slope_.empty() && top < 0 && slope_.front() < 0)
-    from_m_ = 0.999 * std::min(reach_m, top / slope_.front());
   slope_.push_back(kInfinity);
   secant_.push_back(0);
 }
 
-void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings,
+/// The ground distance before which nothing reaches up to a ray. What stands no higher than top_m_ has slopes
+/// of at most top_m_ / d. A little less, for flat ground.
+double SweptRays::start_m(std::size_t ray) const {
+  if (!(top_m_ < 0 && slope_[ray] < 0)) return 0;
+  return 0.999 * std::min(reach_m_, top_m_ / slope_[ray]);
+}
+
+void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings, Run run,
                        std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
   RayLanes lanes{};
   lanes.slant_range_m = slant_range_m.data();
   lanes.surface = surface.data();
   std::array<Roofs, kMostPlanes> roofs;
+  const double from_m = start_m(run.first);
   for (std::size_t k = 0; k < static_cast<std::size_t>(kMostPlanes); ++k) {
     lanes.end_m[k] = -1;
     lanes.roof_m[k] = kInfinity;
     if (k >= bearings.size()) continue;
     const SinCos bearing = roofs[k].bearing = bearings[k];
-    const GroundWalk walk(world_.grid, antenna_m_, bearing.sin, bearing.cos, from_m_, reach_m_);
+    const GroundWalk walk(world_.grid, antenna_m_, bearing.sin, bearing.cos, from_m, reach_m_);
     if (walk.done()) continue;
     set_out(lanes, k, bearing, walk);
     for (const std::uint32_t b : buildings)
@@ -97,27 +102,34 @@ void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::ui
     for (const FootprintSpan& span : roofs[k].spans)
       if (span.far_m > lanes.d_m[k]) lanes.roof_m[k] = std::min(lanes.roof_m[k], span.near_m);
   }
-  const RayRows rows{slope_.data(), secant_.data(), rays()};
+  const auto first = slope_.begin() + static_cast<std::ptrdiff_t>(run.first);
+  std::vector<double> cut;
+  if (run.first + run.count < rays()) {
+    cut.assign(first, first + static_cast<std::ptrdiff_t>(run.count));
+    cut.push_back(kInfinity);
+  }
+  const RayRows rows{cut.empty() ? &*first : cut.data(), secant_.data() + run.first, run.count};
   while (const unsigned at_roof = kernels_.answer_rays(ground_, rows, lanes))
     for (std::size_t k = 0; k < bearings.size(); ++k)
-      if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], lanes);
+      if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], rows, run.first, lanes);
   for (std::size_t k = 0; k < bearings.size(); ++k) {
-    const auto unanswered = static_cast<std::ptrdiff_t>(k * rays() + lanes.next[k]);
-    const auto end = static_cast<std::ptrdiff_t>((k + 1) * rays());
+    const auto unanswered = static_cast<std::ptrdiff_t>(k * run.count + lanes.next[k]);
+    const auto end = static_cast<std::ptrdiff_t>((k + 1) * run.count);
     std::fill(slant_range_m.begin() + unanswered, slant_range_m.begin() + end, 0.0);
     std::fill(surface.begin() + unanswered, surface.begin() + end, kNothing);
   }
 }
 
 /// Takes one plane past the roofs that it stands before.
-void SweptRays::pass_roofs(std::size_t k, Roofs& roofs, RayLanes& lanes) const {
+void SweptRays::pass_roofs(std::size_t k, Roofs& roofs, const RayRows& rows, std::size_t first_ray,
+                           RayLanes& lanes) const {
   // All that is nearer lies below the next ray.
   PlaneHorizon horizon;
-  if (lanes.next[k] > 0) horizon = {1, slope_[lanes.next[k] - 1], false};
+  const std::size_t next = first_ray + lanes.next[k];
+  if (next > 0) horizon = {1, slope_[next - 1], false};
   SweepPlane plane(world_, antenna_m_, roofs.bearing, lanes.d_m[k], reach_m_, horizon, roofs.spans);
-  const RayRows rows{slope_.data(), secant_.data(), rays()};
-  AnswerVisible answers{rows, world_.grid.nx, lanes.next[k], lanes.slant_range_m + k * rays(),
-                        lanes.surface + k * rays()};
+  AnswerVisible answers{rows, world_.grid.nx, lanes.next[k], lanes.slant_range_m + k * rows.n,
+                        lanes.surface + k * rows.n};
   const RoofStep* roof = plane.next_roof();
   while (roof && roof->near_m <= std::max(plane.at_m(), lanes.roof_m[k])) {
     plane.advance(std::min(roof->far_m, reach_m_), answers);

@@ -31,14 +31,28 @@ class SweptRays {
 
   std::size_t rays() const { return slope_.size() - 1; }
 
-  /// First hits along bearings (sin and cos of world angles): slant_range_m[plane * rays() + ray], 0 where
-  /// there is none, and surface, the same. `buildings`: those that the planes may meet.
-  void answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings,
+  /// Rays [first, first + count), by elevation.
+  struct Run {
+    std::size_t first;
+    std::size_t count;
+  };
+
+  /// First hits of a run of rays along bearings (sin and cos of world angles): slant_range_m[plane *
+  /// run.count + ray - run.first], 0 where there is none, and surface, the same. `buildings`: those that the
+  /// planes may meet. A ray's answer does not depend on the run.
+  void answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings, Run run,
               std::span<double> slant_range_m, std::span<std::uint32_t> surface) const;
+  /// Of all rays.
+  void answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings,
+              std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
+    answer(bearings, buildings, {0, rays()}, slant_range_m, surface);
+  }
 
  private:
   struct Roofs;
-  void pass_roofs(std::size_t plane, Roofs& roofs, RayLanes& lanes) const;
+  double start_m(std::size_t ray) const;
+  void pass_roofs(std::size_t plane, Roofs& roofs, const RayRows& rows, std::size_t first_ray,
+                  RayLanes& lanes) const;
 
   const World& world_;
   glm::dvec3 antenna_m_;
@@ -46,7 +60,7 @@ class SweptRays {
   const LaneKernels& kernels_;
   std::vector<double> slope_;   // [rays + 1]
   std::vector<double> secant_;  // [rays + 1]
-  double from_m_ = 0;           // nothing nearer reaches up to the lowest ray
+  double top_m_;                // of all that stands there, above the antenna
   double reach_m_;
 };
 

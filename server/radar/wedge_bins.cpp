@@ -87,10 +87,15 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
       const double amplitude = std::sqrt(power);
       voltage_[bin] += std::complex<double>(amplitude * at.cos, amplitude * at.sin);
     } else {
-      const std::uint64_t kind = static_cast<std::uint64_t>(samples.face[k]) << 32 | samples.material[k];
+      const std::uint32_t face = samples.face[k];
+      const std::uint64_t ground =
+          static_cast<std::uint64_t>(face) << 32 | placed_.level[k] | samples.material[k];
+      const glm::dvec3 at_m(samples.x_m[k], plan_.sector().antenna_m.y + r * samples.sin_elevation[k],
+                            samples.z_m[k]);
       sums_[azimuth].add(static_cast<std::uint32_t>(range_bin),
-                         samples.face[k] == kNoFace ? ScattererKey(placed_.cell[k], kind | placed_.level[k])
-                                                    : ScattererKey(0, kind),
+                         face == kNoFace
+                             ? ScattererKey(placed_.cell[k], ground)
+                             : ScattererKey(speckle_.scatterer(r, at_m, face, samples.material[k])),
                          power);
     }
   }

@@ -66,15 +66,16 @@ class CoherenceOfEverySource : public testing::TestWithParam<test::NamedSource> 
     return scene;
   }
 
-  /// Towers on ground that reflects nothing, so that a bin holds faces alone.
-  static std::shared_ptr<const Scene> towers() {
+  /// Posts, none of whose faces is larger than a cell, on ground that reflects nothing: a bin holds faces
+  /// alone.
+  static std::shared_ptr<const Scene> posts() {
     static const auto scene = [] {
       World world = load_world(test::synthetic_spec(SyntheticKind::flat, 16000, 100));
       OutlineShaper shaper;
-      for (int n = 0; n < 12; ++n) {
-        const double x = 90.0 * n - 500, z = 4000 + 700.0 * n;
-        const Polygon outline{{{{x, z}, {x + 60, z + 10}, {x + 50, z + 55}, {x - 10, z + 45}}}};
-        stand_outline(world, shaper, outline, {70 + 10.0 * n, 1, static_cast<std::uint64_t>(n)});
+      for (int n = 0; n < 1000; ++n) {
+        const double x = 57.0 * (n % 50) - 1400, z = 4500 + 190.0 * (n / 50) + 3.7 * (n % 50);
+        const Polygon outline{{{{x, z}, {x + 3.5, z + 0.2}, {x + 3.2, z + 3.4}, {x - 0.1, z + 3.1}}}};
+        stand_outline(world, shaper, outline, {3.5, 1, static_cast<std::uint64_t>(n)});
       }
       std::vector<Material> materials = test::constant_gamma_materials();
       materials[0].gamma = 0;
@@ -145,7 +146,7 @@ TEST_P(CoherenceOfEverySource, TheSameGroundGivesTheSameSpeckleFromAnyPose) {
   EXPECT_LT(worst, 1e-6);
 }
 
-/// Phase by which the bins that hold one and the same single face turned between two looks, against -4 pi
+/// Phase by which the bins that hold one and the same face alone turned between two looks, against -4 pi
 /// (r2 - r1) / lambda.
 struct FaceTurns {
   int bins = 0, roofs = 0;
@@ -172,7 +173,7 @@ FaceTurns compare_faces(const World& world, const Look& before, const Look& afte
 }
 
 TEST_P(CoherenceOfEverySource, APointScatterersPhaseFollowsGeometryWhenTheAntennaMovesACentimetre) {
-  const auto scene = towers();
+  const auto scene = posts();
   for (const double frequency_ghz : {10.0, 35.0}) {
     RadarSettings s = settings(frequency_ghz);
     s.azimuth_bins = s.range_bins = 200;
@@ -198,7 +199,7 @@ TEST_P(CoherenceOfEverySource, APointScatterersPhaseFollowsGeometryWhenTheAntenn
 }
 
 TEST_P(CoherenceOfEverySource, AnEighthOfAWavelengthAlongTheLineOfSightTurnsAPointByAQuarter) {
-  const auto scene = towers();
+  const auto scene = posts();
   RadarSettings s = settings();
   s.azimuth_bins = s.range_bins = 200;
   s.sector_deg = 40;

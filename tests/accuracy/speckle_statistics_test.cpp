@@ -132,6 +132,74 @@ TEST_P(SpeckleOfEverySource, WouldFailTheTestWithThePapersPhases) {
             10 * 2.4 / std::sqrt(static_cast<double>(found.independent.size())));
 }
 
+/// A flat roof and a wall of many cells, or posts no larger than a cell, on ground that reflects nothing.
+std::shared_ptr<const Scene> faces_alone(bool posts) {
+  World world = load_world(test::synthetic_spec(SyntheticKind::flat, 11000, 100));
+  OutlineShaper shaper;
+  const auto stand = [&](double x_m, double z_m, double width_m, double depth_m, double height_m) {
+    const Polygon outline{
+        {{{x_m, z_m}, {x_m + width_m, z_m}, {x_m + width_m, z_m + depth_m}, {x_m, z_m + depth_m}}}};
+    stand_outline(world, shaper, outline, {height_m, 1, static_cast<std::uint64_t>(x_m + 1e6 * z_m)});
+  };
+  if (posts) {
+    for (int n = 0; n < 1000; ++n) stand(57.0 * (n % 50) - 1400, 4500 + 190.0 * (n / 50), 3.5, 3.5, 3.5);
+  } else {
+    stand(-1500, 3000, 3000, 1500, 30);
+    stand(-2500, 6000, 5000, 20, 300);
+  }
+  std::vector<Material> materials = test::constant_gamma_materials();
+  materials[0].gamma = 0;
+  return test::make_scene(std::move(world), materials);
+}
+
+TEST_P(SpeckleOfEverySource, OfRoofsAndWallsOfManyCellsIsThatOfGround) {
+  RadarSettings s = settings(1);
+  s.pixel_columns *= 3;
+  std::vector<double> roofs, walls;
+  const auto scene = faces_alone(false);
+  const auto& faces = scene->world().buildings.faces;
+  const auto shares =
+      test::shares_of_bins(*test::plan_or_throw(scene, s, test::pose_over_origin(scene->world(), 1500)));
+  for (s.speckle_seed = 1; s.speckle_seed <= 8; ++s.speckle_seed) {
+    const BinBlock bins = frame_of(scene, s, 1500).bins;
+    for (std::size_t n = 0; n < bins.count.size(); ++n) {
+      if (!(bins.power_w[n] > 0)) continue;
+      const auto of_most =
+          std::ranges::max_element(shares[n], {}, [](const auto& share) { return share.second; });
+      const bool wall = faces[of_most->first.face].wall;
+      (wall ? walls : roofs).push_back(std::norm(std::complex<double>(bins.iq[n])) / bins.power_w[n]);
+    }
+  }
+  for (const auto& [name, values] : {std::pair("roofs", roofs), {"walls", walls}}) {
+    const Moments found = moments(values);
+    std::printf("    %s: contrast %.4f, mean %.4f of %zu\n", name, found.contrast, found.mean, values.size());
+    ASSERT_GE(values.size(), 4000u) << name;
+    // Neighbours share cells, a quarter of the bins may be independent: 5 / sqrt(n / 4).
+    EXPECT_NEAR(found.mean, 1, 10 / std::sqrt(static_cast<double>(values.size()))) << name;
+    EXPECT_NEAR(found.contrast, 1, 0.02 + 15 / std::sqrt(static_cast<double>(values.size()))) << name;
+  }
+}
+
+TEST_P(SpeckleOfEverySource, OfAFaceNoLargerThanACellIsOnePhasor) {
+  RadarSettings s = settings(1.5);
+  s.r_min_m = 4100;  // cells of 4 m, and 8 beyond 8192
+  s.azimuth_bins = s.range_bins = 200;
+  const auto scene = faces_alone(true);
+  const auto shares =
+      test::shares_of_bins(*test::plan_or_throw(scene, s, test::pose_over_origin(scene->world(), 1500)));
+  const BinBlock bins = frame_of(scene, s, 1500).bins;
+  int alone = 0;
+  for (std::size_t n = 0; n < shares.size(); ++n) {
+    int faces = 0;
+    for (const auto& [cell, power] : shares[n]) faces += power > 0 ? 1 : 0;
+    if (faces != 1) continue;
+    ++alone;
+    EXPECT_NEAR(std::norm(std::complex<double>(bins.iq[n])) / bins.power_w[n], 1, 1e-6);
+  }
+  std::printf("    %d bins of one face\n", alone);
+  EXPECT_GE(alone, 20);
+}
+
 /// Flat ground with two houses whose walls and roofs lie across several bins.
 std::shared_ptr<const Scene> ground_with_houses() {
   World world = load_world(test::synthetic_spec(SyntheticKind::flat, 6000, 100));
@@ -175,8 +243,6 @@ TEST_P(SpeckleOfEverySource, CovariesByTheGroundThatBinsShare) {
 
   // For circular Gaussian v_a, v_b the mean of N products misses by E|error|^2 = P_a P_b / N, and |error|^2
   // is exponential: over M pairs the chance that any misses by more than sqrt((ln M + ln 1e6) / N) is 1e-6.
-  // Faces
-  // (|u| = 1) scatter less.
   const double pairs = static_cast<double>(n) * static_cast<double>(n + 1) / 2;
   const double tolerance = std::sqrt((std::log(pairs) + std::log(1e6)) / kSeeds);
   int sharing = 0, apart = 0, strongly = 0, by_a_face = 0;
@@ -212,8 +278,9 @@ TEST_P(SpeckleOfEverySource, CovariesByTheGroundThatBinsShare) {
       "    %d pairs share ground (%d of them above %.3f, %d a face), worst error %.4f; %d do not, worst "
       "%.4f\n",
       sharing, strongly, 3 * tolerance, by_a_face, worst_sharing, apart, worst_apart);
-  EXPECT_GE(strongly, 15);
-  EXPECT_GE(by_a_face, 15);
+  // Neighbours share the cells that their edge cuts, of faces as of ground.
+  EXPECT_GE(strongly, 3);
+  EXPECT_GE(by_a_face, 5);
   EXPECT_GE(sharing - by_a_face, 15);
   EXPECT_GE(apart, 300);
 }

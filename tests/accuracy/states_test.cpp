@@ -98,15 +98,23 @@ struct Seen {
   bool maybe_visible = false, maybe_present = false;
 };
 
-std::vector<Seen> brute_force(const World& world, const Roofs& roofs, const RadarSettings& s,
-                              double bearing_rad) {
-  std::vector<Seen> bins(static_cast<std::size_t>(s.range_bins));
+/// One azimuth: its bins, and the slant range of its nearest point.
+struct Strand {
+  std::vector<Seen> bins;
+  double nearest_m = HUGE_VAL;
+};
+
+Strand brute_force(const World& world, const Roofs& roofs, const RadarSettings& s, double bearing_rad) {
+  Strand strand;
+  std::vector<Seen>& bins = strand.bins;
+  bins.resize(static_cast<std::size_t>(s.range_bins));
   const double spacing = (s.r_max_m - s.r_min_m) / s.range_bins;
   const auto bin = [&](double r) { return static_cast<int>(std::floor((r - s.r_min_m) / spacing)); };
   double highest = -HUGE_VAL;
   const auto point = [&](double d, double y) {
     const double slope = (y - kAntenna_m) / d;
     const double r = std::hypot(d, y - kAntenna_m);
+    strand.nearest_m = std::min(strand.nearest_m, r);
     const int here = bin(r);
     // A millimetre at 1 km: rounding, and crests between two points.
     const bool maybe = slope >= highest - 1e-6;
@@ -133,11 +141,11 @@ std::vector<Seen> brute_force(const World& world, const Roofs& roofs, const Rada
     before_m = y;
     if (!std::isnan(y)) point(d, y);
   }
-  return bins;
+  return strand;
 }
 
 struct Tally {
-  int of_state[4] = {0, 0, 0, 0};
+  int of_state[5] = {0, 0, 0, 0, 0};
   int wrong = 0;
   int between = 0;  ///< sampled, but dark along all 25 azimuths: a ray between them, past a building
 };
@@ -149,20 +157,24 @@ Tally compare(const std::shared_ptr<const Scene>& scene, const RadarSettings& s)
                              {0, s.azimuth_bins});
   const Roofs roofs(scene->world().buildings);
   Tally tally;
+  const bool nadir_known = !std::isnan(height_m(scene->world().grid, 0, 0));
   const double sector = s.sector_deg * std::numbers::pi / 180;
   for (int a = 0; a < s.azimuth_bins; ++a) {
     // 24 parts hold the halves, quarters, sixths and eighths that the renderer may divide a bin into.
-    std::vector<std::vector<Seen>> strands;
+    std::vector<Strand> strands;
     for (int part = 0; part <= 24; ++part)
       strands.push_back(
           brute_force(scene->world(), roofs, s, sector * ((a + part / 24.0) / s.azimuth_bins - 0.5)));
+    double nearest_m = HUGE_VAL;
+    for (const Strand& strand : strands) nearest_m = std::min(nearest_m, strand.nearest_m);
     for (std::size_t r = 0; r < static_cast<std::size_t>(s.range_bins); ++r) {
+      const double end_m = s.r_min_m + static_cast<double>(r + 1) * (s.r_max_m - s.r_min_m) / s.range_bins;
       const std::uint8_t state =
           frame.bins.state[static_cast<std::size_t>(a) * static_cast<std::size_t>(s.range_bins) + r];
       ++tally.of_state[state];
       bool maybe_visible = false, maybe_present = false, visible = false, present = false;
       for (std::size_t part = 0; part <= 24; ++part) {
-        const Seen& seen = strands[part][r];
+        const Seen& seen = strands[part].bins[r];
         maybe_visible |= seen.maybe_visible;
         maybe_present |= seen.maybe_present;
         if (part % 12 != 0) continue;
@@ -173,15 +185,19 @@ Tally compare(const std::shared_ptr<const Scene>& scene, const RadarSettings& s)
         ++tally.between;
         continue;
       }
-      const bool right = (state <= 1 ? maybe_visible : !visible) && (state <= 2 ? maybe_present : !present);
+      bool right = (state <= 1 ? maybe_visible : !visible) && (state <= 2 ? maybe_present : !present);
+      if (state == 4) right &= nadir_known && end_m <= nearest_m + 2 * kStep_m;
+      if (state == 3) right &= !nadir_known || end_m > nearest_m - 2 * kStep_m;
       if (!right && ++tally.wrong < 5)
         std::printf("    azimuth bin %d range bin %zu: state %d, but visible %d %d, present %d %d\n", a, r,
                     state, visible, maybe_visible, present, maybe_present);
     }
   }
-  std::printf("    not sampled %d, sampled %d, shadow %d, no surface %d; wrong %d, between %d\n",
-              tally.of_state[0], tally.of_state[1], tally.of_state[2], tally.of_state[3], tally.wrong,
-              tally.between);
+  std::printf(
+      "    not sampled %d, sampled %d, shadow %d, no surface %d, nearer than the ground %d; wrong %d, "
+      "between %d\n",
+      tally.of_state[0], tally.of_state[1], tally.of_state[2], tally.of_state[3], tally.of_state[4],
+      tally.wrong, tally.between);
   return tally;
 }
 
@@ -217,18 +233,22 @@ World with_void(World world, double x_m, double z_m, double side_m) {
 struct Named {
   const char* name;
   std::function<World()> world;
-  int shadow, no_surface;  ///< at least so many bins of each
-  double missed = 0;       ///< share of sampled bins whose view lies between two strands
+  int shadow, no_surface, hole;  ///< at least so many bins of each
+  double missed = 0;             ///< share of sampled bins whose view lies between two strands
 };
 
 const Named kScenes[] = {
-    {"ridge", [] { return load_world(spec(SyntheticKind::ridge)); }, 500, 50},
-    {"hills", [] { return load_world(spec(SyntheticKind::hills)); }, 200, 0},
-    {"hills with prisms", [] { return load_world(with_prisms(spec(SyntheticKind::hills))); }, 300, 0, 3e-3},
-    {"void", [] { return with_void(load_world(spec(SyntheticKind::flat)), 300, 4000, 1500); }, 0, 200},
+    // Of 1200 m over flat ground, 200 lie in the swath: four bins of 50 m in 60 azimuths.
+    {"ridge", [] { return load_world(spec(SyntheticKind::ridge)); }, 500, 0, 240},
+    {"hills", [] { return load_world(spec(SyntheticKind::hills)); }, 200, 0, 0},
+    {"hills with prisms", [] { return load_world(with_prisms(spec(SyntheticKind::hills))); }, 300, 0, 0,
+     3e-3},
+    {"void", [] { return with_void(load_world(spec(SyntheticKind::flat)), 300, 4000, 1500); }, 0, 200, 240},
+    {"void under the antenna", [] { return with_void(load_world(spec(SyntheticKind::flat)), 0, 0, 400); }, 0,
+     240, 0},
     {"void behind a ridge",
-     [] { return with_void(load_world(spec(SyntheticKind::ridge)), 1500, 5200, 1200); }, 300, 200},
-    {"edge of the elevation model", [] { return load_world(spec(SyntheticKind::hills, 5000)); }, 0, 1000},
+     [] { return with_void(load_world(spec(SyntheticKind::ridge)), 1500, 5200, 1200); }, 300, 200, 240},
+    {"edge of the elevation model", [] { return load_world(spec(SyntheticKind::hills, 5000)); }, 0, 1000, 0},
 };
 
 TEST(BinStates, WithoutSamplesAreThoseOfTheBruteForceProfile) {
@@ -240,6 +260,39 @@ TEST(BinStates, WithoutSamplesAreThoseOfTheBruteForceProfile) {
     EXPECT_GE(tally.of_state[0], 1000) << scene.name;
     EXPECT_GE(tally.of_state[2], scene.shadow) << scene.name;
     EXPECT_GE(tally.of_state[3], scene.no_surface) << scene.name;
+    EXPECT_GE(tally.of_state[4], scene.hole) << scene.name;
+  }
+}
+
+TEST(BinStates, NearerThanTheGroundAreTheBinsOfTheAltitudeHoleForEverySource) {
+  // Flat ground 1200 m below: its nearest point is there in every azimuth. The perspective frusta take no
+  // swath that begins nearer than that.
+  const auto known = test::make_scene(load_world(spec(SyntheticKind::flat)));
+  const auto unknown = test::make_scene(with_void(load_world(spec(SyntheticKind::flat)), 0, 0, 1e6));
+  for (const FrustumKind kind :
+       {FrustumKind::polar, FrustumKind::sweep, FrustumKind::oblique, FrustumKind::symmetric}) {
+    RadarSettings s = settings(kind, 240);
+    s.azimuth_bins = 10;
+    const bool perspective = kind == FrustumKind::oblique || kind == FrustumKind::symmetric;
+    if (perspective) s.r_min_m = 1200;
+    for (const auto& [scene, state] :
+         {std::pair{known, BinState::nearer_than_ground}, {unknown, BinState::no_surface}}) {
+      const Frame frame =
+          render(scene, test::snapshot(s), test::pose_over_origin(scene->world(), kAntenna_m), {0, 10});
+      for (std::size_t k = 0; k < frame.bins.state.size(); ++k) {
+        const bool hole =
+            s.r_min_m + static_cast<double>(k % 160 + 1) * (s.r_max_m - s.r_min_m) / 160 <= kAntenna_m;
+        if (scene == unknown || hole) {
+          ASSERT_EQ(frame.bins.state[k], static_cast<std::uint8_t>(state))
+              << static_cast<int>(kind) << ' ' << k;
+          ASSERT_EQ(frame.bins.count[k], 0u);
+          ASSERT_EQ(frame.bins.power_w[k], 0);
+          ASSERT_EQ(frame.bins.iq[k], std::complex<float>(0));
+        } else {
+          ASSERT_LE(frame.bins.state[k], 1) << static_cast<int>(kind) << ' ' << k;
+        }
+      }
+    }
   }
 }
 

@@ -268,7 +268,7 @@ TEST(HardAntenna, WithNothingInRangeGivesAnEmptyFrame) {
         rendered(scene, s, test::pose_at(scene->world(), {3.25, 4600, -41.5}, 0), sampling, kOnSurface);
     if (r.refused) continue;
     EXPECT_EQ(r.totals.power_w, 0);
-    EXPECT_EQ(r.totals.of_state[3], 12u * 40u);
+    EXPECT_EQ(r.totals.of_state[4], 12u * 40u) << "all of it is nearer than the ground";
   }
 }
 

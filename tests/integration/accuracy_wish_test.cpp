@@ -58,6 +58,51 @@ TEST_F(AccuracyWish, WhatIsAskedIsMetForEveryKindAndToldWithItsMeasure) {
   }
 }
 
+TEST_F(AccuracyWish, QualityObliqueFindsPixelsThatLeaveFewLitBinsUnsampled) {
+  const auto run = render({"frustum.quality=oblique"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.err.find("radar \"main\": frustum.quality \"oblique\": "), std::string::npos) << run.err;
+  const std::string json = text_of(folder_ / "files" / "frame.json");
+  EXPECT_NE(json.find("\"frustum\": \"oblique\""), std::string::npos);
+  const double lit = number_after(json, "\"lit_bins\": ");
+  EXPECT_GT(lit, 200);
+  EXPECT_LE(number_after(json, "\"unsampled_bins\": "), 0.03 * lit);
+  EXPECT_EQ(number_after(run.err, "\"oblique\": "), number_after(json, "\"pixel_columns\": ")) << run.err;
+  EXPECT_NE(json.find("\"warnings\": []"), std::string::npos);
+}
+
+TEST_F(AccuracyWish, QualityObliqueSaysWhyNoPixelsDo) {
+  const auto limited =
+      render({"frustum.quality=oblique", "bins.azimuth=512", "bins.range=512", "server.max_pixels=300000"});
+  EXPECT_EQ(limited.code, 1);
+  EXPECT_NE(limited.err.find("512 x 512 pixels, the most that server.max_pixels allows, leave "),
+            std::string::npos)
+      << limited.err;
+  EXPECT_NE(limited.err.find("frustum.quality = \"standard\", the sweep"), std::string::npos) << limited.err;
+  const auto low =
+      render({"frustum.quality=oblique", "antenna.height_m=20", "antenna.height_reference=ground"});
+  EXPECT_EQ(low.code, 1);
+  EXPECT_NE(low.err.find("below the highest ground"), std::string::npos) << low.err;
+  EXPECT_NE(low.err.find("frustum.quality = \"standard\", the sweep"), std::string::npos) << low.err;
+}
+
+TEST_F(AccuracyWish, ASceneWithoutAFrustumIsSweptAndSaysSo) {
+  const auto run = render({});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.err.find(
+                "no frustum named: sweep \"standard\"; frustum.kind = \"oblique\" casts rays with Embree\n"),
+            std::string::npos)
+      << run.err;
+  EXPECT_NE(text_of(folder_ / "files" / "frame.json").find("\"frustum\": \"sweep\""), std::string::npos);
+}
+
+TEST_F(AccuracyWish, FewPixelsAreWarnedOfOnStderr) {
+  const auto run = render({"frustum.kind=oblique", "frustum.pixels=20", "bins.azimuth=64"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.err.find(" % of the lit bins ("), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("hold no sample: frustum.quality = \"standard\""), std::string::npos) << run.err;
+}
+
 TEST_F(AccuracyWish, AskingForMoreTakesMore) {
   const auto columns = [&](const std::string& limit_db) {
     const auto run = render({"frustum.kind=oblique", "bins.azimuth=128", "bins.range=128",

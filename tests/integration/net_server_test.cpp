@@ -24,6 +24,27 @@ TEST(Server, WelcomesAndListsItsRadars) {
   EXPECT_EQ(list.radars(1), "nose");
 }
 
+TEST(Server, ServesAClientOfVersion1Point0) {
+  const TestServer server;
+  const wire::Bytes now = hello_bytes();
+  wire::HeaderBytes head{};
+  std::copy_n(now.begin(), wire::kHeaderBytes, head.begin());
+  wire::FrameHeader header;
+  ASSERT_EQ(wire::decode_header(head, wire::kMaxPayloadBytes, header), wire::HeaderStatus::ok);
+  header.minor = 0;
+  wire::encode_header(header, head);
+  const auto payload = std::span(now).subspan(wire::kHeaderBytes);
+  header.crc = wire::message_crc(head, payload);
+  wire::encode_header(header, head);
+  RawPeer peer(server);
+  peer.send(head);
+  peer.send(payload);
+  wire::Welcome welcome;
+  ASSERT_TRUE(peer.await(wire::MessageType::welcome, welcome));
+  EXPECT_EQ(welcome.major(), 1u);
+  EXPECT_EQ(welcome.minor(), 1u) << "PROTOCOL.md, Versions";
+}
+
 TEST(Server, TellsARadarsCompleteSettingsAndPose) {
   const TestServer server;
   client::Client client = connect(server);

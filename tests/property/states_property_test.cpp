@@ -1,4 +1,4 @@
-// The four states partition the bins, and none of them hides what a dense look sees. Over random scenes, for
+// The five states partition the bins, and none of them hides what a dense look sees. Over random scenes, for
 // every source.
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ class StatesOfEverySource : public testing::TestWithParam<test::NamedSource> {};
 
 TEST_P(StatesOfEverySource, PartitionTheBins) {
   int frames = 0;
-  int of_state[4] = {0, 0, 0, 0};
+  int of_state[5] = {0, 0, 0, 0, 0};
   for (std::uint64_t seed = 30000; seed < 31500; ++seed) {
     const test::Trial trial(seed);
     SCOPED_TRACE(trial.text);
@@ -28,7 +28,7 @@ TEST_P(StatesOfEverySource, PartitionTheBins) {
     const Frame frame = trial.frame(s);
     for (std::size_t b = 0; b < frame.bins.state.size(); ++b) {
       const std::uint8_t state = frame.bins.state[b];
-      ASSERT_LE(state, 3) << "bin " << b;
+      ASSERT_LE(state, 4) << "bin " << b;
       ASSERT_EQ(sampled(state), frame.bins.count[b] > 0) << "bin " << b;
       ASSERT_TRUE(std::isfinite(frame.bins.power_w[b]) && frame.bins.power_w[b] >= 0) << "bin " << b;
       ASSERT_TRUE(std::isfinite(frame.bins.iq[b].real()) && std::isfinite(frame.bins.iq[b].imag()));
@@ -39,9 +39,13 @@ TEST_P(StatesOfEverySource, PartitionTheBins) {
       ++of_state[state];
     }
   }
-  std::printf("    %d frames: not sampled %d, sampled %d, shadow %d, no surface %d\n", frames, of_state[0],
-              of_state[1], of_state[2], of_state[3]);
-  for (const int n : of_state) EXPECT_GE(n, 1000);
+  std::printf(
+      "    %d frames: not sampled %d, sampled %d, shadow %d, no surface %d, nearer than the ground %d\n",
+      frames, of_state[0], of_state[1], of_state[2], of_state[3], of_state[4]);
+  for (int state = 0; state < 4; ++state) EXPECT_GE(of_state[state], 1000) << state;
+  // Perspective frusta want a swath that begins no nearer than the ground below.
+  if (GetParam().kind == FrustumKind::polar || GetParam().kind == FrustumKind::sweep)
+    EXPECT_GE(of_state[4], 1000);
 }
 
 /// Bins that a dense look sees, and those of them that a frame calls hidden.

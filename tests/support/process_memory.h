@@ -22,4 +22,20 @@ inline ProcessMemory memory_of(pid_t pid) {
   return {pages * page_bytes, resident_pages * page_bytes};
 }
 
+/// Forgets how much memory this process has had at most; false where the system has no such thing (proc(5),
+/// clear_refs).
+inline bool restart_peak_memory() {
+  return static_cast<bool>(std::ofstream("/proc/self/clear_refs") << 5 << std::flush);
+}
+
+/// The most that has been resident of this process since then (VmHWM); 0 where /proc says nothing.
+inline std::uint64_t peak_memory_bytes() {
+  std::ifstream file("/proc/self/status");
+  for (std::string word; file >> word;) {
+    std::uint64_t kilobytes = 0;
+    if (word == "VmHWM:" && file >> kilobytes) return kilobytes * 1024;
+  }
+  return 0;
+}
+
 }  // namespace obliq::test

@@ -40,12 +40,12 @@ inline double greatest_gamma(const std::vector<Material>& materials) {
 
 struct Totals {
   double power_w = 0;
-  std::size_t of_state[4] = {0, 0, 0, 0};
+  std::size_t of_state[5] = {0, 0, 0, 0, 0};
   double nearest_m = 0;   ///< near edge of the nearest bin with samples
   double farthest_m = 0;  ///< far edge of the farthest
 };
 
-/// No NaN, no infinity, no negative power; a bin has samples exactly when it says so; the four states
+/// No NaN, no infinity, no negative power; a bin has samples exactly when it says so; the five states
 /// partition the bins; and energy is bounded: power times r^2 over all bins is at most K gamma times the
 /// solid angle of the sector, 2 x S for the whole sphere's height. Half a percent for pixels that reach over
 /// the sector's edges. A version that writes sigma as sigma0 A with A = dOmega r^2 / cos(theta) breaks the
@@ -65,7 +65,7 @@ inline Totals expect_sane(const Frame& frame, const RadarSettings& s,
     const std::complex<double> iq(b.iq[k]);
     const double power = b.power_w[k];
     const bool good = std::isfinite(iq.real()) && std::isfinite(iq.imag()) && std::isfinite(power) &&
-                      power >= 0 && b.state[k] <= 3 && (b.count[k] > 0) == (b.state[k] == 1) &&
+                      power >= 0 && b.state[k] <= 4 && (b.count[k] > 0) == (b.state[k] == 1) &&
                       (b.count[k] > 0 || (power == 0 && b.iq[k] == std::complex<float>{}));
     if (!good && ++broken <= 3) {
       ADD_FAILURE() << "bin " << k / static_cast<std::size_t>(b.n_range) << ", "
@@ -73,7 +73,7 @@ inline Totals expect_sane(const Frame& frame, const RadarSettings& s,
                     << ", power " << power << ", count " << b.count[k] << ", state " << int{b.state[k]};
     }
     totals.power_w += power;
-    ++totals.of_state[b.state[k] & 3];
+    ++totals.of_state[std::min<std::size_t>(b.state[k], 4)];
     samples += b.count[k];
     const double r1 = s.r_min_m + static_cast<double>(k % static_cast<std::size_t>(b.n_range)) * spacing;
     weighted += power * (s.range_normalisation ? 1 / ((r1 + spacing) * (r1 + spacing)) : r1 * r1);

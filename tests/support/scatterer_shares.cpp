@@ -1,5 +1,6 @@
 #include "tests/support/scatterer_shares.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -14,24 +15,70 @@ namespace {
 constexpr long double kPi = std::numbers::pi_v<long double>;
 constexpr double kSpeedOfLight_m_s = 299792458.0;
 
-}  // namespace
-
-Cell cell_of(const BinGrid& bins, double slant_range_m, double x_m, double z_m, std::uint32_t face,
-             std::uint8_t material) {
-  Cell cell;
-  cell.face = face;
-  cell.material = material;
-  if (face != kNoFace) return cell;
-  const double r0_m = std::exp2(std::floor(std::log2(slant_range_m)));
-  const double most_m = std::min(bins.range_spacing_m, r0_m * bins.azimuth_width_rad) / 2;
-  cell.side_m = std::exp2(std::floor(std::log2(most_m)));
-  cell.x_cell = static_cast<std::int64_t>(std::floor(x_m / cell.side_m));
-  cell.z_cell = static_cast<std::int64_t>(std::floor(z_m / cell.side_m));
-  return cell;
+/// The greatest distance of a face's triangles from its centre, along any axis. A wall goes down into the
+/// ground: its height counts upwards from its centre.
+double half_extent_m(const World& world, std::uint32_t face) {
+  const Buildings& all = world.buildings;
+  const glm::dvec3& centre = all.faces[face].centre_m;
+  double most = 0;
+  for (std::size_t t = 0; t < all.triangles.size(); ++t) {
+    if (all.triangle_face[t] != face) continue;
+    for (int corner = 0; corner < 3; ++corner) {
+      const glm::dvec3 off = glm::dvec3(all.vertices_m[all.triangles[t][corner]]) - centre;
+      most = std::max({most, std::abs(off.x), std::abs(off.z), off.y});
+    }
+  }
+  return most;
 }
 
+/// The scatterers of a frame's samples: cells whose side is the largest power of two that is at most half of
+/// min(range spacing, r0 x azimuth width), r0 the power of two at or below the slant range.
+class Cells {
+ public:
+  explicit Cells(const FramePlan& plan) : plan_(plan) {}
+
+  Cell of(const SampleBatch& batch, std::size_t k) {
+    const BinGrid& bins = plan_.bins();
+    Cell cell;
+    cell.face = batch.face[k];
+    cell.material = batch.material[k];
+    const double r0_m = std::exp2(std::floor(std::log2(batch.slant_range_m[k])));
+    const double most_m = std::min(bins.range_spacing_m, r0_m * bins.azimuth_width_rad) / 2;
+    const double side_m = std::exp2(std::floor(std::log2(most_m)));
+    if (cell.face == kNoFace) {
+      cell.side_m = side_m;
+      cell.x_cell = static_cast<std::int64_t>(std::floor(batch.x_m[k] / side_m));
+      cell.z_cell = static_cast<std::int64_t>(std::floor(batch.z_m[k] / side_m));
+      return cell;
+    }
+    const World& world = plan_.scene().world();
+    const auto [extent, fresh] = half_extents_m_.try_emplace(cell.face);
+    if (fresh) extent->second = half_extent_m(world, cell.face);
+    if (extent->second <= side_m / 2) return cell;
+    const BuildingFace& face = world.buildings.faces[cell.face];
+    const double y_m = plan_.sector().antenna_m.y + batch.slant_range_m[k] * batch.sin_elevation[k];
+    const auto sides = [&](double off_m) {
+      return static_cast<std::int64_t>(std::floor(off_m / side_m + 0.5));
+    };
+    cell.side_m = side_m;
+    cell.x_cell = sides(batch.x_m[k] - face.centre_m.x);
+    cell.z_cell = sides(batch.z_m[k] - face.centre_m.z);
+    if (face.wall) cell.y_cell = sides(y_m - face.centre_m.y);
+    return cell;
+  }
+
+ private:
+  const FramePlan& plan_;
+  std::map<std::uint32_t, double> half_extents_m_;
+};
+
+}  // namespace
+
 glm::dvec3 reference_point_m(const World& world, const Cell& cell) {
-  if (cell.face != kNoFace) return world.buildings.faces[cell.face].centre_m;
+  if (cell.face != kNoFace)
+    return world.buildings.faces[cell.face].centre_m +
+           cell.side_m * glm::dvec3(static_cast<double>(cell.x_cell), static_cast<double>(cell.y_cell),
+                                    static_cast<double>(cell.z_cell));
   const double x = (static_cast<double>(cell.x_cell) + 0.5) * cell.side_m;
   const double z = (static_cast<double>(cell.z_cell) + 0.5) * cell.side_m;
   return {x, world.grid.height_at_m(x, z), z};
@@ -73,13 +120,13 @@ std::vector<BinShares> shares_of_bins(const FramePlan& plan) {
   const BinGrid& bins = plan.bins();
   const auto n_range = static_cast<std::size_t>(bins.n_range);
   std::vector<BinShares> shares(static_cast<std::size_t>(bins.n_azimuth) * n_range);
+  Cells cells(plan);
   for_each_sample(plan, [&](const SampleBatch& batch, std::size_t k) {
     const double r = batch.slant_range_m[k];
     if (!(r >= bins.r_min_m && r < bins.r_max_m)) return;
     const double at = std::floor((r - bins.r_min_m) / bins.range_spacing_m);
     const auto range_bin = static_cast<std::size_t>(std::min(at, bins.n_range - 1.0));
-    const Cell cell = cell_of(bins, r, batch.x_m[k], batch.z_m[k], batch.face[k], batch.material[k]);
-    shares[static_cast<std::size_t>(batch.azimuth_bin[k]) * n_range + range_bin][cell] +=
+    shares[static_cast<std::size_t>(batch.azimuth_bin[k]) * n_range + range_bin][cells.of(batch, k)] +=
         sample_power_w(plan, batch, k);
   });
   return shares;

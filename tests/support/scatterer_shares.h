@@ -14,12 +14,14 @@
 
 namespace obliq::test {
 
-/// A ground cell of side_m with its south-west corner at (x, z) = (x_cell, z_cell) side_m, or a building
-/// face.
+/// A ground cell of side_m with its south-west corner at (x, z) = (x_cell, z_cell) side_m; or a cell of a
+/// building face, so many sides from the face's centre to its own; or, with side_m 0, a face that is no
+/// larger than a cell.
 struct Cell {
   double side_m = 0;
   std::int64_t x_cell = 0;
   std::int64_t z_cell = 0;
+  std::int64_t y_cell = 0;
   std::uint32_t face = kNoFace;
   std::uint8_t material = 0;
 
@@ -29,12 +31,7 @@ struct Cell {
 /// Power by scatterer of one bin, watts.
 using BinShares = std::map<Cell, double>;
 
-/// The scatterer of a sample: cells whose side is the largest power of two that is at most half of
-/// min(range spacing, r0 x azimuth width), r0 the power of two at or below the slant range.
-Cell cell_of(const BinGrid& bins, double slant_range_m, double x_m, double z_m, std::uint32_t face,
-             std::uint8_t material);
-
-/// The point that a cell's phase refers to: a face's centre, or the ground at the cell's middle.
+/// The point that a cell's phase refers to: the middle of a face's cell, or the ground at the cell's middle.
 glm::dvec3 reference_point_m(const World& world, const Cell& cell);
 
 /// Ground and buildings, both with constant gamma: 1 for ground, 3 for buildings.

@@ -26,10 +26,58 @@ TEST_F(Quality, PaperIsThePapersSamplingWhateverTheBins) {
   EXPECT_EQ(s.pixel_rows, 2048);
 }
 
-TEST_F(Quality, NoneMeansTheObliqueFrustumWithSpreadPlates) {
-  const RadarSettings s = settings("");
-  EXPECT_EQ(s.frustum, FrustumKind::oblique);
-  EXPECT_EQ(s.plates, PlateKind::spread);
+TEST_F(Quality, NoFrustumAtAllMeansStandardAndIsSaid) {
+  const SceneConfig config = read(kFlat);
+  const RadarSettings standard = settings("[frustum]\nquality = \"standard\"\n");
+  EXPECT_EQ(config.radars[0].settings.frustum, FrustumKind::sweep);
+  EXPECT_EQ(config.radars[0].settings.pixel_columns, standard.pixel_columns);
+  ASSERT_EQ(config.notes.size(), 1u);
+  EXPECT_EQ(config.notes[0],
+            "no frustum named: sweep \"standard\"; frustum.kind = \"oblique\" casts rays with Embree");
+  EXPECT_EQ(settings("[frustum]\n").frustum, FrustumKind::sweep) << "an empty table names nothing";
+  EXPECT_EQ(settings("[bins]\nazimuth = 64\n").pixel_columns, 128);
+  EXPECT_EQ(settings("[bins]\nazimuth = 64\n", {"bins.azimuth=32"}).pixel_columns, 64);
+}
+
+TEST_F(Quality, PixelsOrPlatesAloneMeanTheObliqueFrustumAndThatIsSaid) {
+  for (const std::string key :
+       {"pixels = 300", "pixel_columns = 300", "pixel_rows = 300", "plates = \"nearest\""}) {
+    const SceneConfig config = read(std::string(kFlat) + "[frustum]\n" + key + "\n");
+    EXPECT_EQ(config.radars[0].settings.frustum, FrustumKind::oblique) << key;
+    ASSERT_EQ(config.notes.size(), 1u) << key;
+    EXPECT_NE(config.notes[0].find("frustum.kind is not named: \"oblique\""), std::string::npos)
+        << config.notes[0];
+  }
+  EXPECT_EQ(read(kFlat, {"frustum.pixels=300"}).radars[0].settings.frustum, FrustumKind::oblique);
+  EXPECT_EQ(read(std::string(kFlat) + "[frustum]\nkind = \"polar\"\n").notes.size(), 0u);
+  EXPECT_EQ(read(std::string(kFlat) + "[frustum]\npixels = 300\n", {"frustum.quality=draft"}).notes.size(),
+            0u);
+}
+
+TEST_F(Quality, OfSeveralRadarsThoseWithoutAFrustumAreNamed) {
+  const SceneConfig config = read(std::string(kFlat) + "[[radar]]\nname = \"a\"\n[[radar]]\nname = \"b\"\n" +
+                                  "frustum.kind = \"oblique\"\n[[radar]]\nname = \"c\"\n");
+  EXPECT_EQ(config.radars[0].settings.frustum, FrustumKind::sweep);
+  EXPECT_EQ(config.radars[1].settings.frustum, FrustumKind::oblique);
+  ASSERT_EQ(config.notes.size(), 1u);
+  EXPECT_EQ(config.notes[0].rfind("radar a, c: no frustum named", 0), 0u) << config.notes[0];
+}
+
+TEST_F(Quality, ObliqueIsToFindItsPixelsUnlessTheyAreNamed) {
+  const std::string quality = "[frustum]\nquality = \"oblique\"\n";
+  const RadarConfig radar = read(std::string(kFlat) + quality).radars[0];
+  EXPECT_EQ(radar.settings.frustum, FrustumKind::oblique);
+  EXPECT_EQ(radar.settings.plates, PlateKind::spread);
+  EXPECT_TRUE(radar.finds_pixels);
+  EXPECT_FALSE(read(std::string(kFlat) + quality + "pixels = 300\n").radars[0].finds_pixels);
+  EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.pixels=300"}).radars[0].finds_pixels);
+  EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.kind=polar"}).radars[0].finds_pixels);
+  EXPECT_TRUE(read(kFlat, {"frustum.quality=oblique"}).radars[0].finds_pixels);
+  EXPECT_FALSE(
+      read(std::string(kFlat) + quality + "[[radar]]\nfrustum.pixels = 300\n").radars[0].finds_pixels);
+  const std::string printed = print_config(read(std::string(kFlat) + quality));
+  EXPECT_NE(printed.find("quality = \"oblique\""), std::string::npos) << printed;
+  EXPECT_TRUE(read(printed).radars[0].finds_pixels) << "what is printed can be read again";
 }
 
 TEST_F(Quality, TheOthersFollowTheBinsWhereverTheseAreSet) {

@@ -13,12 +13,12 @@
 namespace obliq {
 namespace {
 
-TEST_F(SceneFile, NeedsNothingButTerrainAndKeepsTheObliqueFrustum) {
+TEST_F(SceneFile, NeedsNothingButTerrainAndIsSweptThen) {
   const SceneConfig config = read(kFlat);
   ASSERT_EQ(config.radars.size(), 1u);
   EXPECT_EQ(config.radars[0].name, "main");
-  EXPECT_EQ(config.radars[0].settings.frustum, FrustumKind::oblique);
-  EXPECT_EQ(config.radars[0].settings.pixel_columns, 2048);
+  EXPECT_EQ(config.radars[0].settings.frustum, FrustumKind::sweep);
+  EXPECT_EQ(config.radars[0].settings.pixel_columns, 2048);  // two an azimuth bin
   EXPECT_EQ(config.radars[0].settings.r_max_m, 37000);
   EXPECT_EQ(config.name, "scene");
   EXPECT_EQ(config.server.address, "127.0.0.1");

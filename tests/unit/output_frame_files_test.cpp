@@ -285,5 +285,63 @@ TEST_F(FrameFilesTest, AFolderThatCannotBeWrittenIsNamed) {
   }
 }
 
+/// The warnings of a frame over flat ground at sea level of a 4/3 earth, or over a plateau.
+std::vector<std::string> warnings_from(double antenna_m, double r_max_m, double plateau_m = 0) {
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::flat, 310000, 4096);
+  spec.radius_factor = 4.0 / 3;
+  World world = load_world(spec);
+  for (float& y : world.grid.y_m) y += static_cast<float>(plateau_m);
+  const auto scene = test::make_scene(std::move(world));
+  RadarSettings settings;
+  settings.frustum = FrustumKind::sweep;
+  settings.r_min_m = 4000;
+  settings.r_max_m = r_max_m;
+  const PlanResult planned =
+      plan_frame(scene, test::snapshot(settings), test::pose_over_origin(scene->world(), antenna_m));
+  wire::FrameDescriptor descriptor;
+  describe_frame(*planned.plan, "main", "test", descriptor);
+  return {descriptor.warnings().begin(), descriptor.warnings().end()};
+}
+
+TEST(RefractionWarning, ComesWhereTheStandardAtmosphereWouldChangeSomething) {
+  // ITU-R P.453: N = 315 exp(-h / 7.35 km) falls by 253.4 over 12 km, 21.1 a km: k = 1 / (1 - 6371
+  // x 21.1e-6).
+  const std::vector<std::string> high = warnings_from(12000, 300000);
+  ASSERT_EQ(high.size(), 1u);
+  EXPECT_NE(high[0].find("12000 m above the ground"), std::string::npos) << high[0];
+  EXPECT_NE(high[0].find("would be 1.155 here"), std::string::npos) << high[0];
+  EXPECT_NE(high[0].find(" dB"), std::string::npos) << high[0];
+}
+
+TEST(RefractionWarning, StaysAwayWhereNothingChanges) {
+  EXPECT_TRUE(warnings_from(4000, 24500).empty()) << "0.3 m and 0.01 dB at the far edge";
+  EXPECT_TRUE(warnings_from(4500, 300000, 2000).empty()) << "2500 m above the plateau";
+  EXPECT_FALSE(warnings_from(4500, 300000, 0).empty());
+}
+
+TEST_F(FrameFilesTest, ManyLitBinsWithoutASampleAreCountedAndWarnedOf) {
+  for (const int pixels : {20, 400}) {
+    settings_.pixel_columns = settings_.pixel_rows = pixels;
+    settings_.plates = PlateKind::nearest;
+    render_to(folder_);
+    std::uint64_t lit = 0, unsampled = 0;
+    for (const std::uint8_t state : frame_.bins.state) {
+      lit += state <= 1 ? 1 : 0;
+      unsampled += state == 0 ? 1 : 0;
+    }
+    const auto summary = nlohmann::json::parse(slurp(folder_ / "frame.json"))["summary"];
+    EXPECT_EQ(summary["lit_bins"], lit);
+    EXPECT_EQ(summary["unsampled_bins"], unsampled);
+    const bool many = static_cast<double>(unsampled) > 0.03 * static_cast<double>(lit);
+    EXPECT_EQ(many, pixels == 20);
+    ASSERT_EQ(summary["warnings"].size(), many ? 1u : 0u);
+    if (!many) continue;
+    const std::string warning = summary["warnings"][0];
+    EXPECT_NE(warning.find(std::to_string(unsampled) + " of " + std::to_string(lit)), std::string::npos)
+        << warning;
+    EXPECT_NE(warning.find("frustum.quality = \"standard\""), std::string::npos) << warning;
+  }
+}
+
 }  // namespace
 }  // namespace obliq

@@ -35,9 +35,10 @@ class SpeckleLanes : public testing::Test {
         return first +
                (last - first) * (1.1 * unit_from_hash(hash_cell(axis, static_cast<int>(k), 0)) - 0.05);
       };
-      cells_.push_back(field_.scatterer(1000 + 50.0 * static_cast<double>(k),
-                                        along(1, grid.x0_m, grid.x1_m()), along(2, grid.z0_m, grid.z1_m()),
-                                        kNoFace, static_cast<std::uint8_t>(k % 3)));
+      cells_.push_back(
+          field_.scatterer(1000 + 50.0 * static_cast<double>(k),
+                           {along(1, grid.x0_m, grid.x1_m()), 0, along(2, grid.z0_m, grid.z1_m())}, kNoFace,
+                           static_cast<std::uint8_t>(k % 3)));
       place_.push_back(ScattererKey(cells_.back()).place);
       kind_.push_back(ScattererKey(cells_.back()).kind);
       power_w_.push_back(along(3, 1e-12, 1e-9) + 1e-9);

@@ -62,7 +62,7 @@ TEST(PlaceLanes, AreTheBitsOfOneSampleAtATimeInEveryInstructionSet) {
         ASSERT_EQ(placed->range_bin[k], bins.range_bin(r)) << kernels.name << ' ' << k;
         ASSERT_EQ(placed->spreading[k], normalised ? 1.0 : (r * r) * (r * r)) << kernels.name << ' ' << k;
         const ScattererKey key(
-            field.scatterer(r, samples->x_m[k], samples->z_m[k], kNoFace, samples->material[k]));
+            field.scatterer(r, {samples->x_m[k], 0, samples->z_m[k]}, kNoFace, samples->material[k]));
         ASSERT_EQ(placed->cell[k], key.place) << kernels.name << ' ' << k;
         if (samples->material[k] == 1) {
           ASSERT_TRUE(std::isnan(placed->sigma_m2[k])) << kernels.name << ' ' << k;

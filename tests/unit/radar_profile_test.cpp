@@ -142,7 +142,7 @@ TEST(GroundArea, IsWhatAWalkOverEveryCellFinds) {
 TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
   test::RandomSceneOptions large;
   large.nodes = 150;
-  int decided[4] = {};
+  int decided[5] = {};
   for (std::uint64_t seed = 1000; seed < 1060; ++seed) {
     test::RandomScene random = test::random_scene(seed, large);
     random.settings.frustum = seed % 2 == 0 ? FrustumKind::polar : FrustumKind::sweep;
@@ -155,14 +155,17 @@ TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
     WedgeProfile profile(*plan, all);
     for (int a = 0; a < all.count; ++a) {
       const BinMarks& marks = profile.whole_marks(a);
+      bool before_surface = random.pose.antenna.m.y - random.pose.ground_y_m >= plan->bins().r_min_m;
       for (int r = 0; r < frame.bins.n_range; ++r) {
         const auto k = static_cast<std::size_t>(r);
-        const std::uint8_t state =
+        const std::uint8_t& state =
             frame.bins.state[static_cast<std::size_t>(a) * static_cast<std::size_t>(frame.bins.n_range) + k];
         ++decided[state];
+        before_surface &= !marks.present[k] && frame.bins.count[&state - frame.bins.state.data()] == 0;
         if (state == static_cast<std::uint8_t>(BinState::sampled)) continue;
         const BinState expected = marks.visible[k]   ? BinState::not_sampled
                                   : marks.present[k] ? BinState::shadow
+                                  : before_surface   ? BinState::nearer_than_ground
                                                      : BinState::no_surface;
         ASSERT_EQ(state, static_cast<std::uint8_t>(expected)) << a << ' ' << r << ' ' << random.text;
       }

@@ -28,7 +28,8 @@ TEST_F(SpeckleTest, GroundAmplitudesAreCircularGaussianWithUnitPower) {
   constexpr int n = 300;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
-      const std::complex<double> u = speckle.response(speckle.scatterer(3000, i * 9.0, j * 9.0, kNoFace, 0));
+      const std::complex<double> u =
+          speckle.response(speckle.scatterer(3000, {i * 9.0, 0, j * 9.0}, kNoFace, 0));
       mean += u;
       power += std::norm(u);
       power2 += std::norm(u) * std::norm(u);
@@ -44,7 +45,7 @@ TEST_F(SpeckleTest, GroundAmplitudesAreCircularGaussianWithUnitPower) {
 TEST_F(SpeckleTest, CellsAreAtMostHalfABinAndPowersOfTwo) {
   const SpeckleField speckle = field(antenna_);
   for (double r = 100; r < 90000; r *= 1.1) {
-    const Scatterer s = speckle.scatterer(r, 1, 1, kNoFace, 0);
+    const Scatterer s = speckle.scatterer(r, {1, 0, 1}, kNoFace, 0);
     const double side = std::ldexp(1.0, s.level);
     const double octave = std::exp2(std::floor(std::log2(r)));
     EXPECT_LE(side, 0.5 * std::min(32.0, octave * 2e-3));
@@ -54,7 +55,7 @@ TEST_F(SpeckleTest, CellsAreAtMostHalfABinAndPowersOfTwo) {
 
 TEST_F(SpeckleTest, PhaseTurnsByAQuarterWhenTheAntennaMovesAnEighthOfAWavelengthTowardsTheCell) {
   const SpeckleField before = field(antenna_);
-  const Scatterer s = before.scatterer(2000, 1200, 900, kNoFace, 0);
+  const Scatterer s = before.scatterer(2000, {1200, 0, 900}, kNoFace, 0);
   const double side = std::ldexp(1.0, s.level);
   const double x = (s.x_cell + 0.5) * side;
   const double z = (s.z_cell + 0.5) * side;

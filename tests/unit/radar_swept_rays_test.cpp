@@ -61,6 +61,38 @@ TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
   EXPECT_GT(hits, 10000);
 }
 
+TEST(SweptRays, AnswerARunOfTheirsAsTheyAnswerItAmongAll) {
+  int hits = 0;
+  for (std::uint64_t seed = 700; seed < 780; ++seed) {
+    test::RandomScene random = test::random_scene(seed);
+    const glm::dvec3 antenna = random.pose.antenna.m;
+    const auto scene = test::scene_of(random);
+    std::vector<std::uint32_t> buildings(scene->world().buildings.list.size());
+    for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
+    std::vector<SinCos> elevation;
+    for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
+    std::vector<SinCos> bearings;
+    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
+    const std::size_t n = elevation.size();
+    std::vector<double> whole_m(bearings.size() * n);
+    std::vector<std::uint32_t> whole(bearings.size() * n);
+    const SweptRays rays(*scene, antenna, elevation, HUGE_VAL);
+    rays.answer(bearings, buildings, whole_m, whole);
+    for (const SweptRays::Run run : {SweptRays::Run{0, 7}, {7, 1}, {8, 140}, {148, 151}, {299, 1}}) {
+      std::vector<double> some_m(bearings.size() * run.count);
+      std::vector<std::uint32_t> some(some_m.size());
+      rays.answer(bearings, buildings, run, some_m, some);
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        const std::size_t at = k / run.count * n + run.first + k % run.count;
+        ASSERT_EQ(some_m[k], whole_m[at]) << "seed " << seed << ", ray " << run.first + k % run.count;
+        ASSERT_EQ(some[k], whole[at]) << "seed " << seed << ", ray " << run.first + k % run.count;
+        hits += some[k] != SweptRays::kNothing ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(hits, 10000);
+}
+
 TEST(SweptRays, AnswerBehindAVoidWhereverItBegins) {
   // One plane runs along a line of the grid, where triangles have no extent, and the others beside it: a cell
   // behind the void has as much to note as a cell can have, at every state of the lists that notes fill.

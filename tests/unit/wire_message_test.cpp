@@ -59,14 +59,14 @@ TEST(Message, AnyFlippedBitIsNoticed) {
 }
 
 TEST(Message, WithALongerHeaderOfALaterMinorVersionIsRead) {
-  // A version 1.1 header: eight more bytes, under the CRC like the rest.
+  // A version 1.2 header: eight more bytes, under the CRC like the rest.
   const Bytes now = sample_message();
   Bytes later(now.begin(), now.begin() + kHeaderBytes);
   later.insert(later.end(), 8, std::byte{0xEE});
   FrameHeader header;
   ASSERT_EQ(decode_header(std::span<const std::byte>(later).first<kHeaderBytes>(), kMaxPayloadBytes, header),
             HeaderStatus::ok);
-  header.minor = 1;
+  header.minor = kMinorVersion + 1;
   header.header_length = kHeaderBytes + 8;
   encode_header(header, std::span(later).first<kHeaderBytes>());
   const auto payload = std::span(now).subspan(kHeaderBytes);
@@ -137,6 +137,7 @@ TEST(ProtocolDocument, ItsExampleIsAMessageThatDecodesToWhatItSays) {
   MessageView view;
   ASSERT_EQ(decode_message(bytes, kMaxPayloadBytes, view), MessageStatus::ok);
   EXPECT_EQ(view.size, bytes.size());
+  EXPECT_EQ(view.header.minor, kMinorVersion);
   EXPECT_EQ(view.header.type, MessageType::wedge_block);
   EXPECT_EQ(view.header.stream_id, 2u);
   EXPECT_EQ(view.header.sequence, 5u);

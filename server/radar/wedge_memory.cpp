@@ -1,0 +1,70 @@
+#include "server/radar/wedge_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/polar_trace.h"
+#include "server/radar/render.h"
+
+namespace obliq {
+namespace {
+
+/// Accumulators and block (49), and a visible and a present mark of up to 9 strands and of all together.
+constexpr double kBytesABin = 49 + 2 * 10;
+/// A bin, a cell, a kind and a power, for each of the wedge's azimuth bins and for merging one of them, with
+/// room to grow into.
+constexpr double kBytesAScatterer = 2 * 28;
+constexpr double kLeastScatterers = 8192;
+/// Rays, hits and samples of one batch, and samples that wait.
+constexpr double kBytesOfBatches = 2.5e6;
+/// A column of the polar frustum with its newest plate, and a part of a plate.
+constexpr double kBytesAColumn = 600;
+constexpr double kBytesAPart = 2 * 80;
+/// A pixel of the perspective frusta that waits to be cast; they wait by squares of 8 rows.
+constexpr double kBytesAPixel = 48;
+constexpr double kRowsOfSquares = 8;
+
+/// Ground cells in an azimuth bin: their side is more than a quarter of the shorter side of a bin at half the
+/// range (SpeckleField).
+double cells_in_azimuth_bin(const RadarSettings& s) {
+  constexpr int kRings = 64;
+  const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
+  const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  double cells = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double range_m = s.r_min_m + (s.r_max_m - s.r_min_m) * (ring + 0.5) / kRings;
+    const double side_m = std::max(std::min(spacing_m, width_rad * range_m / 2) / 4, 1e-3);
+    cells += width_rad * range_m * (s.r_max_m - s.r_min_m) / kRings / (side_m * side_m);
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::int64_t wedge_bytes(const RadarSettings& s) {
+  const double azimuths = std::min(kWedgeAzimuthBins, s.azimuth_bins);
+  const double share = azimuths / s.azimuth_bins;
+  const double columns = std::ceil(s.pixel_columns * share);
+  const bool sweep = s.frustum == FrustumKind::sweep;
+  double bytes = kBytesOfBatches + kBytesABin * azimuths * s.range_bins;
+  if (s.speckle == SpeckleKind::ground) {
+    // The sweep cuts each of its planes at range bins and cells; a spread pixel reaches into some bins.
+    const double samples =
+        columns / azimuths * (sweep ? 4.0 * s.range_bins : 2.0 * s.pixel_rows + s.range_bins);
+    const double scatterers = std::max(kLeastScatterers, std::min(samples, cells_in_azimuth_bin(s)));
+    bytes += kBytesAScatterer * (azimuths + 1) * scatterers;
+  }
+  if (sweep) return std::llround(bytes);
+  if (s.frustum == FrustumKind::polar) {
+    const double answers = std::max<double>(PolarTrace::kMostAnswers, columns * PolarTrace::kLeastRows);
+    bytes += PolarTrace::kBytesAnAnswer * std::min(answers, columns * s.pixel_rows);
+    const double parts = 4 + 2.0 * s.range_bins / s.pixel_rows;
+    bytes += columns * (s.plates == PlateKind::spread ? kBytesAColumn + kBytesAPart * parts : 0);
+  } else {
+    bytes += kBytesAPixel * kRowsOfSquares * s.pixel_columns;
+  }
+  return std::llround(bytes);
+}
+
+}  // namespace obliq
