@@ -14,6 +14,8 @@
 
 namespace obliq {
 
+inline constexpr const char* kWarningPrefix = "warning: ";
+
 /// The named radar, or the only one. Throws InputError that lists the names.
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name);
 
@@ -29,7 +31,8 @@ void say_on_terminal(const std::string& line);
 /// One line on stderr where the scene has an [accuracy], for a program that has no use for it.
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program);
 
-/// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.
+/// What was loaded, a sentence or two each: grid, heights, voids, buildings with every count that is not
+/// zero, notes, and warnings behind kWarningPrefix.
 std::vector<std::string> world_report_lines(const World& world);
 
 /// Prints those lines on stderr.

@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
+#include "server/output/describe_load.h"
 #include "server/radar/frame_plan.h"
 #include "terrain/constants.h"
 
@@ -130,6 +131,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   row.set_greatest_m(error.greatest_m);
   descriptor.set_wedge_azimuth_bins(kWedgeAzimuthBins);
   descriptor.set_buildings_in_scene(static_cast<std::uint32_t>(world.buildings.list.size()));
+  describe_load(world.report, descriptor);
   add_warnings(plan, rho_m, descriptor);
 }
 
@@ -141,6 +143,18 @@ void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::Frame
   summary.set_rejected(stats.rejected);
   summary.set_coverage(stats.coverage());
   summary.set_buildings_seen(plan.seen().count());
+}
+
+std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
+                                        const wire::FrameSummary& summary) {
+  std::vector<std::string> warnings(descriptor.warnings().begin(), descriptor.warnings().end());
+  if (summary.coverage() < 1) {
+    const double percent = 100 * (1 - summary.coverage());
+    warnings.push_back(sentence(percent < 10 ? "%.2g %% of the sector has no known ground"
+                                             : "%.0f %% of the sector has no known ground",
+                                percent));
+  }
+  return warnings;
 }
 
 }  // namespace obliq
