@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <new>
 #include <optional>
 
 #include "terrain/constants.h"
@@ -10,6 +11,7 @@
 #include "terrain/errors.h"
 #include "terrain/geodetic_lattice.h"
 #include "terrain/grid_area.h"
+#include "terrain/height_unit.h"
 #include "terrain/resample.h"
 #include "terrain/seams.h"
 #include "terrain/stage_clock.h"
@@ -110,8 +112,15 @@ DemMosaic::DemMosaic(const TerrainSpec& terrain) : terrain_(terrain) {
   }
   for (const std::string& path : terrain.dem) {
     files_.emplace_back(path, "[terrain] dem", terrain.crs);
-    metres_per_unit(files_.back(), terrain.unit);
+    units_.push_back(height_unit(files_.back(), terrain.unit));
   }
+}
+
+std::vector<ElevationSource> DemMosaic::sources() const {
+  std::vector<ElevationSource> sources;
+  for (std::size_t n = 0; n < files_.size(); ++n)
+    sources.push_back({file_name(files_[n].path()), units_[n].name, units_[n].assumed});
+  return sources;
 }
 
 LonLat DemMosaic::centre() const {
@@ -150,7 +159,12 @@ void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& er
     const auto share = [&](std::string_view stage, double fraction) {
       if (progress) progress(stage, (static_cast<double>(n) + fraction) / static_cast<double>(files_.size()));
     };
-    fill_from_file(filling, geodetic, files_[n], terrain_.unit, share);
+    try {
+      fill_from_file(filling, geodetic, files_[n], terrain_.unit, share);
+    } catch (const std::bad_alloc&) {
+      files_[n].refuse("there is not enough memory for the part of it that the scene needs",
+                       "a smaller [terrain] area, a shorter range or larger cells");
+    }
   }
   if (filling.seams) filling.seams->close(grid);
 }
@@ -168,7 +182,7 @@ void DemMosaic::describe(CacheKey& key, const HeightGrid& grid, const WorldFrame
   for (const std::vector<double>& y_m : geodetic.y_m) key.add("heights of the lattice", y_m);
   for (const Raster& file : files_) {
     key.add("dem", file.path());
-    key.add("unit", metres_per_unit(file, terrain_.unit));
+    key.add("unit", height_unit(file, terrain_.unit).metres);
     const PostLattice lattice = post_lattice(geodetic, file);
     for (int layer = 0; layer < 2; ++layer) {
       key.add("lattice's columns", lattice.column[layer]);

@@ -6,6 +6,8 @@
 #include "terrain/cache_key.h"
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
+#include "terrain/height_unit.h"
+#include "terrain/load_report.h"
 #include "terrain/polygon.h"
 #include "terrain/progress.h"
 #include "terrain/raster.h"
@@ -18,6 +20,9 @@ class DemMosaic {
  public:
   /// Opens every file and checks its unit; reads no heights. Throws InputError.
   explicit DemMosaic(const TerrainSpec& terrain);
+
+  /// The files and what their heights count in.
+  std::vector<ElevationSource> sources() const;
 
   /// Centre of the union of the files' extents.
   LonLat centre() const;
@@ -43,6 +48,7 @@ class DemMosaic {
  private:
   TerrainSpec terrain_;
   std::vector<Raster> files_;
+  std::vector<HeightUnit> units_;  ///< of the files
 };
 
 }  // namespace obliq

@@ -1,77 +1,22 @@
 #include "terrain/dem_window.h"
 
 #include <gdal_priv.h>
-#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "terrain/gdal_messages.h"
+#include "terrain/height_unit.h"
+#include "terrain/raster_level.h"
 #include "terrain/stage_clock.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kVoid = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInternationalFoot_m = 0.3048;    // exact, 1959 agreement
-constexpr double kSurveyFoot_m = 1200.0 / 3937.0;  // exact, Mendenhall order of 1893
-constexpr double kLowestGround_m = -9000;          // -32768 and its like without a nodata tag
-constexpr double kHighestGround_m = 100000;        // 999999 and its like, also when read as feet
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
-    return c == '_' || c == '-' ? ' ' : static_cast<char>(std::tolower(c));
-  });
-  const std::size_t first = text.find_first_not_of(' ');
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
-/// Metres of a named unit; 0 when the name is not known.
-double metres_of(const std::string& name) {
-  static const std::map<std::string, double> known = {
-      {"", 1},
-      {"m", 1},
-      {"metre", 1},
-      {"metres", 1},
-      {"meter", 1},
-      {"meters", 1},
-      {"unknown", 1},
-      {"none", 1},
-      {"cm", 0.01},
-      {"centimetre", 0.01},
-      {"centimeter", 0.01},
-      {"dm", 0.1},
-      {"decimetre", 0.1},
-      {"decimeter", 0.1},
-      {"mm", 0.001},
-      {"millimetre", 0.001},
-      {"millimeter", 0.001},
-      {"km", 1000},
-      {"kilometre", 1000},
-      {"kilometer", 1000},
-      {"ft", kInternationalFoot_m},
-      {"foot", kInternationalFoot_m},
-      {"feet", kInternationalFoot_m},
-      {"international foot", kInternationalFoot_m},
-      {"international feet", kInternationalFoot_m},
-      {"us ft", kSurveyFoot_m},
-      {"ftus", kSurveyFoot_m},
-      {"ft us", kSurveyFoot_m},
-      {"foot us", kSurveyFoot_m},
-      {"us foot", kSurveyFoot_m},
-      {"us feet", kSurveyFoot_m},
-      {"us survey foot", kSurveyFoot_m},
-      {"us survey feet", kSurveyFoot_m},
-      {"survey foot", kSurveyFoot_m},
-      {"survey feet", kSurveyFoot_m},
-      {"sft", kSurveyFoot_m},
-  };
-  const auto found = known.find(lower(name));
-  return found == known.end() ? 0 : found->second;
-}
+constexpr double kLowestGround_m = -9000;    // -32768 and its like without a nodata tag
+constexpr double kHighestGround_m = 100000;  // 999999 and its like, also when read as feet
 
 /// Turns one stored value into metres or a void.
 class Decoder {
@@ -115,8 +60,8 @@ void require_whole_raw_file(const Raster& raster) {
   GDALDataset* dataset = raster.band().GetDataset();
   const char* driver = dataset->GetDriverName();
   if (std::string(driver) != "EHdr" && std::string(driver) != "ENVI") return;
-  const std::string extension = lower(CPLGetExtension(raster.path().c_str()));
-  if (extension == "flt" && raster.band().GetRasterDataType() != GDT_Float32) {
+  if (EQUAL(CPLGetExtension(raster.path().c_str()), "flt") &&
+      raster.band().GetRasterDataType() != GDT_Float32) {
     raster.refuse("it is truncated: a GridFloat file holds 4 bytes a post", "a whole file");
   }
   VSIStatBufL status;
@@ -133,16 +78,16 @@ void require_whole_raw_file(const Raster& raster) {
 /// Reads whole rows of a window; a row is never returned unless GDAL read all of it.
 class StripReader {
  public:
-  explicit StripReader(const Raster& raster) : raster_(raster) {
-    const int flags = raster.band().GetMaskFlags();
-    if ((flags & (GMF_ALL_VALID | GMF_NODATA)) == 0) mask_ = raster.band().GetMaskBand();
+  StripReader(const Raster& raster, GDALRasterBand& band) : raster_(raster), band_(band) {
+    const int flags = band.GetMaskFlags();
+    if ((flags & (GMF_ALL_VALID | GMF_NODATA)) == 0) mask_ = band.GetMaskBand();
   }
 
   void read(const PixelRect& rect, std::vector<double>& stored) {
     GdalMessages messages;
     const std::size_t n = static_cast<std::size_t>(rect.columns()) * static_cast<std::size_t>(rect.rows());
     stored.resize(n);
-    bool ok = io(raster_.band(), rect, stored.data(), GDT_Float64);
+    bool ok = io(band_, rect, stored.data(), GDT_Float64);
     if (ok && mask_) {
       valid_.resize(n);
       ok = io(*mask_, rect, valid_.data(), GDT_Byte);
@@ -164,34 +109,56 @@ class StripReader {
   }
 
   const Raster& raster_;
+  GDALRasterBand& band_;
   GDALRasterBand* mask_ = nullptr;
   std::vector<unsigned char> valid_;
 };
 
-}  // namespace
+/// Blocks of step x step pixels that become one post each, counted from the rectangle's corner.
+struct Averaging {
+  int step = 1;
+  PixelRect rect;
 
-double metres_per_unit(const Raster& raster, const std::optional<VerticalUnit>& unit) {
-  if (unit) {
-    return *unit == VerticalUnit::metre  ? 1.0
-           : *unit == VerticalUnit::foot ? kInternationalFoot_m
-                                         : kSurveyFoot_m;
+  PixelRect pixels(int c0, int r0, int c1, int r1) const {
+    return {rect.column0 + c0 * step, rect.row0 + r0 * step, rect.column0 + c1 * step, rect.row0 + r1 * step};
   }
-  const std::string name = raster.band().GetUnitType();
-  if (name.empty()) {
-    const OGRSpatialReference* crs = raster.band().GetDataset()->GetSpatialRef();
-    if (crs && (crs->IsCompound() || crs->IsVertical())) {
-      const double metres = crs->GetTargetLinearUnits("COMPD_CS|VERT_CS");
-      if (std::isfinite(metres) && metres > 0) return metres;
+
+  /// Posts across and down that are read at once: as far down as the file's blocks reach, so that each block
+  /// is decoded once, and no wider than memory should hold.
+  std::pair<int, int> piece_posts(GDALRasterBand& band, int columns) const {
+    constexpr int kUsualRows = 256;
+    constexpr int kMostRows = 4096;
+    constexpr double kMostValues = 0x1p24;
+    int block_columns = 0, block_rows = 0;
+    band.GetBlockSize(&block_columns, &block_rows);
+    const int narrow = static_cast<int>(kMostValues / columns / step);
+    const int rows = std::max(std::min(kUsualRows, narrow), std::min(block_rows, kMostRows));
+    const int down = std::max(1, rows / step);
+    const double across = kMostValues / down / step / step;
+    return {static_cast<int>(std::clamp(across, 1.0, static_cast<double>(columns))), down};
+  }
+
+  /// Mean of the block's known heights; a void where fewer than half are known.
+  float mean(const std::vector<double>& stored, const PixelRect& piece, int c, int r,
+             const Decoder& decoder) const {
+    double sum = 0;
+    int known = 0;
+    for (int k = 0; k < step; ++k) {
+      const double* at = stored.data() +
+                         static_cast<std::size_t>(r * step + k) * static_cast<std::size_t>(piece.columns()) +
+                         static_cast<std::size_t>(c) * static_cast<std::size_t>(step);
+      for (int m = 0; m < step; ++m) {
+        const double height_m = decoder.height_m(at[m]);
+        if (std::isnan(height_m)) continue;
+        sum += height_m;
+        ++known;
+      }
     }
-    return 1;
+    return static_cast<float>(2 * known >= step * step ? sum / known : kVoid);
   }
-  const double metres = metres_of(name);
-  if (metres == 0) {
-    raster.refuse("its heights are in \"" + name + "\"",
-                  "metres or feet, or name the true unit in [terrain] unit");
-  }
-  return metres;
-}
+};
+
+}  // namespace
 
 double DemWindow::height_at_m(double column, double row, bool between_posts_only) const {
   if (!(column >= -0.5 && row >= -0.5 && column <= raster_columns - 0.5 && row <= raster_rows - 0.5)) {
@@ -244,55 +211,45 @@ DemWindow::Share DemWindow::share_at(double column, double row) const {
 DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
                       const std::optional<VerticalUnit>& unit, const Progress& progress, PostSample* sample) {
   const StageProbe probe(Stage::load);
-  const Decoder decoder(raster, metres_per_unit(raster, unit));
+  const Decoder decoder(raster, height_unit(raster, unit).metres);
   require_whole_raw_file(raster);
+  const int whole_step = std::max(1, std::min({step, rect.columns(), rect.rows()}));
+  const RasterLevel level = level_to_read(raster, rect, whole_step);
+  if (level.factor > 1) sample = nullptr;  // an overview's pixels are none of the raster's own posts
+  const Averaging averaging{std::max(1, whole_step / level.factor), level.rect};
   DemWindow window;
-  window.step = std::max(1, std::min({step, rect.columns(), rect.rows()}));
-  window.nx = rect.columns() / window.step;
-  window.nz = rect.rows() / window.step;
-  window.column0 = rect.column0 + (window.step - 1) / 2.0;
-  window.row0 = rect.row0 + (window.step - 1) / 2.0;
+  window.step = averaging.step * level.factor;
+  window.nx = averaging.rect.columns() / averaging.step;
+  window.nz = averaging.rect.rows() / averaging.step;
+  window.column0 = averaging.rect.column0 * level.factor + (window.step - 1) / 2.0;
+  window.row0 = averaging.rect.row0 * level.factor + (window.step - 1) / 2.0;
   window.raster_columns = raster.columns();
   window.raster_rows = raster.rows();
   window.height_m.resize(static_cast<std::size_t>(window.nx) * static_cast<std::size_t>(window.nz));
 
-  StripReader reader(raster);
+  StripReader reader(raster, *level.band);
   std::vector<double> stored;
-  const int strip_posts = std::max(1, 256 / window.step);
-  const int used_columns = window.nx * window.step;
-  for (int r0 = 0; r0 < window.nz; r0 += strip_posts) {
-    const int r1 = std::min(window.nz, r0 + strip_posts);
-    const PixelRect strip{rect.column0, rect.row0 + r0 * window.step, rect.column0 + used_columns,
-                          rect.row0 + r1 * window.step};
-    reader.read(strip, stored);
-    if (sample) {
-      sample->take(strip, [&](int row, int column) {
-        return decoder.height_m(
-            stored[static_cast<std::size_t>(row) * static_cast<std::size_t>(used_columns) +
-                   static_cast<std::size_t>(column)]);
-      });
-    }
-    for (int r = r0; r < r1; ++r) {
-      for (int c = 0; c < window.nx; ++c) {
-        double sum = 0;
-        int known = 0;
-        for (int k = 0; k < window.step; ++k) {
-          const std::size_t line = static_cast<std::size_t>((r - r0) * window.step + k);
-          const double* at = stored.data() + line * static_cast<std::size_t>(used_columns) +
-                             static_cast<std::size_t>(c) * static_cast<std::size_t>(window.step);
-          for (int m = 0; m < window.step; ++m) {
-            const double height_m = decoder.height_m(at[m]);
-            if (std::isnan(height_m)) continue;
-            sum += height_m;
-            ++known;
-          }
-        }
-        const bool enough = 2 * known >= window.step * window.step;
-        window.height_m[static_cast<std::size_t>(r) * static_cast<std::size_t>(window.nx) +
-                        static_cast<std::size_t>(c)] = static_cast<float>(enough ? sum / known : kVoid);
+  const auto [across, down] = averaging.piece_posts(*level.band, window.nx);
+  for (int r0 = 0; r0 < window.nz; r0 += down) {
+    const int r1 = std::min(window.nz, r0 + down);
+    for (int c0 = 0; c0 < window.nx; c0 += across) {
+      const int c1 = std::min(window.nx, c0 + across);
+      const PixelRect piece = averaging.pixels(c0, r0, c1, r1);
+      reader.read(piece, stored);
+      if (sample) {
+        sample->take(piece, [&](int row, int column) {
+          return decoder.height_m(
+              stored[static_cast<std::size_t>(row) * static_cast<std::size_t>(piece.columns()) +
+                     static_cast<std::size_t>(column)]);
+        });
       }
+      for (int r = r0; r < r1; ++r) {
+        float* to =
+            window.height_m.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(window.nx);
+        for (int c = c0; c < c1; ++c) to[c] = averaging.mean(stored, piece, c - c0, r - r0, decoder);
+      }
+      if (progress) progress("elevation", (r0 + static_cast<double>(r1 - r0) * c1 / window.nx) / window.nz);
     }
-    if (progress) progress("elevation", static_cast<double>(r1) / window.nz);
   }
   return window;
 }

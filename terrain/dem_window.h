@@ -36,14 +36,11 @@ struct DemWindow {
   Share share_at(double column, double row) const;
 };
 
-/// Metres per unit of the raster's values: the given unit, else the band's, else its vertical system's, else
-/// metres. Throws InputError on a unit that is not a length we know.
-double metres_per_unit(const Raster& raster, const std::optional<VerticalUnit>& unit);
-
 /// Reads the window, each block of step x step pixels averaged to one post (void when more than half of its
 /// pixels are). Void are nodata, masked, not finite, and what no land on earth can be (below -9 km, above
-/// 100 km). Throws InputError when anything cannot be read: never zeros for missing data. `sample`, when
-/// given, keeps some of the raster's own posts.
+/// 100 km). Throws InputError when anything cannot be read: never zeros for missing data. Where that is more
+/// pixels than raster_level.h allows, an overview's are read. `sample`, when given, keeps some of the
+/// raster's own posts, where it is these that are read.
 DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
                       const std::optional<VerticalUnit>& unit, const Progress& progress,
                       PostSample* sample = nullptr);

@@ -6,17 +6,15 @@
 
 #include "terrain/errors.h"
 #include "terrain/extrude.h"
+#include "terrain/footprint_heights.h"
 #include "terrain/hash.h"
-#include "terrain/height_text.h"
 #include "terrain/placement.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kFoot_m = 0.3048;
-constexpr double kTallest_m = 2000;  ///< twice the tallest building there is
-
-bool sane(std::optional<double> height_m) { return height_m && *height_m > 0 && *height_m <= kTallest_m; }
+constexpr double kTallest_m = 2000;           ///< twice the tallest building there is
+constexpr std::uint64_t kProgressEvery = 64;  ///< outlines
 
 bool usable(const GeoPolygon& polygon) {
   if (polygon.rings.empty() || polygon.rings[0].size() < 3) return false;
@@ -49,34 +47,71 @@ void check(const BuildingSourceSpec& spec) {
   }
 }
 
-/// One source's outlines on their way into the world.
+/// True when the middle of the loaded ground lies inside the outline.
+bool lies_around(const GeoPolygon& polygon, const GeoWindow& window) {
+  const double x = (window.south_west.longitude_deg + window.north_east.longitude_deg) / 2;
+  const double y = (window.south_west.latitude_deg + window.north_east.latitude_deg) / 2;
+  Polygon degrees;
+  for (const auto& ring : polygon.rings) {
+    Ring& to = degrees.rings.emplace_back();
+    for (const LonLat& p : ring) to.emplace_back(p.longitude_deg, p.latitude_deg);
+  }
+  return degrees.contains({x, y});
+}
+
+/// Outlines on their way into the world.
 class FootprintLoader {
  public:
-  FootprintLoader(World& world, const Polygon& area) : world_(world), area_(area) {}
+  FootprintLoader(World& world, const Polygon& area)
+      : world_(world), area_(area), window_(geo_window(world)) {}
 
-  void add(const VectorFeature& feature, const BuildingSourceSpec& spec) {
+  const GeoWindow& window() const { return window_; }
+
+  void add(const VectorFeature& feature, const BuildingSourceSpec& spec, SourceHeights& heights) {
     LoadReport& report = world_.report;
     ++report.buildings_read;
     if (feature.polygons.empty()) ++report.buildings_unusable;
-    const std::optional<double> height_m = feature_height_m(feature, spec);
+    const FeatureHeight height = feature_height(feature, spec);
+    const double height_m = height.height_m.value_or(spec.default_height_m);
     bool stands = false;
     for (const GeoPolygon& polygon : feature.polygons) {
-      stands |= add_polygon(polygon, height_m.value_or(spec.default_height_m), spec.material);
+      std::string excess;
+      stands |= add_polygon(polygon, height_m, spec.material, excess);
+      if (!excess.empty() && first_excess_.empty())
+        first_excess_ =
+            file_name(spec.source) + ", feature " + std::to_string(feature.id()) + ": found " + excess;
     }
-    if (stands && !height_m) ++report.buildings_default_height;
+    if (!stands) return;
+    heights.add(height, feature.id());
+    if (!height.height_m) ++report.buildings_default_height;
+  }
+
+  void warn_of_excess() const {
+    if (first_excess_.empty()) return;
+    const std::uint64_t n = world_.report.buildings_too_complex;
+    world_.report.warnings.push_back(
+        "[[buildings]] " + std::to_string(n) + (n == 1 ? " outline was" : " outlines were") +
+        " skipped as too complex, the first is " + first_excess_ + "; simplify them (ogr2ogr -simplify)");
   }
 
  private:
-  bool add_polygon(const GeoPolygon& polygon, double height_m, std::uint8_t material) {
+  bool add_polygon(const GeoPolygon& polygon, double height_m, std::uint8_t material, std::string& excess) {
     LoadReport& report = world_.report;
     if (!usable(polygon)) {
       ++report.buildings_unusable;
       return false;
     }
+    std::size_t corners = 0;
+    for (const auto& ring : polygon.rings) corners += ring.size();
+    excess = excess_corners(corners);
+    if (!excess.empty()) {
+      ++report.buildings_too_complex;
+      return false;
+    }
     const GroundPlace place = first_ground(world_, polygon);
     const Polygon outline = world_polygon(world_.frame, polygon, place.height_m);
     if (place.state == GroundState::off_grid || !lies_inside(area_, outline)) {
-      ++report.buildings_outside;
+      ++(lies_around(polygon, window_) ? report.buildings_around : report.buildings_outside);
       return false;
     }
     if (place.state == GroundState::unknown) {
@@ -88,30 +123,25 @@ class FootprintLoader {
       ++report.buildings_duplicate;
       return false;
     }
-    return stand_outline(world_, shaper_, outline, {height_m, material, identity}) > 0;
+    return stand_outline(world_, shaper_, outline, {height_m, material, identity}, &excess) > 0;
   }
 
   World& world_;
   const Polygon& area_;
+  GeoWindow window_;
   OutlineShaper shaper_;
   std::unordered_set<std::uint64_t> seen_;
+  std::string first_excess_;
 };
 
-}  // namespace
-
-std::optional<double> feature_height_m(const VectorFeature& feature, const BuildingSourceSpec& spec) {
-  const auto read = [&](const std::string& field, double metres_per_bare_unit) -> std::optional<double> {
-    const std::optional<std::string> text = feature.text(field);
-    if (!text) return {};
-    const std::optional<double> height_m = parse_height_m(*text, metres_per_bare_unit);
-    return sane(height_m) ? height_m : std::nullopt;
-  };
-  if (const auto height_m = read(spec.height_field, spec.unit == "ft" ? kFoot_m : 1.0)) return height_m;
-  if (spec.height_field != "height") {
-    if (const auto height_m = read("height", 1.0)) return height_m;
-  }
-  return read("building:levels", kStorey_m);
+/// The source's own field is not there; the others may hold heights all the same.
+void warn_of_field(const BuildingSourceSpec& source, const VectorSummary& summary, LoadReport& report) {
+  report.warnings.push_back("[[buildings]] " + file_name(source.source) + ": none of its " +
+                            std::to_string(summary.visited) + " features has a height_field \"" +
+                            source.height_field + "\"; the fields there are: " + summary.fields);
 }
+
+}  // namespace
 
 std::uint64_t outline_identity(const GeoPolygon& polygon) {
   std::vector<std::pair<std::int64_t, std::int64_t>> points;
@@ -134,10 +164,12 @@ bool lies_inside(const Polygon& area, const Polygon& outline) {
                                            [&](glm::dvec2 p) { return area.contains(p); });
 }
 
-std::size_t stand_outline(World& world, OutlineShaper& shaper, const Polygon& polygon,
-                          const PrismLook& look) {
+std::size_t stand_outline(World& world, OutlineShaper& shaper, const Polygon& polygon, const PrismLook& look,
+                          std::string* excess) {
   LoadReport& report = world.report;
   const ShapedOutline shaped = shaper.shape(polygon);
+  if (shaped.state == OutlineState::too_complex) ++report.buildings_too_complex;
+  if (excess) *excess = shaped.excess;
   if (shaped.state == OutlineState::unusable) ++report.buildings_unusable;
   if (shaped.state == OutlineState::zero_area) ++report.buildings_zero_area;
   if (shaped.state == OutlineState::repaired) ++report.buildings_repaired;
@@ -162,29 +194,37 @@ std::size_t stand_outline(World& world, OutlineShaper& shaper, const Polygon& po
 
 void load_buildings(World& world, const WorldSpec& spec, const Polygon& area, const Progress& progress) {
   if (spec.buildings.empty()) return;
-  const GeoWindow window = geo_window(world);
   FootprintLoader loader(world, area);
   for (std::size_t k = 0; k < spec.buildings.size(); ++k) {
     const BuildingSourceSpec& source = spec.buildings[k];
     check(source);
-    if (progress) progress("buildings", static_cast<double>(k) / static_cast<double>(spec.buildings.size()));
+    const double share = static_cast<double>(k) / static_cast<double>(spec.buildings.size());
     bool has_field = false;
-    const VectorQuery query{source.source,          source.layer,      "",
-                            "[[buildings]] source", window.south_west, window.north_east};
+    std::uint64_t visited = 0;
+    SourceHeights heights(source);
+    VectorQuery query{source.source,
+                      source.layer,
+                      "",
+                      "[[buildings]] source",
+                      loader.window().south_west,
+                      loader.window().north_east};
+    if (source.height_field != BuildingSourceSpec{}.height_field) query.field = source.height_field;
     const VectorSummary summary = visit_features(query, [&](const VectorFeature& feature) {
+      if (progress && visited++ % kProgressEvery == 0) progress("buildings", share);  // may end the load
       has_field = has_field || feature.text(source.height_field).has_value();
-      loader.add(feature, source);
+      loader.add(feature, source, heights);
     });
     world.report.buildings_read += summary.skipped_by_index;
     world.report.buildings_outside += summary.skipped_by_index;
     world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
     if (summary.visited == 0) {
       world.report.notes.push_back(source.source + ": no features in the loaded area");
-    } else if (!has_field) {
-      world.report.notes.push_back(source.source + ": none of its " + std::to_string(summary.visited) +
-                                   " features has a field \"" + source.height_field + "\"");
+    } else if (!has_field && heights.by_default() > 0) {
+      warn_of_field(source, summary, world.report);
     }
+    heights.report(world.report);
   }
+  loader.warn_of_excess();
   if (progress) progress("buildings", 1);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <optional>
+#include <string>
 
 #include "terrain/extrude.h"
 #include "terrain/outline.h"
@@ -7,10 +7,6 @@
 #include "terrain/world.h"
 
 namespace obliq {
-
-/// Height of a building in metres: the named field, else "height", else "building:levels" storeys of 3 m.
-/// Nothing when none of them holds a height between 0 and 2,000 m.
-std::optional<double> feature_height_m(const VectorFeature& feature, const BuildingSourceSpec& spec);
 
 /// A number that the outline keeps whatever point it starts at and whichever way round it runs, to 1e-7
 /// degree (about 1 cm): tells duplicates and names faces.
@@ -24,7 +20,9 @@ void load_buildings(World& world, const WorldSpec& spec, const Polygon& area, co
 bool lies_inside(const Polygon& area, const Polygon& outline);
 
 /// Shapes, grounds and appends one polygon in world (x, z); returns how many prisms stand. Counts in the
-/// report what becomes of it.
-std::size_t stand_outline(World& world, OutlineShaper& shaper, const Polygon& polygon, const PrismLook& look);
+/// report what becomes of it. `excess`, when given, is told what is too much of an outline that is too
+/// complex.
+std::size_t stand_outline(World& world, OutlineShaper& shaper, const Polygon& polygon, const PrismLook& look,
+                          std::string* excess = nullptr);
 
 }  // namespace obliq

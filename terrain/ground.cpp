@@ -13,6 +13,7 @@
 #include "terrain/grid_area.h"
 #include "terrain/ground_cache.h"
 #include "terrain/library_versions.h"
+#include "terrain/parallel.h"
 #include "terrain/synthetic.h"
 #include "terrain/voids.h"
 
@@ -67,6 +68,36 @@ GroundCache::Facts load_synthetic(World& world, const WorldSpec& spec, const Wan
   return facts_of(world.grid, {}, source_error);
 }
 
+/// How low and how high the known ground lies above the datum.
+void note_heights(World& world) {
+  const HeightGrid& grid = world.grid;
+  struct Row {
+    double lowest_m = HUGE_VAL, highest_m = -HUGE_VAL;
+    int lowest = 0, highest = 0;
+  };
+  std::vector<Row> rows(static_cast<std::size_t>(grid.nz));
+  for_each_row(grid.nz, [&](int j) {
+    Row& row = rows[static_cast<std::size_t>(j)];
+    for (int i = 0; i < grid.nx; ++i) {
+      if (!grid.node_known(i, j)) continue;
+      const double above_m = grid.node_y_m(i, j) - world.frame.datum_y_m(grid.node_x_m(i), grid.node_z_m(j));
+      if (above_m < row.lowest_m) row.lowest_m = above_m, row.lowest = i;
+      if (above_m > row.highest_m) row.highest_m = above_m, row.highest = i;
+    }
+  });
+  const auto height_m = [&](int i, const Row& row) {
+    const int j = static_cast<int>(&row - rows.data());
+    return world.frame
+        .geodetic_from_world({glm::dvec3(grid.node_x_m(i), grid.node_y_m(i, j), grid.node_z_m(j))})
+        .height_m;
+  };
+  const Row& low = *std::ranges::min_element(rows, {}, &Row::lowest_m);
+  const Row& high = *std::ranges::max_element(rows, {}, &Row::highest_m);
+  if (!(low.lowest_m <= high.highest_m)) return;
+  world.report.lowest_m = height_m(low.lowest, low);
+  world.report.highest_m = height_m(high.highest, high);
+}
+
 void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted) {
   if (wanted.rect.empty()) return;
   const double covered = covered_fraction(world.grid, wanted);
@@ -108,6 +139,7 @@ GroundCache::Facts load_dem(World& world, const WorldSpec& spec, const WantedAre
                             const Progress& progress) {
   const double begin_s = clock_of_files_s();
   const DemMosaic mosaic(spec.terrain);
+  world.report.elevation = mosaic.sources();
   const Rect covered = mosaic.extent(world.frame);
   const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
   if (rect.empty()) mosaic.refuse_no_ground(world.frame, wanted.rect);
@@ -166,6 +198,7 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
   world.report.posts_filled = facts.posts_filled;
   world.report.posts_absent = facts.posts_absent;
   world.report.source_error = facts.source_error;
+  note_heights(world);
   note_coverage(world, spec, wanted);
   if (world.report.posts_absent == world.report.posts) {
     throw InputError(

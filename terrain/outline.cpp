@@ -6,11 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "terrain/ring_crossings.h"
+
 namespace obliq {
 namespace {
-
-using FloatRing = std::vector<glm::vec2>;
-using FloatRings = std::vector<FloatRing>;
 
 double signed_area(const FloatRing& ring) {
   Ring exact;
@@ -133,13 +132,14 @@ struct OutlineShaper::Geos {
 
   /// Splits a polygon into valid ones. Rounding a repair's new corners to float32 may make new crossings, so
   /// a repair is looked at again; what three rounds do not cure is dropped.
-  std::vector<FloatRings> valid_parts(const FloatRings& rings, bool& repaired) const;
+  /// What needs a repair and has more crossings than are allowed is too complex.
+  std::vector<FloatRings> valid_parts(const FloatRings& rings, OutlineState& state) const;
 
   /// Cuts a valid polygon; false when the pieces do not make up the whole.
   bool triangulate(Outline& outline) const;
 };
 
-std::vector<FloatRings> OutlineShaper::Geos::valid_parts(const FloatRings& rings, bool& repaired) const {
+std::vector<FloatRings> OutlineShaper::Geos::valid_parts(const FloatRings& rings, OutlineState& state) const {
   std::vector<FloatRings> valid;
   std::vector<FloatRings> open{rings};
   for (int round = 0; round < 3 && !open.empty(); ++round) {
@@ -151,7 +151,11 @@ std::vector<FloatRings> OutlineShaper::Geos::valid_parts(const FloatRings& rings
         valid.push_back(std::move(part));
         continue;
       }
-      repaired = true;
+      if (count_crossings(part, OutlineShaper::kMostCrossings + 1) > OutlineShaper::kMostCrossings) {
+        state = OutlineState::too_complex;
+        return {};
+      }
+      state = OutlineState::repaired;
       const Geometry mended = own(GEOSMakeValidWithParams_r(handle, given.get(), repair));
       if (mended) collect(mended.get(), next);
     }
@@ -244,8 +248,20 @@ void fan(Outline& outline) {
 
 }  // namespace
 
+std::string excess_corners(std::size_t corners) {
+  if (corners <= OutlineShaper::kMostCorners) return {};
+  return std::to_string(corners) + " corners; allowed: " + std::to_string(OutlineShaper::kMostCorners);
+}
+
 ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
   ShapedOutline shaped;
+  std::size_t corners = 0;
+  for (const Ring& ring : polygon.rings) corners += ring.size();
+  shaped.excess = excess_corners(corners);
+  if (!shaped.excess.empty()) {
+    shaped.state = OutlineState::too_complex;
+    return shaped;
+  }
   FloatRings rings;
   shaped.state = rounded_rings(polygon, rings);
   if (shaped.state != OutlineState::good) return shaped;
@@ -259,9 +275,14 @@ ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
     shaped.state = OutlineState::good;
     return shaped;
   }
-  bool repaired = false;
   bool failed = false;
-  for (FloatRings& part : geos_->valid_parts(rings, repaired)) {
+  const std::vector<FloatRings> parts = geos_->valid_parts(rings, shaped.state);
+  if (shaped.state == OutlineState::too_complex) {
+    shaped.excess = "more than " + std::to_string(kMostCrossings) +
+                    " places where its edges cross or touch; allowed: " + std::to_string(kMostCrossings);
+    return shaped;
+  }
+  for (FloatRings part : parts) {
     Outline outline;
     if (!orient(part, outline)) continue;
     outline.rings_m = std::move(part);
@@ -271,11 +292,7 @@ ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
       failed = true;
     }
   }
-  if (!shaped.parts.empty()) {
-    shaped.state = repaired ? OutlineState::repaired : OutlineState::good;
-  } else {
-    shaped.state = failed ? OutlineState::unusable : OutlineState::zero_area;
-  }
+  if (shaped.parts.empty()) shaped.state = failed ? OutlineState::unusable : OutlineState::zero_area;
   return shaped;
 }
 

@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "terrain/polygon.h"
@@ -20,11 +21,12 @@ struct Outline {
   glm::dvec2 centre_m{0.0};  ///< of the area
 };
 
-enum class OutlineState { good, repaired, zero_area, unusable };
+enum class OutlineState { good, repaired, zero_area, unusable, too_complex };
 
 struct ShapedOutline {
   OutlineState state = OutlineState::unusable;
   std::vector<Outline> parts;  ///< none unless good or repaired; a repair may make several
+  std::string excess;          ///< too_complex: what was found and what is allowed
 };
 
 /// Owns one GEOS context; one thread at a time.
@@ -37,7 +39,12 @@ class OutlineShaper {
 
   /// Rounds to float32, repairs self-intersections (GEOS, structure method: overlaps are united, holes kept)
   /// and triangulates. Outlines of less than kLeastArea_m2 have no area. Never throws on any coordinates.
+  /// Time grows with the square of the corners, and of the crossings: beyond the limits an outline is too
+  /// complex. At the limits it takes about a second.
   ShapedOutline shape(const Polygon& polygon);
+
+  static constexpr std::size_t kMostCorners = 4096;    ///< of all rings together
+  static constexpr std::size_t kMostCrossings = 1024;  ///< pairs of edges that cross or touch
 
   static constexpr double kLeastArea_m2 = 0.01;
 
@@ -45,5 +52,8 @@ class OutlineShaper {
   struct Geos;
   std::unique_ptr<Geos> geos_;
 };
+
+/// The excess of a polygon with too many corners; empty: it has not.
+std::string excess_corners(std::size_t corners);
 
 }  // namespace obliq

@@ -38,7 +38,8 @@ void check(const PrismSpec& spec) {
 /// latitude.
 class RowedPolygon {
  public:
-  RowedPolygon(const GeoPolygon& polygon, const PrismCells& cells, double near_longitude_deg) {
+  /// Of the rows that the window touches.
+  RowedPolygon(const GeoPolygon& polygon, const PrismCells& cells, const GeoWindow& window) {
     double south = HUGE_VAL, north = -HUGE_VAL;
     for (const auto& ring : polygon.rings) {
       for (const LonLat& p : ring) {
@@ -47,10 +48,13 @@ class RowedPolygon {
         north = std::max(north, p.latitude_deg);
       }
     }
+    south = std::max(south, window.south_west.latitude_deg);
+    north = std::min(north, window.north_east.latitude_deg);
     if (!(south <= north)) return;
     first_ = cells.row_of(south);
     edges_.resize(static_cast<std::size_t>(cells.row_of(north) - first_ + 1));
-    for (const auto& ring : polygon.rings) add_ring(ring, cells, near_longitude_deg);
+    const double middle_deg = (window.south_west.longitude_deg + window.north_east.longitude_deg) / 2;
+    for (const auto& ring : polygon.rings) add_ring(ring, cells, middle_deg);
   }
 
   std::int64_t first_row() const { return first_; }
@@ -84,12 +88,21 @@ class RowedPolygon {
       const Edge edge{ring[k], ring[(k + 1) % ring.size()]};
       const std::int64_t from = cells.row_of(std::min(edge.a.latitude_deg, edge.b.latitude_deg));
       const std::int64_t to = cells.row_of(std::max(edge.a.latitude_deg, edge.b.latitude_deg));
-      for (std::int64_t row = from; row <= to; ++row)
+      for (std::int64_t row = std::max(from, first_); row <= std::min(to, end_row() - 1); ++row) {
         edges_[static_cast<std::size_t>(row - first_)].push_back(edge);
+        if (++n_edges_ > kMostEdges) {
+          throw InputError(
+              "[[prisms]] within: found a polygon with more than 32 million pieces of its edges between the "
+              "rows of prisms; allowed: fewer, so simplify it or lower per_km2");
+        }
+      }
     }
   }
 
+  static constexpr std::size_t kMostEdges = std::size_t{1} << 25;  ///< about 1 GB
+
   std::int64_t first_ = 0;
+  std::size_t n_edges_ = 0;
   std::vector<std::vector<Edge>> edges_;
   double west_deg_ = HUGE_VAL;
   double east_deg_ = -HUGE_VAL;
@@ -192,7 +205,6 @@ PrismCandidate PrismCells::candidate(std::int64_t row, std::int64_t column) cons
 void scatter_prisms(World& world, const WorldSpec& spec, const Polygon& area, const Progress& progress) {
   if (spec.prisms.empty()) return;
   const GeoWindow window = geo_window(world);
-  const double middle_deg = (window.south_west.longitude_deg + window.north_east.longitude_deg) / 2;
   OutlineShaper shaper;
   // Candidates that do not stand are no operator's buildings that went missing.
   const std::uint64_t outside = world.report.buildings_outside;
@@ -203,7 +215,7 @@ void scatter_prisms(World& world, const WorldSpec& spec, const Polygon& area, co
     const PrismCells cells(prisms);
     CellList list;
     for (const GeoPolygon& polygon : polygons_of(prisms, window, world.report)) {
-      add_cells(RowedPolygon(polygon, cells, middle_deg), cells, window, list);
+      add_cells(RowedPolygon(polygon, cells, window), cells, window, list);
     }
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());

@@ -21,6 +21,9 @@ std::unique_ptr<GDALDataset> opened(const std::string& path, unsigned kind) {
       GDALDataset::Open(path.c_str(), kind | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
 }
 
+/// A coordinate system is what its text says, not what is in a file or at an address of that name.
+constexpr const char* const kTextOnly[] = {"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
+
 /// GDAL names the sources of a virtual raster, but not what these are made of in turn.
 void append_files(GDALDataset& dataset, int depth, std::vector<std::string>& found) {
   constexpr int kDeepest = 8;
@@ -105,7 +108,7 @@ void Raster::place(const std::optional<std::string>& crs) {
     system = *own;
   } else if (!crs) {
     refuse("it carries no coordinate system", "a raster with one, or name it in [terrain] crs");
-  } else if (system.SetFromUserInput(crs->c_str()) != OGRERR_NONE) {
+  } else if (system.SetFromUserInput(crs->c_str(), kTextOnly) != OGRERR_NONE) {
     throw InputError("[terrain] crs: found \"" + *crs + "\" (" + messages.reason("not understood") +
                      "); allowed: any coordinate system that GDAL knows, such as \"EPSG:26911\"");
   }

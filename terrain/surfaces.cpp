@@ -14,6 +14,10 @@ namespace {
 /// by a few centimetres.
 constexpr double kLongestEdge_deg = 0.01;
 
+/// So many of these edges of one polygon take seconds: the coasts of all oceans at 1:10 million have half a
+/// million corners.
+constexpr double kMostPieces = 4e6;
+
 /// x of the polygon's edges where they cross each row of cell centres.
 using RowCrossings = std::vector<std::vector<double>>;
 
@@ -42,6 +46,21 @@ bool finite(const GeoPolygon& polygon) {
   return true;
 }
 
+int pieces(const LonLat& a, const LonLat& b) {
+  const double span_deg =
+      std::max(std::abs(b.longitude_deg - a.longitude_deg), std::abs(b.latitude_deg - a.latitude_deg));
+  return std::clamp(static_cast<int>(std::ceil(span_deg / kLongestEdge_deg)), 1, 36000);
+}
+
+/// Of all the edges of a polygon.
+double pieces(const GeoPolygon& polygon) {
+  double n = 0;
+  for (const auto& ring : polygon.rings) {
+    for (std::size_t k = 0; k < ring.size(); ++k) n += pieces(ring[k], ring[(k + 1) % ring.size()]);
+  }
+  return n;
+}
+
 /// Adds one ring's edges, each split so that it is straight in degrees.
 void add_ring(const World& world, const std::vector<LonLat>& ring, RowCrossings& rows) {
   if (ring.size() < 3) return;
@@ -49,9 +68,7 @@ void add_ring(const World& world, const std::vector<LonLat>& ring, RowCrossings&
   for (std::size_t k = 0; k < ring.size(); ++k) {
     const LonLat a = ring[k];
     const LonLat b = ring[(k + 1) % ring.size()];
-    const double span_deg =
-        std::max(std::abs(b.longitude_deg - a.longitude_deg), std::abs(b.latitude_deg - a.latitude_deg));
-    const int n = std::clamp(static_cast<int>(std::ceil(span_deg / kLongestEdge_deg)), 1, 36000);
+    const int n = pieces(a, b);
     for (int step = 1; step <= n; ++step) {
       const double t = static_cast<double>(step) / n;
       const glm::dvec2 to = on_ground(world, {a.longitude_deg + t * (b.longitude_deg - a.longitude_deg),
@@ -94,6 +111,8 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
   const VectorQuery query{surface.source,        surface.layer,     surface.where,
                           "[[surfaces]] source", window.south_west, window.north_east};
   std::uint64_t unusable = 0;
+  std::uint64_t too_long = 0;
+  std::int64_t first_too_long = 0;
   const VectorSummary summary = visit_features(query, [&](const VectorFeature& feature) {
     for (const GeoPolygon& polygon : feature.polygons) {
       if (polygon.rings.empty() || polygon.rings[0].size() < 3 || !finite(polygon)) {
@@ -101,12 +120,24 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
         continue;
       }
       if (!near(polygon, window)) continue;
+      if (pieces(polygon) > kMostPieces) {
+        if (too_long++ == 0) first_too_long = feature.id();
+        continue;
+      }
       for (const auto& ring : polygon.rings) add_ring(world, ring, rows);
       paint_rows(world, rows, surface.material);
     }
   });
   world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
   if (summary.visited == 0) world.report.notes.push_back(surface.source + ": no features in the loaded area");
+  if (too_long > 0) {
+    world.report.warnings.push_back(
+        "[[surfaces]] " + file_name(surface.source) + ": " + std::to_string(too_long) +
+        " polygons were skipped, the first is feature " + std::to_string(first_too_long) +
+        ": found more than 4 million edges once they are cut to 0.01 degrees; allowed: 4 million, so "
+        "simplify it "
+        "(ogr2ogr -simplify)");
+  }
   if (unusable > 0) {
     world.report.notes.push_back(surface.source + ": " + std::to_string(unusable) +
                                  " polygons are not usable and were skipped");

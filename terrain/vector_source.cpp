@@ -51,6 +51,26 @@ OGRLayer& chosen_layer(GDALDataset& dataset, const VectorQuery& query) {
   return *layer;
 }
 
+/// Names of the layer's fields, the first few of very many.
+std::string field_names(OGRLayer& layer) {
+  constexpr int kMost = 40;
+  const OGRFeatureDefn& fields = *layer.GetLayerDefn();
+  std::string names;
+  for (int n = 0; n < std::min(kMost, fields.GetFieldCount()); ++n)
+    names += (names.empty() ? "" : ", ") + std::string(fields.GetFieldDefn(n)->GetNameRef());
+  if (fields.GetFieldCount() > kMost) names += " and more";
+  return names.empty() ? "none" : names;
+}
+
+/// Tags of OpenStreetMap may hide in one field; which there are shows in the features alone.
+void require_field(OGRLayer& layer, const VectorQuery& query) {
+  const OGRFeatureDefn& fields = *layer.GetLayerDefn();
+  if (query.field.empty() || fields.GetFieldIndex(query.field.c_str()) >= 0 ||
+      fields.GetFieldIndex("other_tags") >= 0)
+    return;
+  refuse(query, "it has no field \"" + query.field + "\"", "one of its fields: " + field_names(layer));
+}
+
 /// The layer's system, or longitude and latitude when it names none and its extent fits.
 Projection projection_of(OGRLayer& layer, const VectorQuery& query, std::vector<std::string>& notes) {
   const GdalMessages quiet;
@@ -189,11 +209,15 @@ std::optional<std::string> VectorFeature::text(const std::string& field) const {
   return {};
 }
 
+std::int64_t VectorFeature::id() const { return feature_.GetFID(); }
+
 VectorSummary visit_features(const VectorQuery& query,
                              const std::function<void(const VectorFeature&)>& visit) {
   VectorSummary summary;
   const Dataset dataset = opened(query);
   OGRLayer& layer = chosen_layer(*dataset, query);
+  require_field(layer, query);
+  summary.fields = field_names(layer);
   const Projection projection = projection_of(layer, query, summary.notes);
   GdalMessages messages;
   summary.skipped_by_index = use_index(layer, projection, query);

@@ -28,6 +28,9 @@ class VectorFeature {
   /// A field as text, or a tag inside an OpenStreetMap "other_tags" field; nothing when it is absent or null.
   std::optional<std::string> text(const std::string& field) const;
 
+  /// The source's own number of it.
+  std::int64_t id() const;
+
  private:
   OGRFeature& feature_;
 };
@@ -40,11 +43,13 @@ struct VectorQuery {
   /// Corners of the wanted window in degrees. Sources with a spatial index skip what lies outside.
   LonLat south_west;
   LonLat north_east;
+  std::string field{};  ///< that the layer has to have; empty: none
 };
 
 struct VectorSummary {
   std::uint64_t visited = 0;
   std::uint64_t skipped_by_index = 0;  ///< outside the window, never read
+  std::string fields;                  ///< the layer's, as a list to be read
   std::vector<std::string> notes;
 };
 

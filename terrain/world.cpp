@@ -31,6 +31,8 @@ WorldFrame frame_of(const WorldSpec& spec) {
 
 }  // namespace
 
+std::string file_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+
 LonLat dem_centre(const TerrainSpec& terrain) {
   const GdalMessages quiet;
   return DemMosaic(terrain).centre();

@@ -1,35 +1,15 @@
 #pragma once
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "terrain/buildings.h"
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
+#include "terrain/load_report.h"
 #include "terrain/progress.h"
-#include "terrain/source_error.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
-
-/// What loading found and did; every count is shown to the operator.
-struct LoadReport {
-  std::uint64_t posts = 0;           ///< grid nodes
-  std::uint64_t posts_filled = 0;    ///< void nodes filled by interpolation
-  std::uint64_t posts_absent = 0;    ///< nodes left without ground (voids too wide, outside every DEM)
-  SourceError source_error;          ///< of the ground against the elevation models' posts
-  std::uint64_t buildings_read = 0;  ///< features seen in the sources
-  std::uint64_t buildings_kept = 0;  ///< prisms in the scene (a multipolygon makes several)
-  std::uint64_t buildings_repaired = 0;
-  std::uint64_t buildings_zero_area = 0;
-  std::uint64_t buildings_duplicate = 0;
-  std::uint64_t buildings_outside = 0;
-  std::uint64_t buildings_no_ground = 0;
-  std::uint64_t buildings_unusable = 0;  ///< no polygon, fewer than three points, or not numbers
-  std::uint64_t buildings_default_height = 0;
-  std::uint64_t prisms_placed = 0;
-  std::vector<std::string> notes;  ///< one sentence each, with numbers
-};
 
 /// Everything static that a radar can see. Immutable once loaded; shared by all threads.
 struct World {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace obliq {
@@ -45,6 +46,9 @@ struct TerrainSpec {
   SyntheticSpec shape;
   std::vector<LonLat> area;      ///< polygon; empty: the union of the reaches
   std::optional<double> cell_m;  ///< empty: auto
+  double most_auto_posts = 0;    ///< auto cells become no finer than this many posts; 0: than the posting
+  /// What water that the elevation models show is made of (terrain/water.h); empty: none is looked for.
+  std::optional<std::uint8_t> water_material;
   /// Voids no wider than this are filled by interpolation; empty: the larger of 200 m and three postings.
   std::optional<double> fill_void_m;
   /// Folder of grids that were made before (terrain/ground_cache.h); empty: none is used nor kept.
@@ -78,6 +82,8 @@ struct SurfaceSpec {
   std::string where;         ///< OGR attribute filter; empty: every feature
   std::vector<int> classes;  ///< class raster: the values that mean this material
   std::uint8_t material = 0;
+  std::string scheme;  ///< class raster with a known legend, its name; empty: classes and material count
+  std::vector<std::pair<int, std::uint8_t>> scheme_materials;  ///< of the legend's classes, by value
 };
 
 struct WorldSpec {

@@ -123,7 +123,8 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   }
 
   print_frame_report(arguments.out, descriptor, summary,
-                     "in " + milliseconds_text(seconds["plan_s"] + seconds["render_s"]));
+                     "in " + milliseconds_text(seconds["plan_s"] + seconds["render_s"]),
+                     world->report.warnings);
 }
 
 }  // namespace

@@ -49,13 +49,16 @@ constexpr double kLastWords_s = 0.5;
 namespace asio = boost::asio;
 
 /// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
-void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar) {
+void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar, const LoadReport& loaded) {
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   const auto plan = renderer.plan(snapshot, radar.pose);
   if (!plan.frame) throw InputError("radar \"" + radar.name + "\": " + all_text(plan.errors));
   wire::FrameDescriptor descriptor;
   plan.frame->describe(radar.name, descriptor);
-  for (const std::string& warning : descriptor.warnings()) spdlog::warn("radar {}: {}", radar.name, warning);
+  for (const std::string& warning : descriptor.warnings()) {
+    const bool said = std::ranges::find(loaded.warnings, warning) != loaded.warnings.end();
+    if (!said) spdlog::warn("radar {}: {}", radar.name, warning);
+  }
 }
 
 /// One object, so that what the io thread uses outlives that thread however the daemon ends.
@@ -291,7 +294,11 @@ Progress Daemon::progress() {
 void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
   signature_ = scene_signature(config_);
-  const auto say = [](const std::string& line) { spdlog::info("{}", line); };
+  const auto say = [](const std::string& line) {
+    const bool warns = line.starts_with(kWarningPrefix);
+    spdlog::log(warns ? spdlog::level::warn : spdlog::level::info, "{}",
+                warns ? line.substr(std::string_view(kWarningPrefix).size()) : line);
+  };
   const Progress tell = progress();
   for (const std::string& note : config_.notes) say(note);
   tell("terrain", 0);
@@ -313,7 +320,7 @@ void Daemon::load() {
         keeping_->forget();
       });
   for (const RadarConfig& radar : config_.radars) {
-    check_radar(*renderer_, radar);
+    check_radar(*renderer_, radar, renderer_->scene()->world().report);
     metrics_.add_radar(radar.name);
   }
   metrics_.scene_loaded(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());

@@ -1,21 +1,19 @@
 #include "server/apps/frame_report.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
 
 namespace obliq {
 
 void print_frame_report(const std::string& out, const wire::FrameDescriptor& descriptor,
-                        const wire::FrameSummary& summary, const std::string& times) {
-  for (const auto* warnings : {&descriptor.warnings(), &summary.warnings()})
-    for (const std::string& warning : *warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  if (summary.coverage() < 1) {
-    const double percent = 100 * (1 - summary.coverage());
-    std::fprintf(stderr,
-                 percent < 10 ? "warning: %.2g %% of the sector has no known ground\n"
-                              : "warning: %.0f %% of the sector has no known ground\n",
-                 percent);
+                        const wire::FrameSummary& summary, const std::string& times,
+                        const std::vector<std::string>& said) {
+  for (const std::string& warning : frame_warnings(descriptor, summary)) {
+    if (std::ranges::find(said, warning) == said.end())
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
   if (descriptor.settings().frustum() == wire::SWEEP) {
     std::printf("%s: %llu planes", out.c_str(), static_cast<unsigned long long>(summary.rays()));

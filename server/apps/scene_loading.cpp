@@ -22,6 +22,39 @@ std::string source_error_line(const SourceError& error) {
   return text;
 }
 
+/// Where the heights come from, in what unit, and how far they reach.
+std::string elevation_line(const LoadReport& report) {
+  char text[160];
+  std::snprintf(text, sizeof text, "elevation: %.5g to %.5g m above the datum", report.lowest_m,
+                report.highest_m);
+  std::string line = text;
+  constexpr std::size_t kMost = 4;
+  for (std::size_t n = 0; n < std::min(kMost, report.elevation.size()); ++n) {
+    const ElevationSource& source = report.elevation[n];
+    line += (n == 0 ? ", from " : ", ") + source.file + " in " + source.unit +
+            (source.unit_assumed ? " (assumed, the file names no unit; terrain.unit does)" : "");
+  }
+  if (report.elevation.size() > kMost)
+    line += " and " + std::to_string(report.elevation.size() - kMost) + " more";
+  return line;
+}
+
+std::string heights_line(const BuildingHeights& heights) {
+  char text[200];
+  std::string line = "buildings of " + heights.file + ":";
+  if (heights.found > 0) {
+    std::snprintf(text, sizeof text, " heights %.3g to %.4g m, median %.3g m, from ", heights.least_m,
+                  heights.most_m, heights.median_m);
+    line += text + heights.field + " in " + heights.unit;
+  }
+  if (heights.by_default > 0) {
+    std::snprintf(text, sizeof text, "%s %llu with the default height of %g m", heights.found > 0 ? "," : "",
+                  static_cast<unsigned long long>(heights.by_default), heights.default_m);
+    line += text;
+  }
+  return line;
+}
+
 }  // namespace
 
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name) {
@@ -82,6 +115,7 @@ std::vector<std::string> world_report_lines(const World& world) {
   count(report.posts_filled, "void posts filled by interpolation");
   count(report.posts_absent, "without known ground");
   lines.push_back(line);
+  if (!report.elevation.empty()) lines.push_back(elevation_line(report));
   if (report.source_error.posts > 0) lines.push_back(source_error_line(report.source_error));
   if (report.buildings_read > 0 || report.prisms_placed > 0) {
     line = "buildings: " + std::to_string(world.buildings.list.size()) + " in the scene";
@@ -90,13 +124,19 @@ std::vector<std::string> world_report_lines(const World& world) {
     count(report.buildings_zero_area, "skipped without area");
     count(report.buildings_duplicate, "skipped as duplicates");
     count(report.buildings_outside, "skipped outside the loaded area");
+    count(report.buildings_around, "skipped as larger than the loaded area");
+    count(report.buildings_too_complex, "skipped as too complex");
     count(report.buildings_no_ground, "skipped over unknown ground");
     count(report.buildings_unusable, "skipped as no usable polygon");
     count(report.buildings_default_height, "with the default height");
     count(report.prisms_placed, "random prisms");
     lines.push_back(line);
   }
+  for (const BuildingHeights& heights : report.building_heights) {
+    if (heights.found > 0 || heights.by_default > 0) lines.push_back(heights_line(heights));
+  }
   lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+  for (const std::string& warning : report.warnings) lines.push_back(kWarningPrefix + warning);
   return lines;
 }
 

@@ -14,6 +14,8 @@
 
 namespace obliq {
 
+inline constexpr const char* kWarningPrefix = "warning: ";
+
 /// Of several radars, the one that is taken where none is named.
 constexpr std::string_view kUsualRadar = "main";
 
@@ -36,7 +38,8 @@ void say_notes(const SceneConfig& config);
 /// no use for it.
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program);
 
-/// What was loaded, a sentence or two each: grid, voids, buildings with every count that is not zero, notes.
+/// What was loaded, a sentence or two each: grid, heights, voids, buildings with every count that is not
+/// zero, notes, and warnings behind kWarningPrefix.
 std::vector<std::string> world_report_lines(const World& world);
 
 /// Prints those lines on stderr.

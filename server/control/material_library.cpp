@@ -14,11 +14,17 @@ namespace {
 // 5 log10(f / 10 GHz) dB, which is not applied: at another band, set gamma_db.
 //   [L] M. W. Long, Radar Reflectivity of Land and Sea, 3rd ed., Artech House 2001
 //   [N] F. E. Nathanson, Radar Design Principles, 2nd ed., SciTech 1999
-constexpr double kFarmland_db = -15;    // [N] farmland
+//   [B] D. K. Barton, "Land Clutter Models for Radar Design and Analysis", Proc. IEEE 73(2), 1985: crops,
+//       bushes and trees -10 to -15; desert, grassland and marshes near -20; towns and mountains near -5
+constexpr double kFarmland_db = -15;    // [N] farmland; ground that nothing else claims, so that houses show
 constexpr double kSeaState3_db = -40;   // [L] sea state 3; still water returns less
 constexpr double kMetropolitan_db = 0;  // [L] metropolitan
 constexpr double kWoods_db = -15;       // [L] woods; wooded hills are -10 in [N]
-constexpr double kTerrain_db = 0;       // the reference: bins then show geometry, not land cover
+constexpr double kBushes_db = -15;      // [B] the lower end, as [L] has woods
+constexpr double kGrass_db = -20;       // [B]; [N] has -20 for flatland
+constexpr double kMarsh_db = -20;       // [B]
+constexpr double kDesert_db = -20;      // [B]
+constexpr double kSuburb_db = -5;       // [B] towns
 
 Material diffuse(const char* name, double gamma_db) {
   Material material;
@@ -39,9 +45,12 @@ Material building() {
 }  // namespace
 
 std::vector<Material> shipped_materials() {
-  return {diffuse("terrain", kTerrain_db),    building(),
+  return {diffuse("terrain", kFarmland_db),   building(),
           diffuse("ground", kFarmland_db),    diffuse("water", kSeaState3_db),
-          diffuse("urban", kMetropolitan_db), diffuse("forest", kWoods_db)};
+          diffuse("urban", kMetropolitan_db), diffuse("forest", kWoods_db),
+          diffuse("suburb", kSuburb_db),      diffuse("shrubs", kBushes_db),
+          diffuse("grass", kGrass_db),        diffuse("marsh", kMarsh_db),
+          diffuse("barren", kDesert_db)};
 }
 
 std::optional<std::size_t> find_material(const std::vector<Material>& materials, std::string_view name) {

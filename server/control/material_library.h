@@ -7,8 +7,9 @@
 
 namespace obliq {
 
-/// The materials that ship, by id: 0 "terrain" (ground that nothing else claims), 1 "building", then
-/// "ground", "water", "urban" and "forest". A scene file overrides them or adds its own behind them.
+/// The materials that ship, by id: 0 "terrain" (ground that nothing else claims: farmland), 1 "building",
+/// then "ground", "water", "urban", "forest", "suburb", "shrubs", "grass", "marsh" and "barren". A scene file
+/// overrides them or adds its own behind them.
 std::vector<Material> shipped_materials();
 
 /// The id of a name in a list of materials.

@@ -7,6 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
 #include "server/explain/thresholds.h"
+#include "server/output/describe_load.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
 #include "terrain/constants.h"
@@ -170,6 +171,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   row.set_greatest_m(error.greatest_m);
   descriptor.set_wedge_azimuth_bins(kWedgeAzimuthBins);
   descriptor.set_buildings_in_scene(static_cast<std::uint32_t>(world.buildings.list.size()));
+  describe_load(world.report, descriptor);
   add_warnings(plan, rho_m, descriptor);
 }
 
@@ -185,6 +187,19 @@ void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::Frame
   summary.set_unsampled_bins(stats.unsampled_bins);
   if (const std::string warning = unsampled_warning(stats, plan.settings()); !warning.empty())
     summary.add_warnings(warning);
+}
+
+std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
+                                        const wire::FrameSummary& summary) {
+  std::vector<std::string> warnings(descriptor.warnings().begin(), descriptor.warnings().end());
+  warnings.insert(warnings.end(), summary.warnings().begin(), summary.warnings().end());
+  if (summary.coverage() < 1) {
+    const double percent = 100 * (1 - summary.coverage());
+    warnings.push_back(sentence(percent < 10 ? "%.2g %% of the sector has no known ground"
+                                             : "%.0f %% of the sector has no known ground",
+                                percent));
+  }
+  return warnings;
 }
 
 }  // namespace obliq

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "server/radar/bins.h"
 
@@ -18,5 +19,9 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
 
 /// Fills the summary that is known after the last wedge.
 void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::FrameSummary& summary);
+
+/// All that is to be warned of in a frame: the descriptor's, and sector without ground.
+std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
+                                        const wire::FrameSummary& summary);
 
 }  // namespace obliq

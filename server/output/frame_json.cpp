@@ -6,6 +6,7 @@
 
 #include "proto/bin_window.h"
 #include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
 
 namespace obliq {
 namespace {
@@ -108,6 +109,7 @@ std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::Fram
   root["frame"].erase("frame_id");
   root["frame"].erase("settings_version");
   root["summary"].erase("frame_id");
+  root["frame"]["warnings"] = frame_warnings(descriptor, summary);  // all that the programs print
   root["bin_states"] = {{"0", "not sampled"},
                         {"1", "sampled"},
                         {"2", "shadow"},

@@ -191,10 +191,11 @@ TEST(Decibels, PrintedRatiosReadBackToTheSameBits) {
 
 TEST(Materials, ShippedOnesHaveTheirFixedPlaces) {
   const auto materials = shipped_materials();
-  const std::vector<std::string> names{"terrain", "building", "ground", "water", "urban", "forest"};
+  const std::vector<std::string> names{"terrain", "building", "ground", "water", "urban", "forest",
+                                       "suburb",  "shrubs",   "grass",  "marsh", "barren"};
   ASSERT_EQ(materials.size(), names.size());
   for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(materials[i].name, names[i]);
-  EXPECT_EQ(materials[0].gamma, 1.0);
+  EXPECT_DOUBLE_EQ(10 * std::log10(materials[0].gamma), -15);  // farmland, Nathanson 1999
   EXPECT_EQ(materials[1].model, ScatteringModel::geometric_optics);
   EXPECT_EQ(materials[1].reflectivity, 0.5);
   EXPECT_EQ(materials[1].rms_slope, 0.1);

@@ -235,7 +235,7 @@ material = "sand"
 material = "urban"
 )");
   EXPECT_EQ(config.materials.at(0).name, "terrain");
-  EXPECT_EQ(config.materials.at(0).gamma, 1.0);
+  EXPECT_DOUBLE_EQ(to_db(config.materials.at(0).gamma), -15.0);
   EXPECT_EQ(config.materials.at(1).reflectivity, 0.25);
   EXPECT_EQ(config.materials.at(1).model, ScatteringModel::geometric_optics);
   const auto sand = find_material(config.materials, "sand");

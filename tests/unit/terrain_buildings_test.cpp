@@ -129,11 +129,11 @@ TEST(Buildings, HeightComesFromTheFieldThenHeightThenLevelsThenTheDefault) {
   EXPECT_EQ(world.report.buildings_default_height, 2u);
 }
 
-TEST(Buildings, MissingHeightFieldIsNoted) {
+TEST(Buildings, MissingHeightFieldIsWarnedOf) {
   const Folder folder;
   const World world = town(folder, {polygon_feature(town_frame(), {square(0, 0, 10)})});
-  ASSERT_EQ(world.report.notes.size(), 1u);
-  EXPECT_NE(world.report.notes[0].find("\"height\""), std::string::npos);
+  ASSERT_EQ(world.report.warnings.size(), 1u);
+  EXPECT_NE(world.report.warnings[0].find("\"height\""), std::string::npos);
 }
 
 TEST(Buildings, SelfIntersectingOutlinesAreRepairedAndCounted) {

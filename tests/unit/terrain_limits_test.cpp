@@ -1,0 +1,254 @@
+// Small files that would take hours or all memory to load (HOSTILE: M6), and what is odd about files that do
+// load.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "terrain/ring_crossings.h"
+#include "tests/unit/terrain_outlines.h"
+
+namespace obliq {
+namespace {
+
+using test::Folder;
+using test::polygon_feature;
+using test::square;
+using test::town;
+using test::town_frame;
+
+double hill(double lon, double lat) { return 200 + 100 * std::sin(90 * lon) * std::cos(70 * lat); }
+
+/// A virtual raster of side x side pixels over 0.04 degrees around the scene's origin, all of them from
+/// small.tif; `band` is put into the band.
+std::string virtual_raster(const Folder& folder, long side, const std::string& band = "") {
+  test::RasterPlan plan = test::around(-99.5, 33, hill);
+  plan.columns = plan.rows = 512;
+  plan.geotransform = {-99.52, 0.04 / 512, 0, 33.02, 0, -0.04 / 512};
+  test::write_raster(folder, "small.tif", plan);
+  const std::string n = std::to_string(side);
+  const std::string pixel = std::to_string(0.04 / static_cast<double>(side) * 1e9) + "e-9";
+  const std::string source =
+      "<SourceFilename relativeToVRT=\"1\">small.tif</SourceFilename><SourceBand>1</SourceBand>";
+  return folder.text("big.vrt",
+                     "<VRTDataset rasterXSize=\"" + n + "\" rasterYSize=\"" + n +
+                         "\"><SRS>EPSG:4326</SRS><GeoTransform>-99.52," + pixel + ",0,33.02,0,-" + pixel +
+                         "</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\">" + band +
+                         "<SimpleSource>" + source +
+                         "<SrcRect xOff=\"0\" yOff=\"0\" xSize=\"512\" ySize=\"512\"/><DstRect xOff=\"0\" "
+                         "yOff=\"0\" xSize=\"" +
+                         n + "\" ySize=\"" + n + "\"/></SimpleSource></VRTRasterBand></VRTDataset>");
+}
+
+WorldSpec over(const std::string& dem) {
+  WorldSpec spec = test::scene(-99.5, 33, 1500, {dem});
+  spec.terrain.cell_m = 25;
+  return spec;
+}
+
+TEST(Limits, RasterOfMorePixelsThanCanBeReadIsRefusedByNameAndCount) {
+  const Folder folder;
+  for (const long side : {1000000L, 2147483647L}) {
+    const std::string error = test::error_of(over(virtual_raster(folder, side)));
+    EXPECT_NE(error.find("big.vrt"), std::string::npos) << error;
+    EXPECT_NE(error.find("of its pixels"), std::string::npos) << error;
+    EXPECT_NE(error.find("allowed: 2.1e+09"), std::string::npos) << error;
+  }
+}
+
+TEST(Limits, OverviewIsReadWhereTheRasterItselfIsTooLarge) {
+  const Folder folder;
+  const std::string dem =
+      virtual_raster(folder, 131072,
+                     "<Overview><SourceFilename "
+                     "relativeToVRT=\"1\">small.tif</SourceFilename><SourceBand>1</SourceBand></Overview>");
+  const World world = load_world(over(dem));
+  for (const double lon : {-99.511, -99.5, -99.49}) {
+    for (const double lat : {32.99, 33.003, 33.01}) {
+      // 25 m cells of a hill of 100 m with slopes up to 0.15: the mean over a cell is within decimetres.
+      EXPECT_NEAR(test::ground_at(world, lon, lat, 200), hill(lon, lat), 1.0) << lon << ' ' << lat;
+    }
+  }
+}
+
+/// n corners on a circle, every second at a radius of its own choice.
+test::MetreRing ring_of(int n, const std::function<double(int)>& radius_m) {
+  test::MetreRing ring;
+  for (int k = 0; k < n; ++k) {
+    const double angle = 2 * std::numbers::pi * k / n;
+    ring.emplace_back(radius_m(k) * std::cos(angle), radius_m(k) * std::sin(angle));
+  }
+  return ring;
+}
+
+test::MetreRing random_ring(int n) {
+  std::mt19937 dice(1);
+  test::MetreRing ring;
+  for (int k = 0; k < n; ++k) {
+    const double east_m = static_cast<double>(dice() % 2000) / 10;
+    ring.emplace_back(east_m, static_cast<double>(dice() % 2000) / 10);
+  }
+  return ring;
+}
+
+void expect_skipped(const World& world, const std::string& found) {
+  EXPECT_EQ(world.report.buildings_too_complex, 1u);
+  EXPECT_EQ(world.buildings.list.size(), 1u) << "the house beside it stands";
+  ASSERT_FALSE(world.report.warnings.empty());
+  const std::string& warning = world.report.warnings.back();
+  EXPECT_NE(warning.find("town.geojson, feature 1: found " + found), std::string::npos) << warning;
+  EXPECT_NE(warning.find("allowed: "), std::string::npos) << warning;
+}
+
+TEST(Limits, OutlinesThatWouldTakeMinutesAreSkippedAndTheFirstIsNamed) {
+  const Folder folder;
+  const std::string house = polygon_feature(town_frame(), {square(300, 0, 10)}, R"("height":5)");
+  const auto with = [&](const test::MetreRing& ring) {
+    return town(folder, {house, polygon_feature(town_frame(), {ring}, R"("height":5)")});
+  };
+  expect_skipped(with(ring_of(1000000, [](int) { return 200.0; })), "1000000 corners; allowed: 4096");
+  expect_skipped(with(ring_of(20000, [](int k) { return k % 2 ? 200.0 : 100.0 + k % 97; })), "20000 corners");
+  expect_skipped(with(random_ring(3000)),
+                 "more than 1024 places where its edges cross or touch; allowed: 1024");
+}
+
+TEST(Limits, OutlineOfManyCornersAndOneThatCrossesItselfAFewTimesStillStand) {
+  const Folder folder;
+  const World world = town(
+      folder, {polygon_feature(town_frame(), {ring_of(2000, [](int k) { return k % 2 ? 200.0 : 150.0; })},
+                               R"("height":5)"),
+               polygon_feature(town_frame(), {{{300, 0}, {310, 10}, {310, 0}, {300, 10}}}, R"("height":5)")});
+  EXPECT_EQ(world.report.buildings_too_complex, 0u);
+  EXPECT_EQ(world.buildings.list.size(), 3u);  // a bow tie is two
+  EXPECT_EQ(world.report.buildings_repaired, 1u);
+}
+
+TEST(Limits, CrossingsAreCountedOnceEachAndNeighboursNotAtAll) {
+  EXPECT_EQ(count_crossings({{{0, 0}, {1, 0}, {1, 1}, {0, 1}}}, 100), 0u);
+  EXPECT_EQ(count_crossings({{{0, 0}, {1, 1}, {1, 0}, {0, 1}}}, 100), 1u);
+  // A pentagram's five edges meet each of the two that are no neighbours.
+  EXPECT_EQ(count_crossings({{{0, 3}, {2, -3}, {-3, 1}, {3, 1}, {-2, -3}}}, 100), 5u);
+  EXPECT_EQ(count_crossings({{{0, 3}, {2, -3}, {-3, 1}, {3, 1}, {-2, -3}}}, 3), 3u);
+  // A hole that reaches out of its ring crosses it twice.
+  EXPECT_EQ(count_crossings({{{0, 0}, {9, 0}, {9, 9}, {0, 9}}, {{5, 5}, {20, 5}, {5, 6}}}, 100), 2u);
+}
+
+TEST(Limits, OutlineAroundAllThatIsLoadedIsSaidToBe) {
+  const Folder folder;
+  const std::string earth = R"([[[-179,-85],[179,-85],[179,85],[-179,85],[-179,-85]]])";
+  const World world = town(folder, {test::feature("Polygon", earth, R"("height":5)")});
+  EXPECT_EQ(world.report.buildings_around, 1u);
+  EXPECT_EQ(world.report.buildings_outside, 0u);
+}
+
+TEST(Limits, RefusedHeightsAreCountedAndTheFirstIsSaid) {
+  const Folder folder;
+  std::vector<std::string> features = {
+      polygon_feature(town_frame(), {square(-50, 0, 10)}, R"("height":"4")")};
+  for (const char* height : {R"("-5")", R"("0")", R"("1e9")", R"("NaN")", R"("inf")"}) {
+    features.push_back(polygon_feature(town_frame(),
+                                       {square(20.0 * static_cast<double>(features.size()), 0, 10)},
+                                       std::string(R"("height":)") + height));
+  }
+  const World world = town(folder, features);
+  EXPECT_EQ(world.report.buildings_default_height, 5u);
+  ASSERT_EQ(world.report.warnings.size(), 1u);
+  EXPECT_EQ(
+      world.report.warnings[0],
+      "[[buildings]] town.geojson: 5 heights were refused and became 8 m (default_height_m), the first is "
+      "\"-5\" of feature 1; allowed: more than 0, at most 2000 m");
+}
+
+TEST(Limits, HeightFieldThatIsNotThereIsAnErrorWithTheFieldsThereAre) {
+  const Folder folder;
+  WorldSpec spec = test::flat_town();
+  spec.buildings.emplace_back();
+  spec.buildings[0].height_field = "HEIGHT";
+  spec.buildings[0].source =
+      folder.text("town.geojson", test::collection({polygon_feature(town_frame(), {square(0, 0, 10)},
+                                                                    R"("OBJECTID":1,"HEIGHT_ft":21)")}));
+  const std::string error = test::error_of(spec);
+  EXPECT_NE(error.find("town.geojson: it has no field \"HEIGHT\""), std::string::npos) << error;
+  EXPECT_NE(error.find("OBJECTID, HEIGHT_ft"), std::string::npos) << error;
+}
+
+TEST(Limits, HeightsAreReportedAndFeetSuspectedByNameAndBySize) {
+  const Folder folder;
+  const auto loaded = [&](const std::string& field, const std::string& unit, double scale) {
+    std::vector<std::string> features;
+    for (int k = 0; k < 101; ++k) {
+      // 3 to 8 m, every value as often as any other.
+      features.push_back(polygon_feature(town_frame(), {square(-900 + 15.0 * k, 0, 10)},
+                                         "\"" + field + "\":" + std::to_string(scale * (3 + 0.05 * k))));
+    }
+    WorldSpec spec = test::flat_town();
+    spec.buildings.emplace_back();
+    spec.buildings[0].height_field = field;
+    spec.buildings[0].unit = unit;
+    return town(folder, features, spec).report;
+  };
+  const LoadReport metres = loaded("height", "", 1);
+  EXPECT_TRUE(metres.warnings.empty());
+  ASSERT_EQ(metres.building_heights.size(), 1u);
+  const BuildingHeights& heights = metres.building_heights[0];
+  EXPECT_EQ(heights.found, 101u);
+  EXPECT_NEAR(heights.least_m, 3, 1e-9);
+  EXPECT_NEAR(heights.median_m, 5.5, 1e-9);
+  EXPECT_NEAR(heights.most_m, 8, 1e-9);
+  EXPECT_EQ(heights.file + ' ' + heights.field + ' ' + heights.unit, "town.geojson height m");
+
+  const double feet = 1 / 0.3048;
+  EXPECT_TRUE(loaded("HEIGHT_ft", "ft", feet).warnings.empty());
+  EXPECT_TRUE(loaded("height", "m", feet).warnings.empty()) << "who names metres has looked";
+  for (const LoadReport& report :
+       {loaded("HEIGHT_ft", "", 1), loaded("HEIGHT_FT", "m", 1), loaded("height", "", feet)}) {
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_NE(report.warnings[0].find("unit = \"ft\""), std::string::npos) << report.warnings[0];
+  }
+}
+
+TEST(Limits, ElevationSaysItsUnitWhetherThatIsAssumedAndHowFarItReaches) {
+  const Folder folder;
+  test::RasterPlan plan =
+      test::around(-99.5, 33, [](double lon, double) { return 100 + (lon + 99.5) * 1000; });
+  const auto report = [&] {
+    return load_world(test::scene(-99.5, 33, 1500, {test::write_raster(folder, "hill.tif", plan)})).report;
+  };
+  const LoadReport bare = report();
+  ASSERT_EQ(bare.elevation.size(), 1u);
+  EXPECT_EQ(bare.elevation[0].file, "hill.tif");
+  EXPECT_EQ(bare.elevation[0].unit, "m");
+  EXPECT_TRUE(bare.elevation[0].unit_assumed);
+  // 1500 m of longitude at 33 degrees north are 0.01605 degrees, and the outermost node is within a cell.
+  EXPECT_NEAR(bare.lowest_m, 100 - 16.05, 1.1);
+  EXPECT_NEAR(bare.highest_m, 100 + 16.05, 1.1);
+  plan.unit = "ft";
+  const LoadReport feet = report();
+  EXPECT_EQ(feet.elevation[0].unit, "ft");
+  EXPECT_FALSE(feet.elevation[0].unit_assumed);
+  EXPECT_NEAR(feet.highest_m, bare.highest_m * 0.3048, 0.1);
+}
+
+TEST(Limits, CoordinateSystemIsTextAndNeverAFileOrAnAddress) {
+  const Folder folder;
+  test::RasterPlan plan = test::around(-99.5, 33, hill);
+  plan.crs = "";
+  WorldSpec spec = test::scene(-99.5, 33, 1500, {test::write_raster(folder, "bare.tif", plan)});
+  // A file that does hold a system: what it says is not used.
+  const std::string file = folder.text(
+      "system.prj",
+      R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])");
+  for (const std::string& crs : {file, std::string("http://127.0.0.1:9/x.prj"), std::string("/etc/passwd")}) {
+    spec.terrain.crs = crs;
+    const std::string error = test::error_of(spec);
+    EXPECT_NE(error.find("[terrain] crs"), std::string::npos) << error;
+    EXPECT_EQ(error.find("connect"), std::string::npos) << error;
+  }
+  spec.terrain.crs = "EPSG:4326";
+  EXPECT_EQ(test::error_of(spec), "no error");
+}
+
+}  // namespace
+}  // namespace obliq
