@@ -19,7 +19,7 @@ test_packages=(
   libgtest-dev libbenchmark-dev
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format ccache
-  python3 python3-numpy python3-matplotlib python3-pip
+  python3 python3-numpy python3-matplotlib python3-pip python3-protobuf
   mbpoll openssl curl socat                                    # clients that nobody here wrote
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
 )

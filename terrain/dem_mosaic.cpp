@@ -128,6 +128,13 @@ LonLat DemMosaic::centre() const {
   return {std::remainder((box.west + box.east) / 2, 360.0), (box.south + box.north) / 2};
 }
 
+SourceExtents DemMosaic::extents() const {
+  SourceExtents extents("terrain.dem");
+  for (const Raster& file : files_) extents.add(file.edge());
+  if (!terrain_.area.empty()) extents.cut_to(terrain_.area);
+  return extents;
+}
+
 Rect DemMosaic::extent(const WorldFrame& frame) const {
   Rect all;
   for (const Raster& file : files_) {

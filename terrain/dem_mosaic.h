@@ -12,6 +12,7 @@
 #include "terrain/progress.h"
 #include "terrain/raster.h"
 #include "terrain/source_error.h"
+#include "terrain/source_extents.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
@@ -26,6 +27,9 @@ class DemMosaic {
 
   /// Centre of the union of the files' extents.
   LonLat centre() const;
+
+  /// In degrees, file by file.
+  SourceExtents extents() const;
 
   /// World rectangle around all files. A file that spans much of the earth counts as everywhere.
   Rect extent(const WorldFrame& frame) const;

@@ -19,11 +19,11 @@
 #include "server/apps/build_info.h"
 #include "server/apps/find_pixels.h"
 #include "server/apps/meet_accuracy.h"
-#include "server/apps/reload.h"
+#include "server/apps/reloader.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_options.h"
 #include "server/apps/service_manager.h"
-#include "server/control/scene_file.h"
+#include "server/flight/background.h"
 #include "server/flight/scene_keeper.h"
 #include "server/http/http_server.h"
 #include "server/http/metrics.h"
@@ -65,16 +65,12 @@ void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar, c
 class Daemon {
  public:
   Daemon(SceneConfig config, SceneArguments arguments)
-      : config_(std::move(config)),
-        arguments_(std::move(arguments)),
-        at_start_(config_),
-        in_file_(config_),
-        metrics_(build_info()) {
+      : config_(std::move(config)), arguments_(std::move(arguments)), metrics_(build_info()) {
     on_log_line([this](const std::string& level) { metrics_.log_line(level); });
   }
   ~Daemon() {
     io_.end();
-    if (reader_.joinable()) reader_.join();
+    http_io_.end();
     on_log_line({});
   }
   Daemon(const Daemon&) = delete;
@@ -88,10 +84,6 @@ class Daemon {
   void on_signal();
   static void end_by(double limit_s);
   void keep_pulse();
-  void begin_reload();
-  void read_again();
-  void take_over(const SceneConfig& wanted, SceneConfig to_build);
-  void end_reload();
   void open_http();
   void load();
   void serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port);
@@ -99,24 +91,19 @@ class Daemon {
 
   SceneConfig config_;
   SceneArguments arguments_;
-  const SceneConfig at_start_;  ///< what needs a restart to change is still as it was then
-  SceneConfig in_file_;         ///< as last taken over, before [accuracy] chose its pixels; the io thread's
-  std::string signature_;       ///< of the scene that serves; the io thread's
-  std::string serving_text_;
   std::shared_ptr<net::Security> security_;
   http::Readiness readiness_;
   http::Metrics metrics_;
+  net::IoThread http_io_;  ///< HTTP's own, so that its TLS handshakes keep nobody waiting
   net::IoThread io_;
   asio::signal_set signals_{io_.context()};
   asio::steady_timer pulse_{io_.context()};
   std::unique_ptr<http::HttpServer> http_;
+  std::optional<Reloader> reloader_;  ///< the io thread's, once it heeds signals
   std::optional<net::SceneRenderer> renderer_;
   std::optional<net::KeepingRenderer> keeping_;
   std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
   std::optional<net::Server> server_;
-  std::thread reader_;              ///< reads the scene file anew
-  bool reloading_ = false;          ///< the io thread's
-  bool reload_wanted_ = false;      ///< a signal that came too early or meanwhile; the io thread's
   net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
 };
 
@@ -128,6 +115,7 @@ void Daemon::run() {
   net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
   auto modbus_port = modbus::reserve(config_.modbus);
   if (config_.http.enabled) open_http();
+  reloader_.emplace(io_, security_, config_, arguments_);
   heed_signals();
   io_.post([this] { keep_pulse(); });
   load();
@@ -144,71 +132,9 @@ void Daemon::wait_for_signal() {
   signals_.async_wait([this](boost::system::error_code error, int signal) {
     if (error) return;
     if (signal != SIGHUP) return on_signal();
-    begin_reload();
+    reloader_->begin();
     wait_for_signal();
   });
-}
-
-void Daemon::begin_reload() {
-  reload_wanted_ = serving_ == nullptr || reloading_;
-  if (reload_wanted_) return;
-  reloading_ = true;
-  service_manager::reloading();
-  spdlog::info("reloading {}", arguments_.file);
-  if (reader_.joinable()) reader_.join();  // it has ended: reloading_ says so
-  reader_ = std::thread([this] { read_again(); });
-}
-
-// Not on the io thread: an elevation model may have to be opened.
-void Daemon::read_again() {
-  std::string fault;
-  std::optional<SceneConfig> wanted;
-  std::optional<SceneConfig> to_build;
-  try {
-    wanted = load_scene_file(arguments_.file, {arguments_.set});
-    to_build = wanted;
-    meet_accuracy(*to_build, [](const std::string& line) { spdlog::info("{}", line); }, {});
-    server_->reload_security();
-  } catch (const std::exception& e) {
-    fault = e.what();
-    std::ranges::replace(fault, '\n', ' ');
-  }
-  io_.post([this, fault, wanted, to_build] {
-    if (fault.empty()) return take_over(*wanted, *to_build);
-    spdlog::error("reload refused, everything stays as it was: {}; mend it and send SIGHUP again", fault);
-    end_reload();
-  });
-}
-
-void Daemon::take_over(const SceneConfig& wanted, SceneConfig to_build) {
-  for (const std::string& key : keys_for_restart(at_start_, wanted))
-    spdlog::warn("reload: {} differs from what runs; restart obliqd to apply it", key);
-  open_log(wanted.log);
-  server_->set_limits(wanted.server);
-  in_file_ = wanted;
-  const std::string signature = scene_signature(wanted);
-  if (signature == signature_) {
-    spdlog::info("reloaded: the scene is the same");
-    return end_reload();
-  }
-  to_build.radars = config_.radars;
-  keeper_->reload(std::move(to_build), [this, signature](const std::string& fault) {
-    io_.post([this, signature, fault] {
-      if (fault.empty()) {
-        signature_ = signature;
-        spdlog::info("reloaded: the new scene serves");
-      } else {
-        spdlog::error("reload: the old scene serves on: {}; mend it and send SIGHUP again", fault);
-      }
-      end_reload();
-    });
-  });
-}
-
-void Daemon::end_reload() {
-  reloading_ = false;
-  service_manager::ready(serving_text_);
-  if (reload_wanted_) begin_reload();
 }
 
 // What cannot be interrupted (a wedge that takes minutes, Embree's build of a new scene) must not hold the
@@ -231,7 +157,7 @@ void Daemon::on_signal() {
   readiness_.stopping();
   service_manager::stopping();
   signals_.clear();  // a second Ctrl-C ends the process
-  end_by(in_file_.server.stop_limit_s + kLastWords_s);
+  end_by(reloader_->in_file().server.stop_limit_s + kLastWords_s);
   server_->stop();
 }
 
@@ -267,11 +193,13 @@ void Daemon::open_http() {
     }
     return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
   };
+  http_io_.post([] { (void)lower_own_priority(); });
   http_ = std::make_unique<http::HttpServer>(
-      io_.context(), options,
+      http_io_.context(), options,
       std::vector<http::Route>{{"/healthz", true, http::health_page},
                                {"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }},
-                               {"/metrics", false, metrics}});
+                               {"/metrics", false, metrics}},
+      &io_.context());
   spdlog::info("HTTP on {}: /healthz, /readyz, /metrics", http_->address());
 }
 
@@ -293,7 +221,6 @@ Progress Daemon::progress() {
 
 void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
-  signature_ = scene_signature(config_);
   const auto say = [](const std::string& line) {
     const bool warns = line.starts_with(kWarningPrefix);
     spdlog::log(warns ? spdlog::level::warn : spdlog::level::info, "{}",
@@ -334,6 +261,9 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
   };
   options.on_once_frame = [this](const net::RenderedOnce& frame) { metrics_.once_frame(frame); };
   options.keeper_state = [this] { return keeper_->state(); };
+  options.ground_at = [this](const PoseSettings& pose, double r_max_m) {
+    return keeper_->ground_at({pose.longitude_deg, pose.latitude_deg}, r_max_m);
+  };
   options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
   server_.emplace(io_.context(), *keeping_, config_.radars, options, std::move(port));
   const modbus::Service modbus(config_.modbus, std::move(modbus_port), server_->panel());
@@ -347,10 +277,10 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
     std::string names;
     for (const RadarConfig& radar : config_.radars) names += (names.empty() ? "" : ", ") + radar.name;
     readiness_.ready();
-    serving_text_ = "serving " + names + " on " + server_->address();
-    service_manager::ready(serving_text_);
+    const std::string serving = "serving " + names + " on " + server_->address();
+    service_manager::ready(serving);
     spdlog::info("ready: {} on {}", names, server_->address());
-    if (reload_wanted_) begin_reload();
+    reloader_->serve(*server_, *keeper_, serving);
   });
   io_.join();
 }

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string_view>
 
-#include "server/control/parameters.h"
 #include "server/control/print_config.h"
 #include "server/control/scene_keys.h"
 
@@ -19,7 +18,8 @@ bool is_of_scene(std::string_view key) {
   return std::ranges::any_of(kSceneSections, [&](std::string_view part) { return key.starts_with(part); });
 }
 
-/// The configuration with nothing in it but what a scene is built from, as text.
+/// The configuration with nothing in it but what a scene is built from, as text. Of the radars that is how
+/// far they look, for so much ground is loaded.
 std::string scene_text(SceneConfig config) {
   const SceneConfig defaults;
   config.server = defaults.server;
@@ -29,11 +29,17 @@ std::string scene_text(SceneConfig config) {
   config.modbus = defaults.modbus;
   config.threads = defaults.threads;
   for (RadarConfig& radar : config.radars)
-    radar = RadarConfig{.name = radar.name, .settings = {}, .pose = {}};
+    radar = RadarConfig{.name = radar.name, .settings = {.r_max_m = radar.settings.r_max_m}, .pose = {}};
   return print_config(config);
 }
 
 }  // namespace
+
+std::string radar_names(const SceneConfig& config) {
+  std::string all;
+  for (const RadarConfig& radar : config.radars) all += (all.empty() ? "" : ", ") + radar.name;
+  return all;
+}
 
 std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted) {
   std::vector<std::string> keys;
@@ -47,21 +53,8 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
     if (load(key, slot(one)) != load(key, slot(other))) keys.emplace_back(key.name);
   }
   if (running.modbus.allow != wanted.modbus.allow) keys.emplace_back("modbus.allow");
-  const auto names = [](const SceneConfig& config) {
-    std::string all;
-    for (const RadarConfig& radar : config.radars) all += (all.empty() ? "" : ", ") + radar.name;
-    return all;
-  };
-  if (names(one) != names(other)) {
-    keys.push_back("the radars (running: " + names(one) + "; wanted: " + names(other) + ")");
-    return keys;
-  }
-  for (std::size_t i = 0; i < one.radars.size(); ++i) {
-    for (const Parameter& p : parameters()) {
-      if (load(p.key, p.slot(one.radars[i])) == load(p.key, p.slot(other.radars[i]))) continue;
-      keys.push_back(one.radars[i].name + ":" + std::string(p.key.name));
-    }
-  }
+  if (radar_names(one) != radar_names(other))
+    keys.push_back("the radars (running: " + radar_names(one) + "; wanted: " + radar_names(other) + ")");
   return keys;
 }
 

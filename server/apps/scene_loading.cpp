@@ -173,7 +173,7 @@ std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const
   WorldSpec spec = config.world;
   spec.terrain.cache_keeps = false;  // windows of a flight do not come again
   auto world = std::make_shared<const World>(load_world(spec, [&](std::string_view, double) {
-    if (stop.stop_requested()) throw InputError("given up: the server is stopping");
+    if (stop.stop_requested()) throw InputError("given up");
   }));
   return std::make_shared<const Scene>(world, config.materials, 1, config.rays);
 }

@@ -99,9 +99,11 @@ std::string daemon_section_names() {
 
 std::string scene_pages() {
   return "\n## The rest of a scene file\n\n"
-         "Read at start, and again at SIGHUP: then the ground and what stands on it, `[log]` and the limits "
-         "of `[server]` "
-         "are\ntaken over, and what needs a restart is named in the log. The sections `[terrain]`, "
+         "Read at start, and again at SIGHUP: then tokens and certificate, radars' parameters whose text has "
+         "changed (not of\na radar that a client controls), the ground and what stands on it, `[log]` and "
+         "the "
+         "limits of `[server]` are taken over, and\nwhat needs a restart is named in the log. The sections "
+         "`[terrain]`, "
          "`[earth]`, `[run]` and those of the daemon\n(" +
          daemon_section_names() +
          ") take variables and flags as above. Relative paths count from the scene file's folder; `/vsi...` "

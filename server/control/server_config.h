@@ -9,6 +9,7 @@ namespace obliq {
 struct ServerLimits {
   int max_clients = 64;
   int max_clients_per_address = 32;  ///< of IPv6, a /64 network
+  int max_waiting = 32;              ///< connections that have not said Hello; the clients above have
   int max_request_bytes = 1 << 20;
   double handshake_timeout_s = 10;  ///< from connection to Hello
   double message_timeout_s = 10;    ///< from the first byte of a message to its last

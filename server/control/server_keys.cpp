@@ -41,6 +41,14 @@ const std::array kServer{
                   "Clients served at a time from one IPv4 address, or one IPv6 /64 network."},
                  [](Scene& c) -> Slot { return &c.server.max_clients_per_address; }},
     Entry<Scene>{
+        {"server.max_waiting",
+         "",
+         closed(1, 10000),
+         {},
+         "Connections that have not said Hello with a good token yet, beside the clients; of more, the "
+         "oldest is closed, of the address with most of them."},
+        [](Scene& c) -> Slot { return &c.server.max_waiting; }},
+    Entry<Scene>{
         {"server.max_request_bytes", "", closed(1024, 64 << 20), {}, "Longest message a client may send."},
         [](Scene& c) -> Slot { return &c.server.max_request_bytes; }},
     Entry<Scene>{{"server.handshake_timeout_s",

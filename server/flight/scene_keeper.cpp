@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <utility>
 
@@ -46,6 +47,15 @@ void check_size(const SceneConfig& config, const SceneWindow& window) {
                        .text());
 }
 
+/// Everywhere, where that cannot be said any more: the files were there a moment ago.
+SourceExtents extents_of(const SceneConfig& config) {
+  try {
+    return source_extents(config.world.terrain);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 SceneKeeper::SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap,
@@ -57,6 +67,7 @@ SceneKeeper::SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene,
       scene_(std::move(scene)) {
   state_.window = window_of(config_);
   keep_cell(config_, *scene_);
+  extents_ = extents_of(config_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -72,31 +83,85 @@ void SceneKeeper::reload(SceneConfig config, Done done) {
   {
     const std::lock_guard lock(mutex_);
     replaced = std::exchange(reload_, std::move(request));
+    superseded_ = true;
+    build_stop_.request_stop();
     changed_.notify_all();
   }
   if (replaced) replaced->done(kSuperseded);
 }
 
+void SceneKeeper::give_up_reload() {
+  std::optional<Request> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    waiting = std::exchange(reload_, std::nullopt);
+    if (reload_in_hand_) {
+      superseded_ = true;
+      build_stop_.request_stop();
+    }
+  }
+  if (waiting) waiting->done(kSuperseded);
+}
+
 void SceneKeeper::poses_changed(std::vector<RadarPlace> radars) {
   const std::lock_guard lock(mutex_);
+  const auto now = now_();
   radars_ = std::move(radars);
-  speed_.note(radars_, now_());
-  if (!state_.building && window_due()) changed_.notify_all();
+  speed_.note(radars_, now);
+  const bool wanted = window_wanted(now).has_value();
+  if (!wanted && !reload_failed_) note_well();
+  if (wanted && !state_.building && now >= not_before_) changed_.notify_all();
 }
 
 SceneKeeper::State SceneKeeper::state() const {
   const std::lock_guard lock(mutex_);
-  return state_;
+  State state = state_;
+  if (state.failures > 0 && state.last_error.empty()) state.well_s = Seconds(now_() - well_since_).count();
+  return state;
+}
+
+GroundThere SceneKeeper::ground_at(const LonLat& place, double r_max_m) const {
+  const std::lock_guard lock(mutex_);
+  GroundThere there{extents_.share(place, r_max_m), {}};
+  if (extents_.covers(place)) return there;
+  char found[160];
+  std::snprintf(
+      found, sizeof found,
+      "no file has ground at latitude %.4f, longitude %.4f, and for %.0f %% of what lies within %.1f km: ",
+      place.latitude_deg, place.longitude_deg, 100 * (1 - there.coverage), r_max_m / 1000);
+  there.warning = found + extents_.text();
+  return there;
+}
+
+void SceneKeeper::note_well() {
+  if (state_.last_error.empty()) return;
+  state_.last_error.clear();
+  reload_failed_ = false;
+  well_since_ = now_();
 }
 
 double SceneKeeper::lead_s() const { return kLeastLead_s + 2 * state_.last_build_s; }
 
 std::optional<SceneWindow> SceneKeeper::window_due() const {
   const auto now = now_();
-  if (now < not_before_) return std::nullopt;
-  const auto ahead = speed_.ahead(radars_, lead_s(), now);
-  if (!needs_next_window(config_, state_.window, radars_, ahead)) return std::nullopt;
-  SceneWindow next = next_window(config_, state_.window, radars_, ahead);
+  return now < not_before_ ? std::nullopt : window_wanted(now);
+}
+
+/// Those of `radars_`, or of where they will be, that can see ground of some file now: for the others none
+/// can be loaded, and the rest is not to suffer from it.
+std::vector<RadarPlace> SceneKeeper::with_ground(const std::vector<RadarPlace>& places) const {
+  std::vector<RadarPlace> left;
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    if (extents_.reaches(radars_[i].position, radars_[i].r_max_m)) left.push_back(places[i]);
+  }
+  return left;
+}
+
+std::optional<SceneWindow> SceneKeeper::window_wanted(Clock::time_point now) const {
+  const std::vector<RadarPlace> radars = with_ground(radars_);
+  const std::vector<RadarPlace> ahead = with_ground(speed_.ahead(radars_, lead_s(), now));
+  if (!needs_next_window(config_, state_.window, radars, ahead)) return std::nullopt;
+  SceneWindow next = next_window(config_, state_.window, radars, ahead);
   if (is_same(next, state_.window)) return std::nullopt;  // built again it would be no better
   return next;
 }
@@ -106,8 +171,10 @@ std::optional<SceneKeeper::Request> SceneKeeper::next_request() {
     std::optional<Request> request = std::exchange(reload_, std::nullopt);
     // The new file's window, unless the radars have been moved since the start.
     request->window = window_of(request->config);
-    if (!radars_.empty() && request->config.flight.enabled)
-      request->window = next_window(request->config, request->window, radars_, radars_);
+    const bool same_files = request->config.world.terrain.dem == config_.world.terrain.dem;
+    const std::vector<RadarPlace> radars = same_files ? with_ground(radars_) : radars_;
+    if (!radars.empty() && request->config.flight.enabled)
+      request->window = next_window(request->config, request->window, radars, radars);
     return request;
   }
   auto window = window_due();
@@ -144,7 +211,8 @@ void SceneKeeper::wait_for_retired(const std::stop_token& stop, std::unique_lock
   const auto deadline = Clock::now() + kLongestFrame;
   while (retired_ && retired_.use_count() > 1 && Clock::now() < deadline && !stop.stop_requested())
     changed_.wait_for(lock, stop, kLook, [] { return false; });
-  if (retired_ && retired_.use_count() > 1 && !stop.stop_requested())
+  if (stop.stop_requested()) return;
+  if (retired_ && retired_.use_count() > 1)
     spdlog::warn("a frame of the scene before the last is not finished: for now there are three in memory");
   auto last = std::exchange(retired_, nullptr);
   lock.unlock();
@@ -152,45 +220,51 @@ void SceneKeeper::wait_for_retired(const std::stop_token& stop, std::unique_lock
   lock.lock();
 }
 
-void SceneKeeper::serve(Request request, const std::stop_token& stop, std::unique_lock<std::mutex>& lock) {
-  state_.building = true;
-  wait_for_retired(stop, lock);
-  if (request.done && reload_) {  // a newer one came meanwhile
-    state_.building = false;
-    lock.unlock();
-    request.done(kSuperseded);
-    lock.lock();
-    return;
-  }
-  lock.unlock();
-  const auto start = Clock::now();
-  std::string error;
-  std::shared_ptr<const Scene> scene;
+/// Why it could not be built; empty: here it is.
+std::string SceneKeeper::build(const Request& request, const std::stop_token& stop,
+                               std::shared_ptr<const Scene>& scene) {
   try {
     check_size(request.config, request.window);
     on_this_thread_alone([&] { scene = build_(aimed_at(request.config, request.window), stop); });
-    if (!scene) error = "nothing was built";
+    return scene ? "" : "nothing was built";
   } catch (const std::exception& e) {
-    error = e.what();
+    return e.what();
   }
-  if (scene) swap_(scene);
+}
+
+void SceneKeeper::serve(Request request, const std::stop_token& stop, std::unique_lock<std::mutex>& lock) {
+  state_.building = true;
+  reload_in_hand_ = request.done != nullptr;
+  superseded_ = false;
+  build_stop_ = std::stop_source();
+  const std::stop_callback also_at_the_end(stop, [source = build_stop_]() mutable { source.request_stop(); });
+  const std::stop_token give_up = build_stop_.get_token();
+  wait_for_retired(give_up, lock);
+  const auto start = Clock::now();
+  std::string error;
+  std::shared_ptr<const Scene> scene;
+  if (!superseded_) {
+    lock.unlock();
+    error = build(request, give_up, scene);
+    lock.lock();
+  }
+  const bool superseded = superseded_;
+  lock.unlock();
+  if (superseded) {
+    scene = nullptr;
+    error = kSuperseded;
+  } else if (scene) {
+    swap_(scene);
+  }
   const double build_s = Seconds(Clock::now() - start).count();
+  std::optional<SourceExtents> extents;
+  if (scene && request.done) extents = extents_of(request.config);
   lock.lock();
-  state_.building = false;
-  state_.last_error = error;
+  state_.building = reload_in_hand_ = false;
+  if (extents) extents_ = std::move(*extents);
   if (scene) {
-    ++state_.swaps;
-    state_.last_build_s = build_s;
-    state_.window = request.window;
-    config_ = std::move(request.config);
-    keep_cell(config_, *scene);
-    retired_ = std::exchange(scene_, std::move(scene));
-    pause_s_ = 0;
-    not_before_ = {};
-    spdlog::info("{} serves, loaded in {:.1f} s; origin {:.4f}, {:.4f}",
-                 request.done ? "the reloaded scene" : "the next window of terrain", build_s,
-                 state_.window.origin.latitude_deg, state_.window.origin.longitude_deg);
-  } else if (!stop.stop_requested()) {
+    take(request, std::move(scene), build_s);
+  } else if (!superseded && !stop.stop_requested()) {
     note_failure(request, error);
   }
   if (!request.done) return;
@@ -199,8 +273,26 @@ void SceneKeeper::serve(Request request, const std::stop_token& stop, std::uniqu
   lock.lock();
 }
 
+/// It serves.
+void SceneKeeper::take(Request& request, std::shared_ptr<const Scene> scene, double build_s) {
+  note_well();
+  ++state_.swaps;
+  state_.last_build_s = build_s;
+  state_.window = request.window;
+  config_ = std::move(request.config);
+  keep_cell(config_, *scene);
+  retired_ = std::exchange(scene_, std::move(scene));
+  pause_s_ = 0;
+  not_before_ = {};
+  spdlog::info("{} serves, loaded in {:.1f} s; origin {:.4f}, {:.4f}",
+               request.done ? "the reloaded scene" : "the next window of terrain", build_s,
+               state_.window.origin.latitude_deg, state_.window.origin.longitude_deg);
+}
+
 void SceneKeeper::note_failure(const Request& request, const std::string& error) {
   ++state_.failures;
+  state_.last_error = state_.last_failure = error;
+  reload_failed_ = request.done != nullptr;
   if (request.done) {
     spdlog::error("the reloaded scene cannot be loaded, the old one serves on: {}", error);
     return;

@@ -14,14 +14,16 @@
 #include "server/flight/keeper_state.h"
 #include "server/flight/speedometer.h"
 #include "server/flight/window.h"
+#include "terrain/source_extents.h"
 
 namespace obliq {
 
 class Scene;
 
 /// One background thread of low priority builds one scene at a time and hands it over; of several requests
-/// the newest wins. What cannot be loaded is logged and leaves the scene that serves as it is. At most two
-/// scenes exist: a new one is begun when nobody holds the one before the last any more.
+/// the newest wins, and what is in hand for an older one is given up or dropped. What cannot be loaded is
+/// logged and leaves the scene that serves as it is. At most two scenes exist: a new one is begun when nobody
+/// holds the one before the last any more.
 class SceneKeeper {
  public:
   /// Loads what the configuration says. Runs on the keeper's thread; throws what is wrong. May give up, by
@@ -48,11 +50,15 @@ class SceneKeeper {
 
   /// Loads another configuration, aimed at where the radars are now, and serves it when it is complete.
   void reload(SceneConfig config, Done done);
+  /// Gives up a reload that does not serve yet.
+  void give_up_reload();
   /// Where all radars are now, the first one first. Cheap: called with every pose.
   void poses_changed(std::vector<RadarPlace> radars);
 
   using State = KeeperState;
   State state() const;
+  /// Whether an antenna there has ground to look at, now or once it is loaded. Fast.
+  GroundThere ground_at(const LonLat& place, double r_max_m) const;
 
  private:
   struct Request {
@@ -63,9 +69,14 @@ class SceneKeeper {
 
   void run(const std::stop_token& stop);
   double lead_s() const;
+  std::vector<RadarPlace> with_ground(const std::vector<RadarPlace>& places) const;
+  std::optional<SceneWindow> window_wanted(Clock::time_point now) const;
   std::optional<SceneWindow> window_due() const;
+  void note_well();
   std::optional<Request> next_request();
   void serve(Request request, const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
+  std::string build(const Request& request, const std::stop_token& stop, std::shared_ptr<const Scene>& scene);
+  void take(Request& request, std::shared_ptr<const Scene> scene, double build_s);
   void wait_for_retired(const std::stop_token& stop, std::unique_lock<std::mutex>& lock);
   void note_failure(const Request& request, const std::string& error);
 
@@ -80,7 +91,13 @@ class SceneKeeper {
   std::shared_ptr<const Scene> retired_;  ///< that served before, while frames still hold it
   std::vector<RadarPlace> radars_;        ///< empty: none heard of
   Speedometer speed_;
+  SourceExtents extents_;  ///< of config_
   std::optional<Request> reload_;
+  std::stop_source build_stop_;  ///< of what is in hand: a newer request has come, or the keeper stops
+  bool reload_in_hand_ = false;
+  bool superseded_ = false;     ///< what is in hand
+  bool reload_failed_ = false;  ///< that is what state_.last_error is about
+  Clock::time_point well_since_;
   State state_;
   double pause_s_ = 0;            ///< after the last failure
   Clock::time_point not_before_;  ///< no window is tried before, after a failure

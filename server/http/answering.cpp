@@ -10,6 +10,18 @@
 namespace obliq::http {
 namespace {
 
+/// Of "/metrics?x=1" and of the absolute form "http://host/metrics", which servers must accept (RFC 9112
+/// section 3.2.2): "/metrics".
+std::string_view path_of(std::string_view target) {
+  constexpr std::string_view kMark = "://";
+  const std::size_t mark = target.starts_with('/') ? std::string_view::npos : target.find(kMark);
+  if (mark != std::string_view::npos) {
+    const std::size_t path = target.find_first_of("/?", mark + kMark.size());
+    target = path == std::string_view::npos || target[path] == '?' ? "/" : target.substr(path);
+  }
+  return target.substr(0, target.find('?'));
+}
+
 bool may_read(const Route& route, std::string_view authorization, const net::Security* security) {
   if (route.is_open || security == nullptr || !security->needs_token()) return true;
   constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
@@ -25,7 +37,7 @@ Page error_page(int status, const std::string& text) {
 }
 
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security) {
-  const std::string_view path = asked.target.substr(0, asked.target.find('?'));
+  const std::string_view path = path_of(asked.target);
   for (const Route& route : routes) {
     if (route.path != path) continue;
     if (!asked.is_read) return error_page(405, "GET and HEAD only");

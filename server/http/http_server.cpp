@@ -30,6 +30,8 @@ using boost::system::error_code;
 
 namespace {
 
+constexpr const char* kMostConnections = "http.max_connections";
+
 using PlainStream = beast::tcp_stream;
 using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 using Response = bhttp::response<bhttp::string_body>;
@@ -40,6 +42,8 @@ struct Connection {
   std::string peer;     ///< "127.0.0.1:50000"
   std::string network;  ///< what max_connections_per_address counts
   beast::tcp_stream* stream = nullptr;
+  bool asked = false;  ///< a request of it is being answered
+  bool gone = false;   ///< it is being closed, and counts no more
 };
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -67,21 +71,23 @@ std::optional<Page> refusal(const error_code& error) {
 }  // namespace
 
 struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
-  State(asio::io_context& context, HttpOptions wanted, std::vector<Route> all)
-      : io(context), options(std::move(wanted)), routes(std::move(all)), acceptor(io) {}
+  State(asio::io_context& context, asio::io_context& for_pages, HttpOptions wanted, std::vector<Route> all)
+      : io(context), pages(for_pages), options(std::move(wanted)), routes(std::move(all)), acceptor(io) {}
 
   void listen();
   asio::awaitable<void> accept();
   asio::awaitable<void> serve(tcp::socket socket);
-  asio::awaitable<void> serve_tls(TlsStream& stream, const std::string& peer);
+  asio::awaitable<void> serve_tls(TlsStream& stream, Connection& connection);
   template <typename Stream>
-  asio::awaitable<void> converse(Stream& stream, const std::string& peer);
+  asio::awaitable<void> converse(Stream& stream, Connection& connection);
+  asio::awaitable<Page> page_for(const Request& request, const std::string& peer);
   template <typename Stream>
   asio::awaitable<bool> answer(Stream& stream, const Page& page, bool head, bool keep_alive,
                                unsigned version);
   asio::awaitable<void> part(PlainStream& stream);
   /// What limit leaves no room for the newcomer: "http.max_connections"; empty when there is room.
   std::string limit_reached(const std::string& network) const;
+  bool make_room(const std::string& network, const std::string& limit);
   void turn_away(tcp::socket socket, const std::string& limit) const;
   std::chrono::nanoseconds timeout() const {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -89,6 +95,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   }
 
   asio::io_context& io;
+  asio::io_context& pages;
   HttpOptions options;
   std::vector<Route> routes;
   tcp::acceptor acceptor;
@@ -128,8 +135,9 @@ asio::awaitable<void> HttpServer::State::accept() {
       continue;
     }
     in_trouble = false;
-    const std::string limit = limit_reached(net::network_of(net::host_of_peer(socket.native_handle())));
-    if (!limit.empty()) {
+    const std::string network = net::network_of(net::host_of_peer(socket.native_handle()));
+    const std::string limit = limit_reached(network);
+    if (!limit.empty() && !make_room(network, limit)) {
       turn_away(std::move(socket), limit);
       continue;
     }
@@ -143,9 +151,26 @@ asio::awaitable<void> HttpServer::State::accept() {
 }
 
 std::string HttpServer::State::limit_reached(const std::string& network) const {
-  if (open.size() >= static_cast<std::size_t>(options.max_connections)) return "http.max_connections";
-  const auto of_host = std::ranges::count(open, network, &Connection::network);
+  const auto here = [](const Connection& c) { return !c.gone; };
+  if (std::ranges::count_if(open, here) >= options.max_connections) return kMostConnections;
+  const auto of_host =
+      std::ranges::count_if(open, [&](const Connection& c) { return here(c) && c.network == network; });
   return of_host < options.max_connections_per_address ? "" : "http.max_connections_per_address";
+}
+
+// Who asks nothing has no right to a place that another wants: the oldest of them goes.
+bool HttpServer::State::make_room(const std::string& network, const std::string& limit) {
+  const auto oldest = std::ranges::find_if(open, [&](const Connection& c) {
+    return !c.asked && !c.gone && (limit == kMostConnections || c.network == network);
+  });
+  if (oldest == open.end()) return false;
+  const LogFields fields{{"client", oldest->peer}};
+  spdlog::warn(
+      "HTTP: {} asks nothing and makes room for a newcomer: {} reached; raise that limit, or see who is here",
+      oldest->peer, limit);
+  oldest->gone = true;
+  oldest->stream->close();
+  return true;
 }
 
 // In plain words also where TLS is spoken: a handshake for each would be what a flood wants.
@@ -187,9 +212,9 @@ asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
   const std::shared_ptr<void> entry(nullptr, [this, place](void*) { open.erase(place); });
   try {
     if (tls) {
-      co_await serve_tls(*protected_stream, peer);
+      co_await serve_tls(*protected_stream, *place);
     } else {
-      co_await converse(*plain_stream, peer);
+      co_await converse(*plain_stream, *place);
     }
     co_await part(lowest);
   } catch (const std::exception& e) {
@@ -199,26 +224,26 @@ asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
   }
 }
 
-asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream, const std::string& peer) {
+asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream, Connection& connection) {
   error_code error;
   stream.next_layer().expires_after(timeout());
   co_await stream.async_handshake(asio::ssl::stream_base::server,
                                   asio::redirect_error(asio::use_awaitable, error));
   if (error) {
-    const LogFields fields{{"client", peer}};
+    const LogFields fields{{"client", connection.peer}};
     spdlog::warn(
         "HTTP: {}: the TLS handshake failed: {}; whoever asks here needs https:// and the certificate "
         "server.tls_certificate",
-        peer, error.message());
+        connection.peer, error.message());
     co_return;
   }
-  co_await converse(stream, peer);
+  co_await converse(stream, connection);
   stream.next_layer().expires_after(std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1)));
   co_await stream.async_shutdown(asio::redirect_error(asio::use_awaitable, error));
 }
 
 template <typename Stream>
-asio::awaitable<void> HttpServer::State::converse(Stream& stream, const std::string& peer) {
+asio::awaitable<void> HttpServer::State::converse(Stream& stream, Connection& connection) {
   beast::flat_buffer buffer(options.max_header_bytes);
   for (int served = 1; !stopping; ++served) {
     Request request;
@@ -232,14 +257,22 @@ asio::awaitable<void> HttpServer::State::converse(Stream& stream, const std::str
       if (page) (void)co_await answer(stream, *page, false, false, 11);
       break;
     }
+    connection.asked = true;
     const bool head = request.get().method() == bhttp::verb::head;
     // A body is never read: what follows it could not be told from it.
     const bool keep = request.is_done() && request.get().keep_alive() && served < options.max_requests;
-    const bool more =
-        co_await answer(stream, page_of(asked_by(request, peer), routes, options.security.get()), head, keep,
-                        request.get().version());
+    const Page page = co_await page_for(request, connection.peer);
+    const bool more = co_await answer(stream, page, head, keep, request.get().version());
+    connection.asked = false;
     if (!more) break;
   }
+}
+
+asio::awaitable<Page> HttpServer::State::page_for(const Request& request, const std::string& peer) {
+  const auto make = [&] { return page_of(asked_by(request, peer), routes, options.security.get()); };
+  if (&pages == &io) co_return make();
+  co_return co_await asio::co_spawn(
+      pages, [&]() -> asio::awaitable<Page> { co_return make(); }, asio::use_awaitable);
 }
 
 // False when the connection is to end.
@@ -279,8 +312,10 @@ asio::awaitable<void> HttpServer::State::part(PlainStream& stream) {
   stream.socket().close(error);
 }
 
-HttpServer::HttpServer(asio::io_context& io, HttpOptions options, std::vector<Route> routes)
-    : state_(std::make_shared<State>(io, std::move(options), std::move(routes))) {
+HttpServer::HttpServer(asio::io_context& io, HttpOptions options, std::vector<Route> routes,
+                       asio::io_context* pages)
+    : state_(std::make_shared<State>(io, pages == nullptr ? io : *pages, std::move(options),
+                                     std::move(routes))) {
   state_->listen();
   asio::co_spawn(
       io, [state = state_] { return state->accept(); }, asio::detached);

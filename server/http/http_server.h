@@ -27,7 +27,7 @@ struct Page {
 struct Route {
   std::string path;
   bool is_open = false;        ///< needs no token
-  std::function<Page()> page;  ///< called on the io thread for each GET or HEAD; must be quick
+  std::function<Page()> page;  ///< called for each GET or HEAD on the pages' thread; must be quick
 };
 
 struct HttpOptions {
@@ -44,11 +44,14 @@ struct HttpOptions {
 /// Answers GET and HEAD for a few paths, through TLS where there is a certificate, and those that are not
 /// open only to who brings a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
 /// body, other methods, long or slow headers are refused; of too many connections, in all or from one
-/// address, the newest are. All on the io thread, but the constructor.
+/// address, the oldest that asks nothing goes, or else the newest is refused. All on the thread of `io`, but
+/// the constructor.
 class HttpServer {
  public:
-  /// Listens at once. Throws InputError that names http.address or http.port.
-  HttpServer(boost::asio::io_context& io, HttpOptions options, std::vector<Route> routes);
+  /// Listens at once. Throws InputError that names http.address or http.port. `pages`: on its thread they are
+  /// made; null: on that of `io`.
+  HttpServer(boost::asio::io_context& io, HttpOptions options, std::vector<Route> routes,
+             boost::asio::io_context* pages = nullptr);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -43,6 +43,7 @@ struct LiveRadar {
   std::uint64_t frames = 0;
   double last_render_s = 0;
   std::uint64_t dwells_missed = 0;  ///< of a scanning antenna
+  bool off_the_map = false;         ///< no file covers the place of its newest pose
   double coverage = 0;              ///< of the newest frame, as are the next two
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;

@@ -10,6 +10,7 @@
 #include "server/control/server_config.h"
 #include "server/flight/keeper_state.h"
 #include "server/net/statistics.h"
+#include "server/radar/settings.h"
 
 namespace obliq::net {
 
@@ -45,6 +46,8 @@ struct ServerOptions : ServerLimits {
   /// Hears where all radars are, the first one first, whenever one has moved or looks further. On the io
   /// thread; must be quick.
   std::function<void(std::vector<RadarPlace>)> on_moved;
+  /// Whether an antenna at a pose has ground to look at, within r_max_m. Must be quick.
+  std::function<GroundThere(const PoseSettings&, double)> ground_at;
   /// What there is to say about scenes loaded while serving; for Status.
   std::function<KeeperState()> keeper_state;
   /// Hears of each live frame rendered to its end: the radar's name, and what it took. On the io thread.

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <future>
 #include <utility>
 
@@ -56,13 +57,18 @@ void Panel::command(std::size_t radar, PanelChange change) {
   post_([this, radar, change = std::move(change)] { (void)perform(radar, change); });
 }
 
+PanelAnswer Panel::apply(const std::string& radar, const PanelChange& change) {
+  const auto at = std::ranges::find(names_, radar);
+  return perform(static_cast<std::size_t>(at - names_.begin()), change);
+}
+
 PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
   LiveRadar& radar = room_.radars_.at(index);
   PanelAnswer answer;
   try {
     answer = set(radar, change);
   } catch (const std::exception& e) {  // no memory, above all
-    answer = {PanelVerdict::invalid, {{"radar", e.what(), "a change that there is memory for"}}, {}};
+    answer = {PanelVerdict::invalid, {{"radar", e.what(), "a change that there is memory for"}}, {}, {}};
   }
   publish();
   return answer;
@@ -70,7 +76,7 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
 
 PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   const bool sets = !change.settings.empty() || change.rate_limit_hz;
-  if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}, {}};
+  if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}, {}, radar.controller->name};
 
   RadarConfig config{radar.name, radar.settings.current()->settings, radar.pose};
   bool new_settings = false;
@@ -92,7 +98,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     if (over) errors.push_back(over->field);
   }
   if (errors.empty() && new_pose) errors = room_.renderer_.place(config.pose);
-  if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over)};
+  if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over), {}};
 
   // Nothing is left that can be refused.
   if (new_settings) (void)radar.settings.set(config.settings);
@@ -114,7 +120,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     spdlog::info("radar {}: transmit {}", radar.name, radar.transmit ? "on" : "off");
   }
   room_.update_demand(radar);
-  return {PanelVerdict::done, {}, {}};
+  return {PanelVerdict::done, {}, {}, {}};
 }
 
 void Panel::publish() {

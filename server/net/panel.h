@@ -68,6 +68,7 @@ struct PanelAnswer {
   PanelVerdict verdict = PanelVerdict::no_answer;
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;  ///< of invalid: what limit of the server it exceeds, if any
+  std::string controller;         ///< of controlled: who holds control
 };
 
 /// transmit off: the radar is not rendered and its watchers get no frames. freeze: frames go on, of the
@@ -89,6 +90,9 @@ class Panel {
   PanelAnswer change(std::size_t radar, PanelChange change, std::chrono::milliseconds deadline);
   /// Does not wait.
   void command(std::size_t radar, PanelChange change);
+
+  /// On the io thread: at once. The radar must be one of names().
+  PanelAnswer apply(const std::string& radar, const PanelChange& change);
 
  private:
   using Clock = std::chrono::steady_clock;

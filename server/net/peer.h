@@ -38,6 +38,9 @@ class Peer {
   /// As fail(), but not before everything that waits in the outbox has been written.
   virtual void finish(wire::ErrorNumber number, const std::string& text) = 0;
 
+  /// Closes at once, without a word.
+  virtual void drop() = 0;
+
   const std::uint64_t id;
   const std::string host;     ///< "127.0.0.1"
   const std::string address;  ///< "127.0.0.1:50000"

@@ -167,7 +167,36 @@ void Requests::set_pose(const wire::SetPose& request) {
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
   room_.move(*radar, pose, request.pose().has_sim_time_ns());
-  acknowledge(request.request_id(), radar->settings.current()->version);
+  const SettingsPtr settings = radar->settings.current();
+  wire::Ack ack;
+  ack.set_request_id(request.request_id());
+  ack.set_settings_version(settings->version);
+  if (room_.options().ground_at) {
+    const GroundThere ground = room_.options().ground_at(pose, settings->settings.r_max_m);
+    room_.note_ground(*radar, ground.warning);
+    ack.set_coverage(ground.coverage);
+    if (!ground.warning.empty()) ack.add_warnings(ground.warning);
+  }
+  peer_.send(MessageType::ack, ack);
+}
+
+void Requests::write_coverage(const LiveRadar& radar, const KeeperState& keeper,
+                              wire::RadarStatus& entry) const {
+  if (radar.frames == 0) return;
+  entry.set_coverage(radar.coverage);
+  if (radar.coverage >= 1) return;
+  GroundThere ground;
+  if (room_.options().ground_at)
+    ground = room_.options().ground_at(radar.pose, radar.settings.current()->settings.r_max_m);
+  if (!ground.warning.empty()) {
+    entry.set_coverage_reason(ground.warning);
+  } else if (!keeper.last_error.empty()) {
+    entry.set_coverage_reason("the next window of terrain cannot be loaded: " + keeper.last_error);
+  } else if (keeper.building) {
+    entry.set_coverage_reason("the next window of terrain is being loaded");
+  } else if (ground.coverage < 1) {
+    entry.set_coverage_reason("it looks beyond what the files cover");
+  }
 }
 
 void Requests::get_status(const wire::GetStatus& request) {
@@ -178,6 +207,7 @@ void Requests::get_status(const wire::GetStatus& request) {
   status.set_uptime_s(
       std::chrono::duration<double>(std::chrono::steady_clock::now() - room_.started_).count());
   const RoomStatistics all = room_.statistics();
+  const KeeperState keeper = room_.options().keeper_state ? room_.options().keeper_state() : KeeperState{};
   status.set_clients(static_cast<std::uint32_t>(all.clients));
   status.set_frames_dropped(all.frames_dropped);
   status.set_renders_queued(static_cast<std::uint32_t>(all.renders_queued));
@@ -203,14 +233,14 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_pose_stale(radar.poses->at(monotonic_ns()).stale);
     entry.set_late_poses(radar.poses->late());
     entry.set_dwells_missed(radar.dwells_missed);
+    write_coverage(radar, keeper, entry);
   }
-  if (room_.options().keeper_state) {
-    const KeeperState state = room_.options().keeper_state();
-    status.set_windows_loaded(state.swaps);
-    status.set_window_loading(state.building);
-    status.set_window_failures(state.failures);
-    status.set_window_error(state.last_error);
-  }
+  status.set_windows_loaded(keeper.swaps);
+  status.set_window_loading(keeper.building);
+  status.set_window_failures(keeper.failures);
+  status.set_window_error(keeper.last_error);
+  status.set_window_failure(keeper.last_failure);
+  status.set_window_well_s(keeper.well_s);
   peer_.send(MessageType::status, status);
 }
 

@@ -24,7 +24,12 @@ class Subscribe;
 class Unsubscribe;
 class RenderOnce;
 class GetStatus;
+class RadarStatus;
 }  // namespace obliq::wire
+
+namespace obliq {
+struct KeeperState;
+}
 
 namespace obliq::net {
 
@@ -68,6 +73,8 @@ class Requests {
   /// False after a refusal that says what `action` needs.
   bool demand(Role needed, std::uint64_t request_id, const std::string& action);
   void acknowledge(std::uint64_t request_id, std::uint64_t settings_version = 0);
+  /// Of a radar, in Status: how much of its ground is known, and why not more.
+  void write_coverage(const LiveRadar& radar, const KeeperState& keeper, wire::RadarStatus& entry) const;
   void refuse(std::uint64_t request_id, const OverLimit& over);
   void refuse(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
               const std::vector<FieldError>& fields = {});

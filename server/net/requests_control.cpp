@@ -53,6 +53,7 @@ void Requests::hello(const wire::Hello& request) {
                                                         ? "this server wants a token (obliq: --token-file)"
                                                         : "this server does not know the token");
     }
+    if (const auto none = room_.no_place_for(peer_)) return peer_.fail(none->number, none->text);
     peer_.role = grant->role;
     if (security.needs_token()) peer_.credential = grant->digest;
     std::string name = presentable(request.client_name());

@@ -7,7 +7,6 @@
 
 #include "proto/obliq.pb.h"
 #include "server/log/log_fields.h"
-#include "server/net/exposure.h"
 #include "server/net/frame_encoder.h"
 #include "server/net/requests.h"
 #include "server/net/security.h"
@@ -71,7 +70,7 @@ void Room::set_limits(const ServerLimits& limits) { static_cast<ServerLimits&>(o
 
 RoomStatistics Room::statistics() const {
   RoomStatistics all;
-  all.clients = peers_.size();
+  all.clients = static_cast<std::size_t>(clients());
   all.bytes_sent = bytes_sent_;
   all.frames_dropped = frames_dropped_;
   for (const auto& peer : peers_) {
@@ -89,12 +88,6 @@ RoomStatistics Room::statistics() const {
   return all;
 }
 
-int Room::clients_from(const std::string& host) const {
-  const std::string network = network_of(host);
-  return static_cast<int>(
-      std::ranges::count_if(peers_, [&](const auto& peer) { return network_of(peer->host) == network; }));
-}
-
 void Room::check_credentials() {
   const auto peers = peers_;  // fail() may come back through leave()
   for (const auto& peer : peers) {
@@ -102,7 +95,9 @@ void Room::check_credentials() {
     if (const auto grant = options_.security->grant(*peer->credential)) {
       peer->role = grant->role;
       for (LiveRadar& radar : radars_) {
-        if (radar.controller != peer.get() || peer->role >= Role::controller) continue;
+        if (peer->role >= Role::controller) continue;
+        watch_no_longer_lossless(radar, *peer);
+        if (radar.controller != peer.get()) continue;
         radar.controller = nullptr;
         spdlog::warn("radar {}: control released, {} is only {} now", radar.name, peer->name,
                      role_name(peer->role));
@@ -194,6 +189,19 @@ void Room::watch(LiveRadar& radar, Peer& peer, Demand demand) {
                              demand.lossless ? LanePolicy::lossless : LanePolicy::newest_wins);
   radar.watchers.push_back({&peer, std::move(demand)});
   update_demand(radar);
+}
+
+void Room::watch_no_longer_lossless(LiveRadar& radar, Peer& peer) {
+  const auto at = std::ranges::find_if(radar.watchers, [&](const Watcher& watcher) {
+    return watcher.peer == &peer && watcher.demand.lossless;
+  });
+  if (at == radar.watchers.end()) return;
+  Demand demand = at->demand;
+  demand.lossless = false;
+  unsubscribe(radar, peer);
+  watch(radar, peer, std::move(demand));
+  spdlog::warn("radar {}: {} watches without losses no longer, it is only {} now: its newest frames win",
+               radar.name, peer.name, role_name(peer.role));
 }
 
 void Room::check_windows(LiveRadar& radar) const {

@@ -41,11 +41,19 @@ class Room : private RenderEvents {
   /// See Server::set_limits.
   void set_limits(const ServerLimits& limits);
 
-  /// Clients from that host; of IPv6, from its /64 network, which one host can have for itself.
-  int clients_from(const std::string& host) const;
+  /// Those that have said Hello.
+  int clients() const;
+  struct NoPlace {
+    wire::ErrorNumber number;
+    std::string text;
+  };
+  /// What limit keeps one out that has just said Hello with a good token, if any.
+  std::optional<NoPlace> no_place_for(const Peer& peer) const;
+  /// For a newcomer: where max_waiting connections have not said Hello, the oldest goes, of the address that
+  /// has most of them.
+  void make_room_before_hello();
   /// Tokens may have been read anew: roles are taken from them, and who came with one that is gone is closed.
   void check_credentials();
-  bool is_full() const { return peers_.size() >= static_cast<std::size_t>(options_.max_clients); }
   void enter(const std::shared_ptr<Peer>& peer);
   /// Control is released, subscriptions end, unfinished renders are cancelled.
   void leave(Peer& peer);
@@ -70,8 +78,13 @@ class Room : private RenderEvents {
   /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
   void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   void tell_places() const;
+  /// Says in the log, once, that a radar has left the ground that files cover, or come back. Empty: it is
+  /// there.
+  static void note_ground(LiveRadar& radar, const std::string& warning);
   void send_fault(LiveRadar& radar, Peer& peer) const;
   void watch(LiveRadar& radar, Peer& peer, Demand demand);
+  /// A subscription that held the radar up gets its newest frames from now on.
+  void watch_no_longer_lossless(LiveRadar& radar, Peer& peer);
   /// Tells those who watch a part of the radar's frame that is no longer there.
   void check_windows(LiveRadar& radar) const;
   Peer* peer_of(const OnceJob& job);

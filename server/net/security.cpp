@@ -14,15 +14,29 @@ Security::Security(SecurityFiles files) : files_(std::move(files)) {
             ? "server.tls_key: found nothing; allowed: the key of server.tls_certificate"
             : "server.tls_certificate: found nothing; allowed: the certificate of server.tls_key");
   }
-  reload();
+  const Reloaded first = reload();
+  for (const std::string& fault : {first.tokens_fault, first.certificate_fault})
+    if (!fault.empty()) throw InputError(fault);
 }
 
-void Security::reload() {
-  auto material = std::make_shared<Material>();
-  if (needs_token()) material->tokens = TokenFile::read(files_.tokens);
-  if (has_tls()) material->tls = read_tls_files(files_.tls_certificate, files_.tls_key, material->warnings);
+Security::Reloaded Security::reload() {
+  Reloaded reloaded;
+  auto material = std::make_shared<Material>(*current());
+  try {
+    if (needs_token()) material->tokens = TokenFile::read(files_.tokens);
+  } catch (const InputError& e) {
+    reloaded.tokens_fault = e.what();
+  }
+  try {
+    std::vector<std::string> warnings;
+    if (has_tls()) material->tls = read_tls_files(files_.tls_certificate, files_.tls_key, warnings);
+    material->warnings = std::move(warnings);
+  } catch (const InputError& e) {
+    reloaded.certificate_fault = e.what();
+  }
   const std::lock_guard lock(mutex_);
   material_ = std::move(material);
+  return reloaded;
 }
 
 std::shared_ptr<const Security::Material> Security::current() const {

@@ -30,8 +30,12 @@ class Security {
   /// Reads the files. Throws InputError that names file and reason.
   explicit Security(SecurityFiles files);
 
-  /// Reads the files anew. On InputError the old ones stay.
-  void reload();
+  struct Reloaded {
+    std::string tokens_fault;  ///< empty: they were taken over, or there are none
+    std::string certificate_fault;
+  };
+  /// Reads the files anew, each by itself: where one is faulty, the old one stays in force.
+  Reloaded reload();
 
   bool needs_token() const { return !files_.tokens.empty(); }
   bool has_tls() const { return !files_.tls_certificate.empty(); }

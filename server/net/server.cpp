@@ -7,10 +7,7 @@
 #include <chrono>
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
-#include "proto/obliq.pb.h"
-#include "server/log/log_fields.h"
 #include "server/net/panel.h"
-#include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/security.h"
 #include "server/net/session.h"
@@ -23,24 +20,6 @@ namespace obliq::net {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
-
-namespace {
-
-// Says why, as far as the peer reads it at once, and closes.
-// In plain words also where TLS is spoken, before any of it: a client of ours that expects TLS understands.
-void turn_away(tcp::socket socket, const std::string& host, wire::ErrorNumber number,
-               const std::string& text) {
-  const LogFields fields{{"client", host}, {"error", std::int64_t{static_cast<std::uint32_t>(number)}}};
-  spdlog::warn("a connection from {} was turned away: {}; raise that limit, or see who is here", host, text);
-  const auto error = make_error(0, number, text);
-  const wire::Bytes bytes = wire::encode_message(wire::MessageType::error, {0, 1, wire::utc_now_ns()}, error);
-  error_code ignored;
-  socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(bytes), ignored);
-  socket.shutdown(tcp::socket::shutdown_send, ignored);
-}
-
-}  // namespace
 
 struct Server::State {
   State(std::unique_ptr<asio::io_context> own_context, asio::io_context& context,
@@ -120,16 +99,7 @@ void Server::State::admit(tcp::socket socket) {
   const ServerOptions& options = room->options();
   const auto peer = socket.remote_endpoint(error);
   if (error) return;  // gone already
-  const std::string host = peer.address().to_string();
-  if (room->is_full()) {
-    return turn_away(std::move(socket), host, wire::ErrorNumber::too_many_clients,
-                     "too many clients: max_clients is " + std::to_string(options.max_clients));
-  }
-  if (room->clients_from(host) >= options.max_clients_per_address) {
-    return turn_away(std::move(socket), host, wire::ErrorNumber::too_many_from_address,
-                     "too many clients from " + host + ": max_clients_per_address is " +
-                         std::to_string(options.max_clients_per_address));
-  }
+  room->make_room_before_hello();
   const int fd = socket.release(error);
   if (error) return;
   watch_for_dead_peer(fd, options.dead_after_s);
@@ -189,9 +159,10 @@ void Server::run() {
   state_->io.run();
 }
 
-void Server::reload_security() {
-  state_->room->options().security->reload();
+Security::Reloaded Server::reload_security() {
+  Security::Reloaded reloaded = state_->room->options().security->reload();
   asio::post(state_->io, [this] { state_->room->check_credentials(); });
+  return reloaded;
 }
 
 void Server::start(std::function<void()> stopped) {

@@ -9,6 +9,7 @@
 #include "server/net/frame_renderer.h"
 #include "server/net/options.h"
 #include "server/net/reserved_port.h"
+#include "server/net/security.h"
 #include "server/net/statistics.h"
 
 namespace boost::asio {
@@ -54,8 +55,8 @@ class Server {
   /// From any thread; any number of times.
   void stop();
   /// Reads certificate, key and tokens anew: new connections use them, clients whose token is gone are told
-  /// and closed, roles change. From any thread. Throws InputError, and then everything is as it was.
-  void reload_security();
+  /// and closed, roles change. What is faulty stays as it was. From any thread.
+  Security::Reloaded reload_security();
 
   /// On the io thread.
   RoomStatistics statistics() const;

@@ -119,6 +119,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     kick();
   }
 
+  void drop() override { close(); }
+
  private:
   void spawn(asio::awaitable<void> (Session::*coroutine)()) {
     asio::co_spawn(

@@ -1,5 +1,8 @@
 #include "server/net/transport.h"
 
+#include <atomic>
+#include <boost/asio/bind_executor.hpp>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -13,6 +16,7 @@
 
 #include "server/control/networks.h"
 #include "server/net/endpoint_text.h"
+#include "server/net/handshakes.h"
 
 namespace obliq::net {
 
@@ -46,12 +50,16 @@ struct Transport::State {
     if (context) stream.emplace(socket, *context);
   }
 
+  void shake_hands(std::function<void(error_code)> shaken);
+
   std::shared_ptr<ssl::context> context;  ///< outlives the stream, whatever is loaded meanwhile
   tcp::socket socket;
   std::optional<ssl::stream<tcp::socket&>> stream;  ///< none: plain
   std::byte first{};                                ///< of the peer
   bool ready = false;
   std::string failure;
+  bool shaking = false;              ///< hands: the socket is the handshake thread's
+  std::atomic<bool> closed = false;  ///< meanwhile
 };
 
 Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::shared_ptr<ssl::context> tls)
@@ -77,6 +85,26 @@ std::string Transport::description() const {
   return std::string(SSL_get_version(tls)) + ", " + SSL_get_cipher_name(tls);
 }
 
+/// On the handshake thread; then calls `shaken` on the io thread. Once that has been called nothing of this
+/// is left on the handshake thread, close() included.
+void Transport::State::shake_hands(std::function<void(error_code)> shaken) {
+  // The io thread's work is not over while it waits for this.
+  const auto work = asio::make_work_guard(socket.get_executor());
+  const auto back = [this, shaken = std::move(shaken), work](error_code error) {
+    asio::post(work.get_executor(), [this, shaken, work, error] {
+      if (!closed) return shaken(error);
+      // After close()'s errand to the handshake thread, which was sent before this.
+      asio::post(handshakes(), [shaken, work] {
+        asio::post(work.get_executor(), [shaken] { shaken(asio::error::operation_aborted); });
+      });
+    });
+  };
+  asio::post(handshakes(), [this, back] {
+    if (closed) return back(asio::error::operation_aborted);  // no arithmetic for who has gone
+    stream->async_handshake(ssl::stream_base::server, asio::bind_executor(handshakes().get_executor(), back));
+  });
+}
+
 void Transport::start(Started done) {
   State& s = *state_;
   if (!s.stream) {
@@ -88,6 +116,7 @@ void Transport::start(Started done) {
     return Start::failed;
   };
   const auto shaken = [&s, fail, done](error_code error) {
+    s.shaking = false;
     s.ready = !error;
     done(error ? fail(error) : Start::ready);
   };
@@ -95,7 +124,8 @@ void Transport::start(Started done) {
                          [&s, fail, shaken, done](error_code error, std::size_t) {
                            if (error) return done(fail(error));
                            if (s.first == kTlsHandshake) {
-                             return s.stream->async_handshake(ssl::stream_base::server, shaken);
+                             s.shaking = true;
+                             return s.shake_hands(shaken);
                            }
                            s.stream.reset();
                            s.ready = true;
@@ -142,8 +172,13 @@ void Transport::finish(Done done) {
 }
 
 void Transport::close() {
-  error_code ignored;
-  state_->socket.close(ignored);
+  State& s = *state_;
+  const auto close_socket = [&s] {
+    error_code ignored;
+    s.socket.close(ignored);
+  };
+  if (!s.shaking) return close_socket();
+  if (!s.closed.exchange(true)) asio::post(handshakes(), close_socket);
 }
 
 }  // namespace obliq::net

@@ -42,6 +42,7 @@ class Listener : public Peer {
   void kick() override {}
   void fail(wire::ErrorNumber, const std::string&) override { failed = true; }
   void finish(wire::ErrorNumber, const std::string&) override { failed = true; }
+  void drop() override { failed = true; }
 
   std::uint64_t sent = 0;
   bool failed = false;

@@ -140,6 +140,34 @@ TEST_F(DaemonReload, LimitsChangeAtOnceAndPortsAreNamedAsNeedingARestart) {
   EXPECT_FALSE(next_frame().empty());
 }
 
+TEST_F(DaemonReload, ParametersWhoseTextHasChangedAreTakenOverAndOthersStayAsClientsSetThem) {
+  const auto write = [&](const std::string& radar) {
+    folder.write("scene.toml", text_of(SmallScene{.terrain = kFlat, .radars = radar}));
+    daemon.send_signal(SIGHUP);
+  };
+  client::Client other;
+  ASSERT_TRUE(other.connect(*client::parse_endpoint(daemon.address()), {.name = "pilot"}).ok());
+  ASSERT_TRUE(other.claim_control("main").ok());
+  wire::RadarSettings settings;
+  settings.set_power_w(7);
+  wire::Ack ack;
+  ASSERT_TRUE(other.set_settings("main", settings, ack).ok());
+  write("[radar]\nr_min_m = 2000.0\nr_max_m = 7000.0\n");
+  ASSERT_TRUE(frames_until_log("radar main: is under control by pilot"));
+  EXPECT_NE(daemon.log().find("\"radar.r_max_m is now 7000.0\""), std::string::npos) << daemon.log();
+  wire::RadarInfo info;
+  ASSERT_TRUE(other.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().r_max_m(), 9000);
+
+  ASSERT_TRUE(other.release_control("main").ok());
+  daemon.send_signal(SIGHUP);  // the file has not changed since, but not all of it was taken over
+  ASSERT_TRUE(frames_until_log("radar main: radar.r_max_m is now 7000.0"));
+  ASSERT_TRUE(other.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().r_max_m(), 7000);
+  EXPECT_EQ(info.settings().power_w(), 7) << "its text in the file has not changed";
+  EXPECT_EQ(daemon.log().find("restart obliqd"), std::string::npos) << daemon.log();
+}
+
 TEST_F(DaemonReload, ManySignalsAreSurvived) {
   for (int i = 0; i < 50; ++i) {
     folder.write("scene.toml", scene_text(i % 2 == 0 ? kHighRidge : kFlat));

@@ -77,6 +77,7 @@ net::ServerOptions crowded() {
   net::ServerOptions options = small_options();
   options.max_clients = 256;
   options.max_clients_per_address = 256;
+  options.max_waiting = 256;
   options.handshake_timeout_s = 60;  // 200 at once, on a machine that may be busy
   options.message_timeout_s = 60;
   options.abort_after_s = 0.2;

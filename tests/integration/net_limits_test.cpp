@@ -65,17 +65,52 @@ TEST(RequestLimits, TooManyClientsOfOneAddressAreTurnedAwayAndOthersAreNot) {
   EXPECT_TRUE(again.ok() || again.number == number(ErrorNumber::too_many_clients)) << again.sentence();
 }
 
-TEST(RequestLimits, ASlowLorisOfOneAddressCannotTakeAllPlaces) {
+/// A connection that says nothing, from another address of this machine.
+class Silent {
+ public:
+  Silent(const TestServer& server, std::uint32_t address)
+      : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in from{};
+    from.sin_family = AF_INET;
+    from.sin_addr.s_addr = htonl(address);
+    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&from), sizeof from), 0);
+    sockaddr_in to = from;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(server.endpoint().port);
+    EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  }
+  Silent(const Silent&) = delete;
+  Silent& operator=(const Silent&) = delete;
+  ~Silent() { ::close(fd_); }
+  /// Waits for the server's end of it.
+  bool closed() const {
+    char byte = 0;
+    return ::recv(fd_, &byte, 1, 0) <= 0;
+  }
+  bool still_open() const {
+    char byte = 0;
+    return ::recv(fd_, &byte, 1, MSG_DONTWAIT) < 0 && errno == EAGAIN;
+  }
+
+ private:
+  int fd_;
+};
+
+TEST(RequestLimits, ThoseWhoHaveNotSaidHelloKeepNobodyOut) {
   net::ServerOptions options = small_options();
   options.handshake_timeout_s = 3600;
-  options.max_clients_per_address = 3;
-  options.max_clients = 4;
+  options.max_clients = 2;
+  options.max_clients_per_address = 2;
+  options.max_waiting = 4;
   const TestServer server(options);
-  std::vector<RawPeer> silent;
-  for (int i = 0; i < 3; ++i) silent.emplace_back(server);
-  RawPeer fourth(server);
-  EXPECT_EQ(fourth.error_number(), number(ErrorNumber::too_many_from_address))
-      << "one place is left for who comes from elsewhere";
+  const Silent from_elsewhere(server, 0x7F000002);
+  std::vector<std::unique_ptr<Silent>> silent;
+  for (int i = 0; i < 70; ++i) silent.push_back(std::make_unique<Silent>(server, INADDR_LOOPBACK));
+  client::Client first = connect(server);
+  const client::Client second = connect(server);
+  for (int i = 0; i < 66; ++i) EXPECT_TRUE(silent[static_cast<std::size_t>(i)]->closed()) << i;
+  EXPECT_TRUE(from_elsewhere.still_open()) << "the oldest of the address with most of them goes";
+  EXPECT_EQ(status_of(first).clients(), 2u) << "who has not said Hello is no client";
 }
 
 TEST(RequestLimits, AddressesOfOneNetworkAreOneHost) {

@@ -195,6 +195,27 @@ TEST(Server, NewSettingsAndPoseShowInTheNextFramesAndVersion) {
   EXPECT_GE(frames.block.send_ns(), frames.block.render_start_ns());
 }
 
+TEST(Server, APoseWhereNoFileHasGroundIsTakenWithAWarning) {
+  net::ServerOptions options = small_options();
+  options.ground_at = [](const PoseSettings& pose, double) {
+    return pose.latitude_deg < 60 ? GroundThere{} : GroundThere{0.25, "no file has ground there"};
+  };
+  const TestServer server(options);
+  client::Client client = connect(server);
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::Pose pose;
+  pose.set_latitude_deg(61);
+  wire::Ack ack;
+  ASSERT_TRUE(client.set_pose("main", pose, ack).ok());
+  ASSERT_EQ(ack.warnings_size(), 1);
+  EXPECT_EQ(ack.warnings(0), "no file has ground there");
+  EXPECT_EQ(ack.coverage(), 0.25);
+  pose.set_latitude_deg(59);
+  ASSERT_TRUE(client.set_pose("main", pose, ack).ok());
+  EXPECT_EQ(ack.warnings_size(), 0);
+  EXPECT_EQ(ack.coverage(), 1);
+}
+
 TEST(Server, RefusedSettingsNameEveryFieldAndChangeNothing) {
   const TestServer server;
   client::Client client = connect(server);

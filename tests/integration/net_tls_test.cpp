@@ -206,18 +206,18 @@ TEST_F(TlsTest, ACertificateIsExchangedWhileClientsAreConnected) {
   std::filesystem::copy_file(own.certificate, first);
 
   // Bad ones first: the old one stays.
-  folder.write("own.pem", "nonsense");
-  EXPECT_THROW(server.server().reload_security(), InputError);
+  folder.write("own.pem", "nonsense");  // tokens are another matter: see Withdrawal
+  EXPECT_NE(server.server().reload_security().certificate_fault, "");
   std::filesystem::copy_file(first, own.certificate, std::filesystem::copy_options::overwrite_existing);
   const TestCertificate next = make_certificate(folder.path(), "next");
   std::filesystem::copy_file(next.key, own.key, std::filesystem::copy_options::overwrite_existing);
-  EXPECT_THROW(server.server().reload_security(), InputError) << "the key is of the next certificate";
+  EXPECT_NE(server.server().reload_security().certificate_fault, "") << "the key is of the next certificate";
   client::Client meanwhile;
   EXPECT_TRUE(meanwhile.connect(server.endpoint(), trusting(first)).ok());
 
   std::filesystem::copy_file(next.certificate, own.certificate,
                              std::filesystem::copy_options::overwrite_existing);
-  server.server().reload_security();
+  EXPECT_EQ(server.server().reload_security().certificate_fault, "");
   client::Client after;
   const Status status = after.connect(server.endpoint(), trusting(next.certificate));
   EXPECT_TRUE(status.ok()) << status.sentence();

@@ -10,6 +10,7 @@
 #include "server/flight/scene_keeper.h"
 #include "terrain/errors.h"
 #include "tests/support/scenes.h"
+#include "tests/unit/terrain_files.h"
 
 namespace obliq::test {
 namespace {
@@ -211,6 +212,51 @@ TEST(SceneKeeper, ASceneThatCannotBeLoadedLeavesTheOldOneAndIsNotTriedAgainAtOnc
   EXPECT_EQ(keeper.state().swaps, 1u);
 }
 
+TEST(SceneKeeper, AFailureThatIsOverDoesNotLookPresent) {
+  Yard yard;
+  yard.fail_with("no ground there");
+  TestClock clock;
+  SceneKeeper keeper(flat_config(), tiny_scene(), yard.build(), yard.swap(), clock.now());
+  keeper.poses_changed(at(4));
+  while (keeper.state().failures == 0) std::this_thread::yield();
+  EXPECT_EQ(keeper.state().last_error, "no ground there");
+  EXPECT_EQ(keeper.state().well_s, 0);
+  clock.ms += 3000;
+  keeper.poses_changed(at(0));  // back where there is ground
+  clock.ms += 7000;
+  const SceneKeeper::State after = keeper.state();
+  EXPECT_EQ(after.last_error, "");
+  EXPECT_EQ(after.last_failure, "no ground there");
+  EXPECT_EQ(after.well_s, 7);
+}
+
+TEST(SceneKeeper, WhereNoFileHasGroundNothingIsTriedAndOtherRadarsDoNotSuffer) {
+  const Folder folder;
+  RasterPlan degree{.columns = 10, .rows = 10};
+  degree.geotransform = {-99.5, 0.1, 0, 33.5, 0, -0.1};
+  degree.value = [](double, double) { return 100.0; };
+  SceneConfig config = flat_config();
+  config.world.terrain.synthetic = SyntheticKind::none;
+  config.world.terrain.dem = {write_raster(folder, "degree.tif", degree)};
+  Yard yard;
+  SceneKeeper keeper(config, tiny_scene(), yard.build(), yard.swap());
+  EXPECT_EQ(keeper.ground_at({-99, 33}, 20000).warning, "");
+  EXPECT_EQ(keeper.ground_at({-99, 33}, 20000).coverage, 1);
+  const GroundThere far = keeper.ground_at({-118, 34}, 20000);
+  EXPECT_EQ(far.coverage, 0);
+  EXPECT_NE(
+      far.warning.find("terrain.dem covers longitude -99.5000 to -98.5000, latitude 32.5000 to 33.5000"),
+      std::string::npos)
+      << far.warning;
+  keeper.poses_changed(at(1458));
+  EXPECT_EQ(built_in_the_end(yard), 0u);
+  EXPECT_EQ(keeper.state().last_error, "");
+  keeper.poses_changed({at(1458)[0], at(4)[0]});
+  ASSERT_EQ(yard.wait_swaps(1), 1);
+  EXPECT_EQ(yard.wait_built(1)[0].world.reaches.size(), 1u) << "of the one that sees ground";
+  EXPECT_EQ(keeper.state().failures, 0u);
+}
+
 TEST(SceneKeeper, OfSeveralReloadsTheNewestWinsAndEachIsAnswered) {
   Yard yard;
   yard.open(false);
@@ -225,8 +271,10 @@ TEST(SceneKeeper, OfSeveralReloadsTheNewestWinsAndEachIsAnswered) {
   keeper.reload(other, third.done());
   EXPECT_NE(second.wait(), "");
   yard.open(true);
-  EXPECT_EQ(first.wait(), "");
+  EXPECT_NE(first.wait(), "") << "what is built for an older one is dropped";
   EXPECT_EQ(third.wait(), "");
+  EXPECT_EQ(keeper.state().swaps, 1u);
+  EXPECT_EQ(keeper.state().failures, 0u);
   const auto built = yard.wait_built(2);
   ASSERT_EQ(built.size(), 2u);
   EXPECT_EQ(built[1].name, "third");
@@ -272,7 +320,7 @@ TEST(SceneKeeper, StoppingAnswersWhatWaits) {
   std::thread opener([&] { yard.open(true); });
   keeper.reset();
   opener.join();
-  EXPECT_EQ(first.wait(), "") << "what was in hand is finished";
+  EXPECT_NE(first.wait(), "") << "a newer one had come";
   EXPECT_EQ(second.wait(), "the server is stopping");
 }
 
