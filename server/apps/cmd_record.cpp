@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cinttypes>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -140,8 +139,6 @@ void run(const RecordArguments& arguments) {
   const wire::PlaneSet planes =
       arguments.planes.empty() ? wire::kAllPlanes : planes_from_names(arguments.planes);
   heed_interrupts();
-  // A file that may grow no further is reported as such, not by the signal's default, which is to die.
-  (void)std::signal(SIGXFSZ, SIG_IGN);
   client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
   resume.give_up = interrupted;
   client::ResumingClient client(connect_to_server(arguments.server, "obliq record"), resume);
@@ -183,7 +180,7 @@ void add_record(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "record", "Record what a server sends about a radar, byte for byte; Ctrl-C ends it cleanly");
   auto arguments = std::make_shared<RecordArguments>();
-  add_server_arguments(*command, arguments->server);
+  add_server_arguments(*command, arguments->server, true);
   add_stream_arguments(*command, arguments->stream);
   command->add_option("--out", arguments->out, "The recording; must not exist yet")
       ->required()

@@ -38,6 +38,7 @@
 #include "server/net/server.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace obliq {
 namespace {
@@ -166,7 +167,7 @@ void Daemon::read_again() {
     meet_accuracy(*to_build, [](const std::string& line) { spdlog::info("{}", line); }, {});
     server_->reload_security();
   } catch (const std::exception& e) {
-    fault = e.what();
+    fault = failure_text(e);
     std::ranges::replace(fault, '\n', ' ');
   }
   io_.post([this, fault, wanted, to_build] {

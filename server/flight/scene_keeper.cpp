@@ -9,6 +9,7 @@
 #include "server/flight/background.h"
 #include "server/scene/scene.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 #include "terrain/parallel.h"
 
 namespace obliq {
@@ -171,7 +172,7 @@ void SceneKeeper::serve(Request request, const std::stop_token& stop, std::uniqu
     on_this_thread_alone([&] { scene = build_(aimed_at(request.config, request.window), stop); });
     if (!scene) error = "nothing was built";
   } catch (const std::exception& e) {
-    error = e.what();
+    error = failure_text(e);
   }
   if (scene) swap_(scene);
   const double build_s = Seconds(Clock::now() - start).count();

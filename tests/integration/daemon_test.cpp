@@ -163,7 +163,10 @@ TEST_F(DaemonTest, APortInUseIsKnownBeforeAnythingIsLoaded) {
   const std::string port = running.address().substr(running.address().find(':') + 1);
   const Outcome second = run_program(OBLIQD_PROGRAM, {"--config", scene, "--port", port}, folder.path());
   EXPECT_EQ(second.code, 1);
-  EXPECT_EQ(second.err, "obliqd: cannot listen on " + running.address() + ": Address already in use\n");
+  EXPECT_EQ(second.err,
+            "obliqd: cannot listen on " + running.address() +
+                ": Address already in use; end what listens there (another obliqd?), or take another "
+                "port: 0 takes any that is free\n");
 }
 
 TEST_F(DaemonTest, APoseIsPrintedWithItsHemispheres) {
