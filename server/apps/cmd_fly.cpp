@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
@@ -139,6 +140,11 @@ class Flight {
     wire::Ack ack;
     if (const client::Status status = client_.set_pose(radar_, pose, ack); !status.ok())
       throw InputError(where + ": " + status.sentence());
+    const std::vector<std::string> warnings(ack.warnings().begin(), ack.warnings().end());
+    for (const std::string& warning : warnings)
+      if (std::ranges::find(warnings_, warning) == warnings_.end())
+        std::fprintf(stderr, "warning: %s: %s\n", where.c_str(), warning.c_str());
+    warnings_ = warnings;
     ++sent_;
     last_ = point;
   }
@@ -148,7 +154,8 @@ class Flight {
   const FlyArguments& arguments_;
   Clock::time_point start_;
   double first_s_ = 0;
-  TrackPoint last_;  ///< that was sent
+  std::vector<std::string> warnings_;  ///< of the newest pose
+  TrackPoint last_;                    ///< that was sent
   std::uint64_t sent_ = 0;
   double late_s_ = 0;
 };

@@ -6,6 +6,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/pose_text.h"
+#include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
@@ -51,6 +52,7 @@ void run(const PoseArguments& arguments) {
     wire::Ack ack;
     require(client.claim_control(radar));
     require(client.set_pose(radar, pose, ack));
+    for (const std::string& warning : ack.warnings()) say_on_terminal("warning: " + warning);
     require(client.get_radar(radar, info));
     require(client.release_control(radar));
   }

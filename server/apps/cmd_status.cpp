@@ -48,12 +48,17 @@ void print_server(const client::Client& client, const wire::Status& status) {
               client.welcome().scene_name().c_str(), status.uptime_s(), status.clients(),
               status.clients() == 1 ? "" : "s", static_cast<double>(status.bytes_sent()) * 1e-6,
               status.frames_dropped(), status.renders_queued());
-  if (status.windows_loaded() > 0 || status.window_failures() > 0 || status.window_loading()) {
-    std::printf("terrain: %" PRIu64 " loaded since the start, %" PRIu64 " could not be%s%s%s\n",
-                status.windows_loaded(), status.window_failures(),
-                status.window_loading() ? ", one is being loaded" : "",
-                status.window_error().empty() ? "" : "; the last: ", status.window_error().c_str());
+  if (status.windows_loaded() == 0 && status.window_failures() == 0 && !status.window_loading()) return;
+  std::printf("terrain: %" PRIu64 " loaded since the start, %" PRIu64 " could not be%s",
+              status.windows_loaded(), status.window_failures(),
+              status.window_loading() ? ", one is being loaded" : "");
+  if (!status.window_error().empty()) {
+    std::printf("; at present: %s", status.window_error().c_str());
+  } else if (status.window_well_s() > 0) {
+    std::printf("; all is well since %.0f s, before that: %s", status.window_well_s(),
+                status.window_failure().c_str());
   }
+  std::printf("\n");
 }
 
 void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
@@ -80,6 +85,10 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
                 settings.scan_mode() == wire::SECTOR_SCAN ? "its sector" : "round",
                 settings.scan_rate_deg_s());
   std::printf("\n  sampling: %s\n", sampling_text(settings).c_str());
+  if (radar.has_coverage()) {
+    std::printf("  ground: under %.4g %% of the newest frame's sector%s%s\n", 100 * radar.coverage(),
+                radar.coverage_reason().empty() ? "" : "; ", radar.coverage_reason().c_str());
+  }
 }
 
 void print_json(const client::Client& client, const wire::Status& status,
@@ -94,6 +103,7 @@ void print_json(const client::Client& client, const wire::Status& status,
     const Json info = Json::parse(message_json(infos[i]));
     radar["pose"] = info["pose"];
     radar["settings"] = info["settings"];
+    if (!status.radars(static_cast<int>(i)).has_coverage()) radar.erase("coverage");
     radar["sampling"] = sampling_text(infos[i].settings());
     if (only.empty() || infos[i].radar() == only) radars.push_back(std::move(radar));
   }
