@@ -1,5 +1,6 @@
 #include "client/client.h"
 
+#include <cstdio>
 #include <utility>
 
 #include "client/frame_dispatch.h"
@@ -27,7 +28,12 @@ struct Client::State {
   Clock::time_point last_heard;
 
   template <typename Request, typename Reply>
-  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply);
+  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply) {
+    return call(type, request, reply_type, reply, options.reply_timeout);
+  }
+  template <typename Request, typename Reply>
+  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply, Timeout patience);
+  Status explain_silence(Status status) const;
   template <typename Request>
   Status acknowledged(MessageType type, Request& request) {
     wire::Ack ack;
@@ -66,14 +72,15 @@ Status Client::State::receive(Message& message, Timeout timeout) {
 }
 
 template <typename Request, typename Reply>
-Status Client::State::call(MessageType type, Request& request, MessageType reply_type, Reply& reply) {
+Status Client::State::call(MessageType type, Request& request, MessageType reply_type, Reply& reply,
+                           Timeout patience) {
   request.set_request_id(++last_request);
   const Status sent = connection.send(type, request);
   if (!sent.ok() && sent.outcome != Outcome::closed) return sent;
   // Where sending failed because the server has closed, its last words may still wait to be read.
   for (;;) {
     Message message;
-    if (Status status = receive(message, options.reply_timeout); !status.ok()) {
+    if (Status status = receive(message, patience); !status.ok()) {
       return sent.ok() ? status : sent;
     }
     last_heard = Clock::now();
@@ -94,6 +101,19 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (Status status = dispatch(message); !status.ok()) return status;
     }
   }
+}
+
+// Of a Hello without an answer: what may listen there.
+Status Client::State::explain_silence(Status status) const {
+  char silence[32];
+  std::snprintf(silence, sizeof silence, "%.3g",
+                std::chrono::duration<double>(options.hello_timeout).count());
+  if (status.outcome == Outcome::timed_out)
+    status.text = std::string("something takes connections there, but has said nothing for ") + silence +
+                  " s: it is not obliqd, or too busy to answer";
+  if (status.outcome == Outcome::closed)
+    status.text += "; it took the connection and said nothing: is it obliqd?";
+  return status;
 }
 
 // Nothing has come, nor waits to be read: a server that is there would have sent heartbeats.
@@ -129,7 +149,8 @@ Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
   hello.set_minor(wire::kMinorVersion);
   hello.set_token(options.token);
   hello.set_client_name(options.name.substr(0, wire::kMaxNameBytes));
-  Status status = state_->call(MessageType::hello, hello, MessageType::welcome, state_->welcome);
+  Status status = state_->explain_silence(
+      state_->call(MessageType::hello, hello, MessageType::welcome, state_->welcome, options.hello_timeout));
   const wire::Welcome& welcome = state_->welcome;
   if (status.ok() && welcome.major() != wire::kMajorVersion) {
     status = Status::failure(Outcome::bad_stream,
@@ -149,7 +170,8 @@ Status Client::reconnect() {
   if (state_->handler != nullptr) state_->handler->on_lost();
   state_->welcome.Clear();
   const Endpoint endpoint = state_->endpoint;
-  const ClientOptions options = state_->options;
+  ClientOptions options = state_->options;
+  options.hello_timeout = options.reply_timeout;  // that it is obliqd is known
   return connect(endpoint, options);
 }
 
@@ -196,6 +218,14 @@ Status Client::set_pose(const std::string& radar, const wire::Pose& pose, wire::
   request.set_radar(radar);
   *request.mutable_pose() = pose;
   return state_->call(MessageType::set_pose, request, MessageType::ack, ack);
+}
+
+Status Client::set_state(const std::string& radar, std::optional<bool> transmit, std::optional<bool> freeze) {
+  wire::SetState request;
+  request.set_radar(radar);
+  if (transmit) request.set_transmit(*transmit);
+  if (freeze) request.set_freeze(*freeze);
+  return state_->acknowledged(MessageType::set_state, request);
 }
 
 Status Client::subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes) {

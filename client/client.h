@@ -2,6 +2,7 @@
 // Talks to an obliqd: one call per request, frames to a handler. Blocking, for one thread at a time.
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "client/connection.h"
@@ -28,6 +29,7 @@ struct ClientOptions {
   TlsOptions tls{};
   Timeout connect_timeout{5000};
   Timeout reply_timeout{30000};
+  Timeout hello_timeout{30000};  ///< for the answer to the first connection's Hello
 };
 
 class Client {
@@ -60,6 +62,8 @@ class Client {
   Status release_control(const std::string& radar);
   Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
   Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);
+  /// Transmit and freeze, on or off; nothing leaves one as it is.
+  Status set_state(const std::string& radar, std::optional<bool> transmit, std::optional<bool> freeze);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
   /// As the request says; its request_id is set.
   Status subscribe(wire::Subscribe& request);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/foreign_greeting.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 
@@ -13,6 +14,10 @@ namespace {
 constexpr Timeout kMessageTimeout{30000};
 // An Error without TLS, see explain_tls_failure.
 constexpr std::uint32_t kLongestFarewellBytes = 4096;
+constexpr std::size_t kMagicBytes = 4;
+// Of a stranger's first words, as far as they come without waiting.
+constexpr std::size_t kGreetingBytes = 60;
+constexpr Timeout kGreetingPause{20};
 
 }  // namespace
 
@@ -70,10 +75,28 @@ Status Connection::receive(Message& message, Timeout timeout) {
   return status;
 }
 
+// Bytes that are no obliq stream: with what waits behind them they tell who is there.
+Status Connection::foreign(std::span<const std::byte> magic) {
+  wire::Bytes said(magic.begin(), magic.end());
+  while (said.size() < kGreetingBytes && socket_.wait_readable(kGreetingPause).ok()) {
+    std::byte next{};
+    if (!socket_.receive(std::span(&next, 1), kGreetingPause).ok()) break;
+    said.push_back(next);
+  }
+  return Status::failure(Outcome::bad_stream, foreign_greeting(said));
+}
+
 Status Connection::receive_begun(Message& message) {
   const std::span<std::byte> all(message.head);
   const auto fixed = all.first<wire::kHeaderBytes>();
-  if (Status status = socket_.receive(fixed, kMessageTimeout); !status.ok()) return status;
+  // The magic alone first: what is not obliq is known at once, however little it says.
+  const auto magic = fixed.first(kMagicBytes);
+  if (Status status = socket_.receive(magic, kMessageTimeout); !status.ok()) return status;
+  std::fill(fixed.begin() + kMagicBytes, fixed.end(), std::byte{0});
+  if (wire::decode_header(fixed, wire::kMaxPayloadBytes, message.header) == wire::HeaderStatus::bad_magic)
+    return foreign(magic);
+  if (Status status = socket_.receive(fixed.subspan(kMagicBytes), kMessageTimeout); !status.ok())
+    return status;
   const auto decoded = wire::decode_header(fixed, wire::kMaxPayloadBytes, message.header);
   if (decoded != wire::HeaderStatus::ok) {
     return Status::failure(Outcome::bad_stream,

@@ -36,6 +36,7 @@ class Connection {
 
  private:
   Status receive_begun(Message& message);
+  Status foreign(std::span<const std::byte> magic);
   Status explain_tls_failure(Status failure, Timeout timeout);
 
   Socket socket_;

@@ -13,8 +13,8 @@ struct Endpoint {
   std::string text() const;
 };
 
-/// "HOST", "HOST:PORT", "[IPv6]" or "[IPv6]:PORT"; without a port the default one. Nothing if it is none of
-/// these.
+/// "HOST", "HOST:PORT", ":PORT", "PORT", "[IPv6]" or "[IPv6]:PORT"; without a port the default one, without a
+/// host 127.0.0.1. Nothing if it is none of these.
 std::optional<Endpoint> parse_endpoint(std::string_view text);
 
 }  // namespace obliq::client

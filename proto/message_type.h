@@ -25,6 +25,7 @@ enum class MessageType : std::uint16_t {
   render_once = 26,
   get_status = 27,
   status = 28,
+  set_state = 29,
 
   frame_begin = 48,
   wedge_block = 49,

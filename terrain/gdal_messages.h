@@ -16,6 +16,8 @@ class GdalMessages {
   const std::string& failure() const { return failure_; }
   /// failure(), or the fallback when GDAL gave no reason.
   std::string reason(const char* fallback) const { return failure_.empty() ? fallback : failure_; }
+  /// As reason(), without the path that GDAL begins with: for sentences that have named it.
+  std::string reason_without(const std::string& path, const char* fallback) const;
   void clear() { failure_.clear(); }
   void keep(const char* message);
 

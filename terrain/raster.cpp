@@ -75,7 +75,7 @@ void Raster::open() {
   GdalMessages messages;
   dataset_.reset(opened(path_, GDAL_OF_RASTER).release());
   if (!dataset_) {
-    const std::string reason = messages.reason("it cannot be opened");
+    const std::string reason = messages.reason_without(path_, "it cannot be opened");
     if (opened(path_, GDAL_OF_VECTOR)) refuse("it holds vectors only", "a raster");
     refuse(reason, "a raster that GDAL can open");
   }

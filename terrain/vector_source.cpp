@@ -26,7 +26,7 @@ Dataset opened(const VectorQuery& query) {
   Dataset dataset(
       GDALDataset::Open(query.path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   if (!dataset) {
-    const std::string reason = messages.reason("it cannot be opened");
+    const std::string reason = messages.reason_without(query.path, "it cannot be opened");
     const Dataset raster(GDALDataset::Open(query.path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
     if (raster) refuse(query, "it holds a raster only", "polygons, or a class raster with its classes named");
     refuse(query, reason, "a vector source that OGR can open");

@@ -13,6 +13,7 @@
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
+#include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/output/frame_files.h"
 #include "terrain/errors.h"
@@ -35,6 +36,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// A frame on request is whole and taken at once.
+std::string why_not_of_one_frame(const Parameter& parameter) {
+  const std::string_view name = parameter.key.name;
+  if (!name.starts_with("scan.") && name != "antenna.valid_s") return {};
+  return "a frame on request takes no notice of it; allowed: parameters other than scan.* and "
+         "antenna.valid_s (for a live radar: `obliq set`, `obliq pose`)";
+}
+
 /// The radar as it is on the server, with the flags applied.
 wire::RenderOnce request_for(client::Client& client, const GetArguments& arguments) {
   const std::string name = choose_remote_radar(client, arguments.server);
@@ -49,7 +58,7 @@ wire::RenderOnce request_for(client::Client& client, const GetArguments& argumen
   // Which pose of a controller this was, and when, is not part of a frame of our own.
   radar.pose.pose_id = 0;
   radar.pose.sim_time_ns = 0;
-  apply_radar_flags(arguments.set, radar);
+  apply_radar_flags(arguments.set, radar, {.why_not = why_not_of_one_frame});
   wire::RenderOnce request;
   request.set_radar(name);
   write_message(radar.settings, *request.mutable_settings());
@@ -105,7 +114,7 @@ void run(const GetArguments& arguments) {
 void add_get(CLI::App& app) {
   CLI::App* command = app.add_subcommand("get", "Fetch one frame from a server into files");
   auto arguments = std::make_shared<GetArguments>();
-  add_server_arguments(*command, arguments->server);
+  add_server_arguments(*command, arguments->server, true);
   add_stream_arguments(*command, arguments->stream);
   command
       ->add_option("--set", arguments->set,

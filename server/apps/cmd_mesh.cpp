@@ -50,7 +50,7 @@ class PlyWriter {
   std::ofstream file_;
 };
 
-void write_ply(const World& world, const std::string& path) {
+void write_ply(const World& world, const std::string& path, const Progress& progress) {
   const HeightGrid& grid = world.grid;
   std::vector<std::uint32_t> number(grid.y_m.size(), 0);  // of the known nodes, in grid order
   std::uint32_t n_nodes = 0;
@@ -69,6 +69,7 @@ void write_ply(const World& world, const std::string& path) {
                    static_cast<float>(grid.node_z_m(j)));
   for (const glm::vec3& v : world.buildings.vertices_m) ply.vertex(v.x, v.y, v.z);
   for (int j = 0; j + 1 < grid.nz; ++j) {
+    progress("writing triangles", static_cast<double>(j) / grid.nz);
     for (int i = 0; i + 1 < grid.nx; ++i) {
       if (!grid.cell_known(i, j)) continue;
       const std::uint32_t v00 = number[grid.index(i, j)];
@@ -85,6 +86,7 @@ void write_ply(const World& world, const std::string& path) {
                  world.buildings.triangle_face[t]);
   }
   ply.close();
+  progress("writing triangles", 1);
   std::printf("%s: %llu triangles of ground, %zu of buildings\n", path.c_str(),
               static_cast<unsigned long long>(2 * cells), world.buildings.triangles.size());
 }
@@ -102,7 +104,7 @@ void add_mesh(CLI::App& app) {
     if (!config) return;
     if (out->empty()) throw InputError("mesh: --out: found nothing; allowed: a file to write");
     meet_accuracy(*config, say_on_terminal, terminal_progress());
-    write_ply(*load_world_with_report(*config), *out);
+    write_ply(*load_world_with_report(*config), *out, terminal_progress());
   });
 }
 

@@ -1,12 +1,14 @@
 // `obliq pose`: moves the antenna of a live radar.
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
+#include "server/apps/pose_text.h"
+#include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
+#include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "terrain/errors.h"
 
@@ -25,11 +27,16 @@ constexpr std::pair<const char*, const char*> kShortcuts[] = {
     {"--bearing", "antenna.bearing_deg"},
 };
 
+std::string why_not_a_pose(const Parameter& parameter) {
+  if (parameter.message == WireMessage::pose) return {};
+  return "is a setting; allowed: keys that begin with antenna.; settings are changed by `obliq set " +
+         std::string(parameter.key.name) + "=VALUE`";
+}
+
 void run(const PoseArguments& arguments) {
-  for (const std::string& flag : arguments.set) {
-    if (flag.rfind("antenna.", 0) == 0) continue;
-    throw InputError("--set: found " + flag + "; allowed: a pose has keys that begin with antenna.");
-  }
+  RadarConfig unused;
+  apply_radar_flags(arguments.set, unused,
+                    {.why_not = why_not_a_pose});  // mistakes are told without a server
   client::Client client = connect_to_server(arguments.server, "obliq pose");
   const std::string radar = choose_remote_radar(client, arguments.server);
   wire::RadarInfo info;
@@ -45,17 +52,11 @@ void run(const PoseArguments& arguments) {
     wire::Ack ack;
     require(client.claim_control(radar));
     require(client.set_pose(radar, pose, ack));
+    for (const std::string& warning : ack.warnings()) say_on_terminal("warning: " + warning);
     require(client.get_radar(radar, info));
     require(client.release_control(radar));
   }
-  const wire::Pose& pose = info.pose();
-  std::printf("%s: %.7f %c, %.7f %c, %.2f m above %s, bearing %.3f degrees\n", radar.c_str(),
-              std::abs(pose.latitude_deg()), pose.latitude_deg() < 0 ? 'S' : 'N',
-              std::abs(pose.longitude_deg()), pose.longitude_deg() < 0 ? 'W' : 'E', pose.height_m(),
-              pose.height_reference() == wire::GROUND      ? "ground"
-              : pose.height_reference() == wire::ELLIPSOID ? "ellipsoid"
-                                                           : "datum",
-              pose.bearing_deg());
+  std::printf("%s: %s\n", radar.c_str(), pose_text(info.pose()).c_str());
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ void run(const PoseArguments& arguments) {
 void add_pose(CLI::App& app) {
   CLI::App* command = app.add_subcommand("pose", "Show or set where a server's radar stands and looks");
   auto arguments = std::make_shared<PoseArguments>();
-  add_server_arguments(*command, arguments->server);
+  add_server_arguments(*command, arguments->server, true);
   command->add_option("--set", arguments->set, "KEY=VALUE, e.g. antenna.bearing_deg=90 (repeatable)")
       ->type_name("KEY=VALUE")
       ->expected(1)

@@ -174,7 +174,7 @@ void add_record(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "record", "Record what a server sends about a radar, byte for byte; Ctrl-C ends it cleanly");
   auto arguments = std::make_shared<RecordArguments>();
-  add_server_arguments(*command, arguments->server);
+  add_server_arguments(*command, arguments->server, true);
   add_stream_arguments(*command, arguments->stream);
   command->add_option("--out", arguments->out, "The recording; must not exist yet")
       ->required()

@@ -73,11 +73,16 @@ void report(const client::RecordingLosses& losses, const std::string& path) {
 
 // ---- To the terminal and to files ----
 
+/// In floating point: the times are whatever the file says.
+double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
+  return (static_cast<double>(to_ns) - static_cast<double>(from_ns)) * 1e-9;
+}
+
 void print_frame(const client::RecordedFrame& recorded, std::int64_t start_ns) {
   const client::AssembledFrame& frame = recorded.frame;
   std::printf("frame %" PRIu64
               ": %.3f s into the recording, rendered in %.1f ms, first wedge after %.1f ms, %.2f MB\n",
-              frame.descriptor->frame_id(), static_cast<double>(recorded.end_utc_ns - start_ns) * 1e-9,
+              frame.descriptor->frame_id(), seconds_between(start_ns, recorded.end_utc_ns),
               1000 * frame.render_s, static_cast<double>(recorded.first_wedge_ns) * 1e-6,
               static_cast<double>(recorded.bytes) * 1e-6);
   std::fflush(stdout);

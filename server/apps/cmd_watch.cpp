@@ -1,5 +1,6 @@
 // `obliq watch`: subscribes to a radar and prints a line per frame.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
@@ -33,6 +34,9 @@ constexpr client::Timeout kSilence{60000};
 // Errors below this number end the connection, those above concern a radar that may recover.
 constexpr std::uint32_t kFirstErrorOfRadar = 100;
 
+// Coverage from which on all of the sector has ground, but for what rounding leaves.
+constexpr double kWhole = 0.99995;
+
 double milliseconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-6; }
 
 /// An assembler that also takes the times along the way.
@@ -62,8 +66,10 @@ class TimedFrames : public client::FrameAssembler {
                 static_cast<double>(bytes_) * 1e-6);
     if (frame().frames_skipped != 0) std::printf(", %" PRIu64 " skipped before it", frame().frames_skipped);
     if (pose_age_ns_ != 0) std::printf(", pose %.1f ms old", milliseconds(pose_age_ns_));
+    if (end.summary().coverage() < kWhole) std::printf(", coverage %.4g %%", 100 * end.summary().coverage());
     std::printf("\n");
     std::fflush(stdout);
+    tell_warnings(*frame().descriptor);
     return FrameAssembler::on_end(header, end);
   }
   client::Status on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) override {
@@ -73,6 +79,16 @@ class TimedFrames : public client::FrameAssembler {
   }
 
  private:
+  /// Those that were not there with the frame before, and those that are over.
+  void tell_warnings(const wire::FrameDescriptor& descriptor) {
+    const std::vector<std::string> now(descriptor.warnings().begin(), descriptor.warnings().end());
+    for (const std::string& warning : now)
+      if (std::ranges::find(warnings_, warning) == warnings_.end())
+        std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    for (const std::string& warning : warnings_)
+      if (std::ranges::find(now, warning) == now.end()) std::fprintf(stderr, "over: %s\n", warning.c_str());
+    warnings_ = now;
+  }
   void print_scan(const wire::FrameEnd& end) const {
     std::uint32_t missed = 0;
     for (const wire::AzimuthSpan& span : end.missed()) missed += span.n_azimuth();
@@ -82,6 +98,7 @@ class TimedFrames : public client::FrameAssembler {
   }
 
   std::unique_ptr<wire::ScanPass> scan_;  ///< of a scanning antenna
+  std::vector<std::string> warnings_;     ///< of the newest frame
   std::int64_t first_wedge_ns_ = 0;
   std::int64_t pose_age_ns_ = 0;
   std::uint64_t bytes_ = 0;
@@ -140,7 +157,7 @@ void add_watch(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "watch", "Watch a server's radar, one line per frame, or per pass of an antenna that scans");
   auto arguments = std::make_shared<WatchArguments>();
-  add_server_arguments(*command, arguments->server);
+  add_server_arguments(*command, arguments->server, true);
   add_stream_arguments(*command, arguments->stream);
   command
       ->add_option("--rate", arguments->rate_hz,

@@ -27,6 +27,8 @@ void add_watch(CLI::App& app);       ///< frames as they come
 void add_record(CLI::App& app);      ///< frames as they come, into a file
 void add_replay(CLI::App& app);      ///< that file again
 void add_pose(CLI::App& app);        ///< where a live radar stands
+void add_fly(CLI::App& app);         ///< along a track
+void add_set(CLI::App& app);         ///< the settings of a live radar
 void add_status(CLI::App& app);      ///< what a server is doing
 void add_health(CLI::App& app);      ///< whether the daemon of this machine is healthy
 void add_parameters(CLI::App& app);  ///< the reference of radar parameters

@@ -39,6 +39,7 @@
 #include "server/net/server.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace obliq {
 namespace {

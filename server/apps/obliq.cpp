@@ -6,14 +6,16 @@
 #include <string>
 
 #include "server/apps/commands.h"
+#include "server/apps/parse_failure.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace {
 
 constexpr auto kCommands = {
-    obliq::add_render, obliq::add_frontier, obliq::add_frustum,    obliq::add_explain, obliq::add_mesh,
-    obliq::add_get,    obliq::add_watch,    obliq::add_record,     obliq::add_replay,  obliq::add_pose,
-    obliq::add_status, obliq::add_health,   obliq::add_parameters,
+    obliq::add_render, obliq::add_frontier, obliq::add_frustum, obliq::add_explain, obliq::add_mesh,
+    obliq::add_get,    obliq::add_watch,    obliq::add_record,  obliq::add_replay,  obliq::add_pose,
+    obliq::add_fly,    obliq::add_set,      obliq::add_status,  obliq::add_health,  obliq::add_parameters,
 };
 
 constexpr int kFailed = 1;
@@ -29,7 +31,8 @@ int complain(std::string what, int code = kFailed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A file that may grow no further is reported as such, not by the signal's default, which is to die.
+  // A file that may grow no further (ulimit -f) is reported by whoever writes it, not by the signal's
+  // default, which is to die without a word.
   (void)std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
       "Radar ground maps of real terrain: azimuth x range bins of complex I&Q, and pictures of them.",
@@ -48,10 +51,10 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help and --version arrive here too
-    return complain(std::string(e.what()) + " (`obliq --help` lists what there is)");
+    return complain(obliq::explain_parse_failure(app, e, argc, argv));
   } catch (const obliq::PartlyDone& e) {
     return complain(e.what(), kPartlyDone);
   } catch (const std::exception& e) {  // InputError above all; a bad_alloc deserves its line as well
-    return complain(e.what());
+    return complain(obliq::failure_text(e));
   }
 }

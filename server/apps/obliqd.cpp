@@ -12,8 +12,10 @@
 
 #include "server/apps/daemon.h"
 #include "server/apps/library_logs.h"
+#include "server/apps/parse_failure.h"
 #include "server/apps/scene_arguments.h"
 #include "server/log/service_log.h"
+#include "terrain/failure_text.h"
 
 namespace {
 
@@ -37,7 +39,7 @@ int main(int argc, char** argv) {
       "obliqd"};
   app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
   obliq::SceneArguments arguments;
-  obliq::add_scene_arguments(app, "--config", arguments);
+  obliq::add_scene_arguments(app, "SCENE,--config", arguments);
   const auto setting = [&](const char* key) {
     return [&arguments, key](const std::string& value) {
       arguments.set.push_back(std::string(key) + "=" + value);
@@ -62,12 +64,12 @@ int main(int argc, char** argv) {
     return std::cout ? 0 : 1;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    std::cerr << "obliqd: " << e.what() << " (`obliqd --help` lists what there is)\n";
+    std::cerr << "obliqd: " << obliq::explain_parse_failure(app, e, argc, argv) << '\n';
   } catch (const std::exception& e) {
     if (log.format == obliq::LogFormat::json) {
-      spdlog::error("{}", e.what());
+      spdlog::error("{}", obliq::failure_text(e));
     } else {
-      std::cerr << "obliqd: " << e.what() << '\n';
+      std::cerr << "obliqd: " << obliq::failure_text(e) << '\n';
     }
   }
   return 1;

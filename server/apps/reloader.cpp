@@ -18,6 +18,7 @@
 #include "server/net/security.h"
 #include "server/net/server.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace obliq {
 namespace {
@@ -112,7 +113,7 @@ void Reloader::read_scene(int number, const std::string& taken) {
     meet_accuracy(read.to_build, say, [&](std::string_view, double) { go_on(); });
     go_on();
   } catch (const std::exception& e) {
-    read.fault = one_line(e.what());
+    read.fault = one_line(failure_text(e));
   }
   io_.post([this, number, taken, read = std::move(read)] { take_over(number, taken, read); });
 }

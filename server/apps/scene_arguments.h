@@ -19,7 +19,9 @@ struct SceneArguments {
   bool print = false;
 };
 
-/// Adds the scene file (`name`: "SCENE" for a positional one, "--config" for an option), --set,
+/// Adds the scene file (`name`: "SCENE" for a positional one, "SCENE,--config" for one that is an option,
+/// too),
+/// --set,
 /// --check-config and --print-config. `arguments` must outlive the parsing.
 void add_scene_arguments(CLI::App& app, const std::string& name, SceneArguments& arguments);
 

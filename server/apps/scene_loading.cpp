@@ -75,15 +75,6 @@ Pose place_radar(const World& world, const RadarConfig& radar) {
   throw InputError("radar \"" + radar.name + "\": " + all_text(errors));
 }
 
-Progress terminal_progress() {
-  if (!isatty(STDERR_FILENO)) return {};
-  return [](std::string_view stage, double fraction) {
-    std::fprintf(stderr, "\r\033[K%.*s %3.0f %%", static_cast<int>(stage.size()), stage.data(),
-                 100 * fraction);
-    if (fraction >= 1) std::fputs("\r\033[K", stderr);
-  };
-}
-
 void say_on_terminal(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
 void say_notes(const SceneConfig& config) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/apps/terminal_progress.h"
 #include "server/control/scene_config.h"
 #include "server/radar/pose.h"
 #include "server/scene/scene.h"
@@ -24,9 +25,6 @@ const RadarConfig& choose_radar(const SceneConfig& config, const std::string& na
 
 /// Places the radar's antenna. Throws InputError with every reason why it cannot stand there.
 Pose place_radar(const World& world, const RadarConfig& radar);
-
-/// A progress line on stderr when it is a terminal; silent otherwise.
-Progress terminal_progress();
 
 /// One line on stderr.
 void say_on_terminal(const std::string& line);

@@ -16,6 +16,7 @@
 #include "server/control/config_tree.h"
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
+#include "server/control/scene_keys.h"
 #include "terrain/errors.h"
 #include "terrain/regular_file.h"
 
@@ -24,6 +25,8 @@ namespace {
 
 constexpr int kMaxWait_s = 86400;
 constexpr std::chrono::milliseconds kRetryPause{100};
+// obliqd answers a Hello at once. What is silent for longer is told from it, unless --wait has patience.
+constexpr client::Timeout kGreeted{2000};
 constexpr int kMostTokenLines = 100;
 constexpr std::size_t kLongestTokenBytes = 256;
 
@@ -33,19 +36,31 @@ bool may_come_up(client::Outcome outcome) {
          outcome == client::Outcome::closed;
 }
 
+/// What a key is that is no radar parameter.
+std::string why_no_parameter(const std::string& name) {
+  constexpr auto kList = "`obliq parameters` lists them";
+  std::vector<std::string> names{"frustum.quality", "frustum.pixels"};
+  for (const Parameter& known : parameters()) names.emplace_back(known.key.name);
+  std::vector<std::string> of_scene;
+  for (const auto& entry : scene_entries()) of_scene.emplace_back(entry.key.name);
+  for (const SpecialKey& key : special_keys()) of_scene.emplace_back(key.name);
+  if (std::ranges::find(of_scene, name) != of_scene.end())
+    return std::string(
+               "belongs to the scene, which obliqd reads when it starts and at SIGHUP; allowed: a "
+               "radar parameter; ") +
+           kList;
+  const std::string near = nearest_name(name, names);
+  return "an unknown key; " + (near.empty() ? kList : "did you mean " + near + "?");
+}
+
 /// Puts one value in its place, or adds a complaint.
-void set_parameter(const std::string& name, const ConfigNode& node, RadarConfig& radar,
-                   Complaints& complaints) {
-  const std::string where = "--set " + name;
+void set_parameter(const std::string& name, const ConfigNode& node, const FlagRules& rules,
+                   RadarConfig& radar, Complaints& complaints) {
+  const std::string where = rules.where + " " + name;
   const Parameter* parameter = find_parameter(name);
-  if (parameter == nullptr) {
-    std::vector<std::string> names;
-    for (const Parameter& known : parameters()) names.emplace_back(known.key.name);
-    const std::string near = nearest_name(name, names);
-    complaints.add(where + ": an unknown key; " +
-                   (near.empty() ? "`obliq parameters` lists them" : "did you mean " + near + "?"));
-    return;
-  }
+  if (parameter == nullptr) return complaints.add(where + ": " + why_no_parameter(name));
+  if (const std::string why = rules.why_not ? rules.why_not(*parameter) : ""; !why.empty())
+    return complaints.add(where + ": " + why);
   const Slot slot = parameter->slot(radar);
   const bool is_value = node.kind == ConfigNode::Kind::value;
   auto error = is_value ? store(parameter->key, slot, node.value)
@@ -78,9 +93,11 @@ std::string read_token(const std::string& path) {
 
 }  // namespace
 
-void add_server_arguments(CLI::App& app, ServerArguments& arguments) {
-  app.add_option("--server", arguments.server, "Where obliqd listens")
-      ->type_name("HOST[:PORT]")
+void add_server_arguments(CLI::App& app, ServerArguments& arguments, bool positional) {
+  app.add_option(positional ? "SERVER,--server" : "--server", arguments.server,
+                 "Where obliqd listens: HOST:PORT, HOST, :PORT or PORT, [IPv6]:PORT")
+      ->type_name("HOST:PORT")
+      ->envname("OBLIQ_SERVER")
       ->default_val("127.0.0.1:7420");
   app.add_option("--radar", arguments.radar, "Which radar; without: the only one, or the one named main")
       ->type_name("NAME");
@@ -107,11 +124,13 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
   const auto endpoint = client::parse_endpoint(arguments.server);
   if (!endpoint) {
     throw InputError("--server: found \"" + arguments.server +
-                     "\"; allowed: HOST or HOST:PORT, such as 127.0.0.1:7420");
+                     "\"; allowed: HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT, such as 127.0.0.1:7420");
   }
   if (!arguments.tls.enabled && !arguments.tls.ca_file.empty()) throw InputError("--ca: allowed with --tls");
   client::ClientOptions options{.name = name};
   options.tls = arguments.tls;
+  options.hello_timeout =
+      std::clamp<client::Timeout>(std::chrono::seconds(arguments.wait_s), kGreeted, options.reply_timeout);
   if (!arguments.token_file.empty()) options.token = read_token(arguments.token_file);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(arguments.wait_s);
   client::Client client;
@@ -121,6 +140,10 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
     if (status.ok()) return client;
     if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
       if (waiting) status.text += " (waited " + std::to_string(arguments.wait_s) + " s)";
+      if (status.outcome == client::Outcome::cannot_connect)
+        status.text +=
+            "; start obliqd there (`obliqd SCENE.toml`), or say where it listens with --server HOST:PORT; "
+            "--wait SECONDS tries again until it has loaded";
       require(status);
     }
     if (!waiting) {
@@ -146,7 +169,7 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
                    "; allowed: " + names);
 }
 
-void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar) {
+void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {
   Complaints complaints;
   std::vector<std::string> ordered = flags;
   std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
@@ -156,14 +179,16 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
   for (const std::string& flag : ordered) {
     const std::size_t equals = flag.find('=');
     if (equals == std::string::npos || equals == 0) {
-      complaints.add("--set: found \"" + flag + "\"; allowed: KEY=VALUE, such as radar.r_max_m=37000");
+      complaints.add(rules.where + ": found \"" + flag +
+                     "\"; allowed: KEY=VALUE, such as radar.r_max_m=37000");
       continue;
     }
     const std::string name = flag.substr(0, equals);
-    const ConfigNode node = parse_config_value(std::string_view(flag).substr(equals + 1), "--set " + name);
+    const ConfigNode node =
+        parse_config_value(std::string_view(flag).substr(equals + 1), rules.where + " " + name);
     const auto set = [&](const std::string& key, const ConfigNode& value) {
       std::erase_if(per_bin, [&](const ConfigNode& waiting) { return "frustum." + waiting.key == key; });
-      set_parameter(key, value, radar, complaints);
+      set_parameter(key, value, rules, radar, complaints);
     };
     // The short forms, as in a scene file.
     if (name == "frustum.pixels") {
@@ -174,7 +199,7 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       const auto* text = std::get_if<std::string>(&node.value);
       const QualityPreset* preset = text != nullptr ? find_quality(*text) : nullptr;
       if (preset == nullptr) {
-        complaints.add("--set", {name, node.found_text(), quality_names()});
+        complaints.add(rules.where, {name, node.found_text(), quality_names()});
         continue;
       }
       if (preset->searched) {

@@ -12,6 +12,8 @@ class App;
 
 namespace obliq {
 
+struct Parameter;
+
 struct ServerArguments {
   std::string server;
   std::string radar;
@@ -20,8 +22,9 @@ struct ServerArguments {
   int wait_s = 0;  ///< how long to try again while no server answers
 };
 
-/// Adds --server, --radar, --tls, --ca, --token-file and --wait. `arguments` must outlive the parsing.
-void add_server_arguments(CLI::App& app, ServerArguments& arguments);
+/// Adds --server (positional: also as a word of its own), --radar, --tls, --ca, --token-file and --wait.
+/// `arguments` must outlive the parsing.
+void add_server_arguments(CLI::App& app, ServerArguments& arguments, bool positional = false);
 
 /// Throws InputError unless all went well.
 void require(const client::Status& status);
@@ -33,8 +36,16 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
 /// The named radar, or the server's only one. Throws InputError that lists the names.
 std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments);
 
+/// How a command takes KEY=VALUE.
+struct FlagRules {
+  std::string where = "--set";  ///< what complaints begin with
+  /// Why the command has no use for a parameter; empty: it has. Null: for all.
+  std::string (*why_not)(const Parameter&) = nullptr;
+};
+
 /// Sets radar parameters from KEY=VALUE, with the keys of a scene file. Limits are left to the server, which
 /// has the last word anyway. Throws InputError.
-void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar);
+void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar,
+                       const FlagRules& rules = {});
 
 }  // namespace obliq

@@ -71,13 +71,16 @@ class Experiment {
     if (progress_) progress_(what, fraction);
   }
   void begin(const std::string& what) {
-    tell("explaining: " + what, static_cast<double>(steps_++) / all_steps_);
+    step_ = "[" + std::to_string(steps_ + 1) + "/" + std::to_string(all_steps_) + "] " + what;
+    tell(step_, static_cast<double>(steps_++) / all_steps_);
   }
 
   Stage load(const WorldSpec& spec) {
     Stage stage;
     const auto start = std::chrono::steady_clock::now();
-    stage.world = std::make_shared<World>(load_world(spec));
+    stage.world = std::make_shared<World>(load_world(spec, [this](std::string_view, double fraction) {
+      tell(step_, (steps_ - 1 + fraction) / all_steps_);
+    }));
     stage.costs.load_s = seconds_since(start);
     build(stage, input_.materials);
     return stage;
@@ -367,6 +370,7 @@ class Experiment {
   std::vector<double> wall_power_w_;  ///< the same by the source for walls
   int columns_factor_ = 0;            // of the scene as it is
   int steps_ = 0;                     // begun, for the progress
+  std::string step_;                  // the newest
   int all_steps_ =
       9;  // loading, scene, noise, speckle, two earths, two cells, scene; then materials and buildings
 };

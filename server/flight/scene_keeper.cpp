@@ -10,6 +10,7 @@
 #include "server/flight/background.h"
 #include "server/scene/scene.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 #include "terrain/parallel.h"
 
 namespace obliq {
@@ -228,7 +229,7 @@ std::string SceneKeeper::build(const Request& request, const std::stop_token& st
     on_this_thread_alone([&] { scene = build_(aimed_at(request.config, request.window), stop); });
     return scene ? "" : "nothing was built";
   } catch (const std::exception& e) {
-    return e.what();
+    return failure_text(e);
   }
 }
 

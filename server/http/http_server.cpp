@@ -19,6 +19,7 @@
 #include "server/net/reserved_port.h"
 #include "server/net/security.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::http {
 
@@ -220,7 +221,7 @@ asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
   } catch (const std::exception& e) {
     const LogFields fields{{"client", peer}};
     spdlog::error("HTTP: {}: connection ended: {}; if memory runs out, load less terrain or lower the limits",
-                  peer, e.what());
+                  peer, failure_text(e));
   }
 }
 

@@ -19,6 +19,8 @@
 #include <span>
 #include <vector>
 
+#include "terrain/failure_text.h"
+
 namespace obliq::modbus {
 namespace {
 
@@ -141,7 +143,7 @@ void serve_master(int fd, int stop_fd, const MasterTimes& times, Image& image) {
     while (serve_request(socket, times, image, answers, frame)) {
     }
   } catch (const std::exception& e) {
-    spdlog::error("modbus: a master is disconnected: {}", e.what());
+    spdlog::error("modbus: a master is disconnected: {}", failure_text(e));
   }
 }
 

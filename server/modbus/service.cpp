@@ -21,6 +21,7 @@
 #include "server/modbus/image.h"
 #include "server/modbus/master.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::modbus {
 namespace {
@@ -100,7 +101,7 @@ struct Service::State {
         panel.refresh();
         image.tick(Image::Clock::now());
       } catch (const std::exception& e) {  // no memory or no thread: who is here is served on
-        spdlog::error("modbus: {}", e.what());
+        spdlog::error("modbus: {}", failure_text(e));
         poll(nullptr, 0, kTick_ms);
       }
     }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,12 @@ struct Watcher {
   std::uint64_t accused_frame = 0;                  ///< the oldest frame when it was last found too slow,
   std::chrono::steady_clock::time_point accused{};  ///< and since when
   bool window_lost = false;  ///< it has been told that its window lies outside the frame
+};
+
+/// What is switched; nothing: it stays as it is.
+struct RadarSwitches {
+  std::optional<bool> transmit;
+  std::optional<bool> freeze;
 };
 
 /// A named radar that clients share.
@@ -48,7 +55,7 @@ struct LiveRadar {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
 
-  // The operator's, through the panel:
+  // Switched by its controller or the operator (Room::flip), and the operator's limit:
   bool transmit = true;      ///< off: it is not rendered
   bool frozen = false;       ///< the render thread keeps the view that it has
   double rate_limit_hz = 0;  ///< 0: none

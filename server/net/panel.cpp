@@ -1,7 +1,5 @@
 #include "server/net/panel.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <future>
 #include <utility>
@@ -9,6 +7,7 @@
 #include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
 #include "server/net/room.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::net {
 namespace {
@@ -68,7 +67,7 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
   try {
     answer = set(radar, change);
   } catch (const std::exception& e) {  // no memory, above all
-    answer = {PanelVerdict::invalid, {{"radar", e.what(), "a change that there is memory for"}}, {}, {}};
+    answer = {PanelVerdict::invalid, {{"radar", failure_text(e), "a change that there is memory for"}}, {}, {}};
   }
   publish();
   return answer;
@@ -106,19 +105,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
   if (new_settings || new_pose || change.clear_faults) room_.publish_view(radar);
   if (new_settings) room_.check_windows(radar);
-  if (change.freeze && *change.freeze != radar.frozen) {
-    spdlog::info("radar {}: {}", radar.name, *change.freeze ? "frozen" : "thawed");
-    if (*change.freeze) {
-      room_.freeze(radar);
-    } else {
-      radar.frozen = false;
-      room_.publish_view(radar);
-    }
-  }
-  if (change.transmit && *change.transmit != radar.transmit) {
-    radar.transmit = *change.transmit;
-    spdlog::info("radar {}: transmit {}", radar.name, radar.transmit ? "on" : "off");
-  }
+  room_.flip(radar, {change.transmit, change.freeze}, "the operator's console");
   room_.update_demand(radar);
   return {PanelVerdict::done, {}, {}, {}};
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,6 +52,13 @@ class Peer {
   Outbox outbox;
   int subscriptions = 0;
   std::vector<OnceJobPtr> jobs;  ///< not finished
+
+  // For the log (visits.h):
+  const std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
+  std::string introduction;
+  std::uint64_t asked = 0;  ///< a bit for each type of request
+  bool has_moved = false;   ///< a radar, once
+  bool is_guest = false;    ///< it watches or flies: more than a passer-by
 };
 
 }  // namespace obliq::net

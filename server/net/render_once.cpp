@@ -5,6 +5,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/net/once_task.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::net {
 namespace {
@@ -21,10 +22,7 @@ wire::Window window_of(const OnceJob& job) {
 
 }  // namespace
 
-std::string words_of(const std::exception& failure) {
-  return dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ? "there is no memory for it"
-                                                                  : failure.what();
-}
+std::string words_of(const std::exception& failure) { return failure_text(failure); }
 
 std::vector<FieldError> memory_failure(const std::exception& failure) {
   return {{"frame", words_of(failure), "a frame that can be rendered with the memory there is"}};

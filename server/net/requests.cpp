@@ -13,6 +13,7 @@
 #include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
 #include "server/net/room.h"
+#include "server/net/visits.h"
 
 namespace obliq::net {
 
@@ -25,7 +26,8 @@ namespace {
 template <typename Request>
 constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
-    std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::RenderOnce>;
+    std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::SetState> ||
+    std::is_same_v<Request, wire::RenderOnce>;
 
 }  // namespace
 
@@ -54,6 +56,7 @@ void Requests::handle(MessageType type, std::span<const std::byte> descriptor) {
 }
 
 void Requests::handle_greeted(MessageType type, std::span<const std::byte> descriptor) {
+  log_request(peer_, type);
   switch (type) {
     case MessageType::heartbeat:
       return answer(descriptor, &Requests::heartbeat);
@@ -69,6 +72,8 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::set_settings, Role::controller);
     case MessageType::set_pose:
       return answer(descriptor, &Requests::set_pose, Role::controller);
+    case MessageType::set_state:
+      return answer(descriptor, &Requests::set_state, Role::controller);
     case MessageType::subscribe:
       return answer(descriptor, &Requests::subscribe);
     case MessageType::unsubscribe:
@@ -167,6 +172,11 @@ void Requests::set_pose(const wire::SetPose& request) {
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
   room_.move(*radar, pose, request.pose().has_sim_time_ns());
+  if (peer_.has_moved && !peer_.is_guest) {
+    log_as_guest(peer_);
+    log_doing(peer_, radar->name, "flown by " + peer_.name);
+  }
+  peer_.has_moved = true;
   const SettingsPtr settings = radar->settings.current();
   wire::Ack ack;
   ack.set_request_id(request.request_id());

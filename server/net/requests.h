@@ -20,6 +20,7 @@ class ClaimControl;
 class ReleaseControl;
 class SetSettings;
 class SetPose;
+class SetState;
 class Subscribe;
 class Unsubscribe;
 class RenderOnce;
@@ -65,6 +66,7 @@ class Requests {
   void release_control(const wire::ReleaseControl& request);
   void set_settings(const wire::SetSettings& request);
   void set_pose(const wire::SetPose& request);
+  void set_state(const wire::SetState& request);
   void subscribe(const wire::Subscribe& request);
   void unsubscribe(const wire::Unsubscribe& request);
   void render_once(const wire::RenderOnce& request);

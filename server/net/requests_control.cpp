@@ -7,6 +7,7 @@
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/security.h"
+#include "server/net/visits.h"
 
 namespace obliq::net {
 
@@ -59,8 +60,8 @@ void Requests::hello(const wire::Hello& request) {
     std::string name = presentable(request.client_name());
     if (name.empty()) name = grant->name.empty() ? "client" : grant->name;
     peer_.name = name + " (" + peer_.address + ")";
-    spdlog::info("{} has come as {}{}", peer_.name, role_name(peer_.role),
-                 grant->name.empty() ? "" : " with the token of " + grant->name);
+    log_arrival(peer_, "as " + std::string(role_name(peer_.role)) +
+                           (grant->name.empty() ? "" : " with the token of " + grant->name));
   }
   peer_.greeted = true;
 
@@ -131,6 +132,8 @@ void Requests::claim_control(const wire::ClaimControl& request) {
   const bool taken = holder != nullptr && holder != &peer_;
   if (taken && request.force()) {
     if (!demand(Role::admin, request.request_id(), "taking control over")) return;
+    log_as_guest(*holder);
+    log_as_guest(peer_);
     holder->send(
         MessageType::error,
         make_error(0, ErrorNumber::controlled_by_other,
@@ -141,7 +144,7 @@ void Requests::claim_control(const wire::ClaimControl& request) {
     return refuse(request.request_id(), ErrorNumber::controlled_by_other,
                   "radar " + radar->name + " is controlled by " + holder->name);
   }
-  if (holder == nullptr) spdlog::info("radar {}: controlled by {}", radar->name, peer_.name);
+  if (holder == nullptr) log_doing(peer_, radar->name, "controlled by " + peer_.name);
   if (holder != &peer_) radar->poses->restart();
   radar->controller = &peer_;
   acknowledge(request.request_id(), radar->settings.current()->version);
@@ -151,7 +154,17 @@ void Requests::release_control(const wire::ReleaseControl& request) {
   LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
   if (radar == nullptr) return;
   radar->controller = nullptr;
-  spdlog::info("radar {}: released by {}", radar->name, peer_.name);
+  log_doing(peer_, radar->name, "released by " + peer_.name);
+  acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+void Requests::set_state(const wire::SetState& request) {
+  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  if (radar == nullptr) return;
+  RadarSwitches wanted;
+  if (request.has_transmit()) wanted.transmit = request.transmit();
+  if (request.has_freeze()) wanted.freeze = request.freeze();
+  room_.flip(*radar, wanted, peer_.name);
   acknowledge(request.request_id(), radar->settings.current()->version);
 }
 

@@ -39,7 +39,11 @@ ReservedPort::ReservedPort(const std::string& address, std::uint16_t port) {
   tcp::acceptor socket(io);
   error_code error;
   const auto check = [&] {
-    if (error) throw InputError("cannot listen on " + text_of(endpoint) + ": " + error.message());
+    if (!error) return;
+    std::string text = "cannot listen on " + text_of(endpoint) + ": " + error.message();
+    if (error == boost::system::errc::address_in_use)
+      text += "; end what listens there (another obliqd?), or take another port: 0 takes any that is free";
+    throw InputError(text);
   };
   socket.open(endpoint.protocol(), error);
   check();

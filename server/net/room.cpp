@@ -11,6 +11,7 @@
 #include "server/net/requests.h"
 #include "server/net/security.h"
 #include "server/net/slow_watchers.h"
+#include "server/net/visits.h"
 
 namespace obliq::net {
 
@@ -121,8 +122,7 @@ void Room::leave(Peer& peer) {
     unsubscribe(radar, peer);
     if (radar.controller == &peer) {
       radar.controller = nullptr;
-      const LogFields fields{{"client", peer.name}, {"radar", radar.name}};
-      spdlog::info("radar {}: control released, {} has left", radar.name, peer.name);
+      log_doing(peer, radar.name, "control released, " + peer.name + " has left");
     }
   }
   for (const OnceJobPtr& job : peer.jobs) job->stop.request_stop();
@@ -259,11 +259,23 @@ bool Room::take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_ti
   return true;
 }
 
-void Room::freeze(LiveRadar& radar) {
-  LiveView held = radar.view().at(monotonic_ns());
-  held.poses = nullptr;
-  radar.frozen = true;
-  render_.set_view(radar.stream_id - 1, std::move(held));
+void Room::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& who) {
+  if (wanted.freeze && *wanted.freeze != radar.frozen) {
+    spdlog::info("radar {}: {} by {}", radar.name, *wanted.freeze ? "frozen" : "thawed", who);
+    radar.frozen = *wanted.freeze;
+    if (radar.frozen) {
+      LiveView held = radar.view().at(monotonic_ns());
+      held.poses = nullptr;  // the render thread keeps the settings and the pose of this moment
+      render_.set_view(radar.stream_id - 1, std::move(held));
+    } else {
+      publish_view(radar);
+    }
+  }
+  if (wanted.transmit && *wanted.transmit != radar.transmit) {
+    spdlog::info("radar {}: transmit {} by {}", radar.name, *wanted.transmit ? "on" : "off", who);
+    radar.transmit = *wanted.transmit;
+    update_demand(radar);
+  }
 }
 
 void Room::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {

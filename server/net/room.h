@@ -73,8 +73,8 @@ class Room : private RenderEvents {
   void publish_view(LiveRadar& radar);
   /// False: it came late, and was left out.
   bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
-  /// The render thread keeps the settings and the pose of this moment.
-  void freeze(LiveRadar& radar);
+  /// The only place where transmit and freeze change. `who` stands in the log.
+  void flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& who);
   /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
   void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   void tell_places() const;

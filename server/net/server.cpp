@@ -14,6 +14,7 @@
 #include "server/net/tcp_options.h"
 #include "server/net/transport.h"
 #include "terrain/errors.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::net {
 
@@ -74,7 +75,7 @@ asio::awaitable<void> Server::State::accept() {
       try {
         admit(std::move(socket));
       } catch (const std::exception& e) {  // no memory: this one goes, and later ones may find some
-        trouble = e.what();
+        trouble = failure_text(e);
       }
     }
     if (!trouble.empty()) {

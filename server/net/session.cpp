@@ -15,6 +15,8 @@
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/transport.h"
+#include "server/net/visits.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::net {
 namespace {
@@ -137,7 +139,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
             spdlog::error(
                 "{}: {}; connection closed; if memory runs out, lower server.max_clients, "
                 "server.queue_frames or server.max_bins",
-                self->name, e.what());
+                self->name, failure_text(e));
             self->close();
           }
         });
@@ -333,10 +335,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     if (closed_) return;
     closed_ = true;
     const auto self = shared_from_this();  // the room may hold the last other reference
-    {
-      const LogFields fields{{"client", name}};
-      spdlog::info("{} has gone", name);
-    }
+    log_end(*this);
     transport_->close();
     for (auto* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &silence_, &linger_}) {
       timer->cancel();

@@ -7,6 +7,7 @@
 
 #include "server/scene/scene.h"
 #include "server/scene/scene_memory.h"
+#include "terrain/failure_text.h"
 
 namespace obliq::net {
 namespace {
@@ -19,7 +20,7 @@ std::string build(const std::shared_ptr<const Scene>& scene) {
   try {
     scene->tracer();
   } catch (const std::exception& error) {
-    return error.what();
+    return failure_text(error);
   }
   spdlog::info("{}", tracer_line(*scene));
   spdlog::info("{}", memory_line(*scene));

@@ -101,6 +101,8 @@ std::string enum_word(std::string text) {
   return text;
 }
 
+std::string message_json(const Message& message) { return from_message(message).dump(); }
+
 std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary) {
   Json root;
   root["frame"] = from_message(descriptor);

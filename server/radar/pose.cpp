@@ -50,13 +50,15 @@ std::optional<Pose> place_antenna(const World& world, const PoseSettings& settin
   pose.antenna = world.frame.world_from_geodetic(geodetic);
   const glm::dvec3& at = pose.antenna.m;
   pose.ground_y_m = world.grid.height_at_m(at.x, at.z);
-  if (at.y <= pose.ground_y_m)
+  if (at.y <= pose.ground_y_m) {
+    const Geodetic foot = world.frame.geodetic_from_world({glm::dvec3(at.x, pose.ground_y_m, at.z)});
+    std::string allowed =
+        "an antenna above the ground, which is there at " + metres_text(foot.height_m) + " above the datum";
+    if (settings.height_reference != HeightReference::ground)
+      allowed += "; antenna.height_reference = \"ground\" counts the height from there";
     errors.push_back(
-        {"antenna.height_m", metres_text(pose.ground_y_m - at.y) + " below the ground",
-         "an antenna above the ground, which is there at " +
-             metres_text(
-                 world.frame.geodetic_from_world({glm::dvec3(at.x, pose.ground_y_m, at.z)}).height_m) +
-             " above the datum"});
+        {"antenna.height_m", metres_text(pose.ground_y_m - at.y) + " below the ground", allowed});
+  }
   if (const auto roof_y_m = roof_above(world.buildings, at))
     errors.push_back({"antenna.height_m",
                       "inside a building, " + metres_text(*roof_y_m - at.y) + " below its roof",

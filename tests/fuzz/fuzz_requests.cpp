@@ -49,11 +49,11 @@ class Listener : public Peer {
 };
 
 bool is_answered(MessageType type) {
-  constexpr std::array kAnswered{MessageType::list_radars,   MessageType::get_radar,
-                                 MessageType::claim_control, MessageType::release_control,
-                                 MessageType::set_settings,  MessageType::set_pose,
-                                 MessageType::subscribe,     MessageType::unsubscribe,
-                                 MessageType::render_once,   MessageType::get_status};
+  constexpr std::array kAnswered{
+      MessageType::list_radars,     MessageType::get_radar,    MessageType::claim_control,
+      MessageType::release_control, MessageType::set_settings, MessageType::set_pose,
+      MessageType::set_state,       MessageType::subscribe,    MessageType::unsubscribe,
+      MessageType::render_once,     MessageType::get_status};
   return std::find(kAnswered.begin(), kAnswered.end(), type) != kAnswered.end();
 }
 

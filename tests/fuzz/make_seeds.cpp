@@ -109,6 +109,11 @@ void write_requests() {
   auto once = named<wire::RenderOnce>("main");
   *once.mutable_pose() = pose.pose();
   *once.mutable_settings() = set.settings();
+  auto off = named<wire::SetState>("main");
+  off.set_transmit(false);
+  off.set_freeze(true);
+  auto thaw = named<wire::SetState>("main");
+  thaw.set_freeze(false);
   wire::ListRadars list;
   wire::GetStatus status;
   const std::string claim = request(MessageType::claim_control, named<wire::ClaimControl>("main"));
@@ -116,6 +121,10 @@ void write_requests() {
   write_seed(
       "requests", "control",
       claim + request(MessageType::set_settings, set) + request(MessageType::set_pose, pose) + release);
+  write_seed("requests", "switches",
+             request(MessageType::set_state, thaw) + claim + request(MessageType::set_state, off) +
+                 request(MessageType::set_pose, pose) + request(MessageType::set_state, off, true) +
+                 request(MessageType::set_state, thaw) + release);
   write_seed("requests", "two_clients",
              claim + request(MessageType::claim_control, named<wire::ClaimControl>("main"), true) +
                  request(MessageType::set_pose, pose, true) + release);

@@ -20,6 +20,11 @@ using wire::MessageType;
 /// What to send in answer to a request; empty: close the connection.
 using Script = std::function<wire::Bytes(MessageType type, std::uint64_t request_id)>;
 
+constexpr const char* kWhatToDo =
+    "; start obliqd there (`obliqd SCENE.toml`), or say where it listens with --server HOST:PORT; --wait "
+    "SECONDS "
+    "tries again until it has loaded\n";
+
 /// Serves one client after a script.
 class ScriptedServer {
  public:
@@ -120,7 +125,7 @@ TEST(CommandFailures, NobodyListens) {
   }
   const Outcome outcome = run_program(OBLIQ_PROGRAM, {"status", "--server", address}, folder.path());
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(outcome.err, "obliq: cannot connect to " + address + ": Connection refused\n");
+  EXPECT_EQ(outcome.err, "obliq: cannot connect to " + address + ": Connection refused" + kWhatToDo);
 }
 
 TEST(CommandFailures, AnAddressThatIsNone) {
@@ -158,7 +163,7 @@ TEST(CommandFailures, NobodyListensForAsLongAsOneWaits) {
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "obliq: waiting for a server at " + address +
                              ", 1 s at most\nobliq: cannot connect to " + address +
-                             ": Connection refused (waited 1 s)\n");
+                             ": Connection refused (waited 1 s)" + kWhatToDo);
 }
 
 TEST(CommandFailures, AServerThatRefusesIsNotWaitedFor) {
@@ -174,6 +179,43 @@ TEST(CommandFailures, AServerThatIsNone) {
   expect_failure(
       "watch", [](MessageType, std::uint64_t) { return wire::Bytes(100, std::byte{'x'}); },
       "not an obliq stream");
+}
+
+wire::Bytes bytes_of(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(CommandFailures, AForeignServerIsKnownByItsFirstBytesHoweverFew) {
+  for (const auto& [says, found] :
+       {std::pair{"SSH-2.0-OpenSSH_9.2\r\n", "found \"SSH-2.0-OpenSSH_9.2\", which is an SSH server"},
+        std::pair{"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n",
+                  "found \"HTTP/1.1 400 Bad Request\", which is an HTTP server"},
+        std::pair{"\x15\x03\x01\x02", "found the bytes 15 03 01 02, which is a server that speaks TLS"},
+        std::pair{"220 mail ready\r\n", "a mail or FTP server"},
+        std::pair{"hello", "found \"hello\", which is another program"}}) {
+    expect_failure(
+        "status", [says = says](MessageType, std::uint64_t) { return bytes_of(says); }, found);
+  }
+}
+
+TEST(CommandFailures, AServerThatTakesConnectionsAndSaysNothingIsNotWaitedForLong) {
+  const int listener = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(listener, 1), 0);
+  ASSERT_EQ(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const TestFolder folder;
+  const Outcome outcome = run_program(
+      OBLIQ_PROGRAM, {"status", "--server", std::to_string(ntohs(address.sin_port))}, folder.path());
+  close(listener);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("has said nothing for 2 s: it is not obliqd, or too busy to answer"),
+            std::string::npos)
+      << outcome.err;
 }
 
 TEST(CommandFailures, AServerThatClosesAtOnce) {

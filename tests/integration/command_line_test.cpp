@@ -92,10 +92,53 @@ TEST_F(CommandLine, HelpAndVersionSucceed) {
 
 TEST_F(CommandLine, WrongWordsAreRefused) {
   expect_refused(obliq({}), "found no command");
-  expect_refused(obliq({"rendre"}), "rendre");
-  expect_refused(obliq({"--colour"}), "--colour");
+  expect_refused(obliq({"rendre"}), "rendre: an unknown command; did you mean render? (`obliq --help`");
+  expect_refused(obliq({"rendr", "canyon.toml"}), "rendr: an unknown command; did you mean render?");
+  expect_refused(obliq({"qqqqqqqq"}), "qqqqqqqq: an unknown command; (`obliq --help` lists them)");
+  expect_refused(obliq({"--colour"}), "--colour: an unknown option of `obliq`");
+  expect_refused(obliq({"status", "--port", "17420"}),
+                 "--port: an unknown option of `obliq status`; did you mean --server HOST:PORT?");
+  expect_refused(obliq({"watch", "--rat=3"}),
+                 "--rat=3: an unknown option of `obliq watch`; did you mean --rate?");
+  expect_refused(obliq({"render", "a.toml", "b.toml"}), "found \"b.toml\" where nothing more is expected");
+  expect_refused(obliq({"render"}), "found no scene file");
   expect_refused(obliq({"parameters", "--xml"}), "--xml");
   expect_refused(obliq({"parameters", ""}), "");
+}
+
+TEST_F(CommandLine, WhereTheServerIsCanBeSaidInSeveralWays) {
+  const std::string says = "cannot connect to 127.0.0.1:1: Connection refused; start obliqd there";
+  expect_refused(obliq({"status", "--server", ":1"}), says);
+  expect_refused(obliq({"status", "1"}), says);
+  expect_refused(obliq({"pose", "127.0.0.1:1"}), says);
+  expect_refused(obliq({"status"}, "OBLIQ_SERVER=:1"), says);
+  expect_refused(obliq({"set", "--server", "1"}, "OBLIQ_SERVER=:2"), says);
+  expect_refused(obliq({"status", "[::1]:1"}), "cannot connect to [::1]:1: ");
+  expect_refused(obliq({"status", "--server", "here:0"}),
+                 "--server: found \"here:0\"; allowed: HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT");
+}
+
+TEST_F(CommandLine, AMissingFileIsNamedOnce) {
+  const Outcome outcome =
+      obliq({"render", scene("[terrain]\ndem = \"none.tif\"\n"), "--out", folder_ / "frame"});
+  expect_refused(outcome, "none.tif: No such file or directory; allowed: a raster");
+  EXPECT_EQ(outcome.err.find("none.tif"), outcome.err.rfind("none.tif")) << outcome.err;
+}
+
+TEST_F(CommandLine, AnAntennaUnderTheGroundIsToldHowToCountFromIt) {
+  const std::string hill = "[terrain]\nsynthetic = \"flat\"\nshape = { base_m = 1500.0 }\n";
+  const Outcome outcome = obliq({"render", scene(hill), "--out", folder_ / "frame"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("antenna.height_reference = \"ground\" counts the height from there"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(CommandLine, AFileThatMayGrowNoFurtherIsAFailureWithASentence) {
+  const Outcome outcome = obliq(
+      {"render", scene(kFlat), "--out", folder_ / "frame", "--set", "frustum.pixels=64"}, "ulimit -f 20;");
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("cannot be written"), std::string::npos) << outcome.err;
 }
 
 TEST_F(CommandLine, AFullDiskUnderStdoutIsAFailure) {

@@ -95,6 +95,15 @@ TEST_F(DaemonTest, GetLeavesTheLiveRadarAloneAndPoseMovesIt) {
   const Outcome status = obliq({"status", "--server", server});
   EXPECT_EQ(status.code, 0);
   EXPECT_NE(status.out.find("nose: settings 1, controlled by nobody"), std::string::npos) << status.out;
+  for (const char* line : {"  pose: ", "1600.00 m above datum, bearing 77.000",
+                           "  ranges: 2000 to 9000 m, sector 60", "36 x 32 bins", "  sampling: "})
+    EXPECT_NE(status.out.find(line), std::string::npos) << line << "\nin: " << status.out;
+  const Outcome json = obliq({"status", server, "--json", "--radar", "main"});
+  EXPECT_EQ(json.code, 0) << json.err;
+  for (const char* part :
+       {"\"radar\": \"main\"", "\"bearing_deg\": 77.0", "\"r_max_m\": 9000.0", "\"sampling\": "})
+    EXPECT_NE(json.out.find(part), std::string::npos) << part << "\nin: " << json.out;
+  EXPECT_EQ(json.out.find("\"radar\": \"nose\""), std::string::npos) << json.out;
 }
 
 TEST_F(DaemonTest, WatchPrintsALinePerFrameAndKeepsTheNewestPicture) {
@@ -163,7 +172,10 @@ TEST_F(DaemonTest, APortInUseIsKnownBeforeAnythingIsLoaded) {
   const std::string port = running.address().substr(running.address().find(':') + 1);
   const Outcome second = run_program(OBLIQD_PROGRAM, {"--config", scene, "--port", port}, folder.path());
   EXPECT_EQ(second.code, 1);
-  EXPECT_EQ(second.err, "obliqd: cannot listen on " + running.address() + ": Address already in use\n");
+  EXPECT_EQ(second.err,
+            "obliqd: cannot listen on " + running.address() +
+                ": Address already in use; end what listens there (another obliqd?), or take another "
+                "port: 0 takes any that is free\n");
 }
 
 TEST_F(DaemonTest, APoseIsPrintedWithItsHemispheres) {

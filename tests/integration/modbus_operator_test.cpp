@@ -88,6 +88,38 @@ TEST(ModbusOperator, AFrozenRadarKeepsItsPictureUntilTheThaw) {
   }
 }
 
+TEST(ModbusOperator, AControllerAndTheConsoleSwitchTheSameRadar) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  ASSERT_TRUE(s.client.claim_control("main").ok());
+  ASSERT_TRUE(s.client.set_state("main", false, {}).ok());
+  EXPECT_TRUE(master.reaches(100, kTransmitOff));
+  EXPECT_FALSE(master.coil_is(0));
+  EXPECT_FALSE(s.info().frozen()) << "what a request leaves out stays as it is";
+  ASSERT_TRUE(s.client.set_state("main", {}, true).ok());
+  EXPECT_TRUE(s.info().transmit_off());
+  ASSERT_TRUE(s.client.set_state("main", true, {}).ok());
+  EXPECT_TRUE(master.reaches(100, kFrozen));
+  // Frames keep the pose of the freeze, and what is set meanwhile shows from the thaw on.
+  wire::Pose pose;
+  pose.set_bearing_deg(90);
+  wire::Ack ack;
+  ASSERT_TRUE(s.client.set_pose("main", pose, ack).ok());
+  s.watch();
+  EXPECT_EQ(s.next_frame().descriptor->pose().bearing_deg(), 45);
+  // The newest switch counts, whoever made it; and a radar that is released stays as it is.
+  EXPECT_EQ(master.coil(1, false), 0);
+  EXPECT_FALSE(s.info().frozen());
+  while (s.next_frame().descriptor->pose().bearing_deg() != 90) {
+  }
+  ASSERT_TRUE(s.client.set_state("main", {}, true).ok());
+  ASSERT_TRUE(s.client.release_control("main").ok());
+  EXPECT_TRUE(s.info().frozen());
+  wire::Status status = status_of(s.client);
+  EXPECT_TRUE(status.radars(0).frozen());
+  EXPECT_FALSE(status.radars(1).frozen());
+}
+
 TEST(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWork) {
   WatchedServer s;
   RawMaster master(s.service.port());

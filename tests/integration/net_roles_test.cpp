@@ -108,9 +108,9 @@ TEST_F(Roles, AViewerMayLookAndRenderButNotClaim) {
   EXPECT_TRUE(viewer.render_once(once).ok());
 
   wire::Ack ack;
-  const Status refused[] = {viewer.claim_control("main"), viewer.claim_control("main", true),
-                            viewer.release_control("main"), viewer.set_settings("main", {}, ack),
-                            viewer.set_pose("main", {}, ack)};
+  const Status refused[] = {viewer.claim_control("main"),     viewer.claim_control("main", true),
+                            viewer.release_control("main"),   viewer.set_settings("main", {}, ack),
+                            viewer.set_pose("main", {}, ack), viewer.set_state("main", false, true)};
   for (const Status& answer : refused) {
     EXPECT_EQ(answer.number, number(ErrorNumber::role_too_low)) << answer.sentence();
     EXPECT_NE(answer.text.find("needs the role controller"), std::string::npos) << answer.text;

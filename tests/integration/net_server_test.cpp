@@ -132,10 +132,12 @@ TEST(Server, ARadarHasOneControllerWhoIsNamedToOthers) {
   wire::Pose pose;
   pose.set_bearing_deg(10);
   EXPECT_EQ(pilot.set_pose("main", pose, ack).number, number(ErrorNumber::not_in_control));
+  EXPECT_EQ(pilot.set_state("main", false, {}).number, number(ErrorNumber::not_in_control));
   ASSERT_TRUE(pilot.claim_control("main").ok());
   ASSERT_TRUE(pilot.claim_control("main").ok()) << "claiming twice is harmless";
-  for (const client::Status& refused : {other.claim_control("main"), other.set_pose("main", pose, ack),
-                                        other.set_settings("main", {}, ack), other.release_control("main")}) {
+  for (const client::Status& refused :
+       {other.claim_control("main"), other.set_pose("main", pose, ack), other.set_settings("main", {}, ack),
+        other.release_control("main"), other.set_state("main", false, true)}) {
     EXPECT_EQ(refused.number, number(ErrorNumber::controlled_by_other));
     EXPECT_NE(refused.text.find("pilot (127.0.0.1:"), std::string::npos) << refused.text;
   }

@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstring>
+#include <limits>
+#include <span>
 
 #include "client/client.h"
 #include "proto/error_number.h"
+#include "proto/frame_header.h"
 #include "proto/obliq.pb.h"
 #include "server/net/frame_encoder.h"
 #include "tests/integration/record_fixture.h"
@@ -17,6 +21,33 @@ namespace obliq::test {
 namespace {
 
 constexpr client::Timeout kLong{60000};  // reached only when something is broken
+
+/// The recording with another time in one of its headers, and the checksum that belongs to it.
+std::string with_times(const MadeRecording& made, std::size_t message, std::int64_t utc_ns) {
+  std::string bytes = made.bytes;
+  const MadeMessage& at = made.messages[message];
+  std::memcpy(bytes.data() + at.begin + 32, &utc_ns, sizeof utc_ns);  // PROTOCOL.md, Header
+  const auto whole = std::as_bytes(std::span(bytes)).subspan(at.begin, at.end - at.begin);
+  const std::uint32_t crc = wire::message_crc(whole.first(48), whole.subspan(48));
+  std::memcpy(bytes.data() + at.begin + 40, &crc, sizeof crc);
+  return bytes;
+}
+
+TEST_F(RecordTest, TimesThatLieFurtherApartThanANumberHoldsAreShownAsTheyAre) {
+  MadeRecording made = made_recording();
+  constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+  std::size_t begin = 0;
+  while (made.messages[begin].type != wire::MessageType::frame_begin) ++begin;
+  made.bytes = with_times(made, begin, kLeast);
+  std::size_t end = begin;
+  while (made.messages[end].type != wire::MessageType::frame_end) ++end;
+  made.bytes = with_times(made, end, std::numeric_limits<std::int64_t>::max());
+  const Outcome outcome = obliq({"replay", folder.write("lying.obliq", made.bytes), "--speed", "max"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  // 2^64 ns.
+  EXPECT_NE(outcome.out.find("frame 1: 18446744073.710 s into the recording"), std::string::npos)
+      << outcome.out;
+}
 
 TEST_F(RecordTest, ReplayWritesTheFilesOfTheRadarThatWasRecordedBitForBit) {
   const Daemon daemon({"--config", scene}, folder.path());
@@ -66,6 +97,7 @@ TEST_F(RecordTest, ReplayServesTheFramesToAClientBitForBitAndRefusesWhatOnlyARad
   EXPECT_EQ(client.claim_control("main").number, only);
   EXPECT_EQ(client.set_settings("main", {}, ack).number, only);
   EXPECT_EQ(client.set_pose("main", {}, ack).number, only);
+  EXPECT_EQ(client.set_state("main", false, {}).number, only);
   const client::Status refused = client.render_once(once);
   EXPECT_EQ(refused.number, only);
   EXPECT_NE(refused.text.find("replays a recording"), std::string::npos) << refused.text;

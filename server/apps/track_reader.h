@@ -1,0 +1,59 @@
+#pragma once
+// A flown track as a table: time, latitude, longitude, height, bearing, line by line.
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace obliq {
+
+/// One line of it. Seconds in the track's own clock, heights above whatever the reader's user says.
+struct TrackPoint {
+  double time_s = 0;
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  double height_m = 0;
+  double bearing_deg = 0;
+};
+
+/// Lines of comma-separated numbers, of which those behind the fifth are passed by, as are empty lines and
+/// those that begin with #. A first line that is no number is a header and must name the columns in that
+/// order. Throws InputError "FILE:LINE: column: found ...; allowed: ..." on anything else, a time that goes
+/// back included.
+class TrackReader {
+ public:
+  /// "-": standard input.
+  explicit TrackReader(const std::string& path);
+  ~TrackReader();
+  TrackReader(const TrackReader&) = delete;
+  TrackReader& operator=(const TrackReader&) = delete;
+
+  enum class Got { point, end, nothing_yet };
+  /// The next point, waiting at most so long for what has not been written yet.
+  Got next(TrackPoint& point, std::chrono::milliseconds patience);
+
+  /// "FILE:LINE" of the newest point.
+  std::string where() const;
+  /// A file can be read through before it is flown, a pipe cannot.
+  bool is_file() const { return is_file_; }
+  void rewind();
+
+ private:
+  Got next_line(std::string& line, std::chrono::milliseconds patience);
+  bool parse(std::string_view line, TrackPoint& point);
+  void check_header(std::string_view line) const;
+
+  std::string name_;
+  int fd_ = -1;
+  bool is_file_ = false;
+  std::string read_;          ///< and not taken yet
+  std::size_t searched_ = 0;  ///< of it, without a line's end
+  bool ended_ = false;
+  std::uint64_t line_ = 0;
+  bool begun_ = false;  ///< a header or a point has come
+  bool flying_ = false;
+  double last_time_s_ = 0;
+};
+
+}  // namespace obliq
