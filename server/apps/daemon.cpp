@@ -231,10 +231,10 @@ void Daemon::load() {
   for (const std::string& note : config_.notes) say(note);
   tell("terrain", 0);
   meet_accuracy(config_, say, tell);
-  const auto scene = build_scene(config_, say, tell);
+  const auto first_scene = build_scene(config_, say, tell);
   for (RadarConfig& radar : config_.radars)
-    find_pixels(scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
-  renderer_.emplace(scene, config_.name);
+    find_pixels(first_scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
+  renderer_.emplace(first_scene, config_.name);
   keeping_.emplace(*renderer_);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),

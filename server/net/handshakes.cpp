@@ -2,7 +2,6 @@
 
 #include <boost/asio.hpp>
 #include <thread>
-#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "server/flight/background.h"
 

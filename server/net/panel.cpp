@@ -67,7 +67,8 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
   try {
     answer = set(radar, change);
   } catch (const std::exception& e) {  // no memory, above all
-    answer = {PanelVerdict::invalid, {{"radar", failure_text(e), "a change that there is memory for"}}, {}, {}};
+    answer = {
+        PanelVerdict::invalid, {{"radar", failure_text(e), "a change that there is memory for"}}, {}, {}};
   }
   publish();
   return answer;
