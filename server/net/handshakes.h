@@ -1,4 +1,5 @@
 #pragma once
+#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 namespace boost::asio {
 class io_context;
