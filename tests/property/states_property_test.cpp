@@ -44,8 +44,9 @@ TEST_P(StatesOfEverySource, PartitionTheBins) {
       frames, of_state[0], of_state[1], of_state[2], of_state[3], of_state[4]);
   for (int state = 0; state < 4; ++state) EXPECT_GE(of_state[state], 1000) << state;
   // Perspective frusta want a swath that begins no nearer than the ground below.
-  if (GetParam().kind == FrustumKind::polar || GetParam().kind == FrustumKind::sweep)
+  if (GetParam().kind == FrustumKind::polar || GetParam().kind == FrustumKind::sweep) {
     EXPECT_GE(of_state[4], 1000);
+  }
 }
 
 /// Bins that a dense look sees, and those of them that a frame calls hidden.
