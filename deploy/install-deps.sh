@@ -9,7 +9,7 @@ build_packages=(
   build-essential g++ cmake ninja-build pkg-config git
   libembree-dev libtbb-dev                                     # ray tracing
   libgdal-dev libgeos-dev libgeographiclib-dev gdal-bin        # terrain and buildings
-  libglm-dev libopenexr-dev libcairo2-dev fonts-dejavu-core    # matrices and pictures
+  libglm-dev libopenexr-dev libcairo2-dev libpng-dev fonts-dejavu-core    # matrices and pictures
   libboost-dev libprotobuf-dev protobuf-compiler libisal-dev   # the wire
   libssl-dev libzstd-dev libmodbus-dev                         # TLS, compression, the operator's console
   prometheus-cpp-dev libsystemd-dev                            # metrics, readiness

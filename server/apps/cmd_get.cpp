@@ -9,6 +9,7 @@
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
 #include "server/apps/frame_report.h"
+#include "server/apps/picture_arguments.h"
 #include "server/apps/received_bins.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_arguments.h"
@@ -26,7 +27,7 @@ struct GetArguments {
   StreamArguments stream;
   std::vector<std::string> set;
   std::string out;
-  bool north_up = false;
+  PictureArguments picture;
 };
 
 // A frame may wait behind others', and its first wedge takes a while.
@@ -86,6 +87,8 @@ client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& r
 
 void run(const GetArguments& arguments) {
   const wire::PlaneSet planes = wanted_planes(arguments.stream);
+  FrameFileOptions files;
+  files.picture = picture_options(arguments.picture);
   prepare_output_folder(arguments.out);
   const auto start = std::chrono::steady_clock::now();
   client::Client client = connect_to_server(arguments.server, "obliq get");
@@ -94,10 +97,8 @@ void run(const GetArguments& arguments) {
   const double received_s = seconds_since(start);
 
   const BinBlock bins = take_bins(frame);
-  FrameFileOptions options;
-  options.up = arguments.north_up ? MapUp::north : MapUp::bearing;
   const std::string missing =
-      write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins, options);
+      write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins, files).missing;
   const double written_s = seconds_since(start);
   write_timing(
       arguments.out,
@@ -126,7 +127,7 @@ void add_get(CLI::App& app) {
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")
       ->required()
       ->type_name("DIR");
-  command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
+  add_picture_arguments(*command, arguments->picture);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -10,6 +10,7 @@
 #include "server/apps/frame_report.h"
 #include "server/apps/meet_accuracy.h"
 #include "server/apps/number_option.h"
+#include "server/apps/picture_arguments.h"
 #include "server/apps/profile_run.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/scene_loading.h"
@@ -29,7 +30,7 @@ struct RenderArguments {
   std::string radar;
   std::string out;
   bool samples = false;
-  bool north_up = false;
+  PictureArguments picture;
   bool profile = false;
   int threads = 0;
 };
@@ -59,6 +60,8 @@ std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, co
 void run(const SceneConfig& config, const RenderArguments& arguments) {
   std::map<std::string, double> seconds;
   Stopwatch watch;
+  FrameFileOptions files;
+  files.picture = picture_options(arguments.picture, true);
   prepare_output_folder(arguments.out);
   RadarConfig radar = choose_radar(config, arguments.radar);
   if (arguments.samples && radar.settings.frustum == FrustumKind::sweep)
@@ -108,9 +111,8 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   wire::FrameSummary summary;
   describe_frame(*planned.plan, radar.name, config.name, descriptor);
   summarise_frame(*planned.plan, frame.stats, summary);
-  FrameFileOptions files;
-  files.up = arguments.north_up ? MapUp::north : MapUp::bearing;
   files.samples = textures.get();
+  if (arguments.picture.ortho) files.ground = &world->grid;
   write_frame_files(arguments.out, descriptor, summary, frame.bins, files);
   seconds["write_s"] = watch.lap();
   if (arguments.profile) {
@@ -138,7 +140,7 @@ void add_render(CLI::App& app) {
       ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
-  command->add_flag("--north-up", arguments->north_up, "Draw ground_map.png north up instead of bearing up");
+  add_picture_arguments(*command, arguments->picture);
   command->add_flag(
       "--profile", arguments->profile,
       "Say where the time of loading and of a frame goes, on stderr and in timing.json; renders "

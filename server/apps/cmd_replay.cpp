@@ -15,6 +15,8 @@
 #include "server/apps/interrupts.h"
 #include "server/apps/newest_files.h"
 #include "server/apps/number_option.h"
+#include "server/apps/picture_arguments.h"
+#include "server/apps/received_bins.h"
 #include "server/apps/replay_renderer.h"
 #include "server/apps/server_arguments.h"
 #include "server/control/settings_message.h"
@@ -32,6 +34,7 @@ struct ReplayArguments {
   std::string radar;
   std::string speed = "1";
   std::string out;
+  PictureArguments picture;
   std::uint64_t frames = 0;
   bool loop = false;
   bool serve = false;
@@ -102,7 +105,7 @@ std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
 
 void show(const ReplayArguments& arguments, const client::RecordingStart& start, double speed) {
   std::optional<NewestFiles> files;
-  if (!arguments.out.empty()) files.emplace(arguments.out);
+  if (!arguments.out.empty()) files.emplace(arguments.out, picture_options(arguments.picture));
   ReplayClock clock(speed);
   std::uint64_t shown = 0;
   bool enough = false;
@@ -118,7 +121,10 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
       if (found != RecordedFrames::Found::frame) continue;
       std::this_thread::sleep_until(clock.due(recorded.end_utc_ns));
       print_frame(recorded, start.utc_ns);
-      if (files) files->write(std::move(recorded.frame));
+      if (files) {
+        const BinBlock bins = take_bins(recorded.frame);
+        files->write(*recorded.frame.descriptor, *recorded.frame.summary, bins);
+      }
       enough = arguments.frames != 0 && ++shown >= arguments.frames;
       if (arguments.frames == 0) ++shown;
     }
@@ -222,6 +228,7 @@ void add_replay(CLI::App& app) {
   CLI::Option* out =
       command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
           ->type_name("DIR");
+  add_picture_arguments(*command, arguments->picture);
   command->add_flag("--loop", arguments->loop, "Begin again at the end");
   CLI::Option* serve = command->add_flag(
       "--serve", arguments->serve,

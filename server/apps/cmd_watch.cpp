@@ -12,6 +12,8 @@
 #include "server/apps/commands.h"
 #include "server/apps/newest_files.h"
 #include "server/apps/number_option.h"
+#include "server/apps/picture_arguments.h"
+#include "server/apps/received_bins.h"
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
@@ -27,10 +29,15 @@ struct WatchArguments {
   double rate_hz = 1;
   std::uint64_t frames = 0;
   std::string out;
+  PictureArguments picture;
+  std::string picture_file;
+  int picture_side = 0;
   int reconnect_s = 0;
 };
 
 constexpr client::Timeout kSilence{60000};
+constexpr int kLeastSide = 100;
+constexpr int kMostSide = 8000;
 // Errors below this number end the connection, those above concern a radar that may recover.
 constexpr std::uint32_t kFirstErrorOfRadar = 100;
 
@@ -45,6 +52,7 @@ class TimedFrames : public client::FrameAssembler {
   using FrameAssembler::FrameAssembler;
   client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
     first_wedge_ns_ = 0;
+    utc_ns_ = header.utc_ns;
     scan_ = begin.has_scan() ? std::make_unique<wire::ScanPass>(begin.scan()) : nullptr;
     bytes_ = header.payload_length;
     return FrameAssembler::on_begin(header, begin);
@@ -78,6 +86,9 @@ class TimedFrames : public client::FrameAssembler {
     return FrameAssembler::on_abort(header, abort);
   }
 
+  /// When the server began the frame in hand.
+  std::int64_t utc_ns() const { return utc_ns_; }
+
  private:
   /// Those that were not there with the frame before, and those that are over.
   void tell_warnings(const wire::FrameDescriptor& descriptor) {
@@ -99,6 +110,7 @@ class TimedFrames : public client::FrameAssembler {
 
   std::unique_ptr<wire::ScanPass> scan_;  ///< of a scanning antenna
   std::vector<std::string> warnings_;     ///< of the newest frame
+  std::int64_t utc_ns_ = 0;
   std::int64_t first_wedge_ns_ = 0;
   std::int64_t pose_age_ns_ = 0;
   std::uint64_t bytes_ = 0;
@@ -118,10 +130,27 @@ class NewWarnings {
   int said_ = 0;
 };
 
+/// A picture alone needs two of the planes.
+StreamArguments stream_for(const WatchArguments& arguments) {
+  StreamArguments stream = arguments.stream;
+  if (arguments.picture_file.empty()) return stream;
+  if (stream.planes.empty() && arguments.out.empty()) stream.planes = "iq,state";
+  const wire::PlaneSet seen = wire::plane_bit(wire::Plane::iq) | wire::plane_bit(wire::Plane::power);
+  if ((wanted_planes(stream) & seen) == 0)
+    throw InputError("--planes: found \"" + stream.planes +
+                     "\" with --picture; allowed: iq or power among them");
+  return stream;
+}
+
 void run(const WatchArguments& arguments) {
-  const wire::PlaneSet planes = wanted_planes(arguments.stream);
+  const StreamArguments stream = stream_for(arguments);
+  const wire::PlaneSet planes = wanted_planes(stream);
+  PictureOptions look = picture_options(arguments.picture);
   std::optional<NewestFiles> files;
-  if (!arguments.out.empty()) files.emplace(arguments.out);
+  if (!arguments.out.empty()) files.emplace(arguments.out, look);
+  look.side = arguments.picture_side;
+  std::optional<NewestPicture> picture;
+  if (!arguments.picture_file.empty()) picture.emplace(arguments.picture_file, look);
   client::ResumingClient client(connect_to_server(arguments.server, "obliq watch"),
                                 reconnecting(arguments.reconnect_s));
   const std::string radar = choose_remote_radar(client.client(), arguments.server);
@@ -131,7 +160,7 @@ void run(const WatchArguments& arguments) {
   request.set_radar(radar);
   request.set_rate_hz(arguments.rate_hz);
   request.set_lossless(arguments.lossless);
-  ask_for(arguments.stream, request);
+  ask_for(stream, request);
   require(client.subscribe(request));
   NewWarnings warnings;
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
@@ -146,7 +175,9 @@ void run(const WatchArguments& arguments) {
     if (frames.state() != client::FrameAssembler::State::complete) continue;
     client::AssembledFrame frame = frames.take();
     warnings.say(*frame.summary);
-    if (files) files->write(std::move(frame));
+    const BinBlock bins = take_bins(frame);
+    if (picture) picture->write(*frame.descriptor, *frame.summary, bins, utc_text(frames.utc_ns()));
+    if (files) files->write(*frame.descriptor, *frame.summary, bins);
     ++seen;
   }
 }
@@ -172,6 +203,17 @@ void add_watch(CLI::App& app) {
       ->check(a_count());
   command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
       ->type_name("DIR");
+  command
+      ->add_option(
+          "--picture", arguments->picture_file,
+          "Picture that always shows the newest frame, ten a second and more; put into place whole, so "
+          "that a viewer may open it at any time")
+      ->type_name("FILE.png");
+  command->add_option("--picture-side", arguments->picture_side, "Pixels of the longer side of its map")
+      ->type_name("PIXELS")
+      ->default_val(800)
+      ->check(whole_number_from(kLeastSide, kMostSide));
+  add_picture_arguments(*command, arguments->picture);
   add_reconnect_argument(*command, arguments->reconnect_s);
   command->callback([arguments] { run(*arguments); });
 }

@@ -1,14 +1,15 @@
 #include "server/output/frame_files.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <system_error>
 #include <vector>
 
 #include "proto/obliq.pb.h"
+#include "server/output/bin_levels.h"
 #include "server/output/frame_json.h"
 #include "server/output/frame_window.h"
 #include "server/output/ground_map.h"
@@ -35,21 +36,29 @@ void make_folder(const std::filesystem::path& directory) {
   if (error) throw InputError(directory.string() + ": cannot be made (" + error.message() + ")");
 }
 
-void add_maps(NewFiles& files, const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
-              const BinBlock& bins, const FrameFileOptions& options) {
+/// The grey scale that the picture was drawn with.
+std::optional<DbRange> add_maps(NewFiles& files, const wire::FrameDescriptor& descriptor,
+                                const wire::FrameSummary& summary, const BinBlock& bins,
+                                const FrameFileOptions& options) {
   const wire::FrameDescriptor placed = placed_window(descriptor);
-  const GroundMap north_up = map_to_ground(placed, bins, 0);
+  if (bins.n_azimuth != placed.settings().azimuth_bins() || bins.n_range != placed.settings().range_bins())
+    throw InputError("frame descriptor: found other numbers of bins than the frame has; allowed: its own");
   files.add("ground_map.tif", [&](const auto& path) {
-    write_ground_map_tif(path, north_up, descriptor.pose().latitude_deg(), descriptor.pose().longitude_deg());
+    GroundMapWish wish;
+    wish.least_pixel_m = placed.range_spacing_m();
+    wish.ground = options.ground;
+    const GroundMap map = map_to_ground(MapProjection(placed), bins.n_azimuth, bins.n_range, wish);
+    char how[128] = "slant ranges placed by the heights of the ground";
+    if (!options.ground)
+      std::snprintf(how, sizeof how, "slant ranges placed as if all ground lay %.0f m above the datum",
+                    placed.map_reference_height_m());
+    write_ground_map_tif(path, map, bins, bin_levels(placed, bins), placed, how);
   });
+  std::optional<DbRange> range;
   files.add("ground_map.png", [&](const auto& path) {
-    if (options.up == MapUp::north) {
-      write_ground_map_png(path, north_up, placed, summary);
-    } else {
-      const double bearing = descriptor.pose().bearing_deg() * std::numbers::pi / 180;
-      write_ground_map_png(path, map_to_ground(placed, bins, bearing), placed, summary);
-    }
+    range = write_ground_map_png(path, placed, summary, bins, options.picture);
   });
+  return range;
 }
 
 /// "a, b and c".
@@ -60,18 +69,27 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
+struct PlaneFile {
+  const char* plane;
+  const char* file;
+  bool there;
+};
+
+std::vector<PlaneFile> plane_files(const BinBlock& bins) {
+  return {{"iq", "bins.npy", !bins.iq.empty()},
+          {"power", "power.npy", !bins.power_w.empty()},
+          {"count", "count.npy", !bins.count.empty()},
+          {"state", "state.npy", !bins.state.empty()}};
+}
+
 std::string what_is_missing(const BinBlock& bins) {
   std::vector<std::string> planes;
   std::vector<std::string> files;
-  const auto check = [&](bool there, const char* plane, const char* file) {
-    if (there) return;
-    planes.emplace_back(plane);
-    files.emplace_back(file);
-  };
-  check(!bins.iq.empty(), "iq", "bins.npy");
-  check(!bins.power_w.empty(), "power", "power.npy");
-  check(!bins.count.empty(), "count", "count.npy");
-  check(!bins.state.empty(), "state", "state.npy");
+  for (const PlaneFile& one : plane_files(bins)) {
+    if (one.there) continue;
+    planes.emplace_back(one.plane);
+    files.emplace_back(one.file);
+  }
   if (planes.empty()) return {};
   std::string text = "the frame came without " + listed(planes);
   if (!can_be_drawn(bins)) {
@@ -96,9 +114,10 @@ void prepare_output_folder(const std::filesystem::path& directory) {
   std::filesystem::remove(probe, none);
 }
 
-std::string write_frame_files(const std::filesystem::path& directory, const wire::FrameDescriptor& descriptor,
-                              const wire::FrameSummary& summary, const BinBlock& bins,
-                              const FrameFileOptions& options) {
+WrittenFrame write_frame_files(const std::filesystem::path& directory,
+                               const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
+                               const BinBlock& bins, const FrameFileOptions& options) {
+  WrittenFrame written;
   make_folder(directory);
   NewFiles files(directory);
   const auto add_plane = [&](const char* name, const auto& values) {
@@ -113,7 +132,7 @@ std::string write_frame_files(const std::filesystem::path& directory, const wire
   add_plane("count.npy", bins.count);
   add_plane("state.npy", bins.state);
   if (can_be_drawn(bins)) {
-    add_maps(files, descriptor, summary, bins, options);
+    written.scale = add_maps(files, descriptor, summary, bins, options);
   } else {
     files.leave_out("ground_map.tif");
     files.leave_out("ground_map.png");
@@ -123,10 +142,15 @@ std::string write_frame_files(const std::filesystem::path& directory, const wire
   } else {
     files.leave_out("samples.exr");
   }
+  std::vector<std::string> planes;
+  for (const PlaneFile& one : plane_files(bins))
+    if (one.there) planes.emplace_back(one.plane);
   files.leave_out("timing.json");  // of an older frame; that of this one comes when all is written
-  files.add("frame.json", [&](const auto& path) { write_whole(path, frame_json(descriptor, summary)); });
+  files.add("frame.json",
+            [&](const auto& path) { write_whole(path, frame_json(descriptor, summary, planes)); });
   files.put_in_place();
-  return what_is_missing(bins);
+  written.missing = what_is_missing(bins);
+  return written;
 }
 
 void write_timing(const std::filesystem::path& directory, const std::map<std::string, double>& seconds,

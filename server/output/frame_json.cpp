@@ -16,11 +16,8 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-Json number(double value) {
-  if (std::isfinite(value)) return value;
-  if (std::isnan(value)) return "nan";
-  return value > 0 ? "inf" : "-inf";
-}
+/// JSON has no infinity: null, whose meaning the notes say.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json from_message(const Message& message) {
   Json object = Json::object();
@@ -74,21 +71,57 @@ Json from_message(const Message& message) {
   return object;
 }
 
-/// Puts in the edges of a run of bins: n + 1 where they touch; where only every few are kept, the two edges
-/// of each.
-void put_edges(Json& root, const std::string& axis, const std::string& unit, const wire::BinRun& run,
-               double start, double width) {
-  Json list = Json::array();
+/// The edges of a run of bins, many numbers a line: n + 1 where they touch; where only every few are kept,
+/// the two edges of each.
+std::string edges_text(const std::string& axis, const std::string& unit, const wire::BinRun& run,
+                       double start, double width) {
+  constexpr std::size_t kLine = 100;
+  const bool touch = run.step == 1;
+  std::string text = " \"" + axis + (touch ? "_edges_" : "_intervals_") + unit + "\": [";
+  std::string line;
+  const auto add = [&](const std::string& item, bool last) {
+    if (line.size() + item.size() > kLine) {
+      text += "\n  " + line;
+      line.clear();
+    }
+    line += item + (last ? "" : ", ");
+  };
+  const auto edge = [&](std::uint32_t bin) { return Json(start + bin * width).dump(); };
   for (std::uint32_t k = 0; k < run.kept(); ++k) {
     const std::uint32_t bin = run.first + k * run.step;
-    if (run.step == 1) {
-      list.push_back(start + bin * width);
+    const bool last = k + 1 == run.kept();
+    if (touch) {
+      add(edge(bin), false);
+      if (last) add(edge(bin + 1), true);
     } else {
-      list.push_back({start + bin * width, start + (bin + 1) * width});
+      add("[" + edge(bin) + ", " + edge(bin + 1) + "]", last);
     }
   }
-  if (run.step == 1) list.push_back(start + static_cast<double>(run.end()) * width);
-  root[axis + (run.step == 1 ? "_edges_" : "_intervals_") + unit] = std::move(list);
+  return text + "\n  " + line + "]";
+}
+
+/// What the numbers mean that a name does not say.
+Json notes() {
+  return {
+      {"arrays",
+       "[azimuth][range]: a row is an azimuth bin, clockwise from azimuth_start_deg; a column is a "
+       "range bin, outwards"},
+      {"azimuth_edges_deg", "true bearings at the antenna, clockwise"},
+      {"range_edges_m", "slant ranges; not ranges along the ground"},
+      {"unit",
+       "of bins.npy, whose phase is phase_sign 4 pi range / wavelength_m; power_unit is of power.npy"},
+      {"antenna_y_m",
+       "antenna_x_m east, antenna_y_m up, antenna_z_m north: the antenna in the world frame, a "
+       "plane that touches the earth at origin_latitude_deg, origin_longitude_deg"},
+      {"radius_factor", "effective-earth factor that is part of world y; null: flat ground"},
+      {"north_rad",
+       "true north at the antenna as an angle in the world frame, clockwise from z: a bearing b "
+       "points along b + north_rad"},
+      {"bottom_y_m", "lowest ground in sector and range, world y; top_y_m: highest ground or roof"},
+      {"map_reference_height_m",
+       "median height of the sector's ground above the datum: ground_map places "
+       "slant ranges as if all ground lay there"},
+  };
 }
 
 }  // namespace
@@ -103,7 +136,8 @@ std::string enum_word(std::string text) {
 
 std::string message_json(const Message& message) { return from_message(message).dump(); }
 
-std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary) {
+std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
+                       const std::vector<std::string>& planes) {
   Json root;
   root["frame"] = from_message(descriptor);
   root["summary"] = from_message(summary);
@@ -117,16 +151,23 @@ std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::Fram
                         {"2", "shadow"},
                         {"3", "no known surface"},
                         {"4", "no ground at this range"}};
+  root["planes"] = planes;
+  root["notes"] = notes();
   if (!descriptor.has_window()) root["frame"].erase("window");
   const auto window =
       wire::cut_window(wire::read_window(descriptor.window()),
                        static_cast<std::uint32_t>(std::max(0, descriptor.settings().azimuth_bins())),
                        static_cast<std::uint32_t>(std::max(0, descriptor.settings().range_bins())))
           .value_or(wire::Window{});
-  put_edges(root, "azimuth", "deg", window.azimuth, descriptor.azimuth_start_deg(),
-            descriptor.azimuth_width_deg());
-  put_edges(root, "range", "m", window.range, descriptor.range_start_m(), descriptor.range_spacing_m());
-  return root.dump(1) + "\n";
+  // Last, so that they do not stand between a reader and the rest.
+  std::string text = root.dump(1);
+  text.resize(text.rfind('\n'));
+  return text + ",\n" +
+         edges_text("azimuth", "deg", window.azimuth, descriptor.azimuth_start_deg(),
+                    descriptor.azimuth_width_deg()) +
+         ",\n" +
+         edges_text("range", "m", window.range, descriptor.range_start_m(), descriptor.range_spacing_m()) +
+         "\n}\n";
 }
 
 }  // namespace obliq

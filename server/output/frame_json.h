@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 namespace google::protobuf {
 class Message;
@@ -11,9 +12,11 @@ class FrameSummary;
 
 namespace obliq {
 
-/// frame.json: every field of descriptor and summary under its protobuf name, and the bin edges. Numbers are
-/// written so that they read back to the same double; infinity, which JSON lacks, as "inf".
-std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary);
+/// frame.json: every field of descriptor and summary under its protobuf name, the planes that have files,
+/// notes on what is not plain, and last the bin edges. Numbers are written so that they read back to the same
+/// double; infinity, which JSON lacks, as null.
+std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
+                       const std::vector<std::string>& planes);
 
 /// Every field of a message under its protobuf name, in one line.
 std::string message_json(const google::protobuf::Message& message);

@@ -1,187 +1,181 @@
 #include "server/output/ground_map.h"
 
-#include <GeographicLib/AzimuthalEquidistant.hpp>
 #include <algorithm>
 #include <cmath>
-#include <glm/vec3.hpp>
+#include <glm/geometric.hpp>
 #include <numbers>
-#include <string>
 
-#include "proto/obliq.pb.h"
-#include "terrain/constants.h"
 #include "terrain/errors.h"
-#include "terrain/frames.h"
+#include "terrain/height_grid.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kMaxSide = 2048;
 /// Pixels between exactly projected points; between them world coordinates are interpolated bilinearly. Over
 /// 1 km the plane's curvature leaves (1 km)^2 / 8 R = 2 cm.
 constexpr int kLattice = 16;
+/// The antenna is on the map where that makes its area at most so much larger.
+constexpr double kMostGrowth = 1.5;
 
-/// Exact world offsets from the antenna for map positions.
-class MapProjection {
- public:
-  MapProjection(const wire::FrameDescriptor& d)
-      : frame_(d.origin_latitude_deg() * kDegree_rad, d.origin_longitude_deg() * kDegree_rad,
-               d.radius_factor()),
-        plane_(GeographicLib::Geodesic::WGS84()),
-        latitude_deg_(d.pose().latitude_deg()),
-        longitude_deg_(d.pose().longitude_deg()),
-        height_m_(d.map_reference_height_m()),
-        antenna_(d.antenna_x_m(), d.antenna_y_m(), d.antenna_z_m()) {}
-
-  glm::dvec3 offset(double east_m, double north_m) const {
-    double latitude, longitude;
-    plane_.Reverse(latitude_deg_, longitude_deg_, east_m, north_m, latitude, longitude);
-    return frame_.world_from_geodetic({latitude * kDegree_rad, longitude * kDegree_rad, height_m_}).m -
-           antenna_;
+/// Between east and north, and a map's right and ahead.
+struct Turn {
+  explicit Turn(double up_rad) : sine(std::sin(up_rad)), cosine(std::cos(up_rad)) {}
+  MapProjection::Place place(double right, double ahead) const {
+    return {right * cosine + ahead * sine, ahead * cosine - right * sine};
   }
-
- private:
-  WorldFrame frame_;
-  GeographicLib::AzimuthalEquidistant plane_;
-  double latitude_deg_;
-  double longitude_deg_;
-  double height_m_;
-  glm::dvec3 antenna_;
+  double sine, cosine;
 };
 
-/// Bounds of a sector in map axes: its corners, its arc's extreme points and the inner arc.
 struct Bounds {
-  double left = 0, right = 0, bottom = 0, top = 0;
-  bool empty = true;
+  double left = HUGE_VAL, right = -HUGE_VAL, bottom = HUGE_VAL, top = -HUGE_VAL;
 
-  void add(double bearing_rad, double ground_m) {
-    const double x = ground_m * std::sin(bearing_rad);
-    const double y = ground_m * std::cos(bearing_rad);
-    left = empty ? x : std::min(left, x);
-    right = empty ? x : std::max(right, x);
-    bottom = empty ? y : std::min(bottom, y);
-    top = empty ? y : std::max(top, y);
-    empty = false;
+  void add(const MapProjection::Place& place, const Turn& turn) {
+    const double x = place.east_m * turn.cosine - place.north_m * turn.sine;
+    const double y = place.east_m * turn.sine + place.north_m * turn.cosine;
+    left = std::min(left, x);
+    right = std::max(right, x);
+    bottom = std::min(bottom, y);
+    top = std::max(top, y);
   }
+  double area() const { return (right - left) * (top - bottom); }
+  double extent() const { return std::max(right - left, top - bottom); }
 };
 
-Bounds sector_bounds(const wire::FrameDescriptor& d, double up_rad, double near_m, double far_m) {
-  const double start = d.azimuth_start_deg() * kDegree_rad - up_rad;
-  const double sector = d.azimuth_width_deg() * d.settings().azimuth_bins() * kDegree_rad;
+/// Of the sector's corners, of its arcs every two degrees and where they point up, down, left or right.
+Bounds sector_bounds(const MapProjection& projection, double up_rad) {
+  const MapSector& sector = projection.sector();
+  const Turn turn(up_rad);
   Bounds bounds;
-  for (const double g : {near_m, far_m}) {
-    bounds.add(start, g);
-    bounds.add(start + sector, g);
-    for (double quarter = std::ceil(start / (kPi / 2)); quarter * kPi / 2 <= start + sector; ++quarter)
-      bounds.add(quarter * kPi / 2, g);
-  }
+  // A swath that does not reach down to the ground is drawn as if the antenna stood on it.
+  const bool in_the_air = sector.r_max_m <= projection.antenna_above_m();
+  const auto add = [&](double bearing) {
+    for (const double r : {sector.r_min_m, sector.r_max_m})
+      bounds.add(in_the_air ? MapProjection::Place{r * std::sin(bearing), r * std::cos(bearing)}
+                            : projection.place(bearing, r),
+                 turn);
+  };
+  const int steps = static_cast<int>(std::ceil(sector.width_rad / (kPi / 90)));
+  for (int i = 0; i <= steps; ++i) add(sector.start_rad + sector.width_rad * i / steps);
+  for (double quarter = std::ceil((sector.start_rad - up_rad) / (kPi / 2));
+       up_rad + quarter * kPi / 2 <= sector.start_rad + sector.width_rad; ++quarter)
+    add(up_rad + quarter * kPi / 2);
   return bounds;
 }
 
-/// A descriptor may come from any server: refuse what no map can be made of.
-void check_described(const wire::FrameDescriptor& d) {
-  const auto positive = [](const char* field, double value) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw InputError(std::string("frame descriptor: ") + field + ": found " + std::to_string(value) +
-                       "; allowed: a positive number");
-  };
-  positive("azimuth_width_deg", d.azimuth_width_deg());
-  positive("range_spacing_m", d.range_spacing_m());
-  if (!(d.range_start_m() >= 0) || !std::isfinite(d.range_start_m()))
-    throw InputError("frame descriptor: range_start_m: found " + std::to_string(d.range_start_m()) +
-                     "; allowed: a number from 0");
-  const double sector_deg = d.azimuth_width_deg() * d.settings().azimuth_bins();
-  // Where every n-th bin stands for n, the last may reach around to the first.
-  const bool stepped = d.has_window() && d.window().azimuth_step() > 1 && d.settings().azimuth_bins() > 1;
-  const double past_the_last_deg = stepped ? d.azimuth_width_deg() : 0;
-  if (!(sector_deg - past_the_last_deg < 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
-    throw InputError("frame descriptor: found a sector of " + std::to_string(sector_deg) + " degrees from " +
-                     std::to_string(d.azimuth_start_deg()) + "; allowed: at most 360 degrees from a bearing");
-  for (const double value :
-       {d.antenna_x_m(), d.antenna_y_m(), d.antenna_z_m(), d.north_rad(), d.map_reference_height_m(),
-        d.azimuth_start_deg(), d.origin_latitude_deg(), d.origin_longitude_deg(), d.pose().latitude_deg(),
-        d.pose().longitude_deg(), d.pose().bearing_deg()})
-    if (!std::isfinite(value))
-      throw InputError(
-          "frame descriptor: found a position or bearing that is no number; allowed: finite numbers");
-}
+/// The bin of a world offset from the antenna.
+class BinFinder {
+ public:
+  BinFinder(const MapProjection& projection, int n_azimuth, int n_range)
+      : n_azimuth_(n_azimuth),
+        n_range_(n_range),
+        start_(projection.sector().start_rad + projection.north_rad()) {
+    const MapSector& sector = projection.sector();
+    r_min_ = sector.r_min_m;
+    r_max_ = sector.r_max_m;
+    ranges_per_m_ = n_range / (sector.r_max_m - sector.r_min_m);
+    azimuths_per_rad_ = n_azimuth / sector.width_rad;
+  }
 
-double magnitude_of(const BinBlock& bins, std::size_t bin) {
-  if (!bins.iq.empty()) return std::abs(std::complex<double>(bins.iq[bin]));
-  return bins.power_w.empty() ? 0 : std::sqrt(bins.power_w[bin]);
+  std::uint32_t find(const glm::dvec3& p) const {
+    const double r = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    if (!(r >= r_min_ && r < r_max_)) return GroundMap::kOutside;
+    double turns = (std::atan2(p.x, p.z) - start_) / (2 * kPi);
+    turns -= std::floor(turns);
+    const double azimuth = turns * 2 * kPi * azimuths_per_rad_;
+    if (!(azimuth < n_azimuth_)) return GroundMap::kOutside;
+    const auto range = std::min(n_range_ - 1, static_cast<int>((r - r_min_) * ranges_per_m_));
+    return static_cast<std::uint32_t>(azimuth) * static_cast<std::uint32_t>(n_range_) +
+           static_cast<std::uint32_t>(range);
+  }
+
+ private:
+  int n_azimuth_;
+  int n_range_;
+  double start_;
+  double r_min_ = 0;
+  double r_max_ = 0;
+  double ranges_per_m_ = 0;
+  double azimuths_per_rad_ = 0;
+};
+
+/// Moves an offset along `up` onto the ground; false where there is none.
+bool put_on_ground(const HeightGrid& ground, const glm::dvec3& antenna_m, const glm::dvec3& up,
+                   glm::dvec3& p) {
+  // The vertical leans by at most a few thousandths, so a height's error shrinks by that with each step.
+  constexpr int kSteps = 3;
+  for (int step = 0; step < kSteps; ++step) {
+    const glm::dvec3 world = antenna_m + p;
+    const double y_m = ground.height_at_m(world.x, world.z);
+    if (std::isnan(y_m)) return false;
+    p += (y_m - world.y) / up.y * up;
+  }
+  return true;
 }
 
 }  // namespace
 
-bool can_be_drawn(const BinBlock& bins) { return !bins.iq.empty() || !bins.power_w.empty(); }
-
-GroundMap map_to_ground(const wire::FrameDescriptor& d, const BinBlock& bins, double up_bearing_rad) {
-  check_described(d);
-  const double r_min = d.range_start_m();
-  const double r_max = r_min + d.range_spacing_m() * bins.n_range;
-  const MapProjection projection(d);
-  const double above = -projection.offset(0, 0).y;
-  const double near_m = std::sqrt(std::max(0.0, r_min * r_min - above * above));
-  // On a falling earth a slant range reaches a little less far than over flat ground.
-  const Bounds bounds = sector_bounds(d, up_bearing_rad, near_m, r_max);
+GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_range,
+                        const GroundMapWish& wish) {
+  Bounds bounds = sector_bounds(projection, wish.up_rad);
+  const Turn turn(wish.up_rad);
+  if (wish.with_antenna) {
+    Bounds larger = bounds;
+    larger.add({0, 0}, turn);
+    if (larger.area() <= kMostGrowth * bounds.area()) bounds = larger;
+  }
+  if (!(bounds.extent() > 0 && std::isfinite(bounds.extent())))
+    throw InputError(
+        "frame descriptor: found a sector that meets no ground at map_reference_height_m; "
+        "allowed: one of which a map can be drawn");
 
   GroundMap map;
-  map.up_rad = up_bearing_rad;
-  map.antenna_above_m = above;
-  map.of_power = bins.iq.empty();
-  map.unit = map.of_power ? d.power_unit() : d.unit();
-  const double extent = std::max(bounds.right - bounds.left, bounds.top - bounds.bottom);
-  map.pixel_m = std::max(d.range_spacing_m(), extent / kMaxSide);
-  map.width =
-      std::clamp(static_cast<int>(std::ceil((bounds.right - bounds.left) / map.pixel_m)), 1, kMaxSide);
-  map.height =
-      std::clamp(static_cast<int>(std::ceil((bounds.top - bounds.bottom) / map.pixel_m)), 1, kMaxSide);
+  map.up_rad = wish.up_rad;
+  map.pixel_m = std::max(wish.least_pixel_m, bounds.extent() / wish.side);
+  const auto pixels = [&](double length_m) {
+    // A hair less, so that a length of a whole number of pixels is no pixel longer.
+    return std::clamp(static_cast<int>(std::ceil(length_m / map.pixel_m - 1e-6)), 1, wish.side);
+  };
+  map.width = pixels(bounds.right - bounds.left);
+  map.height = pixels(bounds.top - bounds.bottom);
   map.left_m = bounds.left;
   map.top_m = bounds.top;
-  const auto n = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
-  map.magnitude_db.assign(n, GroundMap::kNoValue);
-  map.slant_range_m.assign(n, 0);
-  map.state.assign(n, GroundMap::kOutside);
+  map.bin.resize(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
 
-  const double sin_up = std::sin(up_bearing_rad);
-  const double cos_up = std::cos(up_bearing_rad);
-  const auto exact = [&](double column, double row) {
-    const double right = map.left_m + (column + 0.5) * map.pixel_m;
-    const double ahead = map.top_m - (row + 0.5) * map.pixel_m;
-    return projection.offset(right * cos_up + ahead * sin_up, ahead * cos_up - right * sin_up);
+  const BinFinder finder(projection, n_azimuth, n_range);
+  const auto place_of = [&](int column, int row) {
+    return turn.place(map.left_m + (column + 0.5) * map.pixel_m, map.top_m - (row + 0.5) * map.pixel_m);
   };
-  const double start = d.azimuth_start_deg() * kDegree_rad + d.north_rad();
-  const double width = d.azimuth_width_deg() * kDegree_rad;
+  const int columns = map.width / kLattice + 2;
+  std::vector<glm::dvec3> above, below;  // the lattice's rows on both sides of the pixels
+  const auto lattice_row = [&](int row) {
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i < columns; ++i) points.push_back(projection.offset(place_of(i * kLattice, row)));
+    return points;
+  };
+  below = lattice_row(0);
   for (int row0 = 0; row0 < map.height; row0 += kLattice) {
+    above = std::move(below);
+    below = lattice_row(row0 + kLattice);
     for (int column0 = 0; column0 < map.width; column0 += kLattice) {
-      const glm::dvec3 p00 = exact(column0, row0);
-      const glm::dvec3 p10 = exact(column0 + kLattice, row0);
-      const glm::dvec3 p01 = exact(column0, row0 + kLattice);
-      const glm::dvec3 p11 = exact(column0 + kLattice, row0 + kLattice);
+      const auto i = static_cast<std::size_t>(column0 / kLattice);
+      glm::dvec3 up{0, 1, 0};
+      if (wish.ground) {
+        constexpr double kRise_m = 1000;
+        up = (projection.offset(place_of(column0, row0), kRise_m) - above[i]) / kRise_m;
+      }
       for (int row = row0; row < std::min(map.height, row0 + kLattice); ++row) {
         const double v = static_cast<double>(row - row0) / kLattice;
+        const glm::dvec3 left = (1 - v) * above[i] + v * below[i];
+        const glm::dvec3 step = ((1 - v) * above[i + 1] + v * below[i + 1] - left) / double{kLattice};
+        std::uint32_t* out = &map.bin[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width)];
         for (int column = column0; column < std::min(map.width, column0 + kLattice); ++column) {
-          const double u = static_cast<double>(column - column0) / kLattice;
-          const glm::dvec3 p = (1 - v) * ((1 - u) * p00 + u * p10) + v * ((1 - u) * p01 + u * p11);
-          const double r = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-          if (r < r_min || r >= r_max) continue;
-          double offset = std::fmod(std::atan2(p.x, p.z) - start, 2 * kPi);
-          if (offset < 0) offset += 2 * kPi;
-          if (!(offset < width * bins.n_azimuth)) continue;
-          const int azimuth = std::min(bins.n_azimuth - 1, static_cast<int>(offset / width));
-          const int range = std::min(bins.n_range - 1, static_cast<int>((r - r_min) / d.range_spacing_m()));
-          const std::size_t bin = static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(bins.n_range) +
-                                  static_cast<std::size_t>(range);
-          const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) +
-                                    static_cast<std::size_t>(column);
-          map.slant_range_m[pixel] = static_cast<float>(r);
-          const bool empty = !bins.count.empty() && bins.count[bin] == 0;
-          const double magnitude = empty ? 0 : magnitude_of(bins, bin);
-          if (magnitude > 0 && std::isfinite(magnitude))
-            map.magnitude_db[pixel] = static_cast<float>(20 * std::log10(magnitude));
-          map.state[pixel] = !bins.state.empty() ? bins.state[bin]
-                             : magnitude > 0     ? static_cast<std::uint8_t>(BinState::sampled)
-                                                 : GroundMap::kUnknown;
+          glm::dvec3 p = left + step * static_cast<double>(column - column0);
+          if (wish.ground && !put_on_ground(*wish.ground, projection.antenna_m(), up, p)) {
+            out[column] = finder.find(p) == GroundMap::kOutside ? GroundMap::kOutside : GroundMap::kNoGround;
+          } else {
+            out[column] = finder.find(p);
+          }
         }
       }
     }

@@ -1,41 +1,39 @@
 #pragma once
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "server/radar/bins.h"
-
-namespace obliq::wire {
-class FrameDescriptor;
-}
+#include "server/output/map_projection.h"
 
 namespace obliq {
+struct HeightGrid;
 
-/// The bins re-mapped to a Cartesian plane: azimuthal equidistant metres around the antenna.
-/// Slant range becomes ground range over the effective earth at the frame's reference height.
+/// Which bin each place of a Cartesian plane around the antenna lies in (nearest bin, no interpolation).
+/// Slant range becomes ground range over the effective earth at the frame's reference height, or, where the
+/// ground is given, at the ground's own height.
 struct GroundMap {
   int width = 0;
   int height = 0;
   double pixel_m = 0;
-  double left_m = 0;                 ///< east (or right) of the antenna, left edge of pixel column 0
-  double top_m = 0;                  ///< north (or ahead) of the antenna, top edge of pixel row 0
-  double antenna_above_m = 0;        ///< antenna above the reference height
-  double up_rad = 0;                 ///< true bearing of the picture's up direction; 0 for north up
-  bool of_power = false;             ///< magnitude_db is of the power, because the frame has no I&Q
-  std::string unit;                  ///< of what magnitude_db is the level of, as the frame's descriptor says
-  std::vector<float> magnitude_db;   ///< [height][width] 20 log10 |I&Q|, dB re unit; kNoValue where that is 0
-  std::vector<float> slant_range_m;  ///< [height][width]
-  std::vector<std::uint8_t> state;   ///< [height][width] BinState; kOutside off the sector
-  static constexpr float kNoValue = -9999;
-  static constexpr std::uint8_t kOutside = 255;
-  static constexpr std::uint8_t kUnknown = 254;  ///< nothing came back, and the frame has no states
+  double left_m = 0;  ///< east (or right) of the antenna, left edge of pixel column 0
+  double top_m = 0;   ///< north (or ahead) of the antenna, top edge of pixel row 0
+  double up_rad = 0;  ///< true bearing of the picture's up direction; 0 for north up
+  /// [height][width] azimuth bin * range bins + range bin, or one of these.
+  std::vector<std::uint32_t> bin;
+  static constexpr std::uint32_t kOutside = 0xffffffff;  ///< off the sector
+  static constexpr std::uint32_t kNoGround =
+      0xfffffffe;  ///< in the sector's reach, where the ground is not known
+  bool is_bin(std::size_t pixel) const { return bin[pixel] < kNoGround; }
 };
 
-/// Whether there is something to see in them: I&Q or power.
-bool can_be_drawn(const BinBlock& bins);
+struct GroundMapWish {
+  double up_rad = 0;          ///< true bearing that points up
+  int side = 2048;            ///< pixels of the longer side, at most
+  double least_pixel_m = 0;   ///< no finer than this
+  bool with_antenna = false;  ///< the antenna's place is on the map, unless that makes it much larger
+  const HeightGrid* ground = nullptr;  ///< in world coordinates: places are at its height
+};
 
-/// up_bearing_rad: true bearing that points up, 0 for a north-up map. Nearest bin, no interpolation. Planes
-/// that the frame does not have may be empty.
-GroundMap map_to_ground(const wire::FrameDescriptor& descriptor, const BinBlock& bins, double up_bearing_rad);
+GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_range,
+                        const GroundMapWish& wish);
 
 }  // namespace obliq

@@ -1,325 +1,184 @@
 #include "server/output/ground_map_png.h"
 
-#include <cairo.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
-#include <numbers>
-#include <string>
 #include <vector>
 
 #include "proto/obliq.pb.h"
-#include "server/output/frame_json.h"
+#include "server/output/bin_levels.h"
+#include "server/output/ground_map.h"
+#include "server/output/picture_canvas.h"
+#include "server/output/picture_overlay.h"
 #include "terrain/constants.h"
-#include "terrain/errors.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr int kPictureSide = 1400;  ///< longer side of the map in the picture, pixels
-constexpr int kMargin = 46;
-constexpr int kCaption = 92;
+constexpr int kMargin = 60;       // for labels around the map
+constexpr int kLeastWidth = 800;  // the caption has no less
+constexpr double kLeastSpan_dB = 10;
 
-struct Colour {
-  double red, green, blue;
-};
-constexpr Colour kPaper{0.06, 0.07, 0.08};
-constexpr Colour kInk{0.82, 0.86, 0.84};
-constexpr Colour kGrid{0.25, 0.62, 0.55};
-constexpr Colour kShadow{0, 0, 0};
-constexpr Colour kNotSampled{0.10, 0.13, 0.32};
-constexpr Colour kNoSurface{0.24, 0.17, 0.10};
+/// The levels of a picture: those of the bins with the display's range compensation.
+std::vector<float> shown_levels(const wire::FrameDescriptor& d, const BinLevels& levels, int n_range) {
+  std::vector<float> shown = levels.db;
+  if (d.settings().range_normalisation()) return shown;
+  std::vector<float> compensation(static_cast<std::size_t>(n_range));
+  for (std::size_t i = 0; i < compensation.size(); ++i) {
+    const double r_m = d.range_start_m() + (static_cast<double>(i) + 0.5) * d.range_spacing_m();
+    compensation[i] = static_cast<float>(40 * std::log10(r_m));
+  }
+  for (std::size_t bin = 0; bin < shown.size(); ++bin)
+    if (shown[bin] != BinLevels::kNoValue) shown[bin] += compensation[bin % compensation.size()];
+  return shown;
+}
 
-struct Surface {
-  explicit Surface(int width, int height)
-      : surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)) {}
-  ~Surface() { cairo_surface_destroy(surface); }
-  Surface(const Surface&) = delete;
-  Surface& operator=(const Surface&) = delete;
-  cairo_surface_t* surface;
-};
-
-std::uint32_t packed(const Colour& c) {
-  const auto byte = [](double v) {
-    return static_cast<std::uint32_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+/// Of the map's pixels, so that each bin counts by the ground that it covers.
+std::optional<DbRange> range_of(const GroundMap& map, const std::vector<float>& shown) {
+  constexpr std::size_t kEvery = 7;  // a sample of the pixels says as much as all of them
+  std::vector<float> values;
+  for (std::size_t pixel = 0; pixel < map.bin.size(); pixel += kEvery)
+    if (map.is_bin(pixel) && shown[map.bin[pixel]] != BinLevels::kNoValue)
+      values.push_back(shown[map.bin[pixel]]);
+  if (values.empty()) return std::nullopt;
+  const auto percentile = [&](double p) {
+    const auto k = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + k, values.end());
+    return static_cast<double>(values[static_cast<std::size_t>(k)]);
   };
-  return byte(c.red) << 16 | byte(c.green) << 8 | byte(c.blue);
+  const double low = std::floor(percentile(0.05));
+  return DbRange{low, std::max(std::ceil(percentile(0.997)), low + kLeastSpan_dB)};
 }
 
-/// Brightness of a map pixel in dB with the display's range compensation; NaN-free: callers check for a
-/// value.
-double shown_db(const GroundMap& map, std::size_t pixel, bool compensate) {
-  const double db = static_cast<double>(map.magnitude_db[pixel]);
-  return compensate ? db + 40 * std::log10(static_cast<double>(map.slant_range_m[pixel])) : db;
-}
-
-/// Grey with a hint of phosphor.
-Colour grey(double level) { return {level * 0.96, level, level * 0.94}; }
-
-class Picture {
- public:
-  Picture(const GroundMap& map, const wire::FrameDescriptor& d, const wire::FrameSummary& s)
-      : map_(map),
-        d_(d),
-        s_(s),
-        scale_(std::min(static_cast<double>(kPictureSide) / std::max(map.width, map.height), 4.0)),
-        map_width_(static_cast<int>(std::ceil(map.width * scale_))),
-        map_height_(static_cast<int>(std::ceil(map.height * scale_))),
-        width_(std::max(map_width_, 760) + 2 * kMargin),
-        height_(map_height_ + 2 * kMargin + kCaption),
-        left_((width_ - map_width_) / 2),
-        surface_(width_, height_),
-        compensate_(!d.settings().range_normalisation()) {
-    find_grey_range();
-  }
-
-  void draw() {
-    draw_pixels();
-    std::unique_ptr<cairo_t, void (*)(cairo_t*)> context(cairo_create(surface_.surface), cairo_destroy);
-    c_ = context.get();
-    cairo_select_font_face(c_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    draw_rings();
-    draw_bearings();
-    draw_caption();
-    c_ = nullptr;
-  }
-
-  void save(const std::filesystem::path& path) {
-    const cairo_status_t status = cairo_surface_write_to_png(surface_.surface, path.c_str());
-    if (status != CAIRO_STATUS_SUCCESS)
-      throw InputError(path.string() + ": cannot be written (" + cairo_status_to_string(status) + ")");
-  }
-
- private:
-  void find_grey_range() {
-    std::vector<double> values;
-    for (std::size_t pixel = 0; pixel < map_.magnitude_db.size(); ++pixel)
-      if (map_.magnitude_db[pixel] != GroundMap::kNoValue)
-        values.push_back(shown_db(map_, pixel, compensate_));
-    if (values.empty()) return;
-    const auto percentile = [&](double p) {
-      const auto k = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), values.begin() + k, values.end());
-      return values[static_cast<std::size_t>(k)];
-    };
-    black_db_ = percentile(0.05);
-    white_db_ = std::max(percentile(0.997), black_db_ + 10);
-  }
-
-  bool without_states() const {
-    return std::ranges::find(map_.state, GroundMap::kUnknown) != map_.state.end();
-  }
-
-  Colour colour_of(std::size_t pixel) const {
-    switch (map_.state[pixel]) {
-      case GroundMap::kOutside:
-        return kPaper;
-      case static_cast<std::uint8_t>(BinState::not_sampled):
-        return kNotSampled;
-      case static_cast<std::uint8_t>(BinState::shadow):
-      case GroundMap::kUnknown:
-      case static_cast<std::uint8_t>(BinState::nearer_than_ground):
-        return kShadow;
+/// The colour of each bin.
+std::vector<std::uint32_t> bin_colours(const BinBlock& bins, const BinLevels& levels,
+                                       const std::vector<float>& shown, const DbRange& range) {
+  std::uint32_t greys[256];
+  for (int k = 0; k < 256; ++k) greys[k] = packed(grey_of(k / 255.0));
+  const float low = static_cast<float>(range.low);
+  const float scale = static_cast<float>(255 / (range.high - range.low));
+  std::vector<std::uint32_t> colours(shown.size());
+  for (std::size_t bin = 0; bin < shown.size(); ++bin) {
+    switch (state_of(bins, levels, bin)) {
       case static_cast<std::uint8_t>(BinState::sampled):
         break;
+      case static_cast<std::uint8_t>(BinState::not_sampled):
+        colours[bin] = packed(kNotSampled);
+        continue;
+      case static_cast<std::uint8_t>(BinState::shadow):
+      case static_cast<std::uint8_t>(BinState::nearer_than_ground):
+      case kUnknownState:
+        colours[bin] = packed(kShadow);
+        continue;
       default:  // no surface, and what a later server may say
-        return kNoSurface;
+        colours[bin] = packed(kNoSurface);
+        continue;
     }
-    if (map_.magnitude_db[pixel] == GroundMap::kNoValue) return kShadow;
-    const double level = (shown_db(map_, pixel, compensate_) - black_db_) / (white_db_ - black_db_);
-    return grey(0.06 + 0.94 * std::clamp(level, 0.0, 1.0));
+    const float level = std::clamp((shown[bin] - low) * scale, 0.0f, 255.0f);
+    colours[bin] =
+        shown[bin] == BinLevels::kNoValue ? packed(kShadow) : greys[static_cast<std::size_t>(level + 0.5f)];
   }
+  return colours;
+}
 
-  void draw_pixels() {
-    cairo_surface_flush(surface_.surface);
-    unsigned char* data = cairo_image_surface_get_data(surface_.surface);
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_.surface));
-    const std::uint32_t paper = packed(kPaper);
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) {
-        std::uint32_t value = paper;
-        const int mx = x - left_;
-        const int my = y - kMargin;
-        if (mx >= 0 && my >= 0 && mx < map_width_ && my < map_height_) value = averaged(mx, my);
-        std::memcpy(data + static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(x) * 4, &value, 4);
+/// Each bin's mean with those that share its pixel, so that a picture coarser than the bins loses no bright
+/// point.
+void soften_ranges(std::vector<std::uint32_t>& colours, int n_range, int bins_a_pixel) {
+  const int before = (bins_a_pixel - 1) / 2;
+  std::vector<std::uint32_t> row(static_cast<std::size_t>(n_range));
+  for (std::size_t start = 0; start < colours.size(); start += row.size()) {
+    std::copy_n(colours.begin() + static_cast<std::ptrdiff_t>(start), row.size(), row.begin());
+    for (int i = 0; i < n_range; ++i) {
+      const int first = std::max(0, i - before);
+      const int end = std::min(n_range, i - before + bins_a_pixel);
+      std::uint32_t red = 0, green = 0, blue = 0;
+      for (int k = first; k < end; ++k) {
+        const std::uint32_t c = row[static_cast<std::size_t>(k)];
+        red += c >> 16;
+        green += c >> 8 & 0xff;
+        blue += c & 0xff;
       }
-    }
-    cairo_surface_mark_dirty(surface_.surface);
-  }
-
-  /// Mean colour of the map pixels under a picture pixel, so that shrinking loses no bright point.
-  std::uint32_t averaged(int mx, int my) const {
-    const auto range = [&](int at, int limit) {
-      const int from = std::min(limit - 1, static_cast<int>(at / scale_));
-      const int to = std::clamp(static_cast<int>(std::ceil((at + 1) / scale_)), from + 1, limit);
-      return std::pair(from, to);
-    };
-    const auto [x0, x1] = range(mx, map_.width);
-    const auto [y0, y1] = range(my, map_.height);
-    Colour sum{0, 0, 0};
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) {
-        const Colour c = colour_of(static_cast<std::size_t>(y) * static_cast<std::size_t>(map_.width) +
-                                   static_cast<std::size_t>(x));
-        sum = {sum.red + c.red, sum.green + c.green, sum.blue + c.blue};
-      }
-    const double n = static_cast<double>(x1 - x0) * (y1 - y0);
-    return packed({sum.red / n, sum.green / n, sum.blue / n});
-  }
-
-  void ink(const Colour& c, double alpha) { cairo_set_source_rgba(c_, c.red, c.green, c.blue, alpha); }
-
-  void text(double x, double y, double size, const std::string& words, double align) {
-    cairo_set_font_size(c_, size);
-    cairo_text_extents_t box;
-    cairo_text_extents(c_, words.c_str(), &box);
-    cairo_move_to(c_, x - align * box.width, y);
-    cairo_show_text(c_, words.c_str());
-  }
-
-  double x_of(double right_m) const { return left_ + (right_m - map_.left_m) / map_.pixel_m * scale_; }
-  double y_of(double ahead_m) const { return kMargin + (map_.top_m - ahead_m) / map_.pixel_m * scale_; }
-
-  double ground_range_m(double slant_m) const {
-    return std::sqrt(std::max(0.0, slant_m * slant_m - map_.antenna_above_m * map_.antenna_above_m));
-  }
-
-  /// A round step that gives three to seven rings.
-  static double ring_step(double span) {
-    const double power = std::pow(10.0, std::floor(std::log10(span / 3)));
-    for (const double factor : {5.0, 2.0, 1.0})
-      if (span / (factor * power) >= 3) return factor * power;
-    return power;
-  }
-
-  void draw_rings() {
-    const double r_min = d_.range_start_m();
-    const double r_max = r_min + d_.range_spacing_m() * d_.settings().range_bins();
-    const double step = ring_step(r_max);
-    const double start = d_.azimuth_start_deg() * kDegree_rad - map_.up_rad;
-    const double sector = d_.azimuth_width_deg() * d_.settings().azimuth_bins() * kDegree_rad;
-    cairo_set_line_width(c_, 1);
-    for (double r = step; r <= r_max * 1.0001; r += step) {
-      if (r < r_min) continue;
-      const double g = ground_range_m(r) / map_.pixel_m * scale_;
-      ink(kGrid, 0.55);
-      cairo_new_sub_path(c_);
-      cairo_arc(c_, x_of(0), y_of(0), g, start - kPi / 2, start + sector - kPi / 2);
-      cairo_stroke(c_);
-      char label[32];
-      std::snprintf(label, sizeof label, step >= 1000 ? "%.0f km" : "%.1f km", r / 1000);
-      const double at = start + sector;
-      ink(kGrid, 0.95);
-      text(x_of(0) + g * std::sin(at) + 5, y_of(0) - g * std::cos(at) + 4, 12, label, 0);
+      const auto n = static_cast<std::uint32_t>(end - first);
+      colours[start + static_cast<std::size_t>(i)] = red / n << 16 | green / n << 8 | blue / n;
     }
   }
+}
 
-  void draw_bearings() {
-    const double r_min = d_.range_start_m();
-    const double r_max = r_min + d_.range_spacing_m() * d_.settings().range_bins();
-    const double start_deg = d_.azimuth_start_deg();
-    const double end_deg = start_deg + d_.azimuth_width_deg() * d_.settings().azimuth_bins();
-    const double step = end_deg - start_deg > 90 ? 30 : end_deg - start_deg > 30 ? 15 : 5;
-    const double inner = ground_range_m(r_min) / map_.pixel_m * scale_;
-    const double outer = ground_range_m(r_max) / map_.pixel_m * scale_;
-    for (double b = std::ceil(start_deg / step) * step; b <= end_deg + 1e-9; b += step) {
-      const double at = b * kDegree_rad - map_.up_rad;
-      const double s = std::sin(at);
-      const double c = std::cos(at);
-      ink(kGrid, 0.35);
-      cairo_move_to(c_, x_of(0) + inner * s, y_of(0) - inner * c);
-      cairo_line_to(c_, x_of(0) + outer * s, y_of(0) - outer * c);
-      cairo_stroke(c_);
-      char label[16];
-      std::snprintf(label, sizeof label, "%03.0f°", std::fmod(b + 720, 360));
-      ink(kInk, 0.9);
-      text(x_of(0) + (outer + 14) * s, y_of(0) - (outer + 14) * c + 4, 12, label, 0.5);
-    }
+void draw_pixels(PictureCanvas& canvas, const GroundMap& map, const std::vector<std::uint32_t>& colours,
+                 int left, int top) {
+  for (int y = 0; y < map.height; ++y) {
+    std::uint32_t* out = canvas.row(top + y) + left;
+    const std::uint32_t* bin = &map.bin[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width)];
+    for (int x = 0; x < map.width; ++x)
+      if (bin[x] < GroundMap::kNoGround) out[x] = colours[bin[x]];
   }
+  canvas.pixels_done();
+}
 
-  void swatch(double x, double y, const Colour& colour, const char* label) {
-    ink(colour, 1);
-    cairo_rectangle(c_, x, y, 14, 14);
-    cairo_fill_preserve(c_);
-    ink(kInk, 0.5);
-    cairo_stroke(c_);
-    ink(kInk, 0.9);
-    text(x + 20, y + 12, 12, label, 0);
-  }
+/// As one writes it by hand: "√W m²".
+std::string written(std::string unit) {
+  const auto put = [&](const std::string& plain, const std::string& nice) {
+    if (const auto at = unit.find(plain); at != std::string::npos) unit.replace(at, plain.size(), nice);
+  };
+  put("sqrt(W)", "√W");
+  put("m^2", "m²");
+  put("m^4", "m⁴");
+  return unit;
+}
 
-  void draw_caption() {
-    const double y = kMargin * 2 + map_height_ - 4;
-    char line[512];
-    const std::string kind = enum_word(wire::FrustumKind_Name(d_.settings().frustum()));
-    const std::string reference = enum_word(wire::HeightReference_Name(d_.pose().height_reference()));
-    ink(kInk, 1);
-    const bool sweep = d_.settings().frustum() == wire::SWEEP;
-    const std::string columns = std::to_string(d_.settings().pixel_columns());
-    const std::string sampling =
-        sweep ? "sweep, " + columns + " azimuths"
-              : kind + " frustum " + columns + " x " + std::to_string(d_.settings().pixel_rows()) + " px";
-    char looks[48];
-    if (sweep) {
-      std::snprintf(looks, sizeof looks, "%.0f planes", static_cast<double>(s_.rays()));
-    } else {
-      std::snprintf(looks, sizeof looks, "%.1f M rays", static_cast<double>(s_.rays()) / 1e6);
-    }
-    std::snprintf(line, sizeof line, "%s · radar %s · %s · %d x %d bins · %.4g GHz", d_.scene_name().c_str(),
-                  d_.radar().c_str(), sampling.c_str(), d_.settings().azimuth_bins(),
-                  d_.settings().range_bins(), d_.settings().frequency_ghz());
-    text(kMargin, y + 16, 14, line, 0);
-    std::snprintf(line, sizeof line,
-                  "antenna %.5f, %.5f at %.0f m above the %s · bearing %.1f° · %s up · %.1f–%.1f km slant · "
-                  "%s · coverage %.1f %%",
-                  d_.pose().latitude_deg(), d_.pose().longitude_deg(), d_.pose().height_m(),
-                  reference.c_str(), d_.pose().bearing_deg(), map_.up_rad == 0 ? "north" : "bearing",
-                  d_.range_start_m() / 1000,
-                  (d_.range_start_m() + d_.range_spacing_m() * d_.settings().range_bins()) / 1000, looks,
-                  100 * s_.coverage());
-    ink(kInk, 0.85);
-    text(kMargin, y + 38, 12, line, 0);
-    const double bar_y = y + 56;
-    for (int k = 0; k < 200; ++k) {
-      ink(grey(0.06 + 0.94 * k / 199.0), 1);
-      cairo_rectangle(c_, kMargin + k, bar_y, 1.5, 14);
-      cairo_fill(c_);
-    }
-    std::snprintf(line, sizeof line, "%.0f dB of %s%s", white_db_ - black_db_,
-                  map_.of_power ? "power" : "|I&Q|", compensate_ ? " x r²" : "");
-    ink(kInk, 0.9);
-    text(kMargin + 208, bar_y + 12, 12, line, 0);
-    swatch(kMargin + 350, bar_y, kShadow, without_states() ? "no echo" : "shadow, altitude hole");
-    swatch(kMargin + 520, bar_y, kNotSampled, "not sampled");
-    swatch(kMargin + 630, bar_y, kNoSurface, "no known ground");
-  }
+std::string quantity_text(const BinLevels& levels, bool normalised) {
+  std::string text = levels.of_power ? "power" : "|I&Q|";
+  if (!normalised) text += levels.of_power ? " × r⁴" : " × r²";
+  return text + ", dB re " +
+         written(normalised ? levels.unit : levels.unit + (levels.of_power ? " m^4" : " m^2"));
+}
 
-  const GroundMap& map_;
-  const wire::FrameDescriptor& d_;
-  const wire::FrameSummary& s_;
-  double scale_;
-  int map_width_;
-  int map_height_;
-  int width_;
-  int height_;
-  int left_;
-  Surface surface_;
-  bool compensate_;
-  double black_db_ = 0;
-  double white_db_ = 10;
-  cairo_t* c_ = nullptr;
-};
+/// What a bin is that stays black.
+std::string dark_text(const BinBlock& bins) {
+  if (bins.state.empty()) return "no echo";
+  const auto nearer = static_cast<std::uint8_t>(BinState::nearer_than_ground);
+  return std::ranges::find(bins.state, nearer) == bins.state.end() ? "shadow"
+                                                                   : "shadow, no ground at this range";
+}
 
 }  // namespace
 
-void write_ground_map_png(const std::filesystem::path& path, const GroundMap& map,
-                          const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary) {
-  Picture picture(map, descriptor, summary);
-  picture.draw();
-  picture.save(path);
+std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, const wire::FrameDescriptor& d,
+                                            const wire::FrameSummary& summary, const BinBlock& bins,
+                                            const PictureOptions& options) {
+  const MapProjection projection(d);
+  GroundMapWish wish;
+  wish.up_rad = options.up == MapUp::north ? 0 : d.pose().bearing_deg() * kDegree_rad;
+  wish.side = options.side;
+  wish.with_antenna = true;
+  const GroundMap map = map_to_ground(projection, bins.n_azimuth, bins.n_range, wish);
+  const BinLevels levels = bin_levels(d, bins);
+  const std::vector<float> shown = shown_levels(d, levels, bins.n_range);
+  const std::optional<DbRange> range = options.db_range ? options.db_range : range_of(map, shown);
+  const DbRange scale = range.value_or(DbRange{});
+  std::vector<std::uint32_t> colours = bin_colours(bins, levels, shown, scale);
+  const double bins_a_pixel = std::min<double>(map.pixel_m / d.range_spacing_m(), bins.n_range);
+  if (bins_a_pixel >= 1.5) soften_ranges(colours, bins.n_range, static_cast<int>(std::lround(bins_a_pixel)));
+
+  const int width = std::max(map.width, kLeastWidth) + 2 * kMargin;
+  const PictureCaption caption({.frame = d,
+                                .summary = summary,
+                                .time = options.time,
+                                .range = scale,
+                                .has_echoes = range.has_value(),
+                                .quantity = quantity_text(levels, d.settings().range_normalisation()),
+                                .dark = dark_text(bins),
+                                .up_rad = wish.up_rad,
+                                .pixel_m = map.pixel_m},
+                               width - kMargin);
+  const int top = kMargin / 2;
+  const int caption_top = top + map.height + kMargin;
+  PictureCanvas canvas(width, caption_top + static_cast<int>(std::ceil(caption.height())));
+  const int left = (width - map.width) / 2;
+  draw_pixels(canvas, map, colours, left, top);
+  draw_overlay(canvas, projection, map, left, top);
+  caption.draw(canvas, kMargin / 2.0, caption_top);
+  canvas.save(path);
+  return range;
 }
 
 }  // namespace obliq

@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <vector>
 
+#include "proto/obliq.pb.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -22,14 +24,17 @@ struct QuietErrors {
   QuietErrors& operator=(const QuietErrors&) = delete;
 };
 
+constexpr std::uint8_t kOutside = 255;
+
 struct Closer {
   void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
 };
 
 }  // namespace
 
-void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& map, double latitude_deg,
-                          double longitude_deg) {
+void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& map, const BinBlock& bins,
+                          const BinLevels& levels, const wire::FrameDescriptor& descriptor,
+                          const std::string& placed) {
   static std::once_flag registered;
   std::call_once(registered, GDALAllRegister);
   const auto fail = [&] {
@@ -49,24 +54,33 @@ void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& ma
   if (!file) fail();
   char definition[256];
   std::snprintf(definition, sizeof definition,
-                "+proj=aeqd +lat_0=%.12f +lon_0=%.12f +datum=WGS84 +units=m +no_defs", latitude_deg,
-                longitude_deg);
+                "+proj=aeqd +lat_0=%.12f +lon_0=%.12f +datum=WGS84 +units=m +no_defs",
+                descriptor.pose().latitude_deg(), descriptor.pose().longitude_deg());
   OGRSpatialReference crs;
   if (crs.importFromProj4(definition) != OGRERR_NONE) fail();
   double transform[6] = {map.left_m, map.pixel_m, 0, map.top_m, 0, -map.pixel_m};
   if (file->SetSpatialRef(&crs) != CE_None || file->SetGeoTransform(transform) != CE_None) fail();
+  file->SetMetadataItem("TIFFTAG_IMAGEDESCRIPTION", placed.c_str());
   file->GetRasterBand(1)->SetDescription(
-      ((map.of_power ? "power, dB re " : "magnitude, dB re ") + map.unit).c_str());
+      ((levels.of_power ? "power, dB re " : "magnitude, dB re ") + levels.unit).c_str());
   file->GetRasterBand(2)->SetDescription(
       "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 4 no ground at this range, 254 not "
       "known, 255 outside");
-  if (file->GetRasterBand(1)->SetNoDataValue(static_cast<double>(GroundMap::kNoValue)) != CE_None) fail();
-  auto* magnitude = const_cast<float*>(map.magnitude_db.data());
-  auto* state = const_cast<std::uint8_t*>(map.state.data());
-  if (file->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, map.width, map.height, magnitude, map.width,
+  if (file->GetRasterBand(1)->SetNoDataValue(static_cast<double>(BinLevels::kNoValue)) != CE_None) fail();
+  std::vector<float> magnitude(map.bin.size(), BinLevels::kNoValue);
+  std::vector<std::uint8_t> state(map.bin.size(), kOutside);
+  for (std::size_t pixel = 0; pixel < map.bin.size(); ++pixel) {
+    if (map.is_bin(pixel)) {
+      magnitude[pixel] = levels.db[map.bin[pixel]];
+      state[pixel] = state_of(bins, levels, map.bin[pixel]);
+    } else if (map.bin[pixel] == GroundMap::kNoGround) {
+      state[pixel] = static_cast<std::uint8_t>(BinState::no_surface);
+    }
+  }
+  if (file->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, map.width, map.height, magnitude.data(), map.width,
                                        map.height, GDT_Float32, 0, 0) != CE_None ||
-      file->GetRasterBand(2)->RasterIO(GF_Write, 0, 0, map.width, map.height, state, map.width, map.height,
-                                       GDT_Byte, 0, 0) != CE_None)
+      file->GetRasterBand(2)->RasterIO(GF_Write, 0, 0, map.width, map.height, state.data(), map.width,
+                                       map.height, GDT_Byte, 0, 0) != CE_None)
     fail();
   file->FlushCache();
   file.reset();

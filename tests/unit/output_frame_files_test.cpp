@@ -3,9 +3,11 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <cairo.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -58,7 +60,7 @@ class FrameFilesTest : public testing::Test {
 
   void render_to(const fs::path& folder, SampleTap* tap = nullptr) {
     render_frame(tap);
-    EXPECT_EQ(write_frame_files(folder, descriptor_, summary_, frame_.bins), "");
+    EXPECT_EQ(write_frame_files(folder, descriptor_, summary_, frame_.bins).missing, "");
   }
 
   void render_frame(SampleTap* tap = nullptr) {
@@ -128,7 +130,13 @@ TEST_F(FrameFilesTest, FrameJsonNamesEveryParameterAndTheBinEdges) {
   EXPECT_DOUBLE_EQ(json["range_edges_m"][33], 9000);
   EXPECT_DOUBLE_EQ(json["azimuth_edges_deg"][0], 40 - 60);
   EXPECT_EQ(json["frame"]["settings"]["frustum"], "polar");
-  EXPECT_EQ(json["frame"]["radius_factor"], "inf");
+  EXPECT_TRUE(json["frame"]["radius_factor"].is_null()) << "JSON has no infinity, and a text is no number";
+  EXPECT_EQ(json["planes"], nlohmann::json({"iq", "power", "count", "state"}));
+  EXPECT_NE(json["notes"]["range_edges_m"].get<std::string>().find("slant"), std::string::npos);
+  // The edges come last, many a line: what one reads first is not buried.
+  const std::string text = slurp(folder_ / "frame.json");
+  EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 140);
+  EXPECT_GT(text.find("azimuth_edges_deg\": ["), text.find("\"notes\""));
   EXPECT_EQ(json["summary"]["rays"], frame_.stats.rays);
   EXPECT_EQ(json["summary"]["coverage"], 1.0);
   EXPECT_EQ(json["frame"]["phase_sign"], -1);
@@ -215,6 +223,91 @@ TEST_F(FrameFilesTest, AmplitudesTimesTheSquareOfTheRangeHaveSquareMetresInTheir
   EXPECT_LT(largest[1] / largest[0], std::pow(9000.0, 4));
 }
 
+/// A PNG as cairo reads it: what nobody here wrote.
+struct ReadPicture {
+  explicit ReadPicture(const fs::path& file)
+      : surface(cairo_image_surface_create_from_png(file.c_str()), cairo_surface_destroy),
+        width(cairo_image_surface_get_width(surface.get())),
+        height(cairo_image_surface_get_height(surface.get())) {}
+  std::uint32_t at(int x, int y) const {
+    const unsigned char* row = cairo_image_surface_get_data(surface.get()) +
+                               static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(surface.get());
+    return reinterpret_cast<const std::uint32_t*>(row)[x] & 0xffffff;
+  }
+  std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface;
+  int width, height;
+};
+
+TEST_F(FrameFilesTest, WithTheSameDbRangeTwoPicturesCanBeCompared) {
+  render_frame();
+  FrameFileOptions options;
+  options.picture.side = 300;
+  const auto scale = write_frame_files(folder_ / "own", descriptor_, summary_, frame_.bins, options).scale;
+  ASSERT_TRUE(scale);
+  EXPECT_EQ(scale->low, std::round(scale->low)) << "whole decibels";
+  EXPECT_GT(scale->high, scale->low);
+  // Ten times the amplitude, 20 dB: a scale that is 20 dB higher draws the same pixels, its own does so too.
+  BinBlock brighter = frame_.bins;
+  for (auto& value : brighter.iq) value *= 10;
+  options.picture.db_range = DbRange{scale->low + 20, scale->high + 20};
+  write_frame_files(folder_ / "higher", descriptor_, summary_, brighter, options);
+  options.picture.db_range = scale;
+  write_frame_files(folder_ / "same", descriptor_, summary_, brighter, options);
+  const ReadPicture own(folder_ / "own" / "ground_map.png");
+  const ReadPicture higher(folder_ / "higher" / "ground_map.png");
+  const ReadPicture same(folder_ / "same" / "ground_map.png");
+  ASSERT_EQ(own.width, higher.width);
+  ASSERT_EQ(own.height, higher.height);
+  int map_pixels = 0, moved = 0, brighter_pixels = 0;
+  for (int y = 40; y < 240; ++y) {
+    for (int x = own.width / 2 - 100; x < own.width / 2 + 100; ++x) {
+      ++map_pixels;
+      const auto green = [&](const ReadPicture& p) { return static_cast<int>(p.at(x, y) >> 8 & 0xff); };
+      // Rounding of a float's logarithm may move a pixel by a grey of 255.
+      moved += std::abs(green(own) - green(higher)) > 2 ? 1 : 0;
+      brighter_pixels += green(same) > green(own) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(moved, 0);
+  EXPECT_GT(brighter_pixels, map_pixels / 2);
+}
+
+TEST_F(FrameFilesTest, WordsOverTheBrightestGroundStandOnDarkPlates) {
+  settings_.sector_deg = 360;
+  render_frame();
+  BinBlock bright = frame_.bins;
+  for (std::size_t i = 0; i < bright.state.size(); ++i) {
+    bright.iq[i] = 1e3f;
+    bright.count[i] = 1;
+    bright.state[i] = static_cast<std::uint8_t>(BinState::sampled);
+  }
+  FrameFileOptions options;
+  options.picture.side = 800;
+  options.picture.up = MapUp::north;
+  options.picture.db_range = DbRange{0, 1};
+  write_frame_files(folder_, descriptor_, summary_, bright, options);
+  const ReadPicture picture(folder_ / "ground_map.png");
+  // White ground within the middle half of the map, but for rings, bearings, the antenna and labels. A
+  // label's plate is a run of dark pixels, its words are light ones within it.
+  int white = 0, dark_runs = 0;
+  for (int y = 230; y < 630; ++y) {
+    int run = 0, light_inside = 0;
+    for (int x = 260; x < 660; ++x) {
+      const int green = static_cast<int>(picture.at(x, y) >> 8 & 0xff);
+      white += green > 240 ? 1 : 0;
+      if (green < 110) ++run;
+      if (green >= 110 && run > 0 && run < 40) ++light_inside;
+      if (light_inside > 30) run = light_inside = 0;
+      if (run > 12) {
+        ++dark_runs;
+        run = light_inside = 0;
+      }
+    }
+  }
+  EXPECT_GT(white, 400 * 400 / 2);
+  EXPECT_GT(dark_runs, 15) << "the plates of three rings' labels";
+}
+
 TEST_F(FrameFilesTest, WhenTheDiskIsFullTheFilesOfTheFrameBeforeStayAndNoPartOfTheNewOne) {
   render_to(folder_);
   const auto before = contents(folder_);
@@ -240,7 +333,7 @@ TEST_F(FrameFilesTest, WhenTheDiskIsFullTheFilesOfTheFrameBeforeStayAndNoPartOfT
     EXPECT_TRUE(contents(folder_) == before);
   }
   std::signal(SIGXFSZ, heed);
-  EXPECT_EQ(write_frame_files(folder_, descriptor_, summary_, frame_.bins), "");
+  EXPECT_EQ(write_frame_files(folder_, descriptor_, summary_, frame_.bins).missing, "");
   EXPECT_EQ(contents(folder_).size(), before.size());
 }
 
@@ -254,7 +347,7 @@ TEST_F(FrameFilesTest, AFrameOfAPartOfThePlanesHasTheirFilesAndASentenceAboutThe
     if (!(planes & 2)) some.power_w.clear();
     if (!(planes & 4)) some.count.clear();
     if (!(planes & 8)) some.state.clear();
-    const std::string said = write_frame_files(folder_, descriptor_, summary_, some);
+    const std::string said = write_frame_files(folder_, descriptor_, summary_, some).missing;
     const auto files = contents(folder_);
     int bit = 1;
     for (const std::string name : {"bins.npy", "power.npy", "count.npy", "state.npy"}) {

@@ -5,8 +5,11 @@
 #include <limits>
 
 #include "proto/obliq.pb.h"
+#include "server/output/bin_levels.h"
 #include "server/output/ground_map.h"
+#include "terrain/constants.h"
 #include "terrain/errors.h"
+#include "terrain/height_grid.h"
 
 namespace obliq {
 namespace {
@@ -29,6 +32,13 @@ wire::FrameDescriptor flat_descriptor() {
   return d;
 }
 
+GroundMap north_or_bearing_up(const wire::FrameDescriptor& d, double up_rad) {
+  GroundMapWish wish;
+  wish.up_rad = up_rad;
+  wish.least_pixel_m = d.range_spacing_m();
+  return map_to_ground(MapProjection(d), d.settings().azimuth_bins(), d.settings().range_bins(), wish);
+}
+
 TEST(GroundMap, ABinAppearsAtItsBearingAndGroundRange) {
   const wire::FrameDescriptor d = flat_descriptor();
   BinBlock bins(0, 60, 90);
@@ -37,15 +47,16 @@ TEST(GroundMap, ABinAppearsAtItsBearingAndGroundRange) {
   bins.count[30 * 90 + 49] = 1;
   bins.state[30 * 90 + 49] = static_cast<std::uint8_t>(BinState::sampled);
   for (const double up : {0.0, std::acos(0.0)}) {
-    const GroundMap map = map_to_ground(d, bins, up);
+    const GroundMap map = north_or_bearing_up(d, up);
+    const BinLevels levels = bin_levels(d, bins);
     double x = 0, y = 0;
     int n = 0;
     for (int row = 0; row < map.height; ++row) {
       for (int column = 0; column < map.width; ++column) {
         const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) +
                            static_cast<std::size_t>(column);
-        if (map.magnitude_db[pixel] == GroundMap::kNoValue) continue;
-        EXPECT_NEAR(map.magnitude_db[pixel], 20 * std::log10(5.0), 1e-5);
+        if (!map.is_bin(pixel) || levels.db[map.bin[pixel]] == BinLevels::kNoValue) continue;
+        EXPECT_NEAR(levels.db[map.bin[pixel]], 20 * std::log10(5.0), 1e-5);
         x += map.left_m + (column + 0.5) * map.pixel_m;
         y += map.top_m - (row + 0.5) * map.pixel_m;
         ++n;
@@ -61,11 +72,10 @@ TEST(GroundMap, ABinAppearsAtItsBearingAndGroundRange) {
 }
 
 TEST(GroundMap, DescriptorsThatNoMapCanBeMadeOfAreRefused) {
-  const BinBlock bins(0, 60, 90);
   const auto refuses = [&](auto spoil) {
     wire::FrameDescriptor d = flat_descriptor();
     spoil(d);
-    EXPECT_THROW(map_to_ground(d, bins, 0), InputError);
+    EXPECT_THROW(north_or_bearing_up(d, 0), InputError);
   };
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     refuses([&](wire::FrameDescriptor& d) { d.set_azimuth_width_deg(bad); });
@@ -76,23 +86,102 @@ TEST(GroundMap, DescriptorsThatNoMapCanBeMadeOfAreRefused) {
   refuses([](wire::FrameDescriptor& d) { d.set_azimuth_width_deg(6.1); });
   refuses([](wire::FrameDescriptor& d) { d.set_azimuth_start_deg(1e300); });
   refuses([](wire::FrameDescriptor& d) { d.set_antenna_x_m(std::nan("")); });
+  refuses([](wire::FrameDescriptor& d) { d.mutable_pose()->set_latitude_deg(91); });
+  refuses([](wire::FrameDescriptor& d) { d.set_range_spacing_m(1e9); });
   refuses([](wire::FrameDescriptor& d) { d.mutable_pose()->set_bearing_deg(HUGE_VAL); });
 }
 
 TEST(GroundMap, ASwathThatBeginsAtTheAntennaMakesAMap) {
   wire::FrameDescriptor d = flat_descriptor();
   d.set_range_start_m(0);
-  const GroundMap map = map_to_ground(d, BinBlock(0, 60, 90), 0);
+  const GroundMap map = north_or_bearing_up(d, 0);
   // 60 to 120 degrees, 90 bins of 100 m from 0, in pixels of 100 m: from the antenna to 9 km east.
   EXPECT_NEAR(map.left_m, 0, 100);
   EXPECT_NEAR(map.left_m + map.width * map.pixel_m, 9000, 100);
   EXPECT_NEAR(map.top_m, 4500, 100);
 }
 
+TEST(GroundMap, RingsAndPixelsAreAtTheSamePlacesHoweverFarTheRadarIsFromTheModel) {
+  wire::FrameDescriptor d = flat_descriptor();
+  for (const double k : {std::numeric_limits<double>::infinity(), 4.0 / 3}) {
+    for (const double latitude_deg : {33.0, 34.0, 46.0}) {
+      d.set_radius_factor(k);
+      d.mutable_pose()->set_latitude_deg(latitude_deg);
+      const WorldFrame frame(33 * kDegree_rad, -99.5 * kDegree_rad, k);
+      const Geodetic at{latitude_deg * kDegree_rad, -99.5 * kDegree_rad, 1000};
+      const glm::dvec3 antenna = frame.world_from_geodetic(at).m;
+      d.set_antenna_x_m(antenna.x);
+      d.set_antenna_y_m(antenna.y);
+      d.set_antenna_z_m(antenna.z);
+      d.set_north_rad(frame.north_rad(at));
+      const MapProjection projection(d);
+      for (const double bearing : {1.1, 1.6, 2.0}) {
+        for (const double slant_m : {4000.0, 9900.0}) {
+          // A ring's place, taken the way that a pixel is: the range that was drawn, in its direction.
+          const glm::dvec3 p = projection.offset(projection.place(bearing, slant_m));
+          EXPECT_NEAR(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), slant_m, 1) << latitude_deg << " " << k;
+          EXPECT_NEAR(std::remainder(std::atan2(p.x, p.z) - bearing - d.north_rad(), 2 * std::acos(-1.0)), 0,
+                      1e-4)
+              << latitude_deg << " " << k;
+        }
+      }
+      // No pixel of a bin is outside of the bounds, and the map is filled to its edges.
+      const GroundMap map = north_or_bearing_up(d, 0);
+      EXPECT_EQ(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), map.bin.size());
+      std::size_t seen = 0;
+      for (std::size_t pixel = 0; pixel < map.bin.size(); ++pixel) seen += map.is_bin(pixel) ? 1 : 0;
+      // 60 degrees between 1 and 10 km are 0.54 of their bounds, east up to 10 km.
+      EXPECT_GT(static_cast<double>(seen), 0.45 * static_cast<double>(map.bin.size())) << latitude_deg;
+    }
+  }
+}
+
+TEST(GroundMap, APeakIsWhereItStandsWhenTheGroundIsGivenAndNearerToTheAntennaWhenNot) {
+  wire::FrameDescriptor d = flat_descriptor();
+  d.set_antenna_y_m(4000);
+  HeightGrid ground;
+  ground.cell_m = 50;
+  ground.x0_m = -1000;
+  ground.z0_m = -10000;
+  ground.nx = 260;
+  ground.nz = 400;
+  ground.y_m.assign(260 * 400, 0.0f);
+  // A table of 400 m, 300 m across, around 5 km east of the antenna and 1 km north of it.
+  const double east_m = 5000, north_m = 1000, height_m = 400;
+  for (int j = 0; j < ground.nz; ++j)
+    for (int i = 0; i < ground.nx; ++i)
+      if (std::abs(ground.node_x_m(i) - east_m) <= 150 && std::abs(ground.node_z_m(j) - north_m) <= 150)
+        ground.y_m[ground.index(i, j)] = static_cast<float>(height_m);
+  const double slant_m =
+      std::sqrt(east_m * east_m + north_m * north_m + (4000 - height_m) * (4000 - height_m));
+  const auto azimuth = static_cast<std::uint32_t>(std::atan2(east_m, north_m) / kDegree_rad - 60);
+  const auto range = static_cast<std::uint32_t>((slant_m - 1000) / 100);
+  GroundMapWish wish;
+  wish.least_pixel_m = 25;
+  const auto distance_m = [&](const HeightGrid* heights) {
+    wish.ground = heights;
+    const GroundMap map = map_to_ground(MapProjection(d), 60, 90, wish);
+    double nearest_m = HUGE_VAL;
+    for (int row = 0; row < map.height; ++row) {
+      for (int column = 0; column < map.width; ++column) {
+        if (map.bin[static_cast<std::size_t>(row * map.width + column)] != azimuth * 90 + range) continue;
+        const double x = map.left_m + (column + 0.5) * map.pixel_m - east_m;
+        const double z = map.top_m - (row + 0.5) * map.pixel_m - north_m;
+        nearest_m = std::min(nearest_m, std::hypot(x, z));
+      }
+    }
+    return nearest_m;
+  };
+  EXPECT_LT(distance_m(&ground), 25) << "a pixel";
+  // Its slant range meets level ground sqrt(6242^2 - 4000^2) = 4792 m out instead of 5099 m, give or take a
+  // bin.
+  EXPECT_NEAR(distance_m(nullptr), 307, 125);
+}
+
 TEST(GroundMap, ASectorOfAMillionthOfADegreeMakesAMap) {
   wire::FrameDescriptor d = flat_descriptor();
   d.set_azimuth_width_deg(1e-9);
-  const GroundMap map = map_to_ground(d, BinBlock(0, 60, 90), 0);
+  const GroundMap map = north_or_bearing_up(d, 0);
   EXPECT_GT(map.height, 0);
 }
 
