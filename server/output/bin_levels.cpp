@@ -1,10 +1,19 @@
 #include "server/output/bin_levels.h"
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "proto/obliq.pb.h"
+#include "server/radar/exact_math.h"
 
 namespace obliq {
+namespace {
+
+constexpr double kLeast = std::numeric_limits<double>::min();
+constexpr double kDb_of_log = 10 / std::numbers::ln10;
+
+}  // namespace
 
 bool can_be_drawn(const BinBlock& bins) { return !bins.iq.empty() || !bins.power_w.empty(); }
 
@@ -18,7 +27,8 @@ BinLevels bin_levels(const wire::FrameDescriptor& descriptor, const BinBlock& bi
   for (std::size_t bin = 0; bin < levels.db.size(); ++bin) {
     if (!bins.count.empty() && bins.count[bin] == 0) continue;
     const double power = levels.of_power ? bins.power_w[bin] : std::norm(std::complex<double>(bins.iq[bin]));
-    if (power > 0 && std::isfinite(power)) levels.db[bin] = static_cast<float>(10 * std::log10(power));
+    if (power >= kLeast && std::isfinite(power))
+      levels.db[bin] = static_cast<float>(kDb_of_log * log_of_positive(power));
   }
   return levels;
 }

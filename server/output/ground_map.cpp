@@ -63,40 +63,76 @@ Bounds sector_bounds(const MapProjection& projection, double up_rad) {
   return bounds;
 }
 
-/// The bin of a world offset from the antenna.
+/// The bin of a world offset from the antenna. Neighbours in a row of pixels are mostly in the same azimuth
+/// bin or the next one, which two products tell; an arc tangent for each pixel would take most of a picture's
+/// time.
 class BinFinder {
  public:
   BinFinder(const MapProjection& projection, int n_azimuth, int n_range)
       : n_azimuth_(n_azimuth),
         n_range_(n_range),
-        start_(projection.sector().start_rad + projection.north_rad()) {
-    const MapSector& sector = projection.sector();
-    r_min_ = sector.r_min_m;
-    r_max_ = sector.r_max_m;
-    ranges_per_m_ = n_range / (sector.r_max_m - sector.r_min_m);
-    azimuths_per_rad_ = n_azimuth / sector.width_rad;
+        sector_(projection.sector()),
+        start_rad_(sector_.start_rad + projection.north_rad()),
+        width_rad_(sector_.width_rad / n_azimuth),
+        ranges_per_m_(n_range / (sector_.r_max_m - sector_.r_min_m)) {
+    for (int k = 0; k <= n_azimuth; ++k)
+      edges_.push_back({std::sin(start_rad_ + k * width_rad_), std::cos(start_rad_ + k * width_rad_)});
   }
 
-  std::uint32_t find(const glm::dvec3& p) const {
+  std::uint32_t find(const glm::dvec3& p) {
     const double r = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    if (!(r >= r_min_ && r < r_max_)) return GroundMap::kOutside;
-    double turns = (std::atan2(p.x, p.z) - start_) / (2 * kPi);
-    turns -= std::floor(turns);
-    const double azimuth = turns * 2 * kPi * azimuths_per_rad_;
-    if (!(azimuth < n_azimuth_)) return GroundMap::kOutside;
-    const auto range = std::min(n_range_ - 1, static_cast<int>((r - r_min_) * ranges_per_m_));
+    if (!(r >= sector_.r_min_m && r < sector_.r_max_m)) return GroundMap::kOutside;
+    if (is_beside(p)) return GroundMap::kOutside;
+    const auto azimuth = find_azimuth(p);
+    if (azimuth < 0) return GroundMap::kOutside;
+    const auto range = std::min(n_range_ - 1, static_cast<int>((r - sector_.r_min_m) * ranges_per_m_));
     return static_cast<std::uint32_t>(azimuth) * static_cast<std::uint32_t>(n_range_) +
            static_cast<std::uint32_t>(range);
   }
 
+  /// The azimuth bin that was found last, where the search for the next begins.
+  int last() const { return last_; }
+  void begin_at(int azimuth) { last_ = azimuth; }
+
  private:
+  struct Edge {
+    double sine, cosine;
+    /// Whether a place is clockwise of it, less than half a turn.
+    bool before(const glm::dvec3& p) const { return p.x * cosine - p.z * sine >= 0; }
+  };
+
+  bool is_beside(const glm::dvec3& p) const {
+    if (sector_.all_round()) return false;
+    const bool left = !edges_.front().before(p);
+    const bool right = edges_.back().before(p);
+    return sector_.width_rad <= kPi ? left || right : left && right;
+  }
+
+  bool is_in(int azimuth, const glm::dvec3& p) const {
+    const auto k = static_cast<std::size_t>(azimuth);
+    return edges_[k].before(p) && !edges_[k + 1].before(p);
+  }
+
+  int find_azimuth(const glm::dvec3& p) {
+    if (width_rad_ < kPi / 2) {
+      for (const int near : {last_, last_ + 1, last_ - 1})
+        if (near >= 0 && near < n_azimuth_ && is_in(near, p)) return last_ = near;
+    }
+    double turns = (std::atan2(p.x, p.z) - start_rad_) / (2 * kPi);
+    turns -= std::floor(turns);
+    const double azimuth = turns * 2 * kPi / width_rad_;
+    if (!(azimuth < n_azimuth_)) return -1;
+    return last_ = static_cast<int>(azimuth);
+  }
+
   int n_azimuth_;
   int n_range_;
-  double start_;
-  double r_min_ = 0;
-  double r_max_ = 0;
-  double ranges_per_m_ = 0;
-  double azimuths_per_rad_ = 0;
+  MapSector sector_;
+  double start_rad_;
+  double width_rad_;
+  double ranges_per_m_;
+  std::vector<Edge> edges_;  ///< of the azimuth bins, in the world frame
+  int last_ = 0;
 };
 
 /// Moves an offset along `up` onto the ground; false where there is none.
@@ -142,7 +178,7 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
   map.top_m = bounds.top;
   map.bin.resize(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
 
-  const BinFinder finder(projection, n_azimuth, n_range);
+  BinFinder finder(projection, n_azimuth, n_range);
   const auto place_of = [&](int column, int row) {
     return turn.place(map.left_m + (column + 0.5) * map.pixel_m, map.top_m - (row + 0.5) * map.pixel_m);
   };
@@ -164,7 +200,9 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
         constexpr double kRise_m = 1000;
         up = (projection.offset(place_of(column0, row0), kRise_m) - above[i]) / kRise_m;
       }
+      int first_azimuth = finder.last();
       for (int row = row0; row < std::min(map.height, row0 + kLattice); ++row) {
+        finder.begin_at(first_azimuth);  // of the pixel above
         const double v = static_cast<double>(row - row0) / kLattice;
         const glm::dvec3 left = (1 - v) * above[i] + v * below[i];
         const glm::dvec3 step = ((1 - v) * above[i + 1] + v * below[i + 1] - left) / double{kLattice};
@@ -176,6 +214,7 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
           } else {
             out[column] = finder.find(p);
           }
+          if (column == column0) first_azimuth = finder.last();
         }
       }
     }
