@@ -92,13 +92,19 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
   const WorldFrame& frame = plan.scene().world().frame;
   if (const std::string warning = refraction_warning(plan); !warning.empty())
     descriptor.add_warnings(warning);
-  if (off_origin_m > kFarFromOrigin_m && std::isfinite(frame.radius_factor()))
+  const bool far = off_origin_m > kFarFromOrigin_m;
+  if (!plan.extent().any)
+    descriptor.add_warnings(
+        far ? sentence("no known ground in the sector: the antenna is %.0f km from the scene's "
+                       "origin, and bins and picture are empty",
+                       off_origin_m / 1000)
+            : "no known ground in the sector");
+  if (far && plan.extent().any && std::isfinite(frame.radius_factor()))
     descriptor.add_warnings(
         sentence("antenna %.1f km from the scene origin: azimuths are off by up to %.3g degrees, slant "
                  "ranges by %.3g m",
                  off_origin_m / 1000, descriptor.azimuth_error_bound_rad() / kDegree_rad,
                  shear_bound_m(plan, off_origin_m)));
-  if (!plan.extent().any) descriptor.add_warnings("no known ground in the sector");
 }
 
 /// tan|elevation| of the steepest line of sight into the sector's box, down or up; at most 70.7.
