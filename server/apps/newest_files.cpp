@@ -12,14 +12,6 @@
 
 namespace obliq {
 
-std::optional<DbRange> SteadyScale::next(const wire::FrameDescriptor& descriptor) {
-  if (given_) return given_;
-  std::string settings = descriptor.settings().SerializeAsString();
-  if (settings != settings_) kept_.reset();
-  settings_ = std::move(settings);
-  return kept_;
-}
-
 NewestFiles::NewestFiles(std::string folder, const PictureOptions& picture)
     : folder_(std::move(folder)), picture_(picture), scale_(picture.db_range) {
   prepare_output_folder(folder_);

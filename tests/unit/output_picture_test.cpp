@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "server/output/steady_scale.h"
 #include "tests/unit/frame_files_fixture.h"
 
 namespace obliq {
@@ -87,6 +88,28 @@ TEST_F(FrameFilesTest, WithTheSameDbRangeTwoPicturesCanBeCompared) {
   }
   EXPECT_EQ(moved, 0);
   EXPECT_GT(brighter_pixels, map_pixels / 2);
+}
+
+TEST_F(FrameFilesTest, AStreamKeepsTheScaleOfItsFirstFrameUntilSettingsChange) {
+  render_frame();
+  BinBlock brighter = frame_.bins;
+  for (auto& value : brighter.iq) value *= 10;
+  SteadyScale scale(std::nullopt);
+  FrameFileOptions options;
+  options.picture.side = 200;
+  const auto draw = [&](const BinBlock& bins) {
+    options.picture.db_range = scale.next(descriptor_);
+    const auto used = write_frame_files(folder_, descriptor_, summary_, bins, options).scale;
+    scale.drawn(used);
+    return used.value_or(DbRange{}).low;
+  };
+  const double first = draw(frame_.bins);
+  descriptor_.mutable_pose()->set_bearing_deg(41);
+  EXPECT_EQ(draw(brighter), first) << "a pose is no setting";
+  descriptor_.mutable_settings()->set_gain_db(20);
+  EXPECT_NEAR(draw(brighter), first + 20, 1);
+  SteadyScale given(DbRange{-5, 5});
+  EXPECT_EQ(given.next(descriptor_)->low, -5);
 }
 
 TEST_F(FrameFilesTest, WordsOverTheBrightestGroundStandOnDarkPlates) {
