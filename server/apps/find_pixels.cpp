@@ -37,16 +37,23 @@ class PixelSearch {
     for (int k = 0; k < n; ++k) all_.push_back(k);
   }
 
-  /// First both sides on a part of the wedges, then each side alone; the whole frame has the last word.
+  /// First both sides on a part of the wedges, then each side alone, but no fewer than one a bin; the whole
+  /// frame has the last word.
   Pixels run() {
-    Pixels pixels{kFirstSide, kFirstSide};
+    const RadarSettings& s = radar_.settings;
+    int side = kFirstSide;
+    while (side < std::max(s.azimuth_bins, s.range_bins)) side *= 2;
+    while (side > 1 && Pixels{side, side}.count() > limits_.most_pixels) side /= 2;
+    Pixels pixels{side, side};
     while (!good(pixels, probe_)) pixels = more(pixels);
-    for (int Pixels::*side : {&Pixels::columns, &Pixels::rows}) {
-      for (Pixels fewer = pixels; fewer.*side > kFirstSide / 8; pixels = fewer) {
-        fewer.*side /= 2;
-        if (!good(fewer, probe_)) break;
+    const auto shrink = [&](int Pixels::*of, int least) {
+      for (Pixels fewer = pixels; fewer.*of / 2 >= least; pixels = fewer) {
+        fewer.*of /= 2;
+        if (!good(fewer, probe_)) return;
       }
-    }
+    };
+    shrink(&Pixels::columns, s.azimuth_bins);
+    shrink(&Pixels::rows, s.range_bins);
     while (!good(pixels, all_)) pixels = more(pixels);
     return pixels;
   }

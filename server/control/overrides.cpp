@@ -207,6 +207,7 @@ void choose_frustum(ConfigNode& root, std::vector<std::string>& notes) {
     }
     nothing.push_back(radar_name(*radar));
     ConfigNode chosen;
+    chosen.kind = Kind::value;
     chosen.where = "default";
     for (const ConfigNode& node : quality_nodes(*find_quality(kDefaultQuality), chosen))
       merge(*radar, nest("frustum." + node.key, node));

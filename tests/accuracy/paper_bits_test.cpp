@@ -36,11 +36,13 @@ struct Case {
   std::uint64_t sum[kNamedIsas.size()];  ///< SSE4.2, AVX, AVX2, AVX-512
 };
 
+// With ground speckle, as since the faces of buildings have a scatterer in each of their cells: power, counts
+// and states, and all of geometric speckle, are the paper's as ever.
 constexpr Case kCases[] = {
     {"symmetric, ground speckle",
      FrustumKind::symmetric,
      SpeckleKind::ground,
-     {0x353401c6e8ecd304, 0x353401c6e8ecd304, 0x353401c6e8ecd304, 0x353401c6e8ecd304}},
+     {0x6512b98532e505fa, 0x6512b98532e505fa, 0x6512b98532e505fa, 0x6512b98532e505fa}},
     {"symmetric, geometric speckle",
      FrustumKind::symmetric,
      SpeckleKind::geometric,
@@ -48,7 +50,7 @@ constexpr Case kCases[] = {
     {"oblique, ground speckle",
      FrustumKind::oblique,
      SpeckleKind::ground,
-     {0xc97591e26cc83ccf, 0xc97591e26cc83ccf, 0xc97591e26cc83ccf, 0xc97591e26cc83ccf}},
+     {0x604f00dabf6d1806, 0x604f00dabf6d1806, 0x604f00dabf6d1806, 0x604f00dabf6d1806}},
     {"oblique, geometric speckle",
      FrustumKind::oblique,
      SpeckleKind::geometric,
@@ -56,7 +58,7 @@ constexpr Case kCases[] = {
     {"polar, ground speckle",
      FrustumKind::polar,
      SpeckleKind::ground,
-     {0xac937e963a4fd4c0, 0xac937e963a4fd4c0, 0xac937e963a4fd4c0, 0xac937e963a4fd4c0}},
+     {0xa5c3ad6a8052e481, 0xa5c3ad6a8052e481, 0xa5c3ad6a8052e481, 0xa5c3ad6a8052e481}},
     {"polar, geometric speckle",
      FrustumKind::polar,
      SpeckleKind::geometric,

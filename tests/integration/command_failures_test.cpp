@@ -143,7 +143,7 @@ TEST(CommandFailures, AServerOfAnotherMajorVersion) {
         answer[4] = std::byte{2};
         return answer;
       },
-      "protocol version: found 2.0; allowed: 1.x");
+      "protocol version: found 2.1; allowed: 1.x");
 }
 
 TEST(CommandFailures, AServerWhoseWelcomeIsOfAnotherMajorVersion) {

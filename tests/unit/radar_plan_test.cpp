@@ -33,14 +33,15 @@ class PlanTest : public testing::Test {
   std::shared_ptr<const Scene> scene_ = ridge_scene();
 };
 
-TEST_F(PlanTest, ObliqueBelowTheTerrainTopNamesThePolarFrustum) {
+TEST_F(PlanTest, ObliqueBelowTheTerrainTopNamesTheSweep) {
   const Pose pose = test::pose_over_origin(scene_->world(), 500);
   const PlanResult result = plan_frame(scene_, test::snapshot(settings(FrustumKind::oblique)), pose);
   ASSERT_EQ(result.errors.size(), 1u);
   EXPECT_EQ(result.errors[0].field, "frustum.kind");
   EXPECT_NE(result.errors[0].found.find("100.00 m below the highest ground"), std::string::npos)
       << result.errors[0].found;
-  EXPECT_NE(result.errors[0].allowed.find("\"polar\""), std::string::npos);
+  EXPECT_NE(result.errors[0].allowed.find("frustum.quality = \"standard\", the sweep"), std::string::npos);
+  EXPECT_TRUE(plan_frame(scene_, test::snapshot(settings(FrustumKind::sweep)), pose).plan);
   EXPECT_TRUE(plan_frame(scene_, test::snapshot(settings(FrustumKind::polar)), pose).plan);
 }
 
