@@ -39,7 +39,7 @@ constexpr Named kNamed[] = {
     {"usgs_13_", "3DEP, 1/3 arc-second", k3dep13_m},
     {"3dep", "3DEP", k3dep13_m},
     {"usgs_1_", "3DEP, 1 arc-second", kNed_m},
-    {"ned", "NED", kNed_m},
+    {"usgs_ned", "NED", kNed_m},
 };
 
 std::string lower(std::string text) {

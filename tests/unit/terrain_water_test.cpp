@@ -95,17 +95,17 @@ TEST(Water, SeaThatReachesTheEdgeOfTheModelIsWaterAndABasinInlandIsNot) {
 }
 
 TEST(Water, SeaGrowsOverLevelShoalsUpToOneMetreAndNoFurther) {
-  // From -0.9 m in the west it rises by 0.1 m a kilometre, then by 2 m in one step at x = 1000.
-  const auto shoal = [](double x_m, double) {
-    return x_m < 1000 ? -0.4 + 0.1 * x_m / 1000 : 1.7 + 0.001 * x_m;
+  // It rises by 0.3 m a kilometre, from below -1 m in the west to above 0 m, then by 1.6 m in one step.
+  const auto shoal = [](double x_m, double z_m) {
+    return 3e-5 * z_m + (x_m < 1000 ? -0.2 + 3e-4 * x_m : 1.7 + 1e-3 * x_m);
   };
   const World world = loaded(tile(shoal), 8000);
   EXPECT_EQ(at(world, -3000, 0), kWater);
   EXPECT_EQ(at(world, 800, 0), kWater);
   EXPECT_EQ(at(world, 1300, 0), 0);
-  // A polder below the sea, behind a dyke, has no seed of its own: -2 m is too low.
+  // A polder below the sea, behind a dyke: nothing in it lies between -1 and 0 m.
   const auto polder = [](double x_m, double z_m) {
-    return std::hypot(x_m, z_m) < 1900 ? -2.0 + 1e-5 * x_m : 4 + 1e-3 * x_m;
+    return std::hypot(x_m, z_m) < 1900 ? -2.0 + 1e-5 * x_m : 4 + 1e-3 * x_m + 3e-4 * z_m;
   };
   EXPECT_EQ(loaded(tile(polder), 8000).report.water_m2, 0);
 }
@@ -116,7 +116,7 @@ TEST(Water, BayThatAWindowCutsCountsWithWhatLiesInIt) {
     return std::max(std::abs(x_m), std::abs(z_m)) < 1800 ? -0.5 + 1e-5 * x_m : 20 + 1e-3 * x_m;
   };
   EXPECT_NEAR(loaded(tile(bay), 4000).report.water_m2, 12.96e6, 0.6e6);
-  EXPECT_EQ(loaded(tile(bay), 1000).report.water_m2, 0) << "4 km2 and the lattice's margin";
+  EXPECT_EQ(loaded(tile(bay), 1000).report.water_m2, 0) << "4 km2 and a few posts beside them";
 }
 
 TEST(Water, TwoTilesOfOneSeaHaveNoStripOfLandBetweenThem) {
