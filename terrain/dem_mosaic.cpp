@@ -80,6 +80,7 @@ struct Filling {
   const WorldFrame& frame;
   SourceErrors& errors;
   std::optional<Seams> seams;
+  WaterCells* water = nullptr;
 };
 
 /// Reads what one file has for the grid and gives it to the unknown nodes.
@@ -100,6 +101,7 @@ void fill_from_file(Filling& to, const GeodeticLattice& geodetic, const Raster& 
     const std::vector<WorldPoint> posts = to.errors.place(sample, file, to.frame, grid);
     fill_from_window(grid, lattice, window, shift_columns, to.seams ? &*to.seams : nullptr);
     to.errors.compare(posts, grid);
+    if (to.water) to.water->decide(grid, lattice, window, file.posting_m(), shift_columns);
   }
 }
 
@@ -156,11 +158,24 @@ double DemMosaic::finest_posting_m(const WorldFrame& frame, const Rect& rect) co
   return finest_m;
 }
 
+DemAccuracy DemMosaic::accuracy(const WorldFrame& frame, const Rect& rect) const {
+  DemAccuracy best;
+  bool any = false;
+  for (const Raster& file : files_) {
+    const Rect own = extent_of(file, frame);
+    if (!own.empty() && own.intersection(rect).empty()) continue;
+    DemAccuracy accuracy = dem_accuracy(file);
+    if (!any || accuracy.rmse_m < best.rmse_m) best = std::move(accuracy);
+    any = true;
+  }
+  return best;
+}
+
 void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& errors,
-                     const Progress& progress) const {
+                     const Progress& progress, WaterCells* water) const {
   const GeodeticLattice geodetic = geodetic_lattice(frame, {grid.x0_m, grid.z0_m, grid.x1_m(), grid.z1_m()});
   // One file keeps to its posts; between two of them there is ground that neither knows alone.
-  Filling filling{grid, frame, errors, {}};
+  Filling filling{grid, frame, errors, {}, water};
   if (files_.size() > 1) filling.seams.emplace(grid);
   for (std::size_t n = 0; n < files_.size(); ++n) {
     const auto share = [&](std::string_view stage, double fraction) {
@@ -174,6 +189,7 @@ void DemMosaic::fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& er
     }
   }
   if (filling.seams) filling.seams->close(grid);
+  if (water && files_.size() > 1) water->settle(grid);
 }
 
 void DemMosaic::describe(CacheKey& key, const HeightGrid& grid, const WorldFrame& frame) const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "terrain/cache_key.h"
+#include "terrain/dem_accuracy.h"
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
 #include "terrain/height_unit.h"
@@ -13,6 +14,7 @@
 #include "terrain/raster.h"
 #include "terrain/source_error.h"
 #include "terrain/source_extents.h"
+#include "terrain/water_cells.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {
@@ -37,10 +39,14 @@ class DemMosaic {
   /// Distance between posts of the finest file that touches rect, metres.
   double finest_posting_m(const WorldFrame& frame, const Rect& rect) const;
 
+  /// How good the best file is that touches rect.
+  DemAccuracy accuracy(const WorldFrame& frame, const Rect& rect) const;
+
   /// Gives the grid's unknown nodes their heights, file by file, and then those on the seams
-  /// between files; `errors` learns how far the surface then lies from the files' posts. Throws InputError
-  /// when a file cannot be read.
-  void fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& errors, const Progress& progress) const;
+  /// between files; `errors` learns how far the surface then lies from the files' posts, `water`, where it is
+  /// given, which cells are water. Throws InputError when a file cannot be read.
+  void fill(HeightGrid& grid, const WorldFrame& frame, SourceErrors& errors, const Progress& progress,
+            WaterCells* water = nullptr) const;
 
   /// Adds all that fill() makes this grid of: the files, and where their posts lie among the grid's nodes, as
   /// this machine works it out.

@@ -182,6 +182,13 @@ double DemWindow::height_at_m(double column, double row, bool between_posts_only
              mix(static_cast<double>(post[below]), static_cast<double>(post[below + right]), s), t);
 }
 
+bool DemWindow::at_raster_edge(int c, int r) const {
+  const auto outermost = [this](double at, int n) {
+    return at - (step - 1) / 2.0 < 0.5 || at + (step - 1) / 2.0 > n - step - 0.5;
+  };
+  return outermost(column0 + c * step, raster_columns) || outermost(row0 + r * step, raster_rows);
+}
+
 DemWindow::Share DemWindow::share_at(double column, double row) const {
   // Places half-way between the posts of two files must belong to one of them whatever the rounding.
   constexpr double kOwned = 0.501;
@@ -229,6 +236,8 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
 
   StripReader reader(raster, *level.band);
   std::vector<double> stored;
+  const bool real = GDALDataTypeIsFloating(level.band->GetRasterDataType());
+  std::size_t values = 0, fractions = 0;
   const auto [across, down] = averaging.piece_posts(*level.band, window.nx);
   for (int r0 = 0; r0 < window.nz; r0 += down) {
     const int r1 = std::min(window.nz, r0 + down);
@@ -236,6 +245,11 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
       const int c1 = std::min(window.nx, c0 + across);
       const PixelRect piece = averaging.pixels(c0, r0, c1, r1);
       reader.read(piece, stored);
+      if (real) {
+        values += stored.size();
+        fractions += static_cast<std::size_t>(
+            std::ranges::count_if(stored, [](double value) { return value != std::floor(value); }));
+      }
       if (sample) {
         sample->take(piece, [&](int row, int column) {
           return decoder.height_m(
@@ -251,6 +265,8 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
       if (progress) progress("elevation", (r0 + static_cast<double>(r1 - r0) * c1 / window.nx) / window.nz);
     }
   }
+  // A file of floats may have been made of whole numbers, but for a few posts that somebody filled.
+  window.has_fractions = static_cast<double>(fractions) > 0.01 * static_cast<double>(values);
   return window;
 }
 

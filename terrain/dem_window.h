@@ -21,11 +21,15 @@ struct DemWindow {
   int raster_columns = 0;
   int raster_rows = 0;
   std::vector<float> height_m;  ///< [nz][nx]
+  bool has_fractions = false;   ///< the raster holds more than whole numbers of its unit
 
   /// Bilinear between the four posts around a place in raster post coordinates. The outer half pixel, which
   /// belongs to the raster but has posts on one side only, takes the nearest post's height, or none when only
   /// places between posts are asked for. NaN when a post that carries weight is void or the place is outside.
   double height_at_m(double column, double row, bool between_posts_only) const;
+
+  /// Whether a post of the window stands for the raster's outermost.
+  bool at_raster_edge(int c, int r) const;
 
   /// What the window's valid posts around a place say of it, up to one posting beyond the window.
   struct Share {

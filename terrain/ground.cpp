@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <utility>
 
+#include "terrain/auto_cell.h"
 #include "terrain/cache_key.h"
 #include "terrain/dem_mosaic.h"
 #include "terrain/errors.h"
@@ -16,6 +18,7 @@
 #include "terrain/parallel.h"
 #include "terrain/synthetic.h"
 #include "terrain/voids.h"
+#include "terrain/water_cells.h"
 
 namespace obliq {
 namespace {
@@ -43,7 +46,9 @@ GroundCache::Facts facts_of(const HeightGrid& grid, const std::vector<std::size_
   const auto absent = [](float y) { return std::isnan(y); };
   const auto kept = [&](std::size_t n) { return !std::isnan(grid.y_m[n]); };
   return {static_cast<std::uint64_t>(std::ranges::count_if(filled, kept)),
-          static_cast<std::uint64_t>(std::ranges::count_if(grid.y_m, absent)), source_error};
+          static_cast<std::uint64_t>(std::ranges::count_if(grid.y_m, absent)),
+          source_error,
+          {}};
 }
 
 GroundCache::Facts load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wanted) {
@@ -113,13 +118,14 @@ void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted
 
 /// To be raised when the same elevation models give other heights than before: the sum in
 /// tests/unit/terrain_cache_test.cpp says when.
-constexpr const char* kAlgorithm = "1";
+constexpr const char* kAlgorithm = "2";
 
-CacheKey key_of(const DemMosaic& mosaic, const World& world, const Polygon& area, double fill_m) {
+CacheKey key_of(const DemMosaic& mosaic, const World& world, const Polygon& area, double fill_m, bool water) {
   CacheKey key;
   key.add("obliq grid, algorithm", kAlgorithm);
   key.add("libraries", terrain_library_versions());
   key.add("fill", fill_m);
+  key.add("water", water ? "looked for" : "not looked for");
   for (const Ring& ring : area.rings) {
     std::vector<double> corners;
     for (const glm::dvec2& corner : ring) corners.insert(corners.end(), {corner.x, corner.y});
@@ -134,45 +140,108 @@ double clock_of_files_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// All elevation models on the grid.
-GroundCache::Facts load_dem(World& world, const WorldSpec& spec, const WantedArea& wanted,
-                            const Progress& progress) {
-  const double begin_s = clock_of_files_s();
-  const DemMosaic mosaic(spec.terrain);
-  world.report.elevation = mosaic.sources();
-  const Rect covered = mosaic.extent(world.frame);
-  const Rect rect = wanted.rect.empty() ? covered : wanted.rect.intersection(covered);
-  if (rect.empty()) mosaic.refuse_no_ground(world.frame, wanted.rect);
-  const double posting_m = mosaic.finest_posting_m(world.frame, rect);
-  // An elevation model of a few posts still gets a grid: at least two nodes lie on any three cells.
-  const double shorter_m = std::min(rect.x1_m - rect.x0_m, rect.z1_m - rect.z0_m);
-  const double needed_m = std::min(std::max(posting_m, spec.sampling_footprint_m), shorter_m / 3);
-  world.grid = empty_grid(rect, cell_size_m(spec, needed_m));
-  const double fill_m =
-      spec.terrain.fill_void_m.value_or(std::max(kFill_m, kFillPostings * round_to_quantum_m(posting_m)));
-  const GroundCache cache(spec.terrain.cache_folder, world.report.notes);
-  CacheKey key;
-  if (cache.in_use()) {
-    key = key_of(mosaic, world, wanted.polygon, fill_m);
-    if (const auto facts = cache.load(key, world.grid)) return *facts;
-    std::ranges::fill(world.grid.y_m, std::numeric_limits<float>::quiet_NaN());  // of a damaged file
+/// Elevation models on their way to a grid, whose cells may have to become finer.
+class DemLoader {
+ public:
+  DemLoader(World& world, const WorldSpec& spec, const WantedArea& wanted, const Progress& progress)
+      : world_(world),
+        spec_(spec),
+        wanted_(wanted),
+        progress_(progress),
+        mosaic_(spec.terrain),
+        cache_(spec.terrain.cache_folder, world.report.notes) {}
+
+  GroundCache::Facts load() {
+    world_.report.elevation = mosaic_.sources();
+    const Rect covered = mosaic_.extent(world_.frame);
+    rect_ = wanted_.rect.empty() ? covered : wanted_.rect.intersection(covered);
+    if (rect_.empty()) mosaic_.refuse_no_ground(world_.frame, wanted_.rect);
+    const double posting_m = mosaic_.finest_posting_m(world_.frame, rect_);
+    fill_m_ =
+        spec_.terrain.fill_void_m.value_or(std::max(kFill_m, kFillPostings * round_to_quantum_m(posting_m)));
+    // An elevation model of a few posts still gets a grid: at least two nodes lie on any three cells.
+    const double shorter_m = std::min(rect_.x1_m - rect_.x0_m, rect_.z1_m - rect_.z0_m);
+    const double needed_m = std::min(std::max(posting_m, spec_.sampling_footprint_m), shorter_m / 3);
+    const double cell_m = cell_size_m(spec_, needed_m);
+    if (spec_.terrain.cell_m) return make(cell_m);
+    return refine({mosaic_.accuracy(world_.frame, rect_), cell_m, spec_.sampling_footprint_m,
+                   spec_.terrain.most_auto_posts});
   }
-  SourceErrors errors(world.grid);
-  mosaic.fill(world.grid, world.frame, errors, progress);
-  const auto known = [](float y) { return !std::isnan(y); };
-  if (std::none_of(world.grid.y_m.begin(), world.grid.y_m.end(), known)) {
-    mosaic.refuse_no_ground(world.frame, rect);
-  }
-  const std::vector<std::size_t> filled = fill_voids(world.grid, fill_m);
-  cut_to_polygon(world.grid, wanted.polygon);
-  const GroundCache::Facts facts = facts_of(world.grid, filled, errors.summary(world.grid));
-  if (!cache.in_use() || !spec.terrain.cache_keeps || facts.posts_absent == world.grid.y_m.size())
+
+ private:
+  /// Halves the cells until the grid is as good as the models, or a limit is met.
+  GroundCache::Facts refine(const AutoCellLimits& limits) {
+    const std::size_t notes = world_.report.notes.size();
+    GroundCache::Facts facts = make(limits.coarsest_m);
+    const double before_m = facts.source_error.p95_m;
+    std::string left;
+    double cell_m = limits.coarsest_m;
+    while (const double finer_m = finer_cell_m(limits, cell_m, static_cast<double>(world_.grid.y_m.size()),
+                                               facts.source_error, left)) {
+      world_.report.notes.resize(notes);  // of a grid that is not used
+      cell_m = finer_m;
+      facts = make(cell_m);
+    }
+    if (cell_m == limits.coarsest_m && left.empty()) return facts;
+    char text[300];
+    std::snprintf(
+        text, sizeof text,
+        "terrain.cell_m = \"auto\": over cells of %.4g m 95 %% of the elevation model's posts lie within "
+        "%.3g m of the grid; wanted: %.3g m (%s)",
+        cell_m, facts.source_error.p95_m, allowed_error_m(limits.accuracy), limits.accuracy.product.c_str());
+    std::string note = text;
+    if (cell_m < limits.coarsest_m) {
+      std::snprintf(text, sizeof text, "; over cells of %.4g m it was %.3g m", limits.coarsest_m, before_m);
+      note += text;
+    }
+    if (!left.empty()) note += "; half the size would take " + left + ", so name cell_m to have it";
+    world_.report.notes.push_back(note);
     return facts;
-  // A file that was changed or exchanged while it was read makes a grid of neither version.
-  const CacheKey after = key_of(mosaic, world, wanted.polygon, fill_m);
-  if (after.text() == key.text() && after.newest_change_s() <= begin_s) cache.store(key, world.grid, facts);
-  return facts;
-}
+  }
+
+  CacheKey key() const {
+    return key_of(mosaic_, world_, wanted_.polygon, fill_m_, spec_.terrain.water_material.has_value());
+  }
+
+  GroundCache::Facts make(double cell_m) {
+    const double begin_s = clock_of_files_s();
+    world_.grid = empty_grid(rect_, cell_m);
+    CacheKey before;
+    if (cache_.in_use()) {
+      before = key();
+      if (auto facts = cache_.load(before, world_.grid)) return std::move(*facts);
+      std::ranges::fill(world_.grid.y_m, std::numeric_limits<float>::quiet_NaN());  // of a damaged file
+    }
+    SourceErrors errors(world_.grid);
+    std::optional<WaterCells> water;
+    if (spec_.terrain.water_material) water.emplace(world_.grid);
+    mosaic_.fill(world_.grid, world_.frame, errors, progress_, water ? &*water : nullptr);
+    const auto known = [](float y) { return !std::isnan(y); };
+    if (std::none_of(world_.grid.y_m.begin(), world_.grid.y_m.end(), known)) {
+      mosaic_.refuse_no_ground(world_.frame, rect_);
+    }
+    const std::vector<std::size_t> filled = fill_voids(world_.grid, fill_m_);
+    cut_to_polygon(world_.grid, wanted_.polygon);
+    GroundCache::Facts facts = facts_of(world_.grid, filled, errors.summary(world_.grid));
+    if (water) facts.water = water->bits();
+    if (!cache_.in_use() || !spec_.terrain.cache_keeps || facts.posts_absent == world_.grid.y_m.size())
+      return facts;
+    // A file that was changed or exchanged while it was read makes a grid of neither version.
+    const CacheKey after = key();
+    if (after.text() == before.text() && after.newest_change_s() <= begin_s)
+      cache_.store(before, world_.grid, facts);
+    return facts;
+  }
+
+  World& world_;
+  const WorldSpec& spec_;
+  const WantedArea& wanted_;
+  const Progress& progress_;
+  const DemMosaic mosaic_;
+  const GroundCache cache_;
+  Rect rect_;
+  double fill_m_ = 0;
+};
 
 }  // namespace
 
@@ -192,12 +261,15 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
   if (terrain.synthetic != SyntheticKind::none) {
     facts = load_synthetic(world, spec, wanted);
   } else {
-    facts = load_dem(world, spec, wanted, progress);
+    facts = DemLoader(world, spec, wanted, progress).load();
   }
   world.report.posts = world.grid.y_m.size();
   world.report.posts_filled = facts.posts_filled;
   world.report.posts_absent = facts.posts_absent;
   world.report.source_error = facts.source_error;
+  if (terrain.water_material)
+    world.report.water_m2 =
+        paint_water(world.grid, facts.water, *terrain.water_material, world.surface_material);
   note_heights(world);
   note_coverage(world, spec, wanted);
   if (world.report.posts_absent == world.report.posts) {

@@ -26,10 +26,10 @@ constexpr const char* kSuffix = ".grid";
 constexpr std::chrono::hours kAbandoned{1};
 constexpr std::size_t kPiece_posts = std::size_t{1} << 20;
 
-/// The file: this, the key's text, the heights.
+/// The file: this, the key's text, the heights, the bits of water.
 struct Head {
   char magic[8] = {'O', 'B', 'L', 'I', 'Q', 'G', 'R', 'D'};
-  std::uint32_t format = 1;
+  std::uint32_t format = 2;
   std::uint32_t key_bytes = 0;
   std::uint64_t posts = 0;
   std::uint64_t posts_filled = 0;
@@ -95,10 +95,16 @@ void each_piece(std::size_t posts, const Work& work) {
   });
 }
 
+std::size_t cells_of(const HeightGrid& grid) {
+  return static_cast<std::size_t>(grid.nx - 1) * static_cast<std::size_t>(grid.nz - 1);
+}
+
 /// Of everything, from the sums of the heights' pieces.
-std::uint64_t checksum_of(Head head, const std::string& key, const std::vector<std::uint64_t>& pieces) {
+std::uint64_t checksum_of(Head head, const std::string& key, const std::vector<std::uint8_t>& water,
+                          const std::vector<std::uint64_t>& pieces) {
   head.checksum = 0;
-  const std::uint64_t before = checksum(key.data(), key.size(), checksum(&head, sizeof head));
+  const std::uint64_t head_sum = checksum(key.data(), key.size(), checksum(&head, sizeof head));
+  const std::uint64_t before = checksum(water.data(), water.size(), head_sum);
   return checksum(pieces.data(), pieces.size() * sizeof pieces[0], before);
 }
 
@@ -111,13 +117,19 @@ std::vector<std::uint64_t> piece_sums(const std::vector<float>& heights) {
 }
 
 /// What is wrong with the file; empty: nothing.
-std::string read_whole(const File& file, const CacheKey& key, HeightGrid& grid, Head& head) {
+std::string read_whole(const File& file, const CacheKey& key, HeightGrid& grid, Head& head,
+                       std::vector<std::uint8_t>& water) {
   const std::size_t heights_at = sizeof head + key.text().size();
+  const std::uint64_t water_at = heights_at + grid.y_m.size() * sizeof(float);
   const std::uint64_t size = file.size();
-  const std::uint64_t wanted = heights_at + grid.y_m.size() * sizeof(float);
-  if (size != wanted) return std::to_string(size) + " bytes instead of " + std::to_string(wanted);
+  const std::uint64_t with_water = water_at + (cells_of(grid) + 7) / 8;
+  if (size != water_at && size != with_water)
+    return std::to_string(size) + " bytes instead of " + std::to_string(water_at) + " or " +
+           std::to_string(with_water);
   std::string text(key.text().size(), '\0');
-  if (!file.read(&head, sizeof head, 0) || !file.read(text.data(), text.size(), sizeof head))
+  water.resize(size - water_at);
+  if (!file.read(&head, sizeof head, 0) || !file.read(text.data(), text.size(), sizeof head) ||
+      !file.read(water.data(), water.size(), water_at))
     return "it cannot be read";
   std::vector<std::uint64_t> sums((grid.y_m.size() + kPiece_posts - 1) / kPiece_posts);
   std::atomic<bool> read{true};
@@ -127,7 +139,7 @@ std::string read_whole(const File& file, const CacheKey& key, HeightGrid& grid, 
     sums[piece] = checksum(heights, n * sizeof(float));
   });
   if (!read) return "it cannot be read to its end";
-  if (head.checksum != checksum_of(head, text, sums)) return "its checksum is wrong";
+  if (head.checksum != checksum_of(head, text, water, sums)) return "its checksum is wrong";
   const Head own;
   if (std::memcmp(head.magic, own.magic, sizeof own.magic) != 0 || head.format != own.format ||
       head.key_bytes != text.size() || head.posts != grid.y_m.size() || text != key.text())
@@ -199,7 +211,8 @@ std::optional<GroundCache::Facts> GroundCache::load(const CacheKey& key, HeightG
     return std::nullopt;
   }
   Head head;
-  const std::string fault = read_whole(file, key, grid, head);
+  std::vector<std::uint8_t> water;
+  const std::string fault = read_whole(file, key, grid, head, water);
   if (!fault.empty()) {
     notes_.push_back("terrain.cache: " + path + " is damaged (" + fault + ") and is made anew");
     ::unlink(path.c_str());
@@ -209,7 +222,8 @@ std::optional<GroundCache::Facts> GroundCache::load(const CacheKey& key, HeightG
   notes_.push_back("terrain.cache: heights as they were made before, from " + path);
   return Facts{head.posts_filled,
                head.posts_absent,
-               {head.error_posts, head.error_m[0], head.error_m[1], head.error_m[2], head.error_m[3]}};
+               {head.error_posts, head.error_m[0], head.error_m[1], head.error_m[2], head.error_m[3]},
+               std::move(water)};
 }
 
 void GroundCache::store(const CacheKey& key, const HeightGrid& grid, const Facts& facts,
@@ -224,7 +238,7 @@ void GroundCache::store(const CacheKey& key, const HeightGrid& grid, const Facts
   head.error_posts = error.posts;
   const double error_m[] = {error.median_m, error.p95_m, error.rms_m, error.greatest_m};
   std::ranges::copy(error_m, head.error_m);
-  head.checksum = checksum_of(head, key.text(), piece_sums(grid.y_m));
+  head.checksum = checksum_of(head, key.text(), facts.water, piece_sums(grid.y_m));
 
   std::error_code made;
   fs::create_directories(folder_, made);
@@ -234,7 +248,8 @@ void GroundCache::store(const CacheKey& key, const HeightGrid& grid, const Facts
   bool good = file.good() && file.write(&head, sizeof head) &&
               file.write(key.text().data(), key.text().size()) &&
               file.write(grid.y_m.data(), grid.y_m.size() * sizeof(float)) &&
-              ::fsync(file.descriptor()) == 0 && ::rename(half.c_str(), path.c_str()) == 0;
+              file.write(facts.water.data(), facts.water.size()) && ::fsync(file.descriptor()) == 0 &&
+              ::rename(half.c_str(), path.c_str()) == 0;
   if (!good) {
     notes_.push_back("terrain.cache: nothing can be kept in " + folder_ + " (" +
                      (made ? made.message() : std::strerror(errno)) +

@@ -25,6 +25,7 @@ class GroundCache {
     std::uint64_t posts_filled = 0;
     std::uint64_t posts_absent = 0;
     SourceError source_error;
+    std::vector<std::uint8_t> water;  ///< bits of cells (terrain/water_cells.h)
   };
 
   /// The oldest grids go when all of them together are larger than this.

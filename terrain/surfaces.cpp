@@ -149,13 +149,13 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
 void paint_surfaces(World& world, const WorldSpec& spec, const Progress& progress) {
   if (spec.surfaces.empty()) return;
   const HeightGrid& grid = world.grid;
-  world.surface_material.assign(static_cast<std::size_t>(grid.nx - 1) * static_cast<std::size_t>(grid.nz - 1),
+  world.surface_material.resize(static_cast<std::size_t>(grid.nx - 1) * static_cast<std::size_t>(grid.nz - 1),
                                 0);
   const GeoWindow window = geo_window(world);
   for (std::size_t k = 0; k < spec.surfaces.size(); ++k) {
     if (progress) progress("surfaces", static_cast<double>(k) / static_cast<double>(spec.surfaces.size()));
     const SurfaceSpec& surface = spec.surfaces[k];
-    if (surface.classes.empty()) {
+    if (surface.classes.empty() && surface.scheme.empty()) {
       paint_polygons(world, surface, window);
     } else {
       paint_classes(world, surface);

@@ -107,6 +107,11 @@ std::vector<std::string> world_report_lines(const World& world) {
   count(report.posts_absent, "without known ground");
   lines.push_back(line);
   if (!report.elevation.empty()) lines.push_back(elevation_line(report));
+  if (report.water_m2 > 0) {
+    std::snprintf(text, sizeof text, "water: %.3g km2 found in the elevation models (terrain.sea)",
+                  report.water_m2 / 1e6);
+    lines.emplace_back(text);
+  }
   if (report.source_error.posts > 0) lines.push_back(source_error_line(report.source_error));
   if (report.buildings_read > 0 || report.prisms_placed > 0) {
     line = "buildings: " + std::to_string(world.buildings.list.size()) + " in the scene";

@@ -8,6 +8,9 @@ namespace {
 
 constexpr double kReachMargin = 1.25;
 
+/// Automatic cells leave room for the windows of a flight, two of which are in memory at times.
+constexpr double kAutoShare = 4;
+
 /// The finest posting of the national elevation models (3DEP): finer ground than that is not to be had.
 constexpr double kFinestFootprint_m = 1.0;
 
@@ -35,6 +38,7 @@ void aim_world(SceneConfig& config) {
     world.reaches.push_back({place(radar), loaded_radius_m(radar.settings.r_max_m)});
     footprint_m = std::min(footprint_m, sampling_footprint_m(radar.settings));
   }
+  world.terrain.most_auto_posts = config.flight.max_megaposts * 1e6 / kAutoShare;
   world.sampling_footprint_m = std::max(footprint_m, kFinestFootprint_m);
 }
 

@@ -82,6 +82,9 @@ std::string terrain(const SceneConfig& config) {
                : cache == usual_cache_folder() ? "\"auto\""
                                                : toml_string(cache),
                "Folder where grids are kept for the next start, \"auto\" or \"off\". [restart]");
+  if (spec.synthetic == SyntheticKind::none)
+    text += line("sea", spec.water_material ? "\"auto\"" : "\"off\"",
+                 "Water that the dem itself shows, \"auto\" or \"off\". [restart]");
   text += section("terrain.", config);
   if (spec.synthetic != SyntheticKind::none)
     text += header("terrain.shape") + section("terrain.shape.", config);
@@ -108,7 +111,8 @@ std::string sources(const SceneConfig& config) {
   }
   for (const SurfaceSpec& spec : config.world.surfaces) {
     text += list_header("surfaces") + line("source", toml_string(spec.source)) +
-            all_entries(surface_entries(), spec) + material(spec.material);
+            (spec.scheme.empty() ? all_entries(surface_entries(), spec) + material(spec.material)
+                                 : line("scheme", toml_string(spec.scheme)));
     if (!spec.classes.empty())
       text += line("classes", list(spec.classes, [](int value) { return std::to_string(value); }));
   }

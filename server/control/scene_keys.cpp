@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/control/flight_keys.h"
+#include "server/control/land_cover.h"
 #include "server/control/modbus_keys.h"
 #include "server/control/operation_keys.h"
 #include "server/control/server_keys.h"
@@ -145,11 +146,21 @@ constexpr std::array kSpecial{
                "For a dem that carries none."},
     SpecialKey{"terrain.area", "[west, south, east, north] or [[lon, lat], ...] in degrees",
                "the radars' reach and 25 %", "What is loaded."},
-    SpecialKey{"terrain.cell_m", "\"auto\" or a number 0.03125 to 10000 m", "\"auto\"",
-               "Spacing of the ground grid."},
+    SpecialKey{
+        "terrain.cell_m", "\"auto\" or a number 0.03125 to 10000 m", "\"auto\"",
+        "Spacing of the ground grid; auto: the larger of the dem's posting and what the radars sample, "
+        "halved "
+        "while 95 % of the dem's posts lie further from the grid than 0.5 m and half the dem's own error, up "
+        "to a quarter of flight.max_megaposts, and while half the size takes at most 1.3 times the frame "
+        "time."},
     SpecialKey{"terrain.fill_void_m", "\"auto\" or a number 0 to 100000 m", "\"auto\"",
                "Voids no wider than this are filled by interpolation, wider ones are no ground; auto: the "
                "larger of 200 m and three postings of the finest dem."},
+    SpecialKey{
+        "terrain.sea", "\"auto\" | \"off\"", "\"auto\"",
+        "Water that a dem itself shows is of material \"water\": posts of exactly equal height over 1 km2 "
+        "where it has fractions of its unit, and from 0 down to -1 m over level ground (0.25 m from post "
+        "to post, below 1 m) that has 10 km2 or reaches the dem's edge. Surfaces win over it."},
     SpecialKey{
         "terrain.cache", "\"auto\", \"off\" or a folder", "\"auto\"",
         "Grids made of a dem are kept here, 2 GB at most, and used again as long as nothing that they "
@@ -179,6 +190,10 @@ constexpr std::array kSpecial{
     SpecialKey{"surfaces.classes", "a list of integers", "[]",
                "Class raster: the values that mean this material."},
     SpecialKey{"surfaces.material", "a material's name", "", "What the ground there is made of."},
+    SpecialKey{
+        "surfaces.scheme", kLandCoverSchemes, "",
+        "Class raster with a known legend, instead of classes and material: each class is what clutter "
+        "tables have for it."},
 };
 
 constexpr std::array<std::string_view, 6> kDaemonSections{

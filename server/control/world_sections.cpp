@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "server/control/land_cover.h"
 #include "server/control/material_library.h"
 #include "server/control/modbus_keys.h"
 #include "server/control/scene_keys.h"
@@ -146,6 +147,20 @@ void read_cache(SceneReading& reading, SectionReader& reader, TerrainSpec& terra
   }
 }
 
+/// Water that the elevation models show is looked for unless the scene does not want it.
+void read_sea(SectionReader& reader, TerrainSpec& terrain) {
+  const ConfigNode* node = reader.take("sea");
+  const auto* text =
+      node != nullptr && node->kind == Kind::value ? std::get_if<std::string>(&node->value) : nullptr;
+  if (node != nullptr && (text == nullptr || (*text != "auto" && *text != "off"))) {
+    reader.complain(*node, "sea", "\"auto\" or \"off\"");
+  } else if ((text == nullptr || *text == "auto") && terrain.synthetic == SyntheticKind::none) {
+    // The materials that ship keep their numbers whatever the scene makes of them.
+    if (const auto water = find_material(shipped_materials(), "water"))
+      terrain.water_material = static_cast<std::uint8_t>(*water);
+  }
+}
+
 void read_terrain(SceneReading& reading, const ConfigNode& table) {
   TerrainSpec& terrain = reading.config.world.terrain;
   SectionReader reader(table, "terrain", reading.complaints);
@@ -158,6 +173,7 @@ void read_terrain(SceneReading& reading, const ConfigNode& table) {
   read_auto(reader, "fill_void_m", Key{"terrain.fill_void_m", "m", closed(0, 100e3)}, terrain.fill_void_m);
   read_unit(reader, terrain);
   read_cache(reading, reader, terrain);
+  read_sea(reader, terrain);
   std::string crs;
   if (reader.read("crs", Key{"terrain.crs", ""}, &crs)) terrain.crs = crs;
   reader.one_table("shape", [&](const ConfigNode& shape) {
@@ -195,6 +211,23 @@ void read_material_name(SceneReading& reading, SectionReader& reader, std::uint8
   for (const Material& material : materials)
     names += (names.empty() ? "" : " | ") + toml_string(material.name);
   reader.complain(*reader.table().find("material"), "material", names);
+}
+
+/// A class raster whose legend is known: its classes have their materials from that.
+void read_scheme(SceneReading& reading, SectionReader& reader, SurfaceSpec& spec) {
+  if (!reader.read("scheme", Key{"surfaces.scheme", ""}, &spec.scheme)) return;
+  const ConfigNode& node = *reader.table().find("scheme");
+  const auto classes = land_cover(spec.scheme);
+  if (!classes) return reader.complain(node, "scheme", std::string(kLandCoverSchemes));
+  for (const std::string_view other : {"classes", "material", "where", "layer"}) {
+    if (const ConfigNode* both = reader.table().find(other))
+      reader.complain(*both, other, "nothing beside scheme, which says what each class is made of");
+  }
+  for (const LandCoverClass& each : *classes) {
+    if (each.material.empty()) continue;
+    const auto material = find_material(reading.config.materials, each.material);
+    spec.scheme_materials.emplace_back(each.value, static_cast<std::uint8_t>(material.value()));
+  }
 }
 
 /// [least, most], or one number for both.
@@ -329,11 +362,12 @@ void read_surfaces(SceneReading& reading) {
     SectionReader reader(table, "surfaces", reading.complaints);
     spec.source = read_path(reading, reader, "source", true);
     read_all(reader, surface_entries(), spec);
+    read_scheme(reading, reader, spec);
     for (const double value : reader.numbers("classes", closed(-1e9, 1e9), 1, 4096)) {
       if (value != std::floor(value)) reader.complain(*table.find("classes"), "classes", "whole numbers");
       spec.classes.push_back(static_cast<int>(value));
     }
-    read_material_name(reading, reader, spec.material, true);
+    read_material_name(reading, reader, spec.material, spec.scheme.empty());
     reader.finish();
     reading.config.world.surfaces.push_back(spec);
   });

@@ -22,12 +22,16 @@ TEST(ShippedScenes, AreAcceptedAndNameFilesThatShipWithThem) {
   for (const std::filesystem::path& path : shipped_scenes()) {
     SCOPED_TRACE(path.filename());
     const SceneConfig scene = load_scene_file(path);
-    ASSERT_EQ(scene.radars.size(), 1u);
-    EXPECT_EQ(scene.radars[0].settings.frustum, FrustumKind::oblique);
-    EXPECT_TRUE(scene.radars[0].settings.range_normalisation);
+    for (const RadarConfig& radar : scene.radars) {
+      EXPECT_TRUE(radar.settings.frustum == FrustumKind::oblique ||
+                  radar.settings.frustum == FrustumKind::sweep);
+      EXPECT_TRUE(radar.settings.range_normalisation);
+    }
     ASSERT_EQ(scene.world.prisms.size(), 1u);
     const std::string& towns = scene.world.prisms[0].within;
     EXPECT_TRUE(towns.empty() || std::filesystem::is_regular_file(towns)) << towns;
+    for (const SurfaceSpec& surface : scene.world.surfaces)
+      EXPECT_TRUE(std::filesystem::is_regular_file(surface.source)) << surface.source;
     const TerrainSpec& terrain = scene.world.terrain;
     EXPECT_EQ(terrain.dem.empty(), terrain.synthetic != SyntheticKind::none);
   }

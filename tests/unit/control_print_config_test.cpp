@@ -40,6 +40,7 @@ void expect_same(const SceneConfig& a, const SceneConfig& b) {
   EXPECT_EQ(s.unit, t.unit);
   EXPECT_EQ(s.crs, t.crs);
   EXPECT_EQ(s.cell_m, t.cell_m);
+  EXPECT_EQ(s.water_material, t.water_material);
   EXPECT_TRUE(std::ranges::equal(s.area, t.area, same_place));
   ASSERT_EQ(a.world.buildings.size(), b.world.buildings.size());
   for (std::size_t i = 0; i < a.world.buildings.size(); ++i) {
@@ -66,6 +67,7 @@ void expect_same(const SceneConfig& a, const SceneConfig& b) {
     EXPECT_EQ(a.world.surfaces[i].source, b.world.surfaces[i].source);
     EXPECT_EQ(a.world.surfaces[i].classes, b.world.surfaces[i].classes);
     EXPECT_EQ(a.world.surfaces[i].material, b.world.surfaces[i].material);
+    EXPECT_EQ(a.world.surfaces[i].scheme_materials, b.world.surfaces[i].scheme_materials);
   }
   ASSERT_EQ(a.materials.size(), b.materials.size());
   for (std::size_t i = 0; i < a.materials.size(); ++i) {
@@ -89,6 +91,7 @@ unit = "us_ft"
 crs = "EPSG:26911"
 area = [-100.125, 32.1, -99.3, 33.7]
 cell_m = 12.5
+sea = "off"
 fill_void_m = 90
 cache = "grids"
 [earth]
@@ -109,6 +112,9 @@ seed = 18446
 source = "cover.tif"
 classes = [11, -12]
 material = "odd name é"
+[[surfaces]]
+source = "nlcd.tif"
+scheme = "nlcd"
 [[surfaces]]
 source = "lakes.shp"
 where = "kind = 'lake'"

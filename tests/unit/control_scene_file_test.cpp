@@ -222,6 +222,40 @@ TEST_F(SceneFile, TheCacheIsAutomaticOffOrAFolder) {
     EXPECT_SAYS(complaint(kFlat + ("cache = " + bad)), "FILE:3: terrain.cache: found");
 }
 
+TEST_F(SceneFile, SeaIsLookedForInElevationModelsUnlessItIsOff) {
+  const auto material = [&](const std::string& text) { return read(text).world.terrain.water_material; };
+  EXPECT_EQ(material("[terrain]\ndem = \"a.tif\"\narea = [1, 1, 2, 2]\n[antenna]\nlatitude_deg = "
+                     "1\nlongitude_deg = 1\n"),
+            3);
+  EXPECT_FALSE(material(
+      "[terrain]\ndem = \"a.tif\"\nsea = \"off\"\n[antenna]\nlatitude_deg = 1\nlongitude_deg = 1\n"));
+  EXPECT_FALSE(material(kFlat));
+  EXPECT_SAYS(complaint("[terrain]\nsynthetic = \"flat\"\nsea = \"dead\"\n"),
+              "terrain.sea: found \"dead\"; allowed: \"auto\" or \"off\"");
+}
+
+TEST_F(SceneFile, LandCoverSchemesHaveAMaterialForEveryClassButIceAndSnow) {
+  struct Legend {
+    const char* scheme;
+    std::size_t classes;  // of the published legend, without ice and snow
+  };
+  for (const Legend& legend : {Legend{"nlcd", 19}, Legend{"worldcover", 10}}) {
+    const SceneConfig config = read(
+        std::string(kFlat) + "[materials.aaa]\ngamma_db = -1\n[[surfaces]]\nsource = \"c.tif\"\nscheme = \"" +
+        legend.scheme + "\"\n");
+    EXPECT_EQ(config.world.surfaces.at(0).scheme_materials.size(), legend.classes);
+    for (const auto& [value, material] : config.world.surfaces.at(0).scheme_materials) {
+      const double db = to_db(config.materials.at(material).gamma);
+      EXPECT_TRUE(db >= -40 && db <= 0) << value;
+    }
+  }
+  EXPECT_SAYS(complaint(std::string(kFlat) + "[[surfaces]]\nsource = \"c.tif\"\nscheme = \"corine\"\n"),
+              "surfaces.scheme: found \"corine\"; allowed: \"nlcd\" | \"worldcover\"");
+  EXPECT_SAYS(complaint(std::string(kFlat) +
+                        "[[surfaces]]\nsource = \"c.tif\"\nscheme = \"nlcd\"\nmaterial = \"water\"\n"),
+              "nothing beside scheme");
+}
+
 TEST_F(SceneFile, MaterialsAreOverriddenAddedAndNamed) {
   const SceneConfig config = read(std::string(kFlat) + R"(
 [materials.building]

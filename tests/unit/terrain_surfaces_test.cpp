@@ -71,6 +71,27 @@ TEST(Surfaces, AttributeFilterChoosesFeatures) {
   EXPECT_NE(error.find("use === water"), std::string::npos) << error;
 }
 
+TEST(Surfaces, SchemePaintsEveryClassAndSaysHowManyCellsHaveNone) {
+  const Folder folder;
+  test::RasterPlan plan =
+      test::around(-99.5, 33, [](double lon, double lat) { return lon > -99.5 ? lat > 33 ? 11 : 12 : 82; });
+  plan.type = "Byte";
+  WorldSpec spec = test::flat_town();
+  spec.surfaces.emplace_back();
+  spec.surfaces[0].source = test::write_raster(folder, "cover.tif", plan);
+  spec.surfaces[0].scheme = "nlcd";
+  spec.surfaces[0].scheme_materials = {{11, 3}, {82, 2}, {41, 5}};
+  const World world = load_world(spec);
+  EXPECT_EQ(at(world, 500, 500), 3);
+  EXPECT_EQ(at(world, -500, 500), 2);
+  EXPECT_EQ(at(world, 500, -500), 0) << "class 12 has no material and stays";
+  ASSERT_EQ(world.report.notes.size(), 1u);
+  const std::string& note = world.report.notes[0];
+  // A quarter of 80 x 80 cells, but for those along the two borders of its pixels.
+  EXPECT_NEAR(std::stod(note.substr(note.find(".tif: ") + 6)), 1600, 160) << note;
+  EXPECT_NE(note.find("without a material in the scheme \"nlcd\" (12)"), std::string::npos) << note;
+}
+
 TEST(Surfaces, ClassRasterPaintsThePixelsOfItsClasses) {
   const Folder folder;
   test::RasterPlan plan =

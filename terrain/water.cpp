@@ -1,0 +1,81 @@
+#include "terrain/water.h"
+
+#include <cmath>
+
+namespace obliq {
+namespace {
+
+/// Posts of one window by regions of neighbours, four to a post.
+class Regions {
+ public:
+  Regions(const DemWindow& window, std::vector<std::uint8_t>& water)
+      : window_(window), water_(water), seen_(window.height_m.size(), 0) {}
+
+  /// Collects the posts that `joined` leads to from `start`. False where that has been seen before.
+  template <typename Joined>
+  bool collect(std::size_t start, const Joined& joined) {
+    if (seen_[start] != 0) return false;
+    posts_.assign(1, start);
+    seen_[start] = 1;
+    at_edge_ = false;
+    const auto nx = static_cast<std::size_t>(window_.nx);
+    const auto nz = static_cast<std::size_t>(window_.nz);
+    for (std::size_t n = 0; n < posts_.size(); ++n) {
+      const std::size_t at = posts_[n];
+      const std::size_t c = at % nx;
+      const std::size_t r = at / nx;
+      at_edge_ = at_edge_ || window_.at_raster_edge(static_cast<int>(c), static_cast<int>(r));
+      const auto visit = [&](std::size_t next) {
+        if (seen_[next] != 0 || !joined(height_m(at), height_m(next))) return;
+        seen_[next] = 1;
+        posts_.push_back(next);
+      };
+      if (c > 0) visit(at - 1);
+      if (c + 1 < nx) visit(at + 1);
+      if (r > 0) visit(at - nx);
+      if (r + 1 < nz) visit(at + nx);
+    }
+    return true;
+  }
+
+  void make_water() {
+    for (const std::size_t at : posts_) water_[at] = 1;
+  }
+
+  double height_m(std::size_t at) const { return static_cast<double>(window_.height_m[at]); }
+  std::size_t posts() const { return posts_.size(); }
+  bool at_edge() const { return at_edge_; }  ///< of the raster
+
+ private:
+  const DemWindow& window_;
+  std::vector<std::uint8_t>& water_;
+  std::vector<std::uint8_t> seen_;
+  std::vector<std::size_t> posts_;
+  bool at_edge_ = false;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> water_posts(const DemWindow& window, double posting_m) {
+  std::vector<std::uint8_t> water(window.height_m.size(), 0);
+  const double post_m2 = posting_m * posting_m * window.step * window.step;
+  const auto area_m2 = [&](const Regions& region) { return static_cast<double>(region.posts()) * post_m2; };
+  if (window.has_fractions) {
+    Regions level(window, water);
+    for (std::size_t at = 0; at < water.size(); ++at) {
+      if (std::isnan(level.height_m(at))) continue;
+      if (!level.collect(at, [](double a, double b) { return a == b; })) continue;
+      if (area_m2(level) >= kLeastLevel_m2) level.make_water();
+    }
+  }
+  Regions sea(window, water);
+  for (std::size_t at = 0; at < water.size(); ++at) {
+    if (!(sea.height_m(at) >= kSeaLowest_m && sea.height_m(at) <= kSeaHighest_m)) continue;
+    const auto joined = [](double a, double b) { return b < kSeaShore_m && std::abs(a - b) <= kSeaStep_m; };
+    if (!sea.collect(at, joined)) continue;
+    if (sea.at_edge() || area_m2(sea) >= kLeastSea_m2) sea.make_water();
+  }
+  return water;
+}
+
+}  // namespace obliq
