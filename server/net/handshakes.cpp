@@ -1,8 +1,8 @@
 #include "server/net/handshakes.h"
 
-#include <boost/asio.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <thread>
-#include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "server/flight/background.h"
 

@@ -232,7 +232,8 @@ TEST(SceneKeeper, AFailureThatIsOverDoesNotLookPresent) {
 
 TEST(SceneKeeper, WhereNoFileHasGroundNothingIsTriedAndOtherRadarsDoNotSuffer) {
   const Folder folder;
-  RasterPlan degree{.columns = 10, .rows = 10};
+  RasterPlan degree;
+  degree.columns = degree.rows = 10;
   degree.geotransform = {-99.5, 0.1, 0, 33.5, 0, -0.1};
   degree.value = [](double, double) { return 100.0; };
   SceneConfig config = flat_config();
