@@ -14,7 +14,7 @@ done
 # The system's Python has protobuf; another one in the path may not.
 for python in python3 /usr/bin/python3; do
   "$python" -c 'import google.protobuf' 2>/dev/null || continue
-  exec "$python" tests/abuse/abuse.py "$@"
+  exec "$python" -B tests/abuse/abuse.py "$@"
 done
 echo "abuse.sh: no python3-protobuf here (deploy/install-deps.sh test)" >&2
 exit 77

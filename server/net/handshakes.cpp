@@ -1,6 +1,7 @@
 #include "server/net/handshakes.h"
 
-#include <boost/asio.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <thread>
 
 #include "server/flight/background.h"

@@ -50,6 +50,7 @@ class Abuse:
         self.frames = multiprocessing.Queue()
         self.times = collections.deque()
         self.most_mb = 0
+        self.daemon = None
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -152,9 +153,12 @@ class Abuse:
         print(f"alone: watcher {self.base:.1f} Hz, {self.most_mb:.0f} MB", flush=True)
         self.expect(self.base > 1, "the watcher gets no frames to begin with")
         self.phase(visits.polar_request)
+        pilot = self.children[-1].pid
+        os.kill(pilot, signal.SIGSTOP)  # whose poses would tell that the other radar has come to rest
         self.phase(visits.jumps)
         loaded = self.windows()
         self.pause(3)
+        os.kill(pilot, signal.SIGCONT)
         self.expect(loaded <= 4, f"two jumps: {loaded} windows of terrain were loaded")
         self.expect(self.windows() == loaded, "windows of terrain are loaded without end")
         self.phase(visits.held_places, LOGINS)
@@ -173,7 +177,7 @@ class Abuse:
     def end(self):
         for child in self.children:
             child.kill()
-        if self.daemon.poll() is None:
+        if self.daemon and self.daemon.poll() is None:
             self.daemon.kill()
         if self.faults:
             print(self.log()[-6000:])
@@ -185,8 +189,9 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", default="build/release/bin")
     parser.add_argument("--seconds", type=float, default=PHASE_S, help="of each of the five kinds of abuse")
-    abuse = Abuse(parser.parse_args())
+    arguments = parser.parse_args()
     multiprocessing.set_start_method("fork")
+    abuse = Abuse(arguments)
     good = False
     try:
         good = abuse.run()
