@@ -28,6 +28,8 @@ std::string own_address(const std::string& address) {
 }
 
 void run(const HealthArguments& arguments) {
+  if (arguments.file.empty())
+    throw InputError("found no scene file; allowed: that of the daemon to be asked");
   const SceneConfig config = load_scene_file(arguments.file, {arguments.set});
   if (!config.http.enabled)
     throw InputError("http.enabled: found false; allowed: true, for a daemon to be asked");
@@ -59,8 +61,7 @@ void add_health(CLI::App& app) {
   auto arguments = std::make_shared<HealthArguments>();
   command
       ->add_option("SCENE,--config", arguments->file,
-                   "Scene file (TOML) of the daemon: its [http] says where to ask")
-      ->required();
+                   "Scene file (TOML) of the daemon: its [http] says where to ask");
   command->add_option("--set", arguments->set, "KEY=VALUE, as the daemon was given it (repeatable)")
       ->type_name("KEY=VALUE")
       ->expected(1)

@@ -61,7 +61,10 @@ Shown look(client::Client& client, const std::string& radar) {
 
 void print_line(std::string_view name, const std::string& value, const std::string& comment) {
   const std::string line = std::string(name) + " = " + value;
-  std::printf("%-40s%s%s\n", line.c_str(), comment.empty() ? "" : "  # ", comment.c_str());
+  if (comment.empty())
+    std::printf("%s\n", line.c_str());
+  else
+    std::printf("%-40s  # %s\n", line.c_str(), comment.c_str());
 }
 
 void print_notes(const wire::RadarInfo& info) {
@@ -140,8 +143,8 @@ void run(const SetArguments& arguments) {
     require(client.set_settings(radar, settings, ack));
   }
   if (transmit || freeze) require(client.set_state(radar, transmit, freeze));
-  const Shown after = changes ? look(client, radar) : before;
   if (changes) require(client.release_control(radar));
+  const Shown after = changes ? look(client, radar) : before;
   if (arguments.json) {
     print_json(after);
   } else if (changes) {

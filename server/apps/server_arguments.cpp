@@ -140,6 +140,8 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
     if (status.ok()) return client;
     if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
       if (waiting) status.text += " (waited " + std::to_string(arguments.wait_s) + " s)";
+      if (status.outcome == client::Outcome::timed_out)
+        status.text += "; --server HOST:PORT says where obliqd listens, --wait SECONDS gives it longer";
       if (status.outcome == client::Outcome::cannot_connect)
         status.text +=
             "; start obliqd there (`obliqd SCENE.toml`), or say where it listens with --server HOST:PORT; "

@@ -53,8 +53,7 @@ TEST(FlyTrack, BadLinesAreNamedBeforeAnythingMoves) {
     EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
   }
   for (const auto& [file, says] : {std::pair{(folder / "none.csv").string(), "No such file"},
-                                   std::pair{folder.path().string(), "found a folder"},
-                                   std::pair{std::string("/dev/zero"), "more than 4096"}}) {
+                                   std::pair{folder.path().string(), "found a folder"}}) {
     const Outcome outcome = run_program(OBLIQ_PROGRAM, {"fly", file}, folder.path());
     EXPECT_EQ(outcome.code, 1);
     EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err;

@@ -107,7 +107,7 @@ TEST_F(SetCommand, WhatCannotBeSetIsRefusedAndChangesNothing) {
   expect_refused({"radar.r_max_m"}, "allowed: KEY=VALUE");
   expect_refused({"radar.r_max_m=nan"}, "radar.r_max_m: found nan");
   expect_refused({"radar.r_max_m=8000", "radar.sector_deg=400"}, "allowed: number above 0, at most 360 deg");
-  expect_refused({"bins.range=many"}, "bins.range: found \"many\"; allowed: integer 1 to 8192");
+  expect_refused({"bins.range=many"}, "bins.range: found many; allowed: integer 1 to 8192");
   expect_refused({"--transmit", "perhaps"}, "--transmit: found \"perhaps\"; allowed: on, off");
   expect_refused({"--freeze"}, "--freeze");
   expect_refused({""}, "allowed: KEY=VALUE");
