@@ -59,9 +59,8 @@ void add_health(CLI::App& app) {
       "health",
       "Ask the daemon of a scene file, on this machine, how it is: exit code 0 when it is healthy, else 1");
   auto arguments = std::make_shared<HealthArguments>();
-  command
-      ->add_option("SCENE,--config", arguments->file,
-                   "Scene file (TOML) of the daemon: its [http] says where to ask");
+  command->add_option("SCENE,--config", arguments->file,
+                      "Scene file (TOML) of the daemon: its [http] says where to ask");
   command->add_option("--set", arguments->set, "KEY=VALUE, as the daemon was given it (repeatable)")
       ->type_name("KEY=VALUE")
       ->expected(1)
