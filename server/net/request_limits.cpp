@@ -4,12 +4,10 @@
 #include <thread>
 
 #include "server/control/process_memory.h"
-#include "server/radar/render.h"
+#include "server/radar/wedge_memory.h"
 
 namespace obliq::net {
 namespace {
-
-constexpr std::int64_t kWedgeBytesPerBin = 256;
 
 std::int64_t threads_of(const ServerOptions& options) {
   return options.render_threads > 0 ? options.render_threads
@@ -26,8 +24,9 @@ FrameCost cost_without_bytes(const RadarSettings& settings) {
   return cost;
 }
 
-std::int64_t wedge_bytes(const RadarSettings& settings, const ServerOptions& options) {
-  return threads_of(options) * kWedgeAzimuthBins * settings.range_bins * kWedgeBytesPerBin;
+/// Of all threads.
+std::int64_t wedges_bytes(const RadarSettings& settings, const ServerOptions& options) {
+  return threads_of(options) * wedge_bytes(settings);
 }
 
 std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) + " x " + std::to_string(b); }
@@ -41,15 +40,15 @@ OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string
 
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = cost_without_bytes(settings);
-  cost.bytes = wedge_bytes(settings, options) + std::min(wire::bytes_per_bin(planes) * cost.bins,
-                                                         2 * static_cast<std::int64_t>(options.slice_bytes));
+  cost.bytes = wedges_bytes(settings, options) + std::min(wire::bytes_per_bin(planes) * cost.bins,
+                                                          2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
 }
 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = cost_without_bytes(settings);
   cost.bytes =
-      wedge_bytes(settings, options) + wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
+      wedges_bytes(settings, options) + wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
   return cost;
 }
 
@@ -72,11 +71,15 @@ std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCo
     const std::int64_t have = megabytes(resident_bytes() + reserved_bytes);
     const std::int64_t need = megabytes(cost.bytes);
     if (have + need > options.max_memory_mb) {
-      return exceeds("max_memory_mb", options.max_memory_mb,
-                     "the frame needs about " + std::to_string(need) + " MB beside " + std::to_string(have) +
-                         " MB that are in use",
-                     {"azimuth_bins x range_bins", product(settings.azimuth_bins, settings.range_bins),
-                      "a smaller frame, fewer planes, or fewer requests at a time"});
+      return exceeds(
+          "max_memory_mb", options.max_memory_mb,
+          "the frame needs about " + std::to_string(need) + " MB beside " + std::to_string(have) +
+              " MB that are in use",
+          {"bins, pixels",
+           product(settings.azimuth_bins, settings.range_bins) + ", " +
+               product(settings.pixel_columns, settings.pixel_rows),
+           "a smaller frame, more azimuth bins for as many pixels, fewer planes, or fewer requests "
+           "at a time"});
     }
   }
   return std::nullopt;

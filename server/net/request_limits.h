@@ -20,8 +20,8 @@ struct FrameCost {
   std::int64_t work() const { return pixels + bins; }
 };
 
-/// Memory while a frame is rendered and sent: 256 bytes for each bin of the wedges in hand, one a thread
-/// (accumulators, groups of scatterers, profiles), and the encoded planes that wait to be sent. Of a
+/// Memory while a frame is rendered and sent: the wedges in hand, one a thread, with the bins and pixels that
+/// are theirs (server/radar/wedge_memory.h), and the encoded planes that wait to be sent. Of a
 /// RenderOnce frame those are at most twice slice_bytes, of a live radar's at most queue_frames + 1 whole
 /// frames. Scene and terrain are not in it: they are resident already.
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options);

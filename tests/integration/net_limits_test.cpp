@@ -10,6 +10,7 @@
 #include "server/net/exposure.h"
 #include "server/net/request_limits.h"
 #include "server/net/tcp_options.h"
+#include "server/radar/wedge_memory.h"
 #include "terrain/errors.h"
 #include "tests/integration/net_fixture.h"
 
@@ -182,7 +183,7 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   settings.range_bins = 1000;
   net::ServerOptions options;
   options.render_threads = 2;
-  const std::int64_t wedges = 2 * 8 * 1000 * 256;
+  const std::int64_t wedges = 2 * wedge_bytes(settings);  // which radar_wedge_memory_test measures
   // 8 + 8 + 4 + 1 bytes a bin, PROTOCOL.md.
   EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).bytes, wedges + 21'000'000);
   options.slice_bytes = 1'000'000;
@@ -191,6 +192,26 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   EXPECT_EQ(net::live_cost(settings, wire::plane_bit(wire::Plane::power), options).bytes,
             wedges + 3 * 8'000'000);
   EXPECT_GT(resident_bytes(), 1'000'000);
+}
+
+TEST(RequestLimits, PixelsOfAWedgeCountInTheMemoryThatAViewerMayTake) {
+  net::ServerOptions options = small_options();
+  options.render_threads = 2;
+  options.max_memory_mb = 600;
+  const TestServer server(options);
+  client::Client client = connect(server);
+  wire::RenderOnce once = once_request();
+  wire::RadarSettings& settings = *once.mutable_settings();
+  settings.set_speckle(wire::GROUND_SPECKLE);
+  settings.set_frustum(wire::OBLIQUE);
+  settings.set_azimuth_bins(8);
+  settings.set_range_bins(8192);
+  settings.set_pixel_columns(16384);
+  settings.set_pixel_rows(16384);
+  expect_over(client, client.render_once(once), "max_memory_mb is 600");
+  settings.set_pixel_columns(64);
+  settings.set_pixel_rows(64);
+  EXPECT_TRUE(client.render_once(once).ok()) << "as many bins, and few pixels";
 }
 
 TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {
