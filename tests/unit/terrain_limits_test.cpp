@@ -1,4 +1,4 @@
-// Small files that would take hours or all memory to load (HOSTILE: M6), and what is odd about files that do
+// Small files that would take hours or all memory to load, and what is odd about files that do
 // load.
 #include <gtest/gtest.h>
 

@@ -105,7 +105,7 @@ TEST(Water, SeaGrowsOverLevelShoalsUpToOneMetreAndNoFurther) {
   EXPECT_EQ(at(world, 1300, 0), 0);
   // A polder below the sea, behind a dyke: nothing in it lies between -1 and 0 m.
   const auto polder = [](double x_m, double z_m) {
-    return std::hypot(x_m, z_m) < 1900 ? -2.0 + 1e-5 * x_m : 4 + 1e-3 * x_m + 3e-4 * z_m;
+    return std::hypot(x_m, z_m) < 1900 ? -2.0 + 1e-5 * x_m : 20 + 1e-3 * x_m + 3e-4 * z_m;
   };
   EXPECT_EQ(loaded(tile(polder), 8000).report.water_m2, 0);
 }
