@@ -72,15 +72,15 @@ TEST_F(AccuracyWish, QualityObliqueFindsPixelsThatLeaveFewLitBinsUnsampled) {
 }
 
 TEST_F(AccuracyWish, QualityObliqueSaysWhyNoPixelsDo) {
-  const auto limited =
-      render({"frustum.quality=oblique", "bins.azimuth=512", "bins.range=512", "server.max_pixels=300000"});
+  const auto limited = render({"frustum.quality=oblique", "bins.azimuth=512", "bins.range=512",
+                               "server.max_pixels=300000", "terrain.cell_m=20"});
   EXPECT_EQ(limited.code, 1);
   EXPECT_NE(limited.err.find("512 x 512 pixels, the most that server.max_pixels allows, leave "),
             std::string::npos)
       << limited.err;
   EXPECT_NE(limited.err.find("frustum.quality = \"standard\", the sweep"), std::string::npos) << limited.err;
-  const auto low =
-      render({"frustum.quality=oblique", "antenna.height_m=20", "antenna.height_reference=ground"});
+  const auto low = render({"frustum.quality=oblique", "terrain.synthetic=ridge",
+                           "terrain.shape.distance_m=2500", "terrain.cell_m=20", "antenna.height_m=100"});
   EXPECT_EQ(low.code, 1);
   EXPECT_NE(low.err.find("below the highest ground"), std::string::npos) << low.err;
   EXPECT_NE(low.err.find("frustum.quality = \"standard\", the sweep"), std::string::npos) << low.err;
