@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <memory>
 #include <thread>
-#include <vector>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands.h"
@@ -14,6 +13,7 @@
 #include "server/apps/number_option.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/track_reader.h"
+#include "server/apps/warning_changes.h"
 #include "server/control/key.h"
 #include "terrain/errors.h"
 
@@ -140,11 +140,7 @@ class Flight {
     wire::Ack ack;
     if (const client::Status status = client_.set_pose(radar_, pose, ack); !status.ok())
       throw InputError(where + ": " + status.sentence());
-    const std::vector<std::string> warnings(ack.warnings().begin(), ack.warnings().end());
-    for (const std::string& warning : warnings)
-      if (std::ranges::find(warnings_, warning) == warnings_.end())
-        std::fprintf(stderr, "warning: %s: %s\n", where.c_str(), warning.c_str());
-    warnings_ = warnings;
+    warnings_.tell({ack.warnings().begin(), ack.warnings().end()}, where + ": ");
     ++sent_;
     last_ = point;
   }
@@ -154,8 +150,8 @@ class Flight {
   const FlyArguments& arguments_;
   Clock::time_point start_;
   double first_s_ = 0;
-  std::vector<std::string> warnings_;  ///< of the newest pose
-  TrackPoint last_;                    ///< that was sent
+  WarningChanges warnings_;
+  TrackPoint last_;  ///< that was sent
   std::uint64_t sent_ = 0;
   double late_s_ = 0;
 };

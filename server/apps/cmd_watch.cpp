@@ -1,11 +1,11 @@
 // `obliq watch`: subscribes to a radar and prints a line per frame.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
@@ -17,6 +17,7 @@
 #include "server/apps/reconnecting.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/stream_arguments.h"
+#include "server/apps/warning_changes.h"
 #include "terrain/errors.h"
 
 namespace obliq {
@@ -77,7 +78,10 @@ class TimedFrames : public client::FrameAssembler {
     if (end.summary().coverage() < kWhole) std::printf(", coverage %.4g %%", 100 * end.summary().coverage());
     std::printf("\n");
     std::fflush(stdout);
-    tell_warnings(*frame().descriptor);
+    std::vector<std::string> warnings(frame().descriptor->warnings().begin(),
+                                      frame().descriptor->warnings().end());
+    warnings.insert(warnings.end(), end.summary().warnings().begin(), end.summary().warnings().end());
+    warnings_.tell(std::move(warnings));
     return FrameAssembler::on_end(header, end);
   }
   client::Status on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) override {
@@ -90,16 +94,6 @@ class TimedFrames : public client::FrameAssembler {
   std::int64_t utc_ns() const { return utc_ns_; }
 
  private:
-  /// Those that were not there with the frame before, and those that are over.
-  void tell_warnings(const wire::FrameDescriptor& descriptor) {
-    const std::vector<std::string> now(descriptor.warnings().begin(), descriptor.warnings().end());
-    for (const std::string& warning : now)
-      if (std::ranges::find(warnings_, warning) == warnings_.end())
-        std::fprintf(stderr, "warning: %s\n", warning.c_str());
-    for (const std::string& warning : warnings_)
-      if (std::ranges::find(now, warning) == now.end()) std::fprintf(stderr, "over: %s\n", warning.c_str());
-    warnings_ = now;
-  }
   void print_scan(const wire::FrameEnd& end) const {
     std::uint32_t missed = 0;
     for (const wire::AzimuthSpan& span : end.missed()) missed += span.n_azimuth();
@@ -109,25 +103,11 @@ class TimedFrames : public client::FrameAssembler {
   }
 
   std::unique_ptr<wire::ScanPass> scan_;  ///< of a scanning antenna
-  std::vector<std::string> warnings_;     ///< of the newest frame
+  WarningChanges warnings_;
   std::int64_t utc_ns_ = 0;
   std::int64_t first_wedge_ns_ = 0;
   std::int64_t pose_age_ns_ = 0;
   std::uint64_t bytes_ = 0;
-};
-
-/// A frame's warnings on stderr, as long as they are new: their numbers may differ from frame to frame.
-class NewWarnings {
- public:
-  void say(const wire::FrameSummary& summary) {
-    if (summary.warnings_size() > said_)
-      for (const std::string& warning : summary.warnings())
-        std::fprintf(stderr, "warning: %s\n", warning.c_str());
-    said_ = summary.warnings_size();
-  }
-
- private:
-  int said_ = 0;
 };
 
 /// A picture alone needs two of the planes.
@@ -162,7 +142,6 @@ void run(const WatchArguments& arguments) {
   request.set_lossless(arguments.lossless);
   ask_for(stream, request);
   require(client.subscribe(request));
-  NewWarnings warnings;
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
     if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
@@ -174,7 +153,6 @@ void run(const WatchArguments& arguments) {
     require(status);
     if (frames.state() != client::FrameAssembler::State::complete) continue;
     client::AssembledFrame frame = frames.take();
-    warnings.say(*frame.summary);
     const BinBlock bins = take_bins(frame);
     if (picture) picture->write(*frame.descriptor, *frame.summary, bins, utc_text(frames.utc_ns()));
     if (files) files->write(*frame.descriptor, *frame.summary, bins);

@@ -106,6 +106,17 @@ TEST_F(DaemonTest, GetLeavesTheLiveRadarAloneAndPoseMovesIt) {
   EXPECT_EQ(json.out.find("\"radar\": \"nose\""), std::string::npos) << json.out;
 }
 
+TEST_F(DaemonTest, WatchSaysOnceWhatIsMissingWithCoverageOnEachLine) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  EXPECT_EQ(obliq({"pose", daemon.address(), "--radar", "main", "--latitude", "45"}).code, 0);
+  const Outcome watch = obliq({"watch", daemon.address(), "--radar", "main", "--rate", "50", "--frames", "3"});
+  EXPECT_EQ(watch.code, 0) << watch.err;
+  EXPECT_NE(watch.out.find(", coverage 0 %\n"), std::string::npos) << watch.out;
+  const std::string warning = "warning: no known ground in the sector";
+  EXPECT_NE(watch.err.find(warning), std::string::npos) << watch.err;
+  EXPECT_EQ(watch.err.find(warning), watch.err.rfind(warning)) << watch.err;
+}
+
 TEST_F(DaemonTest, WatchPrintsALinePerFrameAndKeepsTheNewestPicture) {
   const Daemon daemon({"--config", scene}, folder.path());
   const Outcome watch = obliq({"watch", "--server", daemon.address(), "--radar", "nose", "--rate", "50",
