@@ -5,7 +5,9 @@
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "proto/obliq.pb.h"
 #include "server/output/steady_scale.h"
 #include "tests/unit/frame_files_fixture.h"
 
