@@ -109,7 +109,8 @@ TEST_F(DaemonTest, GetLeavesTheLiveRadarAloneAndPoseMovesIt) {
 TEST_F(DaemonTest, WatchSaysOnceWhatIsMissingWithCoverageOnEachLine) {
   const Daemon daemon({"--config", scene}, folder.path());
   EXPECT_EQ(obliq({"pose", daemon.address(), "--radar", "main", "--latitude", "45"}).code, 0);
-  const Outcome watch = obliq({"watch", daemon.address(), "--radar", "main", "--rate", "50", "--frames", "3"});
+  const Outcome watch =
+      obliq({"watch", daemon.address(), "--radar", "main", "--rate", "50", "--frames", "3"});
   EXPECT_EQ(watch.code, 0) << watch.err;
   EXPECT_NE(watch.out.find(", coverage 0 %\n"), std::string::npos) << watch.out;
   const std::string warning = "warning: no known ground in the sector";
@@ -205,7 +206,7 @@ TEST_F(DaemonTest, MistakesAtStartAreOneLineAndAnExitCode) {
       {{"--config", scene, "--set", "antenna.height_m=-500"}, "radar \"main\""},
       {{"--config", folder / "none.toml"}, "none.toml"},
       {{"--config", scene, "--no-such-flag"}, "--no-such-flag"},
-      {{}, "--config"},
+      {{}, "found no scene file"},
   };
   for (const auto& [arguments, part] : mistakes) {
     const Outcome outcome = run_program(OBLIQD_PROGRAM, arguments, folder.path());

@@ -61,6 +61,8 @@ TEST_F(SceneFile, AnAntennaWithoutAPositionStandsAtTheElevationModelsCentre) {
 
 TEST_F(SceneFile, ReachIsTheMaximumRangeAndAQuarterAndTheFootprintItsFinestSampling) {
   const SceneConfig config = read(std::string(kFlat) + R"(
+[frustum]
+kind = "oblique"
 [[radar]]
 name = "far"
 r_min_m = 0
