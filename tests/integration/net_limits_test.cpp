@@ -1,5 +1,7 @@
 // The operator's limits, each refused by its own name.
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "proto/obliq.pb.h"
