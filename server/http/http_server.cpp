@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <list>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -159,12 +161,17 @@ std::string HttpServer::State::limit_reached(const std::string& network) const {
   return of_host < options.max_connections_per_address ? "" : "http.max_connections_per_address";
 }
 
-// Who asks nothing has no right to a place that another wants: the oldest of them goes.
+// A connection that asks nothing has no right to a place that another wants: of the host that holds most of
+// them, the oldest goes.
 bool HttpServer::State::make_room(const std::string& network, const std::string& limit) {
-  const auto oldest = std::ranges::find_if(open, [&](const Connection& c) {
-    return !c.asked && !c.gone && (limit == kMostConnections || c.network == network);
-  });
-  if (oldest == open.end()) return false;
+  std::map<std::string, int> idle;
+  for (const Connection& c : open)
+    if (!c.asked && !c.gone && (limit == kMostConnections || c.network == network)) ++idle[c.network];
+  if (idle.empty()) return false;
+  const std::string most =
+      std::ranges::max_element(idle, {}, [](const auto& entry) { return entry.second; })->first;
+  const auto oldest = std::ranges::find_if(
+      open, [&](const Connection& c) { return !c.asked && !c.gone && c.network == most; });
   const LogFields fields{{"client", oldest->peer}};
   spdlog::warn(
       "HTTP: {} asks nothing and makes room for a newcomer: {} reached; raise that limit, or see who is here",

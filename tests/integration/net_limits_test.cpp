@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/process_memory.h"
+#include "server/net/exposure.h"
 #include "server/net/request_limits.h"
 #include "server/radar/wedge_memory.h"
 #include "tests/integration/net_fixture.h"
