@@ -5,6 +5,9 @@
 namespace obliq {
 namespace {
 
+/// Steps within this of whole metres are whole: heights are floats, 0.0005 m apart above 4096 m.
+constexpr double kWholeStep_m = 1e-3;
+
 /// Posts of one window by regions of neighbours, four to a post.
 class Regions {
  public:
@@ -18,6 +21,7 @@ class Regions {
     posts_.assign(1, start);
     seen_[start] = 1;
     at_edge_ = false;
+    shore_ = whole_steps_ = 0;
     const auto nx = static_cast<std::size_t>(window_.nx);
     const auto nz = static_cast<std::size_t>(window_.nz);
     for (std::size_t n = 0; n < posts_.size(); ++n) {
@@ -26,7 +30,8 @@ class Regions {
       const std::size_t r = at / nx;
       at_edge_ = at_edge_ || window_.at_raster_edge(static_cast<int>(c), static_cast<int>(r));
       const auto visit = [&](std::size_t next) {
-        if (seen_[next] != 0 || !joined(height_m(at), height_m(next))) return;
+        if (!joined(height_m(at), height_m(next))) return note_shore(height_m(next) - height_m(at));
+        if (seen_[next] != 0) return;
         seen_[next] = 1;
         posts_.push_back(next);
       };
@@ -45,13 +50,23 @@ class Regions {
   double height_m(std::size_t at) const { return static_cast<double>(window_.height_m[at]); }
   std::size_t posts() const { return posts_.size(); }
   bool at_edge() const { return at_edge_; }  ///< of the raster
+  /// The ground around lies mostly whole metres higher or lower.
+  bool is_terrace() const { return 2 * whole_steps_ > shore_; }
 
  private:
+  void note_shore(double step_m) {
+    if (std::isnan(step_m)) return;
+    ++shore_;
+    if (std::abs(step_m - std::round(step_m)) < kWholeStep_m) ++whole_steps_;
+  }
+
   const DemWindow& window_;
   std::vector<std::uint8_t>& water_;
   std::vector<std::uint8_t> seen_;
   std::vector<std::size_t> posts_;
   bool at_edge_ = false;
+  std::size_t shore_ = 0;  ///< pairs of neighbours, of which one is in the region
+  std::size_t whole_steps_ = 0;
 };
 
 }  // namespace
@@ -65,7 +80,7 @@ std::vector<std::uint8_t> water_posts(const DemWindow& window, double posting_m)
     for (std::size_t at = 0; at < water.size(); ++at) {
       if (std::isnan(level.height_m(at))) continue;
       if (!level.collect(at, [](double a, double b) { return a == b; })) continue;
-      if (area_m2(level) >= kLeastLevel_m2) level.make_water();
+      if (area_m2(level) >= kLeastLevel_m2 && !level.is_terrace()) level.make_water();
     }
   }
   Regions sea(window, water);

@@ -27,7 +27,9 @@ constexpr double kSeaShore_m = 1;
 constexpr double kLeastSea_m2 = 10e6;
 
 /// 1 where a post of the window is water: [nz][nx]. posting_m: between the raster's own posts. Level ground
-/// is looked for in models with fractions of a unit alone: in whole metres every plain is level.
+/// is looked for in models with fractions of a unit alone: in whole metres every plain is level. Neither is a
+/// terrace water, from which the ground around steps up or down by whole metres: such models were made from
+/// whole metres, or contours, and moved to another datum.
 std::vector<std::uint8_t> water_posts(const DemWindow& window, double posting_m);
 
 }  // namespace obliq

@@ -11,6 +11,7 @@
 #include "server/apps/commands.h"
 #include "server/apps/interrupts.h"
 #include "server/apps/number_option.h"
+#include "server/apps/pose_text.h"
 #include "server/apps/server_arguments.h"
 #include "server/apps/track_reader.h"
 #include "server/apps/warning_changes.h"
@@ -75,13 +76,13 @@ class Flight {
   /// Waits a moment for what has not been written yet. False when it was interrupted.
   bool wait_a_moment() { return wait_until(Clock::now() + milliseconds(2)); }
 
-  void print_summary(const char* end) const {
+  /// now: the pose that the radar has, with what its height counts from.
+  void print_summary(const char* end, const wire::Pose& now) const {
     std::printf("%s: %s after %llu poses in %.1f s, %.1f s of the track", radar_.c_str(), end,
                 static_cast<unsigned long long>(sent_),
                 std::chrono::duration<double>(Clock::now() - start_).count(), last_.time_s - first_s_);
     if (late_s_ > 0.01) std::printf(", at most %.2f s late", late_s_);
-    std::printf("; it stays at %.7f, %.7f, %.2f m, bearing %.3f\n", last_.latitude_deg, last_.longitude_deg,
-                last_.height_m, last_.bearing_deg);
+    std::printf("; it stays at %s\n", pose_text(now).c_str());
   }
   bool has_begun() const { return sent_ > 0; }
 
@@ -179,8 +180,10 @@ void run(const FlyArguments& arguments) {
     if (got == TrackReader::Got::end) break;
     flying = got == TrackReader::Got::point ? flight.fly_to(point, track.where()) : flight.wait_a_moment();
   }
+  wire::RadarInfo info;
+  require(client.get_radar(radar, info));
   require(client.release_control(radar));
-  if (flight.has_begun()) flight.print_summary(flying ? "flown" : "interrupted");
+  if (flight.has_begun()) flight.print_summary(flying ? "flown" : "interrupted", info.pose());
 }
 
 }  // namespace

@@ -42,14 +42,14 @@ std::string unknown_option(const CLI::App& command, const std::string& word) {
   std::string near = nearest_name(name, names);
   // Clients name the place in one word; the daemon's port has an option of its own.
   if (name == "port" && std::ranges::find(names, "server") != names.end()) near = "server HOST:PORT";
-  return word + ": an unknown option of `" + program_of(command) + "`; " +
-         (near.empty() ? "" : "did you mean --" + near + "? ") + "(`" + program_of(command) +
+  return word + ": an unknown option of `" + program_of(command) + "`" +
+         (near.empty() ? " (`" : "; did you mean --" + near + "? (`") + program_of(command) +
          " --help` lists them)";
 }
 
 std::string unknown_command(const CLI::App& app, const std::string& word) {
   const std::string near = nearest_name(word, command_names(app));
-  return word + ": an unknown command; " + (near.empty() ? "" : "did you mean " + near + "? ") + "(`" +
+  return word + ": an unknown command" + (near.empty() ? " (`" : "; did you mean " + near + "? (`") +
          program_of(app) + " --help` lists them)";
 }
 

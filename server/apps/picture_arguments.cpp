@@ -20,7 +20,7 @@ DbRange parse_db_range(const std::string& text) {
       number(text.substr(colon + 1), range.high) && range.low < range.high)
     return range;
   throw InputError("--db-range: found \"" + text +
-                   "\"; allowed: LOW:HIGH in dB, from -1000 to 1000, such as -20:35");
+                   "\"; allowed: LOW:HIGH in dB, LOW below HIGH, both from -1000 to 1000, such as -20:35");
 }
 
 }  // namespace

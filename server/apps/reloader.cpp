@@ -23,9 +23,11 @@
 namespace obliq {
 namespace {
 
-std::string one_line(std::string text) {
-  std::ranges::replace(text, '\n', ' ');
-  return text;
+/// Complaints of a line each as one line.
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) line += c == '\n' ? "; " : std::string(1, c);
+  return line;
 }
 
 /// In brackets, what a reload that has failed has done all the same.

@@ -84,6 +84,17 @@ TEST(Water, LevelPlainInWholeMetresIsLandAlsoInAFileOfFloats) {
   }
 }
 
+// As USGS models made from whole metres and moved to another datum have them (mackay.tif: 1772.259,
+// 1773.259).
+TEST(Water, TerracesOfWholeMetresAreLandWhateverTheFractionThatAllShare) {
+  const auto terraces = [](double x_m, double z_m) {
+    return std::hypot(x_m, z_m) < 1000 ? 1799.737 : 1760.259 + std::floor(std::abs(x_m + 5e3) / 2000);
+  };
+  const World world = loaded(tile(terraces));
+  EXPECT_EQ(at(world, 0, 0), kWater) << "a lake between them";
+  EXPECT_NEAR(world.report.water_m2, std::numbers::pi * 1e6, 0.1e6);
+}
+
 TEST(Water, SeaThatReachesTheEdgeOfTheModelIsWaterAndABasinInlandIsNot) {
   test::RasterPlan plan = tile(coast);
   plan.type = "Int16";
