@@ -94,7 +94,7 @@ TEST_F(CommandLine, WrongWordsAreRefused) {
   expect_refused(obliq({}), "found no command");
   expect_refused(obliq({"rendre"}), "rendre: an unknown command; did you mean render? (`obliq --help`");
   expect_refused(obliq({"rendr", "canyon.toml"}), "rendr: an unknown command; did you mean render?");
-  expect_refused(obliq({"qqqqqqqq"}), "qqqqqqqq: an unknown command; (`obliq --help` lists them)");
+  expect_refused(obliq({"qqqqqqqq"}), "qqqqqqqq: an unknown command (`obliq --help` lists them)");
   expect_refused(obliq({"--colour"}), "--colour: an unknown option of `obliq`");
   expect_refused(obliq({"status", "--port", "17420"}),
                  "--port: an unknown option of `obliq status`; did you mean --server HOST:PORT?");
