@@ -134,6 +134,11 @@ void run(const WatchArguments& arguments) {
   client::ResumingClient client(connect_to_server(arguments.server, "obliq watch"),
                                 reconnecting(arguments.reconnect_s));
   const std::string radar = choose_remote_radar(client.client(), arguments.server);
+  wire::RadarInfo info;
+  require(client.client().get_radar(radar, info));
+  if (info.transmit_off())
+    std::fprintf(stderr, "%s: transmit is off, no frame comes before `obliq set --radar %s --transmit on`\n",
+                 radar.c_str(), radar.c_str());
   TimedFrames frames(planes);
   client.client().set_handler(&frames);
   wire::Subscribe request;

@@ -1,6 +1,8 @@
 // `obliq set`: live settings of a radar from the command line, against a real daemon.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "client/client.h"
@@ -47,6 +49,24 @@ class SetCommand : public testing::Test {
   TestFolder folder;
   std::unique_ptr<Daemon> daemon;
 };
+
+TEST_F(SetCommand, WatchSaysThatASilentRadarSendsNothing) {
+  ASSERT_EQ(obliq({"set", "--transmit", "off", "--radar", "nose"}).code, 0);
+  std::filesystem::create_directories(folder / "watch");
+  auto watch = std::async(std::launch::async, [&] {
+    return run_program(OBLIQ_PROGRAM,
+                       {"watch", "--server", daemon->address(), "--radar", "nose", "--frames", "1"},
+                       folder / "watch");
+  });
+  const auto said = [&] {
+    return text_of(folder / "watch/err").find("transmit is off") != std::string::npos;
+  };
+  while (!said() && watch.wait_for(std::chrono::milliseconds(10)) != std::future_status::ready) {
+  }
+  EXPECT_TRUE(said());
+  ASSERT_EQ(obliq({"set", "--transmit", "on", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(watch.get().code, 0);
+}
 
 TEST_F(SetCommand, SeveralKeysChangeAtOnceAndTheOtherRadarStays) {
   const Outcome outcome =
