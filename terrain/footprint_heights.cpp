@@ -10,7 +10,6 @@ namespace obliq {
 namespace {
 
 constexpr double kFoot_m = 0.3048;
-constexpr double kTallest_m = 2000;  ///< twice the tallest building there is
 
 /// Half of the buildings of a town are houses of one or two storeys. Only the core of a large city has a
 /// median above this: 9 m in San Francisco, 5 m in Venice, Los Angeles, in the outlines that we tried, which

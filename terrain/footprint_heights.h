@@ -10,6 +10,8 @@
 
 namespace obliq {
 
+constexpr double kTallest_m = 2000;  ///< twice the tallest building there is
+
 /// What one feature says of its height.
 struct FeatureHeight {
   std::optional<double> height_m;  ///< nothing where no field holds a height between 0 and 2,000 m

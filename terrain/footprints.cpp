@@ -13,7 +13,6 @@
 namespace obliq {
 namespace {
 
-constexpr double kTallest_m = 2000;           ///< twice the tallest building there is
 constexpr std::uint64_t kProgressEvery = 64;  ///< outlines
 
 bool usable(const GeoPolygon& polygon) {

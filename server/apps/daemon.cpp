@@ -19,6 +19,7 @@
 #include "server/apps/build_info.h"
 #include "server/apps/find_pixels.h"
 #include "server/apps/meet_accuracy.h"
+#include "server/apps/reload.h"
 #include "server/apps/reloader.h"
 #include "server/apps/scene_loading.h"
 #include "server/apps/server_options.h"
@@ -275,8 +276,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
       pulse_.cancel();
       io_.release();
     });
-    std::string names;
-    for (const RadarConfig& radar : config_.radars) names += (names.empty() ? "" : ", ") + radar.name;
+    const std::string names = radar_names(config_);
     readiness_.ready();
     const std::string serving = "serving " + names + " on " + server_->address();
     service_manager::ready(serving);

@@ -57,11 +57,14 @@ std::string heights_line(const BuildingHeights& heights) {
 
 }  // namespace
 
+bool is_meant(const std::string& radar, const std::string& name, std::size_t radars) {
+  return radar == name || (name.empty() && (radars == 1 || radar == kUsualRadar));
+}
+
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name) {
   std::string names;
   for (const RadarConfig& radar : config.radars) {
-    if (radar.name == name || (name.empty() && (config.radars.size() == 1 || radar.name == kUsualRadar)))
-      return radar;
+    if (is_meant(radar.name, name, config.radars.size())) return radar;
     names += (names.empty() ? "" : ", ") + radar.name;
   }
   throw InputError("--radar: found " + (name.empty() ? "nothing" : "\"" + name + "\"") +

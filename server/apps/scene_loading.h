@@ -20,6 +20,9 @@ inline constexpr const char* kWarningPrefix = "warning: ";
 /// Of several radars, the one that is taken where none is named.
 constexpr std::string_view kUsualRadar = "main";
 
+/// Whether a radar, one of so many, is the one that is meant: the named one, or the only one, or kUsualRadar.
+bool is_meant(const std::string& radar, const std::string& name, std::size_t radars);
+
 /// The named radar, or the only one, or kUsualRadar. Throws InputError that lists the names.
 const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name);
 

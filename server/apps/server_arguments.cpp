@@ -161,9 +161,7 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
   const wire::Welcome& welcome = client.welcome();
   std::string names;
   for (const std::string& radar : welcome.radars()) {
-    if (radar == arguments.radar ||
-        (arguments.radar.empty() && (welcome.radars_size() == 1 || radar == kUsualRadar)))
-      return radar;
+    if (is_meant(radar, arguments.radar, static_cast<std::size_t>(welcome.radars_size()))) return radar;
     names += (names.empty() ? "" : ", ") + radar;
   }
   if (names.empty()) throw InputError("the server has no radars");

@@ -10,9 +10,9 @@
 #include <chrono>
 #include <cmath>
 #include <list>
-#include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/http/answering.h"
 #include "server/log/log_fields.h"
@@ -164,12 +164,11 @@ std::string HttpServer::State::limit_reached(const std::string& network) const {
 // A connection that asks nothing has no right to a place that another wants: of the host that holds most of
 // them, the oldest goes.
 bool HttpServer::State::make_room(const std::string& network, const std::string& limit) {
-  std::map<std::string, int> idle;
+  std::vector<std::string> idle;
   for (const Connection& c : open)
-    if (!c.asked && !c.gone && (limit == kMostConnections || c.network == network)) ++idle[c.network];
+    if (!c.asked && !c.gone && (limit == kMostConnections || c.network == network)) idle.push_back(c.network);
   if (idle.empty()) return false;
-  const std::string most =
-      std::ranges::max_element(idle, {}, [](const auto& entry) { return entry.second; })->first;
+  const std::string most = net::most_crowded(idle);
   const auto oldest = std::ranges::find_if(
       open, [&](const Connection& c) { return !c.asked && !c.gone && c.network == most; });
   const LogFields fields{{"client", oldest->peer}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <map>
 
 #include "server/control/networks.h"
 #include "terrain/errors.h"
@@ -33,6 +34,12 @@ std::string network_of(const std::string& host) {
   auto bytes = v6.to_bytes();
   std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
   return ip::make_address_v6(bytes).to_string() + "/64";
+}
+
+std::string most_crowded(const std::vector<std::string>& networks) {
+  std::map<std::string, int> connections;
+  for (const std::string& network : networks) ++connections[network];
+  return std::ranges::max_element(connections, {}, [](const auto& entry) { return entry.second; })->first;
 }
 
 void require_protection(const std::string& address_key, const std::string& address,

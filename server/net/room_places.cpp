@@ -3,8 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <map>
 #include <utility>
+#include <vector>
 
 #include "server/log/log_fields.h"
 #include "server/net/exposure.h"
@@ -46,23 +46,17 @@ std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
 }
 
 void Room::make_room_before_hello() {
-  std::map<std::string, int> waiting;
-  int all = 0;
-  for (const auto& peer : peers_) {
-    if (peer->greeted) continue;
-    ++waiting[network_of(peer->host)];
-    ++all;
-  }
-  if (all < options_.max_waiting) return;
-  const std::string most =
-      std::ranges::max_element(waiting, {}, [](const auto& entry) { return entry.second; })->first;
+  std::vector<std::string> waiting;
+  for (const auto& peer : peers_)
+    if (!peer->greeted) waiting.push_back(network_of(peer->host));
+  if (static_cast<int>(waiting.size()) < options_.max_waiting) return;
+  const std::string most = most_crowded(waiting);
   const auto oldest = *std::ranges::find_if(
       peers_, [&](const auto& peer) { return !peer->greeted && network_of(peer->host) == most; });
   const LogFields fields{{"client", oldest->name}};
   spdlog::warn(
       "{}: has not said Hello and makes room for a newcomer: server.max_waiting is {}; raise that limit, or "
-      "see "
-      "who is here",
+      "see who is here",
       oldest->name, options_.max_waiting);
   oldest->drop();
 }

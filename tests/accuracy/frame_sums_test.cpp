@@ -15,20 +15,19 @@
 #include <string>
 
 #include "server/scene/embree_tracer.h"
+#include "tests/support/fnv1a.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
 namespace {
 
-/// FNV-1a, 64 bits (Fowler, Noll & Vo).
 template <class T>
 std::string sum_of(const std::vector<T>& values) {
-  std::uint64_t sum = 0xcbf29ce484222325ull;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-  for (std::size_t k = 0; k < values.size() * sizeof(T); ++k) sum = (sum ^ bytes[k]) * 0x100000001b3ull;
+  test::Fnv1a all;
+  all.add(values);
   char text[17];
-  std::snprintf(text, sizeof text, "%016" PRIx64, sum);
+  std::snprintf(text, sizeof text, "%016" PRIx64, all.sum());
   return text;
 }
 

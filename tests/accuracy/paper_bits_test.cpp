@@ -10,24 +10,11 @@
 #include <string>
 
 #include "server/scene/embree_tracer.h"
+#include "tests/support/fnv1a.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
 namespace {
-
-/// FNV-1a, 64 bits (Fowler, Noll & Vo).
-class Fnv1a {
- public:
-  template <class T>
-  void add(const std::vector<T>& values) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    for (std::size_t k = 0; k < values.size() * sizeof(T); ++k) sum_ = (sum_ ^ bytes[k]) * 0x100000001b3ull;
-  }
-  std::uint64_t sum() const { return sum_; }
-
- private:
-  std::uint64_t sum_ = 0xcbf29ce484222325ull;
-};
 
 struct Case {
   const char* name;
@@ -105,7 +92,7 @@ TEST(PaperBits, AreWhatTheyWereBeforePlatesCouldBeSpread) {
       const RadarSettings settings = paper_settings(k);
       const Frame frame = render(scene, test::snapshot(settings), test::pose_over_origin(*world, 1500, 40),
                                  {0, settings.azimuth_bins});
-      Fnv1a all;
+      test::Fnv1a all;
       all.add(frame.bins.iq);
       all.add(frame.bins.power_w);
       all.add(frame.bins.count);

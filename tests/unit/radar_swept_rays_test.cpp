@@ -13,6 +13,25 @@
 namespace obliq {
 namespace {
 
+/// As many planes as go side by side, of 300 rays each, over all buildings of a random scene.
+struct RaysOfARandomScene {
+  explicit RaysOfARandomScene(std::uint64_t seed) {
+    test::RandomScene random = test::random_scene(seed);
+    antenna = random.pose.antenna.m;
+    scene = test::scene_of(random);
+    buildings.resize(scene->world().buildings.list.size());
+    for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
+    for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
+    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
+  }
+
+  glm::dvec3 antenna;
+  std::shared_ptr<const Scene> scene;
+  std::vector<std::uint32_t> buildings;
+  std::vector<SinCos> elevation;
+  std::vector<SinCos> bearings;
+};
+
 TEST(SweptRays, MeetTheGroundRightUnderAnAntennaThatIsOverADiagonal) {
   // Far ground above it, so that marches begin at its foot.
   const auto scene =
@@ -35,15 +54,8 @@ TEST(SweptRays, MeetTheGroundRightUnderAnAntennaThatIsOverADiagonal) {
 TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
   int hits = 0;
   for (std::uint64_t seed = 500; seed < 540; ++seed) {
-    test::RandomScene random = test::random_scene(seed);
-    const glm::dvec3 antenna = random.pose.antenna.m;
-    const auto scene = test::scene_of(random);
-    std::vector<std::uint32_t> buildings(scene->world().buildings.list.size());
-    for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
-    std::vector<SinCos> elevation;
-    for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
-    std::vector<SinCos> bearings;
-    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
+    const RaysOfARandomScene given(seed);
+    const auto& [antenna, scene, buildings, elevation, bearings] = given;
     const std::size_t n = elevation.size();
     std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
     std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
@@ -64,15 +76,8 @@ TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
 TEST(SweptRays, AnswerARunOfTheirsAsTheyAnswerItAmongAll) {
   int hits = 0;
   for (std::uint64_t seed = 700; seed < 780; ++seed) {
-    test::RandomScene random = test::random_scene(seed);
-    const glm::dvec3 antenna = random.pose.antenna.m;
-    const auto scene = test::scene_of(random);
-    std::vector<std::uint32_t> buildings(scene->world().buildings.list.size());
-    for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
-    std::vector<SinCos> elevation;
-    for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
-    std::vector<SinCos> bearings;
-    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
+    const RaysOfARandomScene given(seed);
+    const auto& [antenna, scene, buildings, elevation, bearings] = given;
     const std::size_t n = elevation.size();
     std::vector<double> whole_m(bearings.size() * n);
     std::vector<std::uint32_t> whole(bearings.size() * n);
