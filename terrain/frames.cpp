@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {}  // namespace

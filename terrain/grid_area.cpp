@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "terrain/constants.h"
-#include "terrain/errors.h"
-#include "terrain/huge_pages.h"
+#include "terrain/base/constants.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/huge_pages.h"
 
 namespace obliq {
 namespace {

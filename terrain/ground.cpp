@@ -8,17 +8,17 @@
 #include <optional>
 #include <utility>
 
-#include "terrain/auto_cell.h"
-#include "terrain/cache_key.h"
-#include "terrain/dem_mosaic.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/parallel.h"
+#include "terrain/cache/cache_key.h"
+#include "terrain/cache/ground_cache.h"
+#include "terrain/dem/auto_cell.h"
+#include "terrain/dem/dem_mosaic.h"
+#include "terrain/dem/synthetic.h"
+#include "terrain/dem/voids.h"
+#include "terrain/dem/water_cells.h"
 #include "terrain/grid_area.h"
-#include "terrain/ground_cache.h"
 #include "terrain/library_versions.h"
-#include "terrain/parallel.h"
-#include "terrain/synthetic.h"
-#include "terrain/voids.h"
-#include "terrain/water_cells.h"
 
 namespace obliq {
 namespace {

@@ -2,16 +2,16 @@
 
 #include <cmath>
 
-#include "terrain/constants.h"
-#include "terrain/dem_mosaic.h"
-#include "terrain/errors.h"
-#include "terrain/footprints.h"
-#include "terrain/gdal_messages.h"
+#include "terrain/base/constants.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/stage_clock.h"
+#include "terrain/buildings/footprints.h"
+#include "terrain/buildings/prisms_random.h"
+#include "terrain/buildings/surfaces.h"
+#include "terrain/dem/dem_mosaic.h"
+#include "terrain/dem/gdal_messages.h"
 #include "terrain/grid_area.h"
 #include "terrain/ground.h"
-#include "terrain/prisms_random.h"
-#include "terrain/stage_clock.h"
-#include "terrain/surfaces.h"
 
 namespace obliq {
 namespace {

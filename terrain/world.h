@@ -2,11 +2,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "terrain/buildings.h"
+#include "terrain/base/progress.h"
+#include "terrain/buildings/buildings.h"
+#include "terrain/dem/load_report.h"
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
-#include "terrain/load_report.h"
-#include "terrain/progress.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {

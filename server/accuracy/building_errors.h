@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/truth/reference.h"
-#include "terrain/buildings.h"
+#include "terrain/buildings/buildings.h"
 
 namespace obliq {
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

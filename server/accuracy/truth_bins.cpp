@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "server/radar/antenna_pattern.h"
+#include "server/radar/echo/antenna_pattern.h"
 
 namespace obliq {
 

@@ -5,7 +5,7 @@
 
 #include "server/control/print_config.h"
 #include "server/control/scene_file.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "terrain/regular_file.h"
+#include "terrain/base/regular_file.h"
 
 namespace obliq {
 

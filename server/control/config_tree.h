@@ -20,7 +20,7 @@ struct ConfigNode {
   std::string raw;                ///< as typed, for flags and environment; a file's nodes have none
   bool from_file = true;
   double per_bin = 0;     ///< above 0: the value will be so many for each bin, once the bins are known
-  bool searched = false;  ///< the value will be found by rendering (server/apps/find_pixels.h)
+  bool searched = false;  ///< the value will be found by rendering (server/loading/find_pixels.h)
 
   const ConfigNode* find(std::string_view name) const;
   ConfigNode* find(std::string_view name);

@@ -12,7 +12,7 @@
 #include "server/radar/settings.h"
 #include "server/scene/materials.h"
 #include "server/scene/ray_method.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {

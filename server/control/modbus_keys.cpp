@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "server/control/networks.h"
 #include "server/control/section_reader.h"
+#include "server/security/networks.h"
 
 namespace obliq {
 namespace {

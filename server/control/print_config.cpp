@@ -3,7 +3,7 @@
 #include "server/control/material_library.h"
 #include "server/control/parameters.h"
 #include "server/control/scene_keys.h"
-#include "terrain/ground_cache.h"
+#include "terrain/cache/ground_cache.h"
 
 namespace obliq {
 

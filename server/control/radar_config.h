@@ -10,7 +10,7 @@ struct RadarConfig {
   std::string name = "main";
   RadarSettings settings;
   PoseSettings pose;
-  bool finds_pixels = false;  ///< pixel_columns and pixel_rows are to be found (server/apps/find_pixels.h)
+  bool finds_pixels = false;  ///< pixel_columns and pixel_rows are to be found (server/loading/find_pixels.h)
 };
 
 }  // namespace obliq

@@ -34,7 +34,7 @@ struct SceneConfig {
   ModbusConfig modbus;
   std::vector<std::string> notes;  ///< what the user did not say and was chosen for him, a sentence each
   AccuracyWish
-      accuracy;  ///< what the pixels and the cell size are to be chosen by (server/apps/meet_accuracy.h)
+      accuracy;  ///< what the pixels and the cell size are to be chosen by (server/loading/meet_accuracy.h)
 };
 
 }  // namespace obliq

@@ -1,8 +1,8 @@
 #include "server/control/scene_file.h"
 
-#include "server/control/aim_world.h"
 #include "server/control/overrides.h"
 #include "server/control/scene_sections.h"
+#include "server/control/terrain_reach.h"
 #include "terrain/world.h"
 
 namespace obliq {

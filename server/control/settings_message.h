@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/radar/settings.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::wire {
 class RadarSettings;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/radar/settings.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 

@@ -11,7 +11,7 @@
 #include "server/control/modbus_keys.h"
 #include "server/control/scene_keys.h"
 #include "server/control/scene_sections.h"
-#include "terrain/ground_cache.h"
+#include "terrain/cache/ground_cache.h"
 
 namespace obliq {
 

@@ -6,8 +6,8 @@
 #include "server/explain/table.h"
 #include "server/explain/thresholds.h"
 #include "server/explain/verdict.h"
-#include "server/radar/scattering.h"
-#include "terrain/constants.h"
+#include "server/radar/echo/scattering.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {

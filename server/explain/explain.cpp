@@ -9,11 +9,11 @@
 #include "server/explain/advice.h"
 #include "server/explain/table.h"
 #include "server/explain/verdict.h"
-#include "server/radar/sample_source.h"
+#include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "terrain/grid_area.h"
 
 namespace obliq {

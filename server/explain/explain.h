@@ -5,7 +5,7 @@
 
 #include "server/explain/explanation.h"
 #include "server/scene/ray_method.h"
-#include "terrain/progress.h"
+#include "terrain/base/progress.h"
 #include "terrain/world_spec.h"
 
 namespace obliq {

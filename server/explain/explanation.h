@@ -10,7 +10,7 @@
 #include "server/explain/measurement.h"
 #include "server/explain/power_change.h"
 #include "server/explain/variants.h"
-#include "terrain/source_error.h"
+#include "terrain/dem/source_error.h"
 
 namespace obliq {
 

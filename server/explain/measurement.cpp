@@ -10,7 +10,8 @@
 #include <numeric>
 #include <thread>
 
-#include "terrain/constants.h"
+#include "server/radar/render.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {
@@ -88,7 +89,7 @@ int columns_factor(const RadarSettings& settings, double cell_m) {
 }
 
 std::vector<AzimuthRange> even_wedges(const RadarSettings& settings) {
-  const int all = wedge_count(settings);
+  const int all = wedge_count(settings.azimuth_bins);
   const int chosen = std::min(all, kWedges);
   std::vector<AzimuthRange> wedges;
   for (int n = 0; n < chosen; ++n) {

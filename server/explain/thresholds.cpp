@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 #include "terrain/frames.h"
 
 namespace obliq {

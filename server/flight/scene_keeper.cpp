@@ -7,11 +7,11 @@
 #include <exception>
 #include <utility>
 
-#include "server/flight/background.h"
 #include "server/scene/scene.h"
-#include "terrain/errors.h"
-#include "terrain/failure_text.h"
-#include "terrain/parallel.h"
+#include "terrain/base/background.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/failure_text.h"
+#include "terrain/base/parallel.h"
 
 namespace obliq {
 namespace {

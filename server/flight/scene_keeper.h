@@ -14,7 +14,7 @@
 #include "server/flight/keeper_state.h"
 #include "server/flight/speedometer.h"
 #include "server/flight/window.h"
-#include "terrain/source_extents.h"
+#include "terrain/dem/source_extents.h"
 
 namespace obliq {
 

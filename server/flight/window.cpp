@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/control/aim_world.h"
-#include "terrain/constants.h"
+#include "server/control/terrain_reach.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {

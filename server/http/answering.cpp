@@ -5,7 +5,7 @@
 #include <boost/beast/core/string.hpp>
 
 #include "server/log/log_fields.h"
-#include "server/net/security.h"
+#include "server/security/security.h"
 
 namespace obliq::http {
 namespace {

@@ -17,11 +17,11 @@
 #include "server/http/answering.h"
 #include "server/log/log_fields.h"
 #include "server/net/endpoint_text.h"
-#include "server/net/exposure.h"
 #include "server/net/reserved_port.h"
-#include "server/net/security.h"
-#include "terrain/errors.h"
-#include "terrain/failure_text.h"
+#include "server/security/exposure.h"
+#include "server/security/security.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/failure_text.h"
 
 namespace obliq::http {
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <mutex>
 
-#include "server/control/process_memory.h"
+#include "terrain/base/process_memory.h"
 
 namespace obliq::http {
 namespace {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/net/statistics.h"
+#include "server/rendering/rendered.h"
 #include "server/scene/scene_memory.h"
 
 namespace obliq::http {

@@ -16,12 +16,12 @@
 #include <system_error>
 #include <thread>
 
-#include "server/control/networks.h"
 #include "server/log/log_fields.h"
 #include "server/modbus/image.h"
 #include "server/modbus/master.h"
-#include "terrain/errors.h"
-#include "terrain/failure_text.h"
+#include "server/security/networks.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/failure_text.h"
 
 namespace obliq::modbus {
 namespace {

@@ -11,6 +11,7 @@
 #include "server/flight/keeper_state.h"
 #include "server/net/statistics.h"
 #include "server/radar/settings.h"
+#include "server/rendering/rendered.h"
 
 namespace obliq::net {
 

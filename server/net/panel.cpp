@@ -4,10 +4,10 @@
 #include <future>
 #include <utility>
 
-#include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
 #include "server/net/room.h"
-#include "terrain/failure_text.h"
+#include "server/stream/frame_encoder.h"
+#include "terrain/base/failure_text.h"
 
 namespace obliq::net {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "server/control/parameters.h"
 #include "server/net/request_limits.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 

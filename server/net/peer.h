@@ -7,9 +7,9 @@
 
 #include "proto/error_number.h"
 #include "proto/message_type.h"
-#include "server/net/outbox.h"
-#include "server/net/render_thread.h"
-#include "server/net/token_file.h"
+#include "server/rendering/render_thread.h"
+#include "server/security/token_file.h"
+#include "server/stream/outbox.h"
 
 namespace google::protobuf {
 class MessageLite;

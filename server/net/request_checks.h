@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::wire {
 class Pose;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "server/control/process_memory.h"
 #include "server/radar/wedge_memory.h"
+#include "terrain/base/process_memory.h"
 
 namespace obliq::net {
 namespace {

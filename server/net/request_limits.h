@@ -7,18 +7,10 @@
 #include "proto/plane.h"
 #include "server/net/options.h"
 #include "server/radar/settings.h"
-#include "terrain/errors.h"
+#include "server/rendering/rendered.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
-
-struct FrameCost {
-  std::int64_t pixels = 0;
-  std::int64_t bins = 0;
-  std::int64_t bytes = 0;  ///< an estimate, see below
-
-  /// What max_work_queued counts.
-  std::int64_t work() const { return pixels + bins; }
-};
 
 /// Memory while a frame is rendered and sent: the wedges in hand, one a thread, with the bins and pixels that
 /// are theirs (server/radar/wedge_memory.h), and the encoded planes that wait to be sent. Of a

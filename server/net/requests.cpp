@@ -10,10 +10,10 @@
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
-#include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
 #include "server/net/room.h"
 #include "server/net/visits.h"
+#include "server/stream/frame_encoder.h"
 
 namespace obliq::net {
 

@@ -7,8 +7,8 @@
 #include "proto/error_number.h"
 #include "proto/message_type.h"
 #include "proto/plane.h"
-#include "server/net/role.h"
-#include "terrain/errors.h"
+#include "server/security/role.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::wire {
 class Error;

@@ -6,8 +6,8 @@
 #include "proto/obliq.pb.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
-#include "server/net/security.h"
 #include "server/net/visits.h"
+#include "server/security/security.h"
 
 namespace obliq::net {
 

@@ -6,11 +6,11 @@
 #include "server/control/key.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
-#include "server/net/frame_encoder.h"
 #include "server/net/request_checks.h"
 #include "server/net/request_limits.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
+#include "server/stream/frame_encoder.h"
 
 namespace obliq::net {
 

@@ -5,7 +5,7 @@
 #include <boost/asio.hpp>
 
 #include "server/net/endpoint_text.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 

@@ -7,11 +7,11 @@
 
 #include "proto/obliq.pb.h"
 #include "server/log/log_fields.h"
-#include "server/net/frame_encoder.h"
 #include "server/net/requests.h"
-#include "server/net/security.h"
 #include "server/net/slow_watchers.h"
 #include "server/net/visits.h"
+#include "server/security/security.h"
+#include "server/stream/frame_encoder.h"
 
 namespace obliq::net {
 

@@ -13,7 +13,9 @@
 
 #include "server/net/live_radar.h"
 #include "server/net/options.h"
+#include "server/net/request_limits.h"
 #include "server/net/statistics.h"
+#include "server/rendering/rendered.h"
 
 namespace obliq::net {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/log/log_fields.h"
-#include "server/net/exposure.h"
 #include "server/net/room.h"
+#include "server/security/exposure.h"
 
 namespace obliq::net {
 

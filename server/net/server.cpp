@@ -9,12 +9,12 @@
 
 #include "server/net/panel.h"
 #include "server/net/room.h"
-#include "server/net/security.h"
 #include "server/net/session.h"
 #include "server/net/tcp_options.h"
 #include "server/net/transport.h"
-#include "terrain/errors.h"
-#include "terrain/failure_text.h"
+#include "server/security/security.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/failure_text.h"
 
 namespace obliq::net {
 

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "server/control/radar_config.h"
-#include "server/net/frame_renderer.h"
 #include "server/net/options.h"
 #include "server/net/reserved_port.h"
-#include "server/net/security.h"
 #include "server/net/statistics.h"
+#include "server/rendering/frame_renderer.h"
+#include "server/security/security.h"
 
 namespace boost::asio {
 class io_context;

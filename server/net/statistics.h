@@ -7,26 +7,6 @@
 
 namespace obliq::net {
 
-/// A frame of a RenderOnce request that has been rendered to its end.
-struct RenderedOnce {
-  double render_s = 0;  ///< of all its slices, without the waits between them
-  std::uint64_t rays = 0;
-  std::uint64_t hits = 0;
-};
-
-/// A live frame that has been rendered to its end.
-struct RenderedFrame {
-  double waited_s = 0;       ///< from the date when it was due to its planning
-  double render_s = 0;       ///< from its planning to its last block, with the turns of others in between
-  double first_wedge_s = 0;  ///< from its planning to its first wedge
-  /// From the arrival of its pose to its last block; negative for all but the first frame of each pose.
-  double pose_to_end_s = -1;
-  std::uint64_t rays = 0;
-  std::uint64_t hits = 0;
-  double coverage = 0;              ///< fraction of the sector that known ground covers
-  std::uint64_t dwells_missed = 0;  ///< of a pass of a scanning antenna
-};
-
 struct RadarStatistics {
   std::string name;
   std::size_t watchers = 0;

@@ -14,9 +14,9 @@
 #include <optional>
 #include <utility>
 
-#include "server/control/networks.h"
 #include "server/net/endpoint_text.h"
-#include "server/net/handshakes.h"
+#include "server/security/handshakes.h"
+#include "server/security/networks.h"
 
 namespace obliq::net {
 

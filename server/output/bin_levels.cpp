@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "proto/obliq.pb.h"
-#include "server/radar/exact_math.h"
+#include "server/radar/simd/exact_math.h"
 
 namespace obliq {
 namespace {

@@ -10,7 +10,7 @@
 #include "server/output/describe_load.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "terrain/load_report.h"
+#include "terrain/dem/load_report.h"
 
 namespace obliq {
 namespace wire {

@@ -18,7 +18,7 @@
 #include "server/output/new_files.h"
 #include "server/output/npy.h"
 #include "server/output/sample_textures.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

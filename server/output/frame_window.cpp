@@ -4,7 +4,7 @@
 
 #include "proto/bin_window.h"
 #include "proto/obliq.pb.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {

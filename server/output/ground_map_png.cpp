@@ -9,7 +9,7 @@
 #include "server/output/ground_map.h"
 #include "server/output/picture_canvas.h"
 #include "server/output/picture_overlay.h"
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "proto/obliq.pb.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "proto/obliq.pb.h"
-#include "terrain/constants.h"
-#include "terrain/errors.h"
+#include "terrain/base/constants.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 

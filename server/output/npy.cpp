@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

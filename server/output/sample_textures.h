@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "server/radar/sample_tap.h"
+#include "server/radar/rays/hit_observer.h"
 
 namespace obliq {
 

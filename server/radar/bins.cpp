@@ -4,6 +4,8 @@
 
 namespace obliq {
 
+int wedge_count(int azimuth_bins) { return (azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins; }
+
 void copy_azimuths(const BinBlock& from, BinBlock& to) {
   const int first = std::max(from.first_azimuth, to.first_azimuth);
   const int end = std::min(from.first_azimuth + from.n_azimuth, to.first_azimuth + to.n_azimuth);

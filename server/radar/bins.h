@@ -16,6 +16,47 @@ enum class BinState : std::uint8_t {
       4,  ///< altitude hole: nearer than all surface of its azimuth, the antenna over known ground
 };
 
+/// Azimuth bins [first, first + count).
+struct AzimuthRange {
+  int first = 0;
+  int count = 0;
+};
+
+/// Range bins from `first` to `last`.
+struct RangeWindow {
+  int first = 0;
+  int last = 0;
+  bool empty() const { return last < first; }
+  bool holds(const RangeWindow& other) const { return first <= other.first && other.last <= last; }
+};
+
+/// Azimuth bins are rendered in wedges of this many: a task owns its wedge's bins, so the bits do not depend
+/// on the thread count. Fixed, because the order of sums inside a wedge follows from it.
+constexpr int kWedgeAzimuthBins = 8;
+int wedge_count(int azimuth_bins);
+
+/// Edges of the bins. Azimuth offsets are clockwise from the sector's centre.
+struct BinGrid {
+  int n_azimuth = 0;
+  int n_range = 0;
+  double azimuth_start_rad = 0;  ///< -S/2
+  double azimuth_width_rad = 0;
+  double r_min_m = 0;
+  double r_max_m = 0;
+  double range_spacing_m = 0;
+
+  /// Range bin of a slant range: floor((r - r_min) / spacing), or -1 outside the swath.
+  int range_bin(double slant_range_m) const {
+    if (!(slant_range_m >= r_min_m && slant_range_m < r_max_m)) return -1;
+    const int bin = static_cast<int>((slant_range_m - r_min_m) / range_spacing_m);
+    return bin < n_range ? bin : n_range - 1;
+  }
+  double azimuth_edge_rad(double k) const { return azimuth_start_rad + k * azimuth_width_rad; }
+};
+
+/// Which returns are binned. All surfaces hide what lies behind them, whatever is binned.
+enum class Surfaces { all, ground, buildings };
+
 /// A run of azimuth bins [first_azimuth, first_azimuth + n_azimuth) of the full range swath.
 /// Planes are [n_azimuth][n_range], azimuth clockwise, range outwards.
 struct BinBlock {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "server/radar/metres_text.h"
-#include "server/radar/silhouettes.h"
-#include "terrain/errors.h"
+#include "server/radar/geometry/silhouettes.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -106,6 +106,16 @@ void FramePlan::sort_buildings_by_azimuth() {
     };
     for (int turn = -1; turn <= 1; ++turn) add(seen.from_rad + turn * 2 * kPi, seen.to_rad + turn * 2 * kPi);
   }
+}
+
+bool needs_tracer(const Scene& scene, FrustumKind frustum) {
+  if (frustum == FrustumKind::sweep) return false;
+  if (scene.rays() == RayMethod::embree) return true;
+  return frustum != FrustumKind::polar && !scene.world().buildings.list.empty();
+}
+
+int sweep_columns_per_bin(const RadarSettings& settings) {
+  return (settings.pixel_columns + settings.azimuth_bins - 1) / settings.azimuth_bins;
 }
 
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {

@@ -4,33 +4,32 @@
 #include <vector>
 
 #include "server/radar/bins.h"
-#include "server/radar/frustum.h"
-#include "server/radar/polar_rows.h"
-#include "server/radar/render.h"
-#include "server/radar/sector.h"
+#include "server/radar/geometry/perspective_frustum.h"
+#include "server/radar/geometry/polar_rows.h"
+#include "server/radar/geometry/pose.h"
+#include "server/radar/geometry/sector.h"
+#include "server/radar/profile/profile_rays.h"
 #include "server/radar/seen_buildings.h"
-#include "server/radar/swept_rays.h"
+#include "server/radar/settings.h"
+#include "server/scene/scene.h"
 
 namespace obliq {
 
-/// Edges of the bins. Azimuth offsets are clockwise from the sector's centre.
-struct BinGrid {
-  int n_azimuth = 0;
-  int n_range = 0;
-  double azimuth_start_rad = 0;  ///< -S/2
-  double azimuth_width_rad = 0;
-  double r_min_m = 0;
-  double r_max_m = 0;
-  double range_spacing_m = 0;
+class FramePlan;
 
-  /// Range bin of a slant range: floor((r - r_min) / spacing), or -1 outside the swath.
-  int range_bin(double slant_range_m) const {
-    if (!(slant_range_m >= r_min_m && slant_range_m < r_max_m)) return -1;
-    const int bin = static_cast<int>((slant_range_m - r_min_m) / range_spacing_m);
-    return bin < n_range ? bin : n_range - 1;
-  }
-  double azimuth_edge_rad(double k) const { return azimuth_start_rad + k * azimuth_width_rad; }
+/// The geometry of a frame, worked out once for all its wedges. `plan` is null when `errors` is not empty.
+struct PlanResult {
+  std::shared_ptr<const FramePlan> plan;
+  std::vector<FieldError> errors;
 };
+PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const Pose& pose);
+
+/// Whether frames may need scene.tracer(): all rays do, or those that come near buildings and do not lie in
+/// vertical planes, which are marched.
+bool needs_tracer(const Scene& scene, FrustumKind frustum);
+
+/// Columns that the sweep cuts an azimuth bin into.
+int sweep_columns_per_bin(const RadarSettings& settings);
 
 /// Everything about a frame that its wedges share, worked out once. Immutable but for the buildings seen.
 class FramePlan {

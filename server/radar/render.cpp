@@ -9,17 +9,17 @@
 #include <thread>
 #include <utility>
 
-#include "server/radar/batches.h"
-#include "server/radar/bin_states.h"
+#include "server/radar/echo/echo_bins.h"
+#include "server/radar/echo/scattering.h"
+#include "server/radar/echo/speckle.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/ground_area.h"
-#include "server/radar/sample_source.h"
-#include "server/radar/scattering.h"
-#include "server/radar/speckle.h"
-#include "server/radar/wedge_bins.h"
-#include "server/radar/wedge_profile.h"
-#include "terrain/errors.h"
-#include "terrain/stage_clock.h"
+#include "server/radar/rays/ray_samples.h"
+#include "server/radar/sweep/sweep_samples.h"
+#include "server/radar/visibility/bin_states.h"
+#include "server/radar/visibility/coverage.h"
+#include "server/radar/visibility/wedge_visibility.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/stage_clock.h"
 
 namespace obliq {
 namespace {
@@ -116,19 +116,21 @@ class BegunWedges {
   std::vector<std::unique_ptr<WedgeWork>> work;  // each thread's
 };
 
-int wedge_count(const RadarSettings& settings) {
-  return (settings.azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
-}
-
 FrameStats FrameSum::total() const {
   FrameStats total;
   for (const FrameStats& wedge : wedges_) total.add(wedge);
   return total;
 }
 
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
+                                                 WedgeProfile* profile) {
+  if (plan.settings().frustum == FrustumKind::sweep) return std::make_unique<SweepSamples>(plan, range);
+  return std::make_unique<RaySamples>(plan, range, tap, profile);
+}
+
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options) {
   const int first = azimuths.first / kWedgeAzimuthBins;
-  const int end = std::min(wedge_count(plan.settings()),
+  const int end = std::min(wedge_count(plan.settings().azimuth_bins),
                            (azimuths.first + azimuths.count + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins);
   const int threads = options.threads > 0
                           ? options.threads

@@ -8,40 +8,22 @@
 #include <vector>
 
 #include "server/radar/bins.h"
-#include "server/radar/pose.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/geometry/pose.h"
+#include "server/radar/samples.h"
 #include "server/radar/settings.h"
 #include "server/scene/scene.h"
 
 namespace obliq {
 
-/// Azimuth bins are rendered in wedges of this many: a task owns its wedge's bins, so the bits do not depend
-/// on the thread count. Fixed, because the order of sums inside a wedge follows from it.
-constexpr int kWedgeAzimuthBins = 8;
-
-struct AzimuthRange {
-  int first = 0;
-  int count = 0;
-};
-
-class FramePlan;   // server/radar/frame_plan.h
-class SampleTap;   // server/radar/sample_tap.h
-class StageTimes;  // terrain/stage_clock.h
-
-/// The geometry of a frame, worked out once for all its wedges. `plan` is null when `errors` is not empty.
-struct PlanResult {
-  std::shared_ptr<const FramePlan> plan;
-  std::vector<FieldError> errors;
-};
-PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const Pose& pose);
+class SampleTap;   // server/radar/rays/hit_observer.h
+class StageTimes;  // terrain/base/stage_clock.h
 
 struct Wedge {
   int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge
   BinBlock bins;
   FrameStats stats;
 };
-
-/// Which returns are binned. All surfaces hide what lies behind them, whatever is binned.
-enum class Surfaces { all, ground, buildings };
 
 /// Wedges that are begun and not finished (server/radar/render.cpp).
 class BegunWedges;
@@ -69,19 +51,25 @@ struct RenderOptions {
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 
-int wedge_count(const RadarSettings& settings);
-
 /// Adds up wedge counts in azimuth order, whatever order the wedges arrive in: the same bits every time.
 class FrameSum {
  public:
   explicit FrameSum(const RadarSettings& settings)
-      : wedges_(static_cast<std::size_t>(wedge_count(settings))) {}
+      : wedges_(static_cast<std::size_t>(wedge_count(settings.azimuth_bins))) {}
   void add(const Wedge& wedge) { wedges_[static_cast<std::size_t>(wedge.index)] = wedge.stats; }
   FrameStats total() const;
 
  private:
   std::vector<FrameStats> wedges_;
 };
+
+class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+
+/// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks. `tap`
+/// may be null. So may `profile`, of the same azimuth bins: whoever needs it too hands it in, so that nothing
+/// is marched twice. All of them must outlive the source.
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
+                                                 WedgeProfile* profile = nullptr);
 
 /// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early;
 /// options.pause tells whether there is more to come.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/polar_trace.h"
+#include "server/radar/rays/polar_trace.h"
 #include "server/radar/render.h"
 
 namespace obliq {

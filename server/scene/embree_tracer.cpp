@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "server/scene/grid_tiling.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {
@@ -69,7 +69,7 @@ class CoherentRays {
 /// A direction's component as Embree gets it. Embree 3.13 divides by +1e-18 instead of anything smaller,
 /// whatever its sign, but sorts a packet's rays by the sign itself: with one component between -1e-18 and 0
 /// among rays of other directions, as the cosine of 90 degrees makes them, two rays of three miss everything
-/// (tests/hard/grazing_test.cpp). At 500 km what is cut off here is half a nanometre, and hits are
+/// (tests/edge_cases/grazing_test.cpp). At 500 km what is cut off here is half a nanometre, and hits are
 /// intersected again with the true direction.
 float component(double value) {
   constexpr double kLeast = 1e-15;

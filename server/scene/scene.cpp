@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "server/scene/embree_tracer.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

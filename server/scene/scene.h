@@ -9,7 +9,7 @@
 #include "server/scene/ray_method.h"
 #include "server/scene/tile_bounds.h"
 #include "server/scene/tracer_isa.h"
-#include "terrain/progress.h"
+#include "terrain/base/progress.h"
 #include "terrain/world.h"
 
 namespace obliq {
@@ -31,7 +31,7 @@ class Scene {
   const World& world() const { return *world_; }
   const std::vector<Material>& materials() const { return materials_; }
   RayMethod rays() const { return rays_; }
-  /// Only some rays need it (needs_tracer in server/radar/sample_source.h): built by the first call, while
+  /// Only some rays need it (needs_tracer in server/radar/frame_plan.h): built by the first call, while
   /// other callers wait, with the same bits whoever calls. Throws InputError when it cannot be built; the
   /// next call tries again.
   const EmbreeTracer& tracer(const Progress& progress = {}) const;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "terrain/parallel.h"
+#include "terrain/base/parallel.h"
 
 namespace obliq {
 namespace {

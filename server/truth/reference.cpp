@@ -13,7 +13,7 @@
 
 #include "server/truth/plane_walk.h"
 #include "server/truth/strip_integral.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

@@ -37,7 +37,7 @@
 #include <vector>
 
 #include "server/scene/materials.h"
-#include "terrain/progress.h"
+#include "terrain/base/progress.h"
 #include "terrain/world.h"
 
 namespace obliq {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "server/radar/scattering.h"
+#include "server/radar/echo/scattering.h"
 #include "server/truth/reference.h"
 #include "server/truth/strip.h"
 

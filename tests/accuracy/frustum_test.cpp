@@ -1,7 +1,5 @@
 // The two camera frusta: published step sizes, the projection matrix against the per-pixel ray directions,
 // and whether the camera sees all of the sector.
-#include "server/radar/frustum.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,8 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "server/radar/step_sizes.h"
-#include "terrain/errors.h"
+#include "server/radar/geometry/perspective_frustum.h"
+#include "server/radar/geometry/range_steps.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

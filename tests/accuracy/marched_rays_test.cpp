@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "server/radar/ray_source.h"
-#include "server/radar/ray_trace.h"
+#include "server/radar/rays/first_hits.h"
+#include "server/radar/rays/ray_samples.h"
 #include "server/scene/ray_answer.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"

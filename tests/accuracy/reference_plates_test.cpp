@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "tests/accuracy/reference_support.h"
 
 namespace obliq {

@@ -5,7 +5,7 @@
 
 #include <cstdio>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "terrain/world.h"
 #include "tests/accuracy/reference_support.h"
 

@@ -12,7 +12,8 @@
 #include <optional>
 
 #include "server/radar/frame_plan.h"
-#include "terrain/footprints.h"
+#include "server/radar/render.h"
+#include "terrain/buildings/footprints.h"
 #include "tests/support/scatterer_shares.h"
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"

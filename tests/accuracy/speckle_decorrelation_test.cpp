@@ -17,6 +17,7 @@
 #include <numbers>
 
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "tests/support/scatterer_shares.h"
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"

@@ -8,7 +8,8 @@
 #include <cstdio>
 
 #include "server/radar/frame_plan.h"
-#include "terrain/footprints.h"
+#include "server/radar/render.h"
+#include "terrain/buildings/footprints.h"
 #include "tests/support/scatterer_shares.h"
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"

@@ -6,6 +6,7 @@
 
 #include "server/accuracy/bin_errors.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "tests/accuracy/reference_support.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "server/radar/sweep_plane.h"
-#include "server/radar/swept_rays.h"
+#include "server/radar/profile/line_of_sight.h"
+#include "server/radar/profile/profile_rays.h"
 #include "server/scene/ray_answer.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"

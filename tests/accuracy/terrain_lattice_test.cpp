@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "terrain/geodetic_lattice.h"
+#include "terrain/dem/geodetic_lattice.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {

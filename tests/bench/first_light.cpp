@@ -13,12 +13,13 @@
 
 #include "client/client.h"
 #include "proto/obliq.pb.h"
-#include "server/apps/scene_loading.h"
 #include "server/control/scene_file.h"
-#include "server/net/keeping_renderer.h"
-#include "server/net/scene_renderer.h"
+#include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
-#include "server/radar/sample_source.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
+#include "server/rendering/frame_cache.h"
+#include "server/rendering/scene_renderer.h"
 #include "tests/bench/numbers.h"
 #include "tests/bench/served.h"
 

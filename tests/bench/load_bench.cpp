@@ -24,7 +24,7 @@
 
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene.h"
-#include "terrain/hash.h"
+#include "terrain/base/hash.h"
 
 namespace obliq {
 namespace {

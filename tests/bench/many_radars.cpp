@@ -13,12 +13,12 @@
 
 #include "client/client.h"
 #include "proto/obliq.pb.h"
-#include "server/apps/scene_loading.h"
 #include "server/control/scene_file.h"
-#include "server/net/frame_encoder.h"
-#include "server/net/scene_renderer.h"
+#include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
-#include "server/radar/sample_source.h"
+#include "server/radar/frame_plan.h"
+#include "server/rendering/scene_renderer.h"
+#include "server/stream/frame_encoder.h"
 #include "tests/bench/numbers.h"
 #include "tests/bench/served.h"
 

@@ -15,15 +15,16 @@
 #include <vector>
 
 #include "server/control/scene_file.h"
-#include "server/radar/batches.h"
+#include "server/radar/echo/echo_bins.h"
+#include "server/radar/echo/scattering.h"
+#include "server/radar/echo/speckle.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/ray_source.h"
-#include "server/radar/sample_source.h"
-#include "server/radar/scattering.h"
-#include "server/radar/speckle.h"
-#include "server/radar/swept_rays.h"
-#include "server/radar/wedge_bins.h"
-#include "server/radar/wedge_profile.h"
+#include "server/radar/profile/profile_rays.h"
+#include "server/radar/rays/ray_batch.h"
+#include "server/radar/rays/ray_samples.h"
+#include "server/radar/render.h"
+#include "server/radar/samples.h"
+#include "server/radar/visibility/wedge_visibility.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -83,7 +84,7 @@ std::shared_ptr<const FramePlan> plan_of(FrustumKind kind, SpeckleKind speckle =
 template <typename Work>
 void over_wedges(const FramePlan& plan, int threads, const Work& work) {
   std::atomic<int> next{0};
-  const int n = wedge_count(plan.settings());
+  const int n = wedge_count(plan.settings().azimuth_bins);
   const auto run = [&] {
     for (int index = next++; index < n; index = next++) {
       const int first = index * kWedgeAzimuthBins;

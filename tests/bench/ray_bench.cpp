@@ -18,15 +18,15 @@
 #include <thread>
 #include <vector>
 
-#include "server/apps/scene_loading.h"
 #include "server/control/scene_file.h"
-#include "server/radar/batches.h"
+#include "server/loading/scene_loading.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/ray_source.h"
-#include "server/radar/ray_trace.h"
+#include "server/radar/rays/first_hits.h"
+#include "server/radar/rays/ray_batch.h"
+#include "server/radar/rays/ray_samples.h"
 #include "server/radar/render.h"
-#include "server/radar/sample_source.h"
-#include "terrain/errors.h"
+#include "server/radar/samples.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

@@ -22,10 +22,9 @@
 
 #include "server/output/frame_files.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/ground_walk.h"
+#include "server/radar/profile/ground_walk.h"
+#include "server/radar/profile/profile_rays.h"
 #include "server/radar/render.h"
-#include "server/radar/sample_source.h"
-#include "server/radar/swept_rays.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

@@ -37,7 +37,7 @@ def table(head, rows):
 
 # ---- Where a frame's time goes
 
-# As in terrain/stage_clock.h.
+# As in terrain/base/stage_clock.h.
 STAGES = ("plan", "rays", "trace", "refine", "plates", "buildings", "ground", "scatter", "bin", "states", "encode", "send", "wait",
           "other", "idle")
 FRUSTA = {"the paper's (oblique, nearest bin)": [], "the default (oblique, spread)": ["--set", "frustum.plates=spread"],

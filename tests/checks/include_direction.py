@@ -9,28 +9,63 @@ import re
 import sys
 import tempfile
 
-# What each folder may include from the others, besides itself. Data flows the other way.
+# What each folder may include from the others, besides itself and what its files may include. Data flows the
+# other way. Where a folder holds both what is below and what is above its rooms, files are named one by one:
+# the longest name that fits decides.
+BASE = ["terrain/base"]
+WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/samples", "server/radar/unsampled"]
+R = "server/radar/"
+TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
+TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
+TO_PLAN = TO_GEOMETRY + [R + "frame_plan", R + "seen_buildings"]
+TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
+TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
+TO_STREAM = TO_OUTPUT + ["server/stream"]
+TO_RENDERING = TO_STREAM + ["server/flight", "server/rendering"]
+TO_NET = TO_RENDERING + ["server/security", "server/log", "server/net"]
 ALLOWED = {
+    "terrain/base": [],
     "terrain": [],
+    "terrain/dem": BASE + ["terrain/cache/cache_key"] + ["terrain/" + f for f in
+        ("world_spec", "frames", "grid_area", "height_grid", "polygon")],
     "proto": [],
     "client": ["proto"],
+    "server/security": BASE,
     "server/scene": ["terrain"],
+    "server/radar/simd": BASE + ["terrain/height_grid", "server/scene/tracer_isa"],
+    "server/radar/profile": TO_PROFILE,
+    "server/radar/bins": TO_PROFILE,
+    "server/radar/settings": TO_PROFILE,
+    "server/radar/samples": TO_PROFILE + WORDS,
+    "server/radar/unsampled": TO_PROFILE + WORDS,
+    "server/radar/geometry": TO_GEOMETRY,
+    "server/radar/seen_buildings": [],
+    "server/radar/frame_plan": TO_PLAN,
+    "server/radar/visibility": TO_PLAN,
+    "server/radar/echo": TO_PLAN,
+    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "simd/exact_math"],
+    "server/radar/rays/ray_batch": TO_GEOMETRY,
+    "server/radar/rays/plates": TO_PLATES,
+    "server/radar/rays": TO_PLATES + [R + "rays/plates"],
+    "server/radar/sweep": TO_PLAN + [R + "echo"],
     "server/radar": ["terrain", "server/scene"],
     # The truth shares no code with the pipeline but the material functions.
-    "server/truth": ["terrain", "server/scene/materials.h", "server/radar/scattering.h"],
+    "server/truth": ["terrain", "server/scene/materials", "server/radar/echo/scattering"],
     "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/explain": SERVER_CORE + ["server/accuracy"],
-    "server/control": SERVER_CORE + ["proto"],
+    "server/control": SERVER_CORE + ["proto", "server/security/networks"],
     "server/flight": SERVER_CORE + ["server/control"],
-    "server/output": SERVER_CORE
-    + ["proto", "server/truth", "server/accuracy", "server/control", "server/explain/thresholds.h"],
-    "server/log": ["server/control/log_config.h"],
-    "server/net": SERVER_CORE + ["proto", "server/log", "server/control", "server/flight", "server/output"],
-    "server/http": SERVER_CORE
-    + ["proto", "server/log", "server/control", "server/flight", "server/output", "server/net"],
-    "server/modbus": SERVER_CORE
-    + ["proto", "server/log", "server/control", "server/flight", "server/output", "server/net"],
+    "server/output": TO_OUTPUT + ["server/explain/thresholds"],
+    "server/loading": SERVER_CORE + ["server/truth", "server/accuracy", "server/control"],
+    "server/frontier": TO_OUTPUT + ["server/loading"],
+    "server/timing": TO_STREAM + ["client"],
+    "server/log": ["server/control/log_config"],
+    "server/stream": TO_STREAM,
+    "server/rendering": TO_RENDERING,
+    "server/net": TO_NET,
+    "server/http": TO_NET,
+    "server/modbus": TO_NET,
     "server/apps": ["terrain", "proto", "client", "server"],
     "tests": ["terrain", "proto", "client", "server"],
 }
@@ -51,9 +86,14 @@ EMBREE_HOME = "server/scene"
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
-def folder_of(path):
+def is_in(path, place):
+    """Whether a path is a file of this name, whatever its ending, or lies in a folder of this name."""
+    return path.startswith((place + "/", place + "."))
+
+
+def room_of(path):
     """The entry of ALLOWED that holds this path, or None."""
-    fits = [f for f in ALLOWED if path == f or path.startswith(f + "/")]
+    fits = [f for f in ALLOWED if is_in(path, f)]
     return max(fits, key=len) if fits else None
 
 
@@ -63,16 +103,16 @@ def fault_of(source, bracket, included):
         for library, pattern in CPP_ONLY.items():
             if re.match(pattern, included):
                 return f"{library} headers belong in .cpp files"
-    home = folder_of(source)
+    home = room_of(source)
     if re.match(CPP_ONLY["Embree"], included) and home != EMBREE_HOME:
         return f"only {EMBREE_HOME} knows Embree"
     target = "proto/" + GENERATED if included.endswith(GENERATED) else included
-    there = folder_of(target)
+    there = room_of(target)
     if there is None and not target.startswith("server/"):
         return None if bracket == "<" else "our includes are written from the root of the project"
     if there == home:
         return None
-    fits = any(target == a or target.startswith(a + "/") for a in ALLOWED[home])
+    fits = any(is_in(target, a) for a in [home] + ALLOWED[home])
     return None if fits else f"{home} may include only from {[home] + ALLOWED[home]}"
 
 
@@ -89,7 +129,7 @@ def check(root):
     for path in sources(root):
         files += 1
         name = path.relative_to(root).as_posix()
-        if folder_of(name) is None:
+        if room_of(name) is None:
             faults.append(f"{name}: this folder is not in the table of include_direction.py")
             continue
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
@@ -128,7 +168,7 @@ def self_test():
         "server/accuracy/a.h": '#include "server/control/key.h"',
     }
     right = {
-        "server/truth/c.cpp": '#include "server/radar/scattering.h"\n#include "server/scene/materials.h"',
+        "server/truth/c.cpp": '#include "server/radar/echo/scattering.h"\n#include "server/scene/materials.h"',
         "terrain/f.cpp": '#include <gdal_priv.h>\n#include <vector>\n#include "terrain/world.h"',
         "client/c.cpp": '#include "obliq.pb.h"\n#include "proto/codec.h"',
         "server/scene/c.cpp": '#include <embree3/rtcore.h>\n#include "terrain/world.h"',

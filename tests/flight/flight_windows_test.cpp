@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "server/flight/window.h"
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 #include "tests/support/scenes.h"
 
 namespace obliq::test {

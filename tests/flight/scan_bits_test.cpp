@@ -9,7 +9,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
-#include "server/net/scene_renderer.h"
+#include "server/rendering/scene_renderer.h"
 #include "tests/integration/render_listener.h"
 #include "tests/support/scenes.h"
 

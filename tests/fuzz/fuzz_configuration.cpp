@@ -3,7 +3,7 @@
 #include <string>
 
 #include "server/control/scene_file.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "tests/fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

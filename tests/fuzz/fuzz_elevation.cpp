@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
-#include "terrain/errors.h"
-#include "terrain/raster.h"
+#include "terrain/base/errors.h"
+#include "terrain/dem/raster.h"
 #include "terrain/world.h"
 #include "tests/fuzz/gdal_memory.h"
 #include "tests/fuzz/input.h"

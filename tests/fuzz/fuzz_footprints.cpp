@@ -2,7 +2,7 @@
 // ones, or a surface.
 #include <array>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "terrain/world.h"
 #include "tests/fuzz/gdal_memory.h"
 #include "tests/fuzz/input.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "terrain/gdal_messages.h"
+#include "terrain/dem/gdal_messages.h"
 
 namespace obliq::fuzz {
 

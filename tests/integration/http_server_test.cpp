@@ -8,7 +8,7 @@
 
 #include "server/http/pages.h"
 #include "server/net/io_thread.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "tests/integration/http_peer.h"
 
 namespace obliq::test {

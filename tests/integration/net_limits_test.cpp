@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include "proto/obliq.pb.h"
-#include "server/control/process_memory.h"
-#include "server/net/exposure.h"
 #include "server/net/request_limits.h"
 #include "server/radar/wedge_memory.h"
+#include "server/security/exposure.h"
+#include "terrain/base/process_memory.h"
 #include "tests/integration/net_fixture.h"
 
 namespace obliq::test {

@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include "proto/obliq.pb.h"
-#include "server/net/exposure.h"
 #include "server/net/tcp_options.h"
-#include "terrain/errors.h"
+#include "server/security/exposure.h"
+#include "terrain/base/errors.h"
 #include "tests/integration/net_fixture.h"
 
 namespace obliq::test {

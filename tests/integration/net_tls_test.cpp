@@ -6,8 +6,8 @@
 #include <future>
 
 #include "proto/obliq.pb.h"
-#include "server/net/security.h"
-#include "terrain/errors.h"
+#include "server/security/security.h"
+#include "terrain/base/errors.h"
 #include "tests/integration/daemon.h"
 #include "tests/integration/net_fixture.h"
 #include "tests/integration/test_certificate.h"

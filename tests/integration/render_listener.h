@@ -10,7 +10,7 @@
 
 #include "proto/limits.h"
 #include "proto/message_codec.h"
-#include "server/net/render_thread.h"
+#include "server/rendering/render_thread.h"
 
 namespace obliq::test {
 

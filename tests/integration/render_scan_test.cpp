@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "proto/obliq.pb.h"
-#include "server/net/render_thread.h"
+#include "server/rendering/render_thread.h"
 #include "tests/integration/net_fixture.h"
 #include "tests/integration/render_listener.h"
 

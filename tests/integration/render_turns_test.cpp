@@ -7,9 +7,9 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "server/net/render_thread.h"
-#include "server/net/scene_renderer.h"
-#include "server/radar/batches.h"
+#include "server/radar/samples.h"
+#include "server/rendering/render_thread.h"
+#include "server/rendering/scene_renderer.h"
 #include "tests/support/scenes.h"
 
 namespace obliq::test {

@@ -13,7 +13,7 @@
 #include "proto/error_number.h"
 #include "proto/frame_header.h"
 #include "proto/obliq.pb.h"
-#include "server/net/frame_encoder.h"
+#include "server/stream/frame_encoder.h"
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <map>
 
-#include "server/radar/footprint_index.h"
+#include "server/radar/profile/roofs.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

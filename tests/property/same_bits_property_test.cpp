@@ -33,7 +33,7 @@ TEST_P(BitsOfEverySource, ComeFromAnyThreadsAndAnyAzimuths) {
     s.speckle = seed % 3 == 0 ? SpeckleKind::geometric : SpeckleKind::ground;
     if (!trial.plan(s)) continue;
     ++frames;
-    several_wedges += wedge_count(s) > 1 ? 1 : 0;
+    several_wedges += wedge_count(s.azimuth_bins) > 1 ? 1 : 0;
     const Frame one = trial.frame(s, 1);
     for (const int threads : {2, 5}) {
       const Frame many = trial.frame(s, threads);

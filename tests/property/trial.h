@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scatterer_shares.h"
 #include "tests/support/scenes.h"

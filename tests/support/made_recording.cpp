@@ -1,7 +1,7 @@
 #include "tests/support/made_recording.h"
 
 #include "proto/obliq.pb.h"
-#include "server/net/frame_encoder.h"
+#include "server/stream/frame_encoder.h"
 
 namespace obliq::test {
 

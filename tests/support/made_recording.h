@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "proto/message_codec.h"
-#include "server/net/stream_choice.h"
+#include "server/stream/stream_choice.h"
 
 namespace obliq::test {
 

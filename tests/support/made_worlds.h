@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "server/radar/pose.h"
-#include "terrain/constants.h"
-#include "terrain/extrude.h"
+#include "server/radar/geometry/pose.h"
+#include "terrain/base/constants.h"
+#include "terrain/buildings/extrude.h"
 #include "terrain/world.h"
 
 namespace obliq::test {

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <sstream>
 
-#include "server/radar/footprint_index.h"
-#include "terrain/constants.h"
-#include "terrain/footprints.h"
+#include "server/radar/profile/roofs.h"
+#include "terrain/base/constants.h"
+#include "terrain/buildings/footprints.h"
 
 namespace obliq::test {
 namespace {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "server/radar/pose.h"
+#include "server/radar/geometry/pose.h"
 #include "server/radar/settings.h"
 #include "server/scene/scene.h"
-#include "terrain/hash.h"
+#include "terrain/base/hash.h"
 #include "terrain/world.h"
 
 namespace obliq::test {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "tests/support/samplings.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"

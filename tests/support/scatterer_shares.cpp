@@ -6,8 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "server/radar/sample_source.h"
-#include "terrain/errors.h"
+#include "server/radar/render.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::test {
 namespace {

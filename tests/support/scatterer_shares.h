@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
-#include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/samples.h"
 #include "server/scene/exact_hit.h"
 
 namespace obliq::test {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "server/radar/sample_tap.h"
+#include "server/radar/rays/hit_observer.h"
 #include "terrain/world.h"
 
 namespace obliq::test {

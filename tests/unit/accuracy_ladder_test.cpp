@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "server/accuracy/sampling_ladder.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {

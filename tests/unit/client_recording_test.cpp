@@ -7,7 +7,7 @@
 #include "client/recorded_frames.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
-#include "server/net/frame_encoder.h"
+#include "server/stream/frame_encoder.h"
 #include "tests/support/made_recording.h"
 
 namespace obliq::test {

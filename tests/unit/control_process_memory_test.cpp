@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "server/control/process_memory.h"
+#include "terrain/base/process_memory.h"
 
 namespace obliq {
 namespace {

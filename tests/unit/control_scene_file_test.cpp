@@ -6,7 +6,7 @@
 
 #include "server/control/material_library.h"
 #include "server/control/scene_file.h"
-#include "terrain/ground_cache.h"
+#include "terrain/cache/ground_cache.h"
 #include "tests/unit/scene_file_fixture.h"
 #include "tests/unit/terrain_files.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // Frames through the server's encoder and the client's assembler.
 #include "client/frame_assembler.h"
-#include "server/net/frame_encoder.h"
+#include "server/stream/frame_encoder.h"
 
 namespace obliq::net {
 

@@ -5,10 +5,10 @@
 #include <condition_variable>
 #include <future>
 
-#include "server/control/aim_world.h"
 #include "server/control/scene_file.h"
+#include "server/control/terrain_reach.h"
 #include "server/flight/scene_keeper.h"
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 

@@ -6,11 +6,11 @@
 #include <map>
 #include <sstream>
 
-#include "server/control/networks.h"
 #include "server/modbus/encoding.h"
 #include "server/modbus/register_map.h"
 #include "server/modbus/register_reference.h"
 #include "server/modbus/request.h"
+#include "server/security/networks.h"
 
 namespace obliq::modbus {
 namespace {

@@ -5,9 +5,9 @@
 #include <map>
 
 #include "proto/obliq.pb.h"
-#include "server/net/keeping_renderer.h"
-#include "server/net/scene_renderer.h"
-#include "terrain/stage_clock.h"
+#include "server/rendering/frame_cache.h"
+#include "server/rendering/scene_renderer.h"
+#include "terrain/base/stage_clock.h"
 #include "tests/support/small_settings.h"
 
 namespace obliq {

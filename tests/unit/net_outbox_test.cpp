@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "proto/obliq.pb.h"
-#include "server/net/outbox.h"
+#include "server/stream/outbox.h"
 
 namespace obliq::net {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "server/net/render_turns.h"
+#include "server/rendering/fair_share.h"
 
 namespace obliq::net {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "server/net/scan_schedule.h"
+#include "server/rendering/scan_schedule.h"
 
 namespace obliq::test {
 namespace {

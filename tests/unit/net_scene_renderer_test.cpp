@@ -1,7 +1,7 @@
 // The first frustum whose rays are traced, while others sweep.
 #include <gtest/gtest.h>
 
-#include "server/net/scene_renderer.h"
+#include "server/rendering/scene_renderer.h"
 #include "tests/support/small_settings.h"
 
 namespace obliq {

@@ -5,9 +5,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "server/net/exposure.h"
 #include "server/net/io_thread.h"
 #include "server/net/transport.h"
+#include "server/security/exposure.h"
 
 namespace obliq::test {
 namespace {

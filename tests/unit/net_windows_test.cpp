@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "proto/obliq.pb.h"
-#include "server/net/outbox.h"
+#include "server/stream/outbox.h"
 #include "tests/unit/encoder_fixture.h"
 
 namespace obliq::net {

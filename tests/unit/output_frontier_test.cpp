@@ -6,13 +6,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/output/frontier_comparison.h"
-#include "server/output/frontier_header.h"
-#include "server/output/frontier_markdown.h"
-#include "server/output/frontier_plot.h"
-#include "server/output/frontier_table.h"
-#include "server/output/log_axis.h"
-#include "terrain/errors.h"
+#include "server/frontier/frontier_comparison.h"
+#include "server/frontier/frontier_header.h"
+#include "server/frontier/frontier_markdown.h"
+#include "server/frontier/frontier_plot.h"
+#include "server/frontier/frontier_table.h"
+#include "server/frontier/log_axis.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {

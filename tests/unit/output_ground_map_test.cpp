@@ -7,8 +7,8 @@
 #include "proto/obliq.pb.h"
 #include "server/output/bin_levels.h"
 #include "server/output/ground_map.h"
-#include "terrain/constants.h"
-#include "terrain/errors.h"
+#include "terrain/base/constants.h"
+#include "terrain/base/errors.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "server/radar/building_fan.h"
+#include "server/radar/rays/plates/buildings_by_bearing.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 

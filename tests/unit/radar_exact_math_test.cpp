@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/exact_math.h"
+#include "server/radar/simd/exact_math.h"
 
 namespace obliq {
 namespace {

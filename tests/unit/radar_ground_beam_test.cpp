@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "server/radar/ground_beam.h"
-#include "server/radar/lane_kernels.h"
-#include "server/radar/roof_line.h"
+#include "server/radar/rays/ground_clearance.h"
+#include "server/radar/rays/roof_clearance.h"
+#include "server/radar/simd/kernels.h"
 #include "server/scene/ray_answer.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"

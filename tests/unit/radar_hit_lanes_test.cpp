@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "server/radar/lane_kernels.h"
+#include "server/radar/simd/kernels.h"
 #include "server/scene/exact_hit.h"
-#include "terrain/hash.h"
+#include "terrain/base/hash.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

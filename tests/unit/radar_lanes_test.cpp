@@ -9,12 +9,12 @@
 #include <tuple>
 #include <vector>
 
-#include "server/radar/ground_horizon.h"
-#include "server/radar/lane_kernels.h"
-#include "server/radar/scatterer_sums.h"
-#include "server/radar/speckle.h"
-#include "server/radar/sweep_ground.h"
-#include "terrain/hash.h"
+#include "server/radar/echo/scatterer_sums.h"
+#include "server/radar/echo/speckle.h"
+#include "server/radar/profile/horizon.h"
+#include "server/radar/simd/kernels.h"
+#include "server/radar/sweep/sweep_ground.h"
+#include "terrain/base/hash.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 

@@ -3,11 +3,12 @@
 
 #include <atomic>
 
-#include "server/radar/batches.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/ray_source.h"
-#include "server/radar/sample_source.h"
-#include "server/radar/sweep_samples.h"
+#include "server/radar/rays/ray_batch.h"
+#include "server/radar/rays/ray_samples.h"
+#include "server/radar/render.h"
+#include "server/radar/samples.h"
+#include "server/radar/sweep/sweep_samples.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
 #include "tests/support/sources.h"

@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "server/radar/batches.h"
+#include "server/radar/echo/scattering.h"
+#include "server/radar/echo/speckle.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/lane_kernels.h"
-#include "server/radar/scattering.h"
-#include "server/radar/speckle.h"
-#include "terrain/hash.h"
+#include "server/radar/samples.h"
+#include "server/radar/simd/kernels.h"
+#include "terrain/base/hash.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "server/radar/frame_plan.h"
-#include "terrain/footprints.h"
+#include "terrain/buildings/footprints.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/radar/ground_area.h"
-#include "server/radar/ground_walk.h"
-#include "server/radar/profile.h"
-#include "server/radar/wedge_profile.h"
+#include "server/radar/profile/ground_walk.h"
+#include "server/radar/visibility/coverage.h"
+#include "server/radar/visibility/range_visibility.h"
+#include "server/radar/visibility/wedge_visibility.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 

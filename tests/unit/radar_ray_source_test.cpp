@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "server/radar/lane_kernels.h"
-#include "server/radar/ray_source.h"
+#include "server/radar/rays/ray_samples.h"
+#include "server/radar/simd/kernels.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

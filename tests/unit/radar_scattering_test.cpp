@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/scattering.h"
+#include "server/radar/echo/scattering.h"
 
 namespace obliq {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <set>
 
-#include "server/radar/speckle.h"
+#include "server/radar/echo/speckle.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {

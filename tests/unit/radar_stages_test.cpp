@@ -4,7 +4,8 @@
 #include <set>
 
 #include "server/radar/frame_plan.h"
-#include "terrain/stage_clock.h"
+#include "server/radar/render.h"
+#include "terrain/base/stage_clock.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "server/radar/sweep_column.h"
-#include "server/radar/sweep_samples.h"
+#include "server/radar/sweep/sweep_column.h"
+#include "server/radar/sweep/sweep_samples.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"

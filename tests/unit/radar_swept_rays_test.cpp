@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/radar/swept_rays.h"
+#include "server/radar/profile/profile_rays.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"

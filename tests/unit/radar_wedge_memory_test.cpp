@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "server/radar/wedge_memory.h"
 #include "tests/support/process_memory.h"
 #include "tests/support/scenes.h"

@@ -1,5 +1,5 @@
 // Where time goes: by construction nothing is counted twice and nothing is left out.
-#include "terrain/stage_clock.h"
+#include "terrain/base/stage_clock.h"
 
 #include <gtest/gtest.h>
 

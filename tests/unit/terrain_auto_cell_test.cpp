@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "terrain/auto_cell.h"
+#include "terrain/dem/auto_cell.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {

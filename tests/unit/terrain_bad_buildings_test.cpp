@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "terrain/errors.h"
-#include "terrain/height_text.h"
+#include "terrain/base/errors.h"
+#include "terrain/buildings/height_text.h"
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {

@@ -9,8 +9,8 @@
 #include <sstream>
 #include <thread>
 
-#include "terrain/checksum.h"
-#include "terrain/ground_cache.h"
+#include "terrain/base/checksum.h"
+#include "terrain/cache/ground_cache.h"
 #include "terrain/library_versions.h"
 #include "tests/unit/terrain_files.h"
 

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "terrain/errors.h"
-#include "terrain/gdal_messages.h"
+#include "terrain/base/errors.h"
+#include "terrain/dem/gdal_messages.h"
 
 namespace obliq::test {
 

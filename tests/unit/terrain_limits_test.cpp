@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "terrain/ring_crossings.h"
+#include "terrain/buildings/ring_crossings.h"
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "terrain/outline.h"
+#include "terrain/buildings/outline.h"
 
 namespace obliq {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 #include <sstream>
 
-#include "terrain/constants.h"
+#include "terrain/base/constants.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {

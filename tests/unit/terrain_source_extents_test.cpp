@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "terrain/source_extents.h"
+#include "terrain/dem/source_extents.h"
 
 namespace obliq::test {
 namespace {

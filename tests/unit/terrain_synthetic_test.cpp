@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/errors.h"
+#include "terrain/base/errors.h"
 #include "terrain/world.h"
 
 namespace obliq {

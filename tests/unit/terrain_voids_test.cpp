@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/voids.h"
+#include "terrain/dem/voids.h"
 
 namespace obliq {
 namespace {

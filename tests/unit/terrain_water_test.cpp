@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "terrain/parallel.h"
+#include "terrain/base/parallel.h"
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {

@@ -1,0 +1,65 @@
+// `obliq explain`: what each ingredient of a scene changes in its bins, what it costs, and whether it is
+// needed.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/scene_arguments.h"
+#include "server/explain/explain.h"
+#include "server/explain/report.h"
+#include "server/loading/scene_loading.h"
+#include "server/output/frame_files.h"
+
+namespace obliq {
+namespace {
+
+struct ExplainArguments {
+  SceneArguments scene;
+  std::string radar;
+  std::string out;
+  int threads = 0;
+};
+
+void run(const SceneConfig& config, const ExplainArguments& arguments) {
+  if (!arguments.out.empty()) prepare_output_folder(arguments.out);
+  const RadarConfig& radar = choose_radar(config, arguments.radar);
+  say_notes(config);
+  say_accuracy_is_ignored(config, "explain");
+  const Progress progress = terminal_progress();
+  const auto print_loaded = [&](const World& world) {
+    if (progress) progress("loaded", 1);  // ends the line that it would write into
+    print_world_report(world);
+  };
+  const Explanation explanation =
+      explain_scene({config.name, radar.name, config.world, config.materials, radar.settings, radar.pose,
+                     arguments.threads > 0 ? arguments.threads : config.threads, config.rays, print_loaded},
+                    progress);
+  std::fputs(plain_report(explanation).c_str(), stdout);
+  if (arguments.out.empty()) return;
+  const std::filesystem::path folder = arguments.out;
+  write_text(folder / "explain.md", markdown_report(explanation));
+  write_text(folder / "explain.csv", csv_report(explanation));
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "explain", "What each ingredient of a scene changes in its bins, what it costs, whether it is needed");
+  auto arguments = std::make_shared<ExplainArguments>();
+  add_scene_arguments(*command, "SCENE", arguments->scene);
+  command
+      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
+      ->type_name("NAME");
+  command->add_option("--out", arguments->out, "Folder for explain.md and explain.csv (made if missing)")
+      ->type_name("DIR");
+  command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
+      ->check(whole_number_from(0, 1024));
+  command->callback([arguments] {
+    if (const auto config = open_scene(arguments->scene)) run(*config, *arguments);
+  });
+}
+
+}  // namespace obliq

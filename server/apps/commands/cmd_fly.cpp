@@ -1,0 +1,221 @@
+// `obliq fly`: sends a live radar along a track, pose by pose, when each is due.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/interrupts.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/commands/pose_text.h"
+#include "server/apps/commands/server_arguments.h"
+#include "server/apps/commands/track_reader.h"
+#include "server/apps/commands/warning_changes.h"
+#include "server/control/key.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+struct FlyArguments {
+  ServerArguments server;
+  std::string track;
+  std::string reference;
+  double speed = 1;
+  double rate_hz = 0;
+};
+
+// Between looks at signals, at the server's heartbeats and at a pipe.
+constexpr milliseconds kLook{50};
+constexpr double kSlowest = 0.01;
+constexpr double kFastest = 1000;
+constexpr double kMostRate_hz = 1000;
+constexpr double kUsualRate_hz = 10;
+constexpr double kNanoseconds = 1e9;
+constexpr double kLongest_s = 1e9;  // of a flight: 30 years
+
+/// A share u in [0, 1] of the way from a to b, the short way round in longitude and bearing.
+TrackPoint on_the_way(const TrackPoint& a, const TrackPoint& b, double u) {
+  const auto part = [u](double from, double to) { return from + u * (to - from); };
+  const auto arc = [u](double from, double to) {
+    return std::remainder(from + u * std::remainder(to - from, 360.0), 360.0);
+  };
+  return {part(a.time_s, b.time_s), part(a.latitude_deg, b.latitude_deg),
+          arc(a.longitude_deg, b.longitude_deg), part(a.height_m, b.height_m),
+          arc(a.bearing_deg, b.bearing_deg)};
+}
+
+/// One flight: what was sent so far, and when the rest is due.
+class Flight {
+ public:
+  Flight(client::Client& client, std::string radar, const FlyArguments& arguments)
+      : client_(client), radar_(std::move(radar)), arguments_(arguments) {}
+
+  /// False when it was interrupted.
+  bool fly_to(const TrackPoint& point, const std::string& where) {
+    if (sent_ == 0) {
+      start_ = Clock::now();
+      first_s_ = point.time_s;
+    }
+    if (elapsed_s(point) > kLongest_s)
+      throw InputError(where + ": time: found " + toml_number(point.time_s - first_s_) +
+                       " s after the first; allowed: at most " + toml_number(kLongest_s * arguments_.speed) +
+                       " s at this --speed");
+    if (sent_ > 0 && !fill_in(point, where)) return false;
+    if (!wait_until(due(point))) return false;
+    send(point, where);
+    return true;
+  }
+  /// Waits a moment for what has not been written yet. False when it was interrupted.
+  bool wait_a_moment() { return wait_until(Clock::now() + milliseconds(2)); }
+
+  /// now: the pose that the radar has, with what its height counts from.
+  void print_summary(const char* end, const wire::Pose& now) const {
+    std::printf("%s: %s after %llu poses in %.1f s, %.1f s of the track", radar_.c_str(), end,
+                static_cast<unsigned long long>(sent_),
+                std::chrono::duration<double>(Clock::now() - start_).count(), last_.time_s - first_s_);
+    if (late_s_ > 0.01) std::printf(", at most %.2f s late", late_s_);
+    std::printf("; it stays at %s\n", pose_text(now).c_str());
+  }
+  bool has_begun() const { return sent_ > 0; }
+
+ private:
+  /// Since the start, when the point is due.
+  double elapsed_s(const TrackPoint& point) const { return (point.time_s - first_s_) / arguments_.speed; }
+  Clock::time_point due(const TrackPoint& point) const {
+    return start_ +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(elapsed_s(point)));
+  }
+
+  /// Poses between two lines that lie far apart, but for those whose time has passed.
+  bool fill_in(const TrackPoint& to, const std::string& where) {
+    const TrackPoint from = last_;
+    const double steps = std::ceil((to.time_s - from.time_s) / arguments_.speed * arguments_.rate_hz - 1e-6);
+    for (double step = 1; step < steps; ++step) {
+      const TrackPoint point = on_the_way(from, to, step / steps);
+      const auto spacing = std::chrono::duration<double>(1 / arguments_.rate_hz);
+      if (Clock::now() > due(point) + spacing) {  // of many, on to the first that is not late
+        const std::chrono::duration<double> late = Clock::now() - due(point);
+        step += std::floor(late / spacing);
+        continue;
+      }
+      if (!wait_until(due(point))) return false;
+      send(point, where);
+    }
+    return true;
+  }
+
+  bool wait_until(Clock::time_point moment) {
+    for (;;) {
+      if (interrupted()) return false;
+      const auto left = std::chrono::duration_cast<milliseconds>(moment - Clock::now());
+      if (left < milliseconds(1)) break;
+      // Heartbeats are answered meanwhile, and a takeover by an admin is heard.
+      const client::Status status = client_.receive(std::min(left, kLook));
+      if (status.outcome != client::Outcome::timed_out) require(status);
+    }
+    std::this_thread::sleep_until(moment);
+    return true;
+  }
+
+  void send(const TrackPoint& point, const std::string& where) {
+    wire::Pose pose;
+    pose.set_latitude_deg(point.latitude_deg);
+    pose.set_longitude_deg(point.longitude_deg);
+    pose.set_height_m(point.height_m);
+    pose.set_bearing_deg(point.bearing_deg);
+    // The track's clock, but the server holds it against its own: it runs as the flight does.
+    pose.set_sim_time_ns(std::llround((first_s_ + elapsed_s(point)) * kNanoseconds));
+    pose.set_pose_id(sent_ + 1);
+    if (arguments_.reference == "datum") pose.set_height_reference(wire::DATUM);
+    if (arguments_.reference == "ground") pose.set_height_reference(wire::GROUND);
+    if (arguments_.reference == "ellipsoid") pose.set_height_reference(wire::ELLIPSOID);
+    late_s_ = std::max(late_s_, std::chrono::duration<double>(Clock::now() - due(point)).count());
+    wire::Ack ack;
+    if (const client::Status status = client_.set_pose(radar_, pose, ack); !status.ok())
+      throw InputError(where + ": " + status.sentence());
+    warnings_.tell({ack.warnings().begin(), ack.warnings().end()}, where + ": ");
+    ++sent_;
+    last_ = point;
+  }
+
+  client::Client& client_;
+  const std::string radar_;
+  const FlyArguments& arguments_;
+  Clock::time_point start_;
+  double first_s_ = 0;
+  WarningChanges warnings_;
+  TrackPoint last_;  ///< that was sent
+  std::uint64_t sent_ = 0;
+  double late_s_ = 0;
+};
+
+/// Mistakes of a file are told before anything moves.
+void read_through(TrackReader& track) {
+  TrackPoint point;
+  while (track.next(point, kLook) == TrackReader::Got::point) {
+  }
+  track.rewind();
+}
+
+void run(const FlyArguments& arguments) {
+  heed_interrupts();
+  TrackReader track(arguments.track);
+  if (track.is_file()) read_through(track);
+  client::Client client = connect_to_server(arguments.server, "obliq fly");
+  const std::string radar = choose_remote_radar(client, arguments.server);
+  require(client.claim_control(radar));
+  Flight flight(client, radar, arguments);
+  TrackPoint point;
+  bool flying = true;
+  while (flying) {
+    const TrackReader::Got got = track.next(point, kLook);
+    if (got == TrackReader::Got::end) break;
+    flying = got == TrackReader::Got::point ? flight.fly_to(point, track.where()) : flight.wait_a_moment();
+  }
+  wire::RadarInfo info;
+  require(client.get_radar(radar, info));
+  require(client.release_control(radar));
+  if (flight.has_begun()) flight.print_summary(flying ? "flown" : "interrupted", info.pose());
+}
+
+}  // namespace
+
+void add_fly(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "fly",
+      "Fly a server's radar along a track; Ctrl-C ends it, the radar stays where it is and is released");
+  auto arguments = std::make_shared<FlyArguments>();
+  add_server_arguments(*command, arguments->server);
+  command
+      ->add_option("TRACK", arguments->track,
+                   "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, "
+                   "degrees (with or without a header; further columns are passed by), or - for the "
+                   "standard input")
+      ->required();
+  command->add_option("--speed", arguments->speed, "So many times as fast as the track's times say")
+      ->type_name("FACTOR")
+      ->default_val(1.0)
+      ->check(number_from(kSlowest, kFastest));
+  command
+      ->add_option("--rate", arguments->rate_hz,
+                   "Where lines lie further apart than this many a second, poses on the straight way "
+                   "between them are sent; 0: none")
+      ->type_name("HZ")
+      ->default_val(kUsualRate_hz)
+      ->check(number_from(0, kMostRate_hz));
+  command
+      ->add_option("--height-reference", arguments->reference,
+                   "What heights count from; without it what the radar's own counts from now")
+      ->check(CLI::IsMember({"datum", "ground", "ellipsoid"}));
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

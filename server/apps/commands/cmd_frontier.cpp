@@ -1,0 +1,91 @@
+// `obliq frontier`: frame time against error, for every sampling, over one scene.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/scene_arguments.h"
+#include "server/frontier/frontier_run.h"
+#include "server/loading/scene_loading.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+struct FrontierArguments {
+  SceneArguments scene;
+  FrontierOptions options;
+  std::string out;
+  bool quick = false;
+};
+
+/// A few samplings over the scene's own cells, compared on a few azimuths; options of their own win.
+void make_quick(const CLI::App& command, FrontierOptions& options) {
+  if (command.count("--pixels") == 0) options.range.pixels = {1024, 2048};
+  options.range.per_azimuth = {1, 2};
+  options.range.per_range = {0.5};
+  options.range.sweeps = {1, 2, 4};
+  options.scene_cell_only = true;
+  if (command.count("--azimuths") == 0) options.azimuths = 64;
+}
+
+}  // namespace
+
+void add_frontier(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "frontier",
+      "Time and error of every way to sample a scene: a table and a picture. Goes on where it was "
+      "interrupted");
+  auto arguments = std::make_shared<FrontierArguments>();
+  FrontierOptions& options = arguments->options;
+  add_scene_arguments(*command, "SCENE", arguments->scene);
+  command->add_option("--radar", options.radar, "Which radar; without: the only one, or the one named main")
+      ->type_name("NAME");
+  command->add_option("--out", arguments->out, "Folder for table, report and pictures (made if missing)")
+      ->type_name("DIR");
+  command->add_flag("--quick", arguments->quick,
+                    "Fewer samplings, the scene's cell size alone, truth on 64 azimuth bins");
+  command
+      ->add_option("--azimuths", options.azimuths,
+                   "Azimuth bins to compare with the truth, in wedges spread evenly over the sector; 0: all. "
+                   "Times are always of whole frames")
+      ->check(whole_number_from(0, 8192));
+  command
+      ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
+      ->delimiter(',')
+      ->check(whole_number_from(1, 16384));
+  command
+      ->add_option("--cells", options.range.cells_m,
+                   "Cell sizes in metres beside the scene's own; the truth takes the finest. Without: "
+                   "twice and four times the scene's")
+      ->delimiter(',')
+      ->check(number_from(0.03125, 10000));
+  command->add_option("--repeats", options.repeats, "Timed frames for each sampling")
+      ->check(whole_number_from(1, 1000));
+  command->add_option("--threads", options.threads, "Threads; 0: as the scene file says")
+      ->check(whole_number_from(0, 1024));
+  command->add_option("--truth-planes", options.truth_planes, "Planes in each azimuth bin to begin with")
+      ->check(whole_number_from(1, 65536));
+  command
+      ->add_option("--truth-planes-limit", options.most_truth_planes,
+                   "Most planes in each azimuth bin, however far the truth is from a tenth of the errors")
+      ->check(whole_number_from(1, 65536));
+  command->add_option("--truth-step", options.truth_step_m, "Longest step of the truth to begin with, m")
+      ->check(number_from(0.001, 1000));
+  command->add_option("--stop-after", options.stop_after, "Stop after that many samplings; 0: do all")
+      ->check(whole_number_from(0, 100000));
+  command->add_flag("--restart", options.restart, "Throw away what an earlier run left in the folder");
+  command->callback([arguments, command] {
+    const auto config = open_scene(arguments->scene);
+    if (!config) return;
+    if (arguments->out.empty())
+      throw InputError("frontier: --out: found nothing; allowed: a folder for the table and the pictures");
+    arguments->options.out = arguments->out;
+    if (arguments->quick) make_quick(*command, arguments->options);
+    say_notes(*config);
+    say_accuracy_is_ignored(*config, "frontier");
+    run_frontier(*config, arguments->options);
+  });
+}
+
+}  // namespace obliq

@@ -1,0 +1,111 @@
+// `obliq mesh`: exactly the triangles that Embree gets, as a binary PLY.
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include "server/apps/commands/commands.h"
+#include "server/apps/scene_arguments.h"
+#include "server/loading/meet_accuracy.h"
+#include "server/loading/scene_loading.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+class PlyWriter {
+ public:
+  explicit PlyWriter(const std::string& path) : path_(path), file_(path, std::ios::binary) { check(); }
+
+  void header(std::uint64_t vertices, std::uint64_t faces) {
+    file_
+        << "ply\nformat binary_little_endian 1.0\ncomment obliq world frame: x east, y up, z north, metres\n"
+        << "element vertex " << vertices << "\nproperty float x\nproperty float y\nproperty float z\n"
+        << "element face " << faces
+        << "\nproperty list uchar uint vertex_indices\nproperty uint face\nend_header\n";
+  }
+  void vertex(float x, float y, float z) {
+    const float values[3] = {x, y, z};
+    file_.write(reinterpret_cast<const char*>(values), sizeof values);
+  }
+  /// face: building face index, 4294967295 for ground.
+  void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t face) {
+    const std::uint32_t values[4] = {a, b, c, face};
+    file_.put(3);
+    file_.write(reinterpret_cast<const char*>(values), sizeof values);
+  }
+  void close() {
+    file_.close();
+    check();
+  }
+
+ private:
+  void check() {
+    if (!file_) throw InputError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+  }
+  std::string path_;
+  std::ofstream file_;
+};
+
+void write_ply(const World& world, const std::string& path, const Progress& progress) {
+  const HeightGrid& grid = world.grid;
+  std::vector<std::uint32_t> number(grid.y_m.size(), 0);  // of the known nodes, in grid order
+  std::uint32_t n_nodes = 0;
+  for (std::size_t k = 0; k < grid.y_m.size(); ++k)
+    if (grid.y_m[k] == grid.y_m[k]) number[k] = n_nodes++;
+  std::uint64_t cells = 0;
+  for (int j = 0; j + 1 < grid.nz; ++j)
+    for (int i = 0; i + 1 < grid.nx; ++i) cells += grid.cell_known(i, j) ? 1 : 0;
+
+  PlyWriter ply(path);
+  ply.header(n_nodes + world.buildings.vertices_m.size(), 2 * cells + world.buildings.triangles.size());
+  for (int j = 0; j < grid.nz; ++j)
+    for (int i = 0; i < grid.nx; ++i)
+      if (grid.node_known(i, j))
+        ply.vertex(static_cast<float>(grid.node_x_m(i)), grid.y_m[grid.index(i, j)],
+                   static_cast<float>(grid.node_z_m(j)));
+  for (const glm::vec3& v : world.buildings.vertices_m) ply.vertex(v.x, v.y, v.z);
+  for (int j = 0; j + 1 < grid.nz; ++j) {
+    progress("writing triangles", static_cast<double>(j) / grid.nz);
+    for (int i = 0; i + 1 < grid.nx; ++i) {
+      if (!grid.cell_known(i, j)) continue;
+      const std::uint32_t v00 = number[grid.index(i, j)];
+      const std::uint32_t v10 = number[grid.index(i + 1, j)];
+      const std::uint32_t v01 = number[grid.index(i, j + 1)];
+      const std::uint32_t v11 = number[grid.index(i + 1, j + 1)];
+      ply.triangle(v00, v01, v10, 0xffffffffu);
+      ply.triangle(v11, v10, v01, 0xffffffffu);
+    }
+  }
+  for (std::size_t t = 0; t < world.buildings.triangles.size(); ++t) {
+    const glm::uvec3 corner = world.buildings.triangles[t];
+    ply.triangle(n_nodes + corner.x, n_nodes + corner.y, n_nodes + corner.z,
+                 world.buildings.triangle_face[t]);
+  }
+  ply.close();
+  progress("writing triangles", 1);
+  std::printf("%s: %llu triangles of ground, %zu of buildings\n", path.c_str(),
+              static_cast<unsigned long long>(2 * cells), world.buildings.triangles.size());
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("mesh", "Write the triangles that are traced as a binary PLY");
+  auto scene = std::make_shared<SceneArguments>();
+  auto out = std::make_shared<std::string>();
+  add_scene_arguments(*command, "SCENE", *scene);
+  command->add_option("--out", *out, "File to write")->type_name("FILE.ply");
+  command->callback([scene, out] {
+    auto config = open_scene(*scene);
+    if (!config) return;
+    if (out->empty()) throw InputError("mesh: --out: found nothing; allowed: a file to write");
+    meet_accuracy(*config, say_on_terminal, terminal_progress());
+    write_ply(*load_world_with_report(*config), *out, terminal_progress());
+  });
+}
+
+}  // namespace obliq

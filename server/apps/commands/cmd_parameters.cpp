@@ -1,0 +1,26 @@
+// `obliq parameters`: what can be set, in which units and within which limits.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "server/apps/commands/commands.h"
+#include "server/control/parameter_reference.h"
+#include "server/modbus/register_reference.h"
+
+namespace obliq {
+
+void add_parameters(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("parameters", "List every parameter with unit, default and limits");
+  auto markdown = std::make_shared<bool>(false);
+  command->add_flag("--markdown", *markdown, "As the Markdown page server/control/PARAMETERS.md");
+  auto modbus = std::make_shared<bool>(false);
+  command->add_flag("--modbus", *modbus, "The Modbus registers instead: the page server/modbus/REGISTERS.md")
+      ->excludes("--markdown");
+  command->callback([markdown, modbus] {
+    std::cout << (*modbus     ? modbus::registers_markdown()
+                  : *markdown ? parameters_markdown()
+                              : parameters_text());
+  });
+}
+
+}  // namespace obliq

@@ -1,0 +1,199 @@
+// `obliq record`: what a server sends about a radar, byte for byte, into a file.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cinttypes>
+#include <cstdio>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "client/frame_dispatch.h"
+#include "client/recording_writer.h"
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/interrupts.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/commands/reconnecting.h"
+#include "server/apps/commands/server_arguments.h"
+#include "server/apps/commands/stream_arguments.h"
+
+namespace obliq {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct RecordArguments {
+  ServerArguments server;
+  std::string out;
+  double rate_hz = 1;
+  std::uint64_t frames = 0;
+  double seconds = 0;
+  StreamArguments stream;
+  bool lossless = false;
+  bool force = false;
+  int reconnect_s = 0;
+};
+
+// Between looks at the clock and at signals.
+constexpr client::Timeout kPatience{100};
+constexpr double kMostSeconds = 1e9;
+constexpr Clock::duration kProgressPause = std::chrono::milliseconds(250);
+// Errors below this number end the connection, those above concern a radar that may recover.
+constexpr std::uint32_t kFirstErrorOfRadar = 100;
+
+// What a server says before it sends frames is a handful of messages.
+constexpr std::size_t kMostHeld = 64;
+
+/// Writes what arrives, and counts frames on the way. What comes before the subscription is acknowledged is
+/// held back, so that one that is refused leaves no file behind, and an older file as it was.
+class Recorder {
+ public:
+  Recorder(std::string path, bool force, std::uint64_t most_frames)
+      : path_(std::move(path)), force_(force), most_frames_(most_frames) {}
+
+  client::Status begin() {
+    if (begun_) return {};
+    begun_ = true;
+    client::Status status = writer_.open(path_, force_);
+    if (!status.ok()) {
+      const bool exists = !force_ && access(path_.c_str(), F_OK) == 0;
+      status.text = "--out: " + status.text + (exists ? "; --force overwrites it" : "");
+    }
+    for (auto message = held_.begin(); status.ok() && message != held_.end(); ++message) {
+      status = writer_.write(*message, {});
+    }
+    held_.clear();
+    return status;
+  }
+
+  client::Status take(const client::Message& message) {
+    if (finished()) return {};
+    if (!begun_ && !client::is_frame(message.header.type) && held_.size() < kMostHeld) {
+      held_.push_back(message.bytes());
+      return {};
+    }
+    client::Status status = begin();
+    if (status.ok()) status = writer_.write(message.header_bytes(), message.payload);
+    if (!status.ok()) return status;
+    if (message.header.type == wire::MessageType::frame_end) ++frames_;
+    wire::FrameBegin begin;
+    if (message.header.type == wire::MessageType::frame_begin &&
+        wire::parse_descriptor(message.descriptor(), begin)) {
+      skipped_ += begin.frames_skipped();
+    }
+    return status;
+  }
+  void take_welcome(const wire::Bytes& whole) { held_.push_back(whole); }
+  client::Status close() { return writer_.close(); }
+
+  bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
+  std::string text(Clock::time_point start) const {
+    char text[128];
+    std::snprintf(text, sizeof text, "%" PRIu64 " frames, %" PRIu64 " left out on the way, %.1f MB, %.1f s",
+                  frames_, skipped_, static_cast<double>(writer_.bytes()) * 1e-6,
+                  std::chrono::duration<double>(Clock::now() - start).count());
+    return text;
+  }
+
+ private:
+  client::RecordingWriter writer_;
+  std::string path_;
+  bool force_;
+  bool begun_ = false;
+  std::vector<wire::Bytes> held_;
+  std::uint64_t most_frames_;
+  std::uint64_t frames_ = 0;
+  std::uint64_t skipped_ = 0;
+};
+
+/// Receives until there is enough, or something ends it.
+client::Status receive_all(client::ResumingClient& client, const RecordArguments& arguments,
+                           const Recorder& recorder, const std::string& radar) {
+  const auto start = Clock::now();
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  auto shown = start;
+  while (!recorder.finished() && !interrupted()) {
+    const auto now = Clock::now();
+    if (arguments.seconds > 0 && now - start >= std::chrono::duration<double>(arguments.seconds)) break;
+    if (terminal && now - shown >= kProgressPause) {
+      std::fprintf(stderr, "\r%s: %s  ", radar.c_str(), recorder.text(start).c_str());
+      shown = now;
+    }
+    client::Status status = client.receive(kPatience);
+    if (status.ok() || status.outcome == client::Outcome::timed_out) continue;
+    if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
+      std::fprintf(stderr, "%swarning: %s\n", terminal ? "\n" : "", status.sentence().c_str());
+      continue;
+    }
+    return status;
+  }
+  if (terminal) std::fprintf(stderr, "\n");
+  return {};
+}
+
+void run(const RecordArguments& arguments) {
+  (void)wanted_planes(arguments.stream);  // bad names are refused before anything is done
+  heed_interrupts();
+  client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
+  resume.give_up = interrupted;
+  client::ResumingClient client(connect_to_server(arguments.server, "obliq record"), resume);
+  const std::string radar = choose_remote_radar(client.client(), arguments.server);
+  Recorder recorder(arguments.out, arguments.force, arguments.frames);
+  recorder.take_welcome(client.client().welcome_bytes());
+  client.client().set_tap([&recorder](const client::Message& message) { return recorder.take(message); });
+
+  const auto start = Clock::now();
+  // How the radar stands, for a recording that is cut before its first frame.
+  require(client.hold("state of " + radar, [radar](client::Client& to) {
+    wire::RadarInfo info;
+    return to.get_radar(radar, info);
+  }));
+  wire::Subscribe request;
+  request.set_radar(radar);
+  request.set_rate_hz(arguments.rate_hz);
+  request.set_lossless(arguments.lossless);
+  ask_for(arguments.stream, request);
+  require(client.subscribe(request));
+  require(recorder.begin());
+  client::Status status = receive_all(client, arguments, recorder, radar);
+  // A frame that is under way is ended by the server's FrameAbort, so that the recording ends between frames.
+  if (status.ok() && !recorder.finished()) status = client.client().unsubscribe(radar);
+  if (interrupted() && !client.client().is_open()) status = {};  // while it was to be taken up again
+  client.client().close();
+  const client::Status closed = recorder.close();
+  std::printf("%s: radar %s, %s\n", arguments.out.c_str(), radar.c_str(), recorder.text(start).c_str());
+  require(status);
+  require(closed);
+}
+
+}  // namespace
+
+void add_record(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "record", "Record what a server sends about a radar, byte for byte; Ctrl-C ends it cleanly");
+  auto arguments = std::make_shared<RecordArguments>();
+  add_server_arguments(*command, arguments->server, true);
+  add_stream_arguments(*command, arguments->stream);
+  command->add_option("--out", arguments->out, "The recording; must not exist yet")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--rate", arguments->rate_hz, "Frames a second")
+      ->type_name("HZ")
+      ->default_val(1.0)
+      ->check(a_rate());
+  command->add_option("--frames", arguments->frames, "Stop after so many whole frames; 0: go on")
+      ->type_name("N")
+      ->check(a_count());
+  command->add_option("--seconds", arguments->seconds, "Stop after so long; 0: go on")
+      ->type_name("S")
+      ->check(number_from(0, kMostSeconds));
+  command->add_flag("--lossless", arguments->lossless,
+                    "Leave no frame out: the radar waits for the disk. Needs the role controller");
+  add_reconnect_argument(*command, arguments->reconnect_s);
+  command->add_flag("--force", arguments->force, "Overwrite a file that exists");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

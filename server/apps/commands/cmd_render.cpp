@@ -1,0 +1,162 @@
+// `obliq render`: one frame of a scene to files, without a server.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/frame_report.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/commands/picture_arguments.h"
+#include "server/apps/scene_arguments.h"
+#include "server/loading/find_pixels.h"
+#include "server/loading/meet_accuracy.h"
+#include "server/loading/scene_loading.h"
+#include "server/output/describe_frame.h"
+#include "server/output/frame_files.h"
+#include "server/output/sample_textures.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
+#include "server/scene/scene_memory.h"
+#include "server/timing/timing_run.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+struct RenderArguments {
+  SceneArguments scene;
+  std::string radar;
+  std::string out;
+  bool samples = false;
+  PictureArguments picture;
+  bool profile = false;
+  int threads = 0;
+};
+
+/// Seconds since the last call.
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, const SceneConfig& config,
+                                   int threads, const RadarConfig& radar) {
+  const StageProbe probe(Stage::build);
+  auto scene = std::make_shared<const Scene>(world, config.materials, threads, config.rays);
+  if (needs_tracer(*scene, radar.settings.frustum)) scene->tracer(terminal_progress());
+  return scene;
+}
+
+void run(const SceneConfig& config, const RenderArguments& arguments) {
+  std::map<std::string, double> seconds;
+  Stopwatch watch;
+  FrameFileOptions files;
+  files.picture = picture_options(arguments.picture, true);
+  prepare_output_folder(arguments.out);
+  RadarConfig radar = choose_radar(config, arguments.radar);
+  if (arguments.samples && radar.settings.frustum == FrustumKind::sweep)
+    throw InputError(
+        "render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
+        "\"symmetric\", \"oblique\" or \"polar\"");
+  const int threads = arguments.threads > 0 ? arguments.threads : config.threads;
+  StageTimes loading;
+  std::optional<StageClock> clock(arguments.profile ? &loading : nullptr);
+  const auto world = load_world_with_report(config);
+  seconds["load_s"] = watch.lap();
+  const auto scene = build(world, config, threads, radar);
+  seconds["build_s"] = watch.lap();
+  clock.reset();
+  if (scene->built_tracer() != nullptr) say_on_terminal(tracer_line(*scene));
+  say_on_terminal(scene_memory_line(*scene));
+
+  find_pixels(scene, radar, {config.server.max_pixels, threads}, say_on_terminal, terminal_progress());
+  const Pose pose = place_radar(*world, radar);
+  const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
+  watch.lap();
+  const PlanResult planned = plan_frame(scene, snapshot, pose);
+  if (!planned.plan) throw InputError("radar \"" + radar.name + "\": " + all_text(planned.errors));
+  seconds["plan_s"] = watch.lap();
+
+  std::unique_ptr<SampleTextures> textures;
+  if (arguments.samples)
+    textures = std::make_unique<SampleTextures>(radar.settings.pixel_columns, radar.settings.pixel_rows);
+  Frame frame;
+  frame.bins = BinBlock(0, radar.settings.azimuth_bins, radar.settings.range_bins);
+  FrameSum sum(radar.settings);
+  const Progress progress = terminal_progress();
+  int done = 0;
+  RenderOptions options;
+  options.threads = threads;
+  options.tap = textures.get();
+  options.on_wedge = [&](Wedge&& wedge) {
+    copy_azimuths(wedge.bins, frame.bins);
+    sum.add(wedge);
+    if (progress)
+      progress("rendering", static_cast<double>(++done) / wedge_count(radar.settings.azimuth_bins));
+  };
+  render_wedges(*planned.plan, {0, radar.settings.azimuth_bins}, options);
+  frame.stats = sum.total();
+  seconds["render_s"] = watch.lap();
+
+  wire::FrameDescriptor descriptor;
+  wire::FrameSummary summary;
+  describe_frame(*planned.plan, radar.name, config.name, descriptor);
+  summarise_frame(*planned.plan, frame.stats, summary);
+  files.samples = textures.get();
+  if (arguments.picture.ortho) files.ground = &world->grid;
+  write_frame_files(arguments.out, descriptor, summary, frame.bins, files);
+  seconds["write_s"] = watch.lap();
+  if (arguments.profile) {
+    Profile profile = profile_frames({scene, snapshot, pose, radar.name, config.name, threads});
+    profile.scene = time_parts(loading);
+    std::fputs(profile_text(profile).c_str(), stderr);
+    write_timing(arguments.out, seconds, profile_json(profile));
+  } else {
+    write_timing(arguments.out, seconds);
+  }
+
+  print_frame_report(arguments.out, descriptor, summary,
+                     "in " + milliseconds_text(seconds["plan_s"] + seconds["render_s"]),
+                     world->report.warnings);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("render", "Render one frame of a scene to files, without a server");
+  auto arguments = std::make_shared<RenderArguments>();
+  add_scene_arguments(*command, "SCENE", arguments->scene);
+  command
+      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
+      ->type_name("NAME");
+  command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
+  command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
+  add_picture_arguments(*command, arguments->picture);
+  command->add_flag(
+      "--profile", arguments->profile,
+      "Say where the time of loading and of a frame goes, on stderr and in timing.json; renders "
+      "some more frames for it");
+  command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
+      ->check(whole_number_from(0, 1024));
+  command->callback([arguments] {
+    auto config = open_scene(arguments->scene);
+    if (!config) return;
+    if (arguments->out.empty())
+      throw InputError("render: --out: found nothing; allowed: a folder for the files");
+    say_notes(*config);
+    meet_accuracy(*config, say_on_terminal, terminal_progress());
+    run(*config, *arguments);
+  });
+}
+
+}  // namespace obliq

@@ -1,0 +1,253 @@
+// `obliq replay`: a recording as a line per frame, as files, or served to clients.
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cinttypes>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/interrupts.h"
+#include "server/apps/commands/newest_files.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/commands/picture_arguments.h"
+#include "server/apps/commands/received_bins.h"
+#include "server/apps/commands/server_arguments.h"
+#include "server/apps/replay/replay_renderer.h"
+#include "server/control/settings_message.h"
+#include "server/net/server.h"
+#include "server/security/exposure.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+using client::RecordedFrames;
+
+struct ReplayArguments {
+  std::string file;
+  std::string radar;
+  std::string speed = "1";
+  std::string out;
+  PictureArguments picture;
+  std::uint64_t frames = 0;
+  bool loop = false;
+  bool serve = false;
+  std::string address = "127.0.0.1";
+  std::uint16_t port = wire::kDefaultPort;
+  bool unprotected = false;
+};
+
+// A frame of a 20th of its time is nothing anyone can see, and a month in a second is no replay.
+constexpr double kSlowest = 0.01;
+constexpr double kFastest = 1e6;
+
+double speed_of(const std::string& text) {
+  if (text == "max") return std::numeric_limits<double>::infinity();
+  double speed = 0;
+  if (CLI::detail::lexical_cast(text, speed) && speed >= kSlowest && speed <= kFastest) return speed;
+  throw InputError("--speed: found \"" + text + "\"; allowed: 0.01 to 1000000, or max");
+}
+
+void warn(const std::string& note) { std::fprintf(stderr, "warning: %s\n", note.c_str()); }
+
+std::unique_ptr<client::RecordingReader> open_recording(const std::string& path) {
+  std::unique_ptr<client::RecordingReader> reader;
+  require(client::RecordingReader::open(path, reader));
+  return reader;
+}
+
+client::RecordingStart start_of(const ReplayArguments& arguments) {
+  client::RecordingStart start;
+  client::Status status = client::read_start(*open_recording(arguments.file), arguments.radar, start);
+  if (!status.ok()) status.text = arguments.file + ": " + status.text;
+  require(status);
+  return start;
+}
+
+void report(const client::RecordingLosses& losses, const std::string& path) {
+  if (losses.any()) throw PartlyDone(path + ": " + losses.text() + "; what is whole has been replayed");
+}
+
+// ---- To the terminal and to files ----
+
+/// In floating point: the times are whatever the file says.
+double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
+  return (static_cast<double>(to_ns) - static_cast<double>(from_ns)) * 1e-9;
+}
+
+void print_frame(const client::RecordedFrame& recorded, std::int64_t start_ns) {
+  const client::AssembledFrame& frame = recorded.frame;
+  std::printf("frame %" PRIu64
+              ": %.3f s into the recording, rendered in %.1f ms, first wedge after %.1f ms, %.2f MB\n",
+              frame.descriptor->frame_id(), seconds_between(start_ns, recorded.end_utc_ns),
+              1000 * frame.render_s, static_cast<double>(recorded.first_wedge_ns) * 1e-6,
+              static_cast<double>(recorded.bytes) * 1e-6);
+  std::fflush(stdout);
+}
+
+/// What the file held, in a line: also that nothing is missing is said.
+std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
+  const client::RecordingReader& reader = frames.reader();
+  std::string line = std::to_string(shown) + " frames, " + std::to_string(reader.messages()) +
+                     " whole messages, " + std::to_string(reader.offset()) + " bytes";
+  if (frames.aborted() > 0) line += ", " + std::to_string(frames.aborted()) + " aborted";
+  if (frames.losses().any()) line += ", " + frames.losses().text();
+  if (frames.cut()) line += ", the end is cut";
+  if (!frames.cut() && !frames.losses().any()) line += ", nothing left over";
+  return line;
+}
+
+void show(const ReplayArguments& arguments, const client::RecordingStart& start, double speed) {
+  std::optional<NewestFiles> files;
+  if (!arguments.out.empty()) files.emplace(arguments.out, picture_options(arguments.picture));
+  ReplayClock clock(speed);
+  std::uint64_t shown = 0;
+  bool enough = false;
+  client::RecordingLosses losses;
+  do {
+    RecordedFrames frames(open_recording(arguments.file), start.radar, start.planes);
+    auto found = RecordedFrames::Found::note;
+    const std::uint64_t before = shown;
+    while (!enough && found != RecordedFrames::Found::end) {
+      client::RecordedFrame recorded;
+      found = frames.next(recorded);
+      if (!frames.note().empty()) warn(frames.note());
+      if (found != RecordedFrames::Found::frame) continue;
+      std::this_thread::sleep_until(clock.due(recorded.end_utc_ns));
+      print_frame(recorded, start.utc_ns);
+      if (files) {
+        const BinBlock bins = take_bins(recorded.frame);
+        files->write(*recorded.frame.descriptor, *recorded.frame.summary, bins);
+      }
+      enough = arguments.frames != 0 && ++shown >= arguments.frames;
+      if (arguments.frames == 0) ++shown;
+    }
+    losses = client::more_of(losses, frames.losses());
+    if (!enough) std::printf("%s: %s\n", arguments.file.c_str(), end_line(frames, shown).c_str());
+    if (frames.frames_of_others() > 0 && !arguments.loop) {
+      warn(std::to_string(frames.frames_of_others()) + " frames of other radars than " + start.radar +
+           " were left out; --radar chooses");
+    }
+    if (shown == before) break;  // nothing to loop over
+    clock.begin_again();
+  } while (arguments.loop && !enough);
+  if (shown == 0)
+    throw InputError(arguments.file + ": no frame of radar " + start.radar +
+                     " is whole, so nothing was replayed" + (losses.any() ? "; " + losses.text() : ""));
+  report(losses, arguments.file);
+}
+
+// ---- To clients ----
+
+// Between looks at whether it is over.
+constexpr std::chrono::milliseconds kPatience{50};
+
+RadarConfig radar_of(const client::RecordingStart& start, const std::string& path) {
+  RadarConfig radar;
+  radar.name = start.radar;
+  for (const auto& errors : {merge_message(start.descriptor->settings(), radar.settings),
+                             merge_message(start.descriptor->pose(), radar.pose)}) {
+    if (!errors.empty()) throw InputError(path + ": its radar: " + errors.front().text());
+  }
+  // Its beam has swept: the passes come out of the recording.
+  radar.settings.scan_mode = ScanMode::frame;
+  return radar;
+}
+
+void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
+  if (!net::is_loopback(arguments.address) && !arguments.unprotected) {
+    throw InputError(
+        "--address: found " + arguments.address +
+        "; allowed: a loopback address, unless --unprotected says that anyone who reaches the port "
+        "may watch");
+  }
+  if (start.descriptor->has_window()) {
+    throw InputError("--serve: found " + arguments.file +
+                     ", of a part of the bins (--azimuths, --ranges); allowed: a recording of whole frames");
+  }
+  net::ServerOptions options;
+  options.address = arguments.address;
+  options.port = arguments.port;
+  options.server_name = "obliq replay";
+  options.server_version = OBLIQ_VERSION;
+  options.scene_name = start.descriptor->scene_name();
+  const RadarConfig radar = radar_of(start, arguments.file);
+  std::atomic<bool> ended = false;
+  const ReplayOptions replay{speed, arguments.loop};
+  const ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
+  net::Server server(renderer, {radar}, options);
+  heed_interrupts();
+  std::jthread io([&server] { server.run(); });
+  std::printf("ready: replays radar %s (%s) on %s\n", radar.name.c_str(),
+              wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
+  std::fflush(stdout);
+  while (!ended && !interrupted()) std::this_thread::sleep_for(kPatience);
+  server.stop();  // when clients have taken what waits for them
+  io.join();
+  report(renderer.losses(), arguments.file);
+}
+
+void run(const ReplayArguments& arguments) {
+  const double speed = speed_of(arguments.speed);
+  client::RecordingStart start = start_of(arguments);
+  if (start.planes == 0) warn("none of its frames has values");
+  if (arguments.serve) {
+    serve(arguments, std::move(start), speed);
+  } else {
+    show(arguments, start, speed);
+  }
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("replay", "Replay a recording: a line per frame, files, or a server for any client");
+  command->footer(
+      "Exit code: 0 all frames replayed (of a recording that was cut, those before the cut), 1 nothing could "
+      "be replayed, 2 frames were lost or the file is damaged, and what is whole has been replayed.");
+  auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("file", arguments->file, "What `obliq record` wrote")->required()->type_name("FILE");
+  command->add_option("--radar", arguments->radar, "Which radar; without: that of the first frame")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--speed", arguments->speed,
+          "Times the original speed, or max: without waiting. Pauses of more than 5 minutes are cut to that")
+      ->type_name("FACTOR")
+      ->default_val("1");
+  CLI::Option* frames = command->add_option("--frames", arguments->frames, "Stop after so many; 0: all")
+                            ->type_name("N")
+                            ->check(a_count());
+  CLI::Option* out =
+      command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
+          ->type_name("DIR");
+  add_picture_arguments(*command, arguments->picture);
+  command->add_flag("--loop", arguments->loop, "Begin again at the end");
+  CLI::Option* serve = command->add_flag(
+      "--serve", arguments->serve,
+      "Serve the frames as obliqd would, from the first subscription on; ends with the recording");
+  serve->excludes(frames)->excludes(out);
+  command->add_option("--port", arguments->port, "With --serve; 0: any free one")
+      ->needs(serve)
+      ->type_name("N")
+      ->default_val(wire::kDefaultPort)
+      ->check(whole_number_from(0, std::numeric_limits<std::uint16_t>::max()));
+  command->add_option("--address", arguments->address, "With --serve: where to listen")
+      ->needs(serve)
+      ->type_name("HOST")
+      ->default_val("127.0.0.1");
+  command
+      ->add_flag("--unprotected", arguments->unprotected,
+                 "With --serve: allow an address off loopback, without encryption and tokens")
+      ->needs(serve);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

@@ -1,0 +1,140 @@
+// `obliq status`: what a server is doing, and how each of its radars stands.
+#include <CLI/CLI.hpp>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/commands.h"
+#include "server/apps/commands/pose_text.h"
+#include "server/apps/commands/server_arguments.h"
+#include "server/control/quality_presets.h"
+#include "server/output/frame_json.h"
+
+namespace obliq {
+namespace {
+
+struct StatusArguments {
+  ServerArguments server;
+  bool json = false;
+};
+
+/// "sweep, 2048 columns (standard)", "oblique, 4096 x 2048 pixels, spread plates".
+std::string sampling_text(const wire::RadarSettings& settings) {
+  const std::string kind = enum_word(wire::FrustumKind_Name(settings.frustum()));
+  const std::string plates = enum_word(wire::PlateKind_Name(settings.plates()));
+  const bool sweeps = settings.frustum() == wire::SWEEP;
+  std::string text = kind + ", " + std::to_string(settings.pixel_columns());
+  if (!sweeps) text += " x " + std::to_string(settings.pixel_rows());
+  text += sweeps ? " columns" : " pixels, " + plates + " plates";
+  for (const QualityPreset& preset : quality_presets()) {
+    const int columns = preset.columns > 0 ? preset.columns
+                                           : pixels_for_bins(preset.columns_per_bin, settings.azimuth_bins());
+    const int rows =
+        preset.rows > 0 ? preset.rows : pixels_for_bins(preset.rows_per_bin, settings.range_bins());
+    if (preset.kind == kind && columns == settings.pixel_columns() &&
+        (sweeps || (preset.plates == plates && rows == settings.pixel_rows())))
+      return text + " (" + std::string(preset.name) + ")";
+  }
+  return text;
+}
+
+void print_server(const client::Client& client, const wire::Status& status) {
+  std::printf("%s %s, scene %s, up %.0f s, %u client%s, %.1f MB sent, %" PRIu64
+              " frames dropped, %u renders queued\n",
+              status.server_name().c_str(), status.server_version().c_str(),
+              client.welcome().scene_name().c_str(), status.uptime_s(), status.clients(),
+              status.clients() == 1 ? "" : "s", static_cast<double>(status.bytes_sent()) * 1e-6,
+              status.frames_dropped(), status.renders_queued());
+  if (status.windows_loaded() == 0 && status.window_failures() == 0 && !status.window_loading()) return;
+  std::printf("terrain: %" PRIu64 " loaded since the start, %" PRIu64 " could not be%s",
+              status.windows_loaded(), status.window_failures(),
+              status.window_loading() ? ", one is being loaded" : "");
+  if (!status.window_error().empty()) {
+    std::printf("; at present: %s", status.window_error().c_str());
+  } else if (status.window_well_s() > 0) {
+    std::printf("; all is well since %.0f s, before that: %s", status.window_well_s(),
+                status.window_failure().c_str());
+  }
+  std::printf("\n");
+}
+
+void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
+  std::printf("%s: settings %" PRIu64 ", controlled by %s, %u watching at %g Hz, %" PRIu64 " frames",
+              radar.radar().c_str(), radar.settings_version(),
+              radar.controller().empty() ? "nobody" : radar.controller().c_str(), radar.subscribers(),
+              radar.rate_hz(), radar.frames());
+  if (radar.frames() > 0) std::printf(", the last in %.1f ms", 1000 * radar.last_render_s());
+  if (radar.frames_shed() > 0) std::printf(", %" PRIu64 " shed for want of time", radar.frames_shed());
+  if (radar.rate_limit_hz() > 0) std::printf(", at most %g Hz", radar.rate_limit_hz());
+  if (radar.transmit_off()) std::printf(", transmit off");
+  if (radar.frozen()) std::printf(", frozen");
+  if (radar.pose_stale()) std::printf(", its pose is stale");
+  if (radar.late_poses() > 0) std::printf(", %" PRIu64 " poses came late", radar.late_poses());
+  if (radar.dwells_missed() > 0) std::printf(", %" PRIu64 " dwells missed", radar.dwells_missed());
+  if (!radar.fault().empty()) std::printf(", cannot be rendered: %s", radar.fault().c_str());
+  const wire::RadarSettings& settings = info.settings();
+  std::printf("\n  pose: %s\n", pose_text(info.pose()).c_str());
+  std::printf("  ranges: %g to %g m, sector %g degrees, %d x %d bins, %g GHz", settings.r_min_m(),
+              settings.r_max_m(), settings.sector_deg(), settings.azimuth_bins(), settings.range_bins(),
+              settings.frequency_ghz());
+  if (settings.scan_mode() != wire::FRAME_SCAN)
+    std::printf(", scans %s at %g degrees/s",
+                settings.scan_mode() == wire::SECTOR_SCAN ? "its sector" : "round",
+                settings.scan_rate_deg_s());
+  std::printf("\n  sampling: %s\n", sampling_text(settings).c_str());
+  if (radar.has_coverage()) {
+    std::printf("  ground: under %.4g %% of the newest frame's sector%s%s\n", 100 * radar.coverage(),
+                radar.coverage_reason().empty() ? "" : "; ", radar.coverage_reason().c_str());
+  }
+}
+
+void print_json(const client::Client& client, const wire::Status& status,
+                const std::vector<wire::RadarInfo>& infos, const std::string& only) {
+  using Json = nlohmann::ordered_json;
+  Json root = Json::parse(message_json(status));
+  root.erase("request_id");
+  root["scene_name"] = client.welcome().scene_name();
+  Json radars = Json::array();
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    Json radar = root["radars"][i];
+    const Json info = Json::parse(message_json(infos[i]));
+    radar["pose"] = info["pose"];
+    radar["settings"] = info["settings"];
+    if (!status.radars(static_cast<int>(i)).has_coverage()) radar.erase("coverage");
+    radar["sampling"] = sampling_text(infos[i].settings());
+    if (only.empty() || infos[i].radar() == only) radars.push_back(std::move(radar));
+  }
+  root["radars"] = std::move(radars);
+  std::printf("%s\n", root.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+void run(const StatusArguments& arguments) {
+  client::Client client = connect_to_server(arguments.server, "obliq status");
+  const std::string& only = arguments.server.radar;
+  if (!only.empty()) (void)choose_remote_radar(client, arguments.server);
+  wire::Status status;
+  require(client.get_status(status));
+  std::vector<wire::RadarInfo> infos(static_cast<std::size_t>(status.radars_size()));
+  for (std::size_t i = 0; i < infos.size(); ++i)
+    require(client.get_radar(status.radars(static_cast<int>(i)).radar(), infos[i]));
+  if (arguments.json) return print_json(client, status, infos, only);
+  print_server(client, status);
+  for (std::size_t i = 0; i < infos.size(); ++i)
+    if (only.empty() || infos[i].radar() == only) print_radar(status.radars(static_cast<int>(i)), infos[i]);
+}
+
+}  // namespace
+
+void add_status(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("status", "Show what a server is doing and how its radars stand and look");
+  auto arguments = std::make_shared<StatusArguments>();
+  add_server_arguments(*command, arguments->server, true);
+  command->add_flag("--json", arguments->json, "Print it as JSON, with everything that the server tells");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace obliq

@@ -1,0 +1,41 @@
+#include "server/apps/commands/frame_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
+
+namespace obliq {
+
+void print_frame_report(const std::string& out, const wire::FrameDescriptor& descriptor,
+                        const wire::FrameSummary& summary, const std::string& times,
+                        const std::vector<std::string>& said) {
+  for (const std::string& warning : frame_warnings(descriptor, summary)) {
+    if (std::ranges::find(said, warning) == said.end())
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+  if (descriptor.settings().frustum() == wire::SWEEP) {
+    std::printf("%s: %llu planes", out.c_str(), static_cast<unsigned long long>(summary.rays()));
+  } else {
+    std::printf("%s: %.2f M rays", out.c_str(), static_cast<double>(summary.rays()) / 1e6);
+  }
+  std::printf(", %.2f M samples %s", static_cast<double>(summary.samples()) / 1e6, times.c_str());
+  if (summary.lit_bins() > 0)
+    std::printf(
+        ", %llu gaps: %.2f %% of the lit bins unsampled",
+        static_cast<unsigned long long>(summary.unsampled_bins()),
+        100 * static_cast<double>(summary.unsampled_bins()) / static_cast<double>(summary.lit_bins()));
+  if (descriptor.buildings_in_scene() > 0) {
+    std::printf(", %u of %u buildings seen", summary.buildings_seen(), descriptor.buildings_in_scene());
+  }
+  std::printf("\n");
+}
+
+std::string milliseconds_text(double seconds) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.0f ms", 1000 * seconds);
+  return text;
+}
+
+}  // namespace obliq

@@ -1,0 +1,229 @@
+#include "server/apps/commands/server_arguments.h"
+
+#include <sys/stat.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/number_option.h"
+#include "server/control/complaints.h"
+#include "server/control/config_tree.h"
+#include "server/control/parameters.h"
+#include "server/control/quality_presets.h"
+#include "server/control/scene_keys.h"
+#include "server/loading/scene_loading.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/regular_file.h"
+
+namespace obliq {
+namespace {
+
+constexpr int kMaxWait_s = 86400;
+constexpr std::chrono::milliseconds kRetryPause{100};
+// obliqd answers a Hello at once. What is silent for longer is told from it, unless --wait has patience.
+constexpr client::Timeout kGreeted{2000};
+constexpr int kMostTokenLines = 100;
+constexpr std::size_t kLongestTokenBytes = 256;
+
+/// Whether trying again may help. A server that answers, if only with a refusal, is there.
+bool may_come_up(client::Outcome outcome) {
+  return outcome == client::Outcome::cannot_connect || outcome == client::Outcome::timed_out ||
+         outcome == client::Outcome::closed;
+}
+
+/// What a key is that is no radar parameter.
+std::string why_no_parameter(const std::string& name) {
+  constexpr auto kList = "`obliq parameters` lists them";
+  std::vector<std::string> names{"frustum.quality", "frustum.pixels"};
+  for (const Parameter& known : parameters()) names.emplace_back(known.key.name);
+  std::vector<std::string> of_scene;
+  for (const auto& entry : scene_entries()) of_scene.emplace_back(entry.key.name);
+  for (const SpecialKey& key : special_keys()) of_scene.emplace_back(key.name);
+  if (std::ranges::find(of_scene, name) != of_scene.end())
+    return std::string(
+               "belongs to the scene, which obliqd reads when it starts and at SIGHUP; allowed: a "
+               "radar parameter; ") +
+           kList;
+  const std::string near = nearest_name(name, names);
+  return "an unknown key; " + (near.empty() ? kList : "did you mean " + near + "?");
+}
+
+/// Puts one value in its place, or adds a complaint.
+void set_parameter(const std::string& name, const ConfigNode& node, const FlagRules& rules,
+                   RadarConfig& radar, Complaints& complaints) {
+  const std::string where = rules.where + " " + name;
+  const Parameter* parameter = find_parameter(name);
+  if (parameter == nullptr) return complaints.add(where + ": " + why_no_parameter(name));
+  if (const std::string why = rules.why_not ? rules.why_not(*parameter) : ""; !why.empty())
+    return complaints.add(where + ": " + why);
+  const Slot slot = parameter->slot(radar);
+  const bool is_value = node.kind == ConfigNode::Kind::value;
+  auto error = is_value ? store(parameter->key, slot, node.value)
+                        : FieldError{name, node.found_text(), allowed_text(parameter->key, slot)};
+  if (error) complaints.add(where + ": found " + node.found_text() + "; allowed: " + error->allowed);
+}
+
+/// The first line that is neither empty nor a comment.
+std::string read_token(const std::string& path) {
+  refuse_endless_file("--token-file: " + path, path);
+  struct stat status {};
+  std::ifstream file(path);
+  if (!file || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    throw InputError("--token-file: " + path + " cannot be read");
+  }
+  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+    std::fprintf(stderr, "obliq: warning: %s may be read by other users: chmod 600\n", path.c_str());
+  }
+  std::string line;
+  for (int i = 0; i < kMostTokenLines && std::getline(file, line); ++i) {
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
+    const std::size_t last = line.find_last_not_of(" \t\r");
+    line = line.substr(first, last - first + 1);
+    if (line.find_first_of(" \t") == std::string::npos && line.size() <= kLongestTokenBytes) return line;
+    break;
+  }
+  throw InputError("--token-file: " + path + ": found no line that is one token");
+}
+
+}  // namespace
+
+void add_server_arguments(CLI::App& app, ServerArguments& arguments, bool positional) {
+  app.add_option(positional ? "SERVER,--server" : "--server", arguments.server,
+                 "Where obliqd listens: HOST:PORT, HOST, :PORT or PORT, [IPv6]:PORT")
+      ->type_name("HOST:PORT")
+      ->envname("OBLIQ_SERVER")
+      ->default_val("127.0.0.1:7420");
+  app.add_option("--radar", arguments.radar, "Which radar; without: the only one, or the one named main")
+      ->type_name("NAME");
+  app.add_flag("--tls", arguments.tls.enabled, "The server speaks TLS");
+  app.add_option("--ca", arguments.tls.ca_file,
+                 "Whom to trust to vouch for the server, instead of whom this machine trusts; with --tls")
+      ->type_name("FILE");
+  app.add_option("--token-file", arguments.token_file,
+                 "A file with the token that the server wants, in its first line; its mode should be 600")
+      ->type_name("FILE")
+      ->envname("OBLIQ_TOKEN_FILE");
+  app.add_option("--wait", arguments.wait_s,
+                 "Where no server answers yet, as while obliqd loads, try again for so long")
+      ->type_name("SECONDS")
+      ->default_val(0)
+      ->check(whole_number_from(0, kMaxWait_s));
+}
+
+void require(const client::Status& status) {
+  if (!status.ok()) throw InputError(status.sentence());
+}
+
+client::Client connect_to_server(const ServerArguments& arguments, const std::string& name) {
+  const auto endpoint = client::parse_endpoint(arguments.server);
+  if (!endpoint) {
+    throw InputError("--server: found \"" + arguments.server +
+                     "\"; allowed: HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT, such as 127.0.0.1:7420");
+  }
+  if (!arguments.tls.enabled && !arguments.tls.ca_file.empty()) throw InputError("--ca: allowed with --tls");
+  client::ClientOptions options{.name = name};
+  options.tls = arguments.tls;
+  options.hello_timeout =
+      std::clamp<client::Timeout>(std::chrono::seconds(arguments.wait_s), kGreeted, options.reply_timeout);
+  if (!arguments.token_file.empty()) options.token = read_token(arguments.token_file);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(arguments.wait_s);
+  client::Client client;
+  bool waiting = false;
+  for (;;) {
+    client::Status status = client.connect(*endpoint, options);
+    if (status.ok()) return client;
+    if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
+      if (waiting) status.text += " (waited " + std::to_string(arguments.wait_s) + " s)";
+      if (status.outcome == client::Outcome::timed_out)
+        status.text += "; --server HOST:PORT says where obliqd listens, --wait SECONDS gives it longer";
+      if (status.outcome == client::Outcome::cannot_connect)
+        status.text +=
+            "; start obliqd there (`obliqd SCENE.toml`), or say where it listens with --server HOST:PORT; "
+            "--wait SECONDS tries again until it has loaded";
+      require(status);
+    }
+    if (!waiting) {
+      std::fprintf(stderr, "obliq: waiting for a server at %s, %d s at most\n", endpoint->text().c_str(),
+                   arguments.wait_s);
+    }
+    waiting = true;
+    std::this_thread::sleep_for(kRetryPause);
+  }
+}
+
+std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments) {
+  const wire::Welcome& welcome = client.welcome();
+  std::string names;
+  for (const std::string& radar : welcome.radars()) {
+    if (is_meant(radar, arguments.radar, static_cast<std::size_t>(welcome.radars_size()))) return radar;
+    names += (names.empty() ? "" : ", ") + radar;
+  }
+  if (names.empty()) throw InputError("the server has no radars");
+  throw InputError("--radar: found " + (arguments.radar.empty() ? "nothing" : "\"" + arguments.radar + "\"") +
+                   "; allowed: " + names);
+}
+
+void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {
+  Complaints complaints;
+  std::vector<std::string> ordered = flags;
+  std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
+    return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
+  });
+  std::vector<ConfigNode> per_bin;  // pixels that wait for the bins
+  for (const std::string& flag : ordered) {
+    const std::size_t equals = flag.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      complaints.add(rules.where + ": found \"" + flag +
+                     "\"; allowed: KEY=VALUE, such as radar.r_max_m=37000");
+      continue;
+    }
+    const std::string name = flag.substr(0, equals);
+    const ConfigNode node =
+        parse_config_value(std::string_view(flag).substr(equals + 1), rules.where + " " + name);
+    const auto set = [&](const std::string& key, const ConfigNode& value) {
+      std::erase_if(per_bin, [&](const ConfigNode& waiting) { return "frustum." + waiting.key == key; });
+      set_parameter(key, value, rules, radar, complaints);
+    };
+    // The short forms, as in a scene file.
+    if (name == "frustum.pixels") {
+      const bool pair = node.kind == ConfigNode::Kind::array && node.items.size() == 2;
+      set("frustum.pixel_columns", pair ? node.items[0] : node);
+      set("frustum.pixel_rows", pair ? node.items[1] : node);
+    } else if (name == "frustum.quality") {
+      const auto* text = std::get_if<std::string>(&node.value);
+      const QualityPreset* preset = text != nullptr ? find_quality(*text) : nullptr;
+      if (preset == nullptr) {
+        complaints.add(rules.where, {name, node.found_text(), quality_names()});
+        continue;
+      }
+      if (preset->searched) {
+        complaints.add("--set",
+                       {name, node.found_text() + ", whose pixels obliqd finds for radars of its scene file",
+                        "frustum.kind=oblique with frustum.pixels, or another quality"});
+        continue;
+      }
+      for (const ConfigNode& expanded : quality_nodes(*preset, node)) {
+        if (expanded.per_bin > 0)
+          per_bin.push_back(expanded);
+        else
+          set("frustum." + expanded.key, expanded);
+      }
+    } else {
+      set(name, node);
+    }
+  }
+  for (const ConfigNode& waiting : per_bin) {
+    const bool columns = waiting.key == "pixel_columns";
+    (columns ? radar.settings.pixel_columns : radar.settings.pixel_rows) =
+        pixels_for_bins(waiting.per_bin, columns ? radar.settings.azimuth_bins : radar.settings.range_bins);
+  }
+  complaints.throw_if_any();
+}
+
+}  // namespace obliq

@@ -1,0 +1,97 @@
+#include "server/apps/commands/stream_arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include "proto/obliq.pb.h"
+#include "proto/plane_coding.h"
+#include "server/apps/commands/plane_argument.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+template <typename Request>
+void write_request(const StreamArguments& arguments, Request& request) {
+  request.set_iq_encoding(
+      arguments.encoding == wire::encoding_name(wire::IqEncoding::ci16_le) ? wire::CI16_LE : wire::CF32_LE);
+  request.set_compression(arguments.compression == wire::compression_name(wire::Compression::zstd)
+                              ? wire::ZSTD
+                              : wire::UNCOMPRESSED);
+  const wire::Window window{parse_bin_run(arguments.azimuths, "--azimuths"),
+                            parse_bin_run(arguments.ranges, "--ranges")};
+  if (!window.is_whole()) wire::write_window(window, *request.mutable_window());
+  const wire::PlaneSet planes = wanted_planes(arguments);
+  for (int plane = 0; plane < wire::kPlanes; ++plane)
+    if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
+}
+
+}  // namespace
+
+void add_stream_arguments(CLI::App& app, StreamArguments& arguments) {
+  using wire::Compression;
+  using wire::IqEncoding;
+  app.add_option(
+         "--encoding", arguments.encoding,
+         "How I&Q is sent: floats as they are, or 16-bit integers with a scale for each block, half the "
+         "bytes")
+      ->check(
+          CLI::IsMember({wire::encoding_name(IqEncoding::cf32_le), wire::encoding_name(IqEncoding::ci16_le)}))
+      ->default_val(wire::encoding_name(IqEncoding::cf32_le));
+  app.add_option("--compress", arguments.compression, "Compress all planes")
+      ->check(CLI::IsMember(
+          {wire::compression_name(Compression::none), wire::compression_name(Compression::zstd)}))
+      ->default_val(wire::compression_name(Compression::none));
+  app.add_option(
+         "--azimuths", arguments.azimuths,
+         "Only these azimuth bins, those below END, every STEP-th; all parts may be left out: 100:200, "
+         "::4")
+      ->type_name("FIRST:END:STEP");
+  app.add_option("--ranges", arguments.ranges, "Only these range bins, alike")->type_name("FIRST:END:STEP");
+  app.add_option("--planes", arguments.planes, "Only these of iq,power,count,state; without: all")
+      ->type_name("NAMES");
+}
+
+void ask_for(const StreamArguments& arguments, wire::Subscribe& request) {
+  write_request(arguments, request);
+}
+void ask_for(const StreamArguments& arguments, wire::RenderOnce& request) {
+  write_request(arguments, request);
+}
+
+wire::PlaneSet wanted_planes(const StreamArguments& arguments) {
+  return arguments.planes.empty() ? wire::kAllPlanes : planes_from_names(arguments.planes);
+}
+
+wire::BinRun parse_bin_run(const std::string& text, const std::string& option) {
+  const auto refuse = [&] {
+    throw InputError(
+        option + ": found \"" + text +
+        "\"; allowed: FIRST:END:STEP with END above FIRST and STEP from 1, such as 100:200, :512 "
+        "or ::4");
+  };
+  std::array<std::uint32_t, 3> parts{0, 0, 1};
+  std::string_view rest = text;
+  bool has_end = false;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::size_t colon = rest.find(':');
+    const std::string_view part = rest.substr(0, colon);
+    if (!part.empty()) {
+      const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), parts[i]);
+      if (error != std::errc() || end != part.data() + part.size()) refuse();
+      if (i == 1) has_end = true;
+    }
+    if (colon == std::string_view::npos) {
+      if (i == 0 && !text.empty()) refuse();  // a single number says neither where to begin nor where to end
+      break;
+    }
+    if (i + 1 == parts.size()) refuse();
+    rest.remove_prefix(colon + 1);
+  }
+  if (parts[2] == 0 || (has_end && parts[1] <= parts[0])) refuse();
+  return {parts[0], has_end ? parts[1] - parts[0] : 0, parts[2]};
+}
+
+}  // namespace obliq

@@ -1,0 +1,197 @@
+#include "server/apps/commands/track_reader.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "server/control/parameters.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+constexpr std::size_t kLongestLine = 4096;
+constexpr std::size_t kColumns = 5;
+constexpr std::size_t kLongestFound = 40;  // of what a complaint repeats
+
+struct Column {
+  std::string_view name;
+  std::string_view key;       ///< of the parameter whose limits it has; empty: the time
+  std::string_view headings;  ///< what a header's word may begin with
+};
+constexpr std::array<Column, kColumns> kTable{{
+    {"time", "", "t sec"},
+    {"latitude", "antenna.latitude_deg", "lat"},
+    {"longitude", "antenna.longitude_deg", "lon lng"},
+    {"height", "antenna.height_m", "height alt elev"},
+    {"bearing", "antenna.bearing_deg", "bearing heading course yaw"},
+}};
+constexpr std::string_view kWanted = "time,latitude,longitude,height,bearing";
+// Nanoseconds in 63 bits (antenna.sim_time_ns).
+constexpr double kLargestTime_s = 4e9;
+
+std::string_view trimmed(std::string_view text) {
+  const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// Takes the text up to the next comma off the line.
+std::string_view take_column(std::string_view& line) {
+  const std::size_t comma = line.find(',');
+  const std::string_view column = trimmed(line.substr(0, comma));
+  line = comma == std::string_view::npos ? std::string_view() : line.substr(comma + 1);
+  return column;
+}
+
+bool parse_number(std::string_view text, double& value) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// As a file had it, made fit for a terminal.
+std::string shown(std::string_view text) {
+  std::string clean(text.substr(0, kLongestFound));
+  for (char& c : clean)
+    if (c < ' ' || c > '~') c = '?';
+  return "\"" + clean + (text.size() > kLongestFound ? "..." : "") + "\"";
+}
+
+bool within_limits(const Column& column, double value) {
+  const Parameter* parameter = find_parameter(column.key);
+  if (parameter != nullptr) return parameter->key.limits.contains(value);
+  return value >= -kLargestTime_s && value <= kLargestTime_s;
+}
+
+std::string allowed(const Column& column) {
+  RadarConfig any;
+  const Parameter* parameter = find_parameter(column.key);
+  if (parameter != nullptr) return allowed_text(parameter->key, parameter->slot(any));
+  return "number -4e9 to 4e9 s";
+}
+
+bool is_heading(std::string_view word, const Column& column) {
+  std::string lower(word);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::istringstream headings{std::string(column.headings)};
+  for (std::string heading; headings >> heading;)
+    if (lower.starts_with(heading)) return true;
+  return false;
+}
+
+}  // namespace
+
+TrackReader::TrackReader(const std::string& path) : name_(path == "-" ? "standard input" : path) {
+  fd_ = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd_ < 0) throw InputError(name_ + ": cannot be read: " + std::system_category().message(errno));
+  struct stat status {};
+  if (::fstat(fd_, &status) == 0 && S_ISDIR(status.st_mode)) {
+    ::close(fd_);
+    throw InputError(name_ + ": found a folder; allowed: a file with lines of " + std::string(kWanted));
+  }
+  is_file_ = S_ISREG(status.st_mode);
+}
+
+TrackReader::~TrackReader() { ::close(fd_); }
+
+void TrackReader::rewind() {
+  ::lseek(fd_, 0, SEEK_SET);
+  read_.clear();
+  searched_ = 0;
+  line_ = 0;
+  ended_ = begun_ = flying_ = false;
+}
+
+std::string TrackReader::where() const { return name_ + ":" + std::to_string(line_); }
+
+TrackReader::Got TrackReader::next_line(std::string& line, std::chrono::milliseconds patience) {
+  for (;;) {
+    const std::size_t end = read_.find('\n', searched_);
+    if (end != std::string::npos || (ended_ && !read_.empty())) {
+      ++line_;
+      line = read_.substr(0, end);
+      read_.erase(0, end == std::string::npos ? read_.size() : end + 1);
+      searched_ = 0;
+      return Got::point;
+    }
+    if (ended_) return Got::end;
+    searched_ = read_.size();
+    if (read_.size() > kLongestLine)
+      throw InputError(name_ + ":" + std::to_string(line_ + 1) + ": found a line of more than " +
+                       std::to_string(kLongestLine) + " characters; allowed: " + std::string(kWanted));
+    pollfd entry{fd_, POLLIN, 0};
+    const int ready = is_file_ ? 1 : ::poll(&entry, 1, static_cast<int>(patience.count()));
+    if (ready <= 0) return Got::nothing_yet;
+    std::array<char, kLongestLine> bytes{};
+    const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) return Got::nothing_yet;
+    if (n < 0) throw InputError(name_ + ": cannot be read: " + std::system_category().message(errno));
+    ended_ = n == 0;
+    read_.append(bytes.data(), static_cast<std::size_t>(n));
+  }
+}
+
+TrackReader::Got TrackReader::next(TrackPoint& point, std::chrono::milliseconds patience) {
+  std::string line;
+  for (;;) {
+    const Got got = next_line(line, patience);
+    if (got == Got::end && !flying_)
+      throw InputError(name_ + ": found no pose; allowed: lines of " + std::string(kWanted));
+    if (got != Got::point) return got;
+    if (line_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // as some spreadsheets begin
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text.front() == '#') continue;
+    if (parse(text, point)) return Got::point;
+  }
+}
+
+void TrackReader::check_header(std::string_view line) const {
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const std::string_view word = take_column(line);
+    if (!is_heading(word, kTable[i]))
+      throw InputError(where() + ": column " + std::to_string(i + 1) + ": found " + shown(word) +
+                       "; allowed: a number, or a header of " + std::string(kWanted));
+  }
+}
+
+/// False: it was the header.
+bool TrackReader::parse(std::string_view line, TrackPoint& point) {
+  std::string_view rest = line;
+  double unused = 0;
+  const std::string_view first = take_column(rest);
+  if (!std::exchange(begun_, true) && !parse_number(first, unused)) {
+    check_header(line);
+    return false;
+  }
+  rest = line;
+  const std::array<double*, kColumns> values{&point.time_s, &point.latitude_deg, &point.longitude_deg,
+                                             &point.height_m, &point.bearing_deg};
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    if (rest.empty())
+      throw InputError(where() + ": found " + std::to_string(i) + (i == 1 ? " column" : " columns") +
+                       "; allowed: " + std::string(kWanted) + " and whatever follows, with commas between");
+    const std::string_view text = take_column(rest);
+    if (!parse_number(text, *values[i]) || !within_limits(kTable[i], *values[i]))
+      throw InputError(where() + ": " + std::string(kTable[i].name) + ": found " + shown(text) +
+                       "; allowed: " + allowed(kTable[i]));
+  }
+  if (flying_ && point.time_s < last_time_s_)
+    throw InputError(where() + ": time: found " + toml_number(point.time_s) + " after " +
+                     toml_number(last_time_s_) + "; allowed: a time that does not go back");
+  flying_ = true;
+  last_time_s_ = point.time_s;
+  return true;
+}
+
+}  // namespace obliq

@@ -1,0 +1,312 @@
+#include "server/apps/daemon/daemon.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/asio.hpp>
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/daemon/build_info.h"
+#include "server/apps/daemon/reload.h"
+#include "server/apps/daemon/reloader.h"
+#include "server/apps/daemon/server_options.h"
+#include "server/apps/daemon/service_manager.h"
+#include "server/flight/scene_keeper.h"
+#include "server/http/http_server.h"
+#include "server/http/metrics.h"
+#include "server/http/pages.h"
+#include "server/http/readiness.h"
+#include "server/loading/find_pixels.h"
+#include "server/loading/meet_accuracy.h"
+#include "server/loading/scene_loading.h"
+#include "server/log/service_log.h"
+#include "server/modbus/service.h"
+#include "server/net/io_thread.h"
+#include "server/net/reserved_port.h"
+#include "server/net/server.h"
+#include "server/rendering/frame_cache.h"
+#include "server/rendering/scene_renderer.h"
+#include "server/scene/scene_memory.h"
+#include "server/security/security.h"
+#include "terrain/base/background.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/failure_text.h"
+
+namespace obliq {
+namespace {
+
+/// Between the end of the service's own limit and the end of the process.
+constexpr double kLastWords_s = 0.5;
+
+namespace asio = boost::asio;
+
+/// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
+void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar, const LoadReport& loaded) {
+  const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
+  const auto plan = renderer.plan(snapshot, radar.pose);
+  if (!plan.frame) throw InputError("radar \"" + radar.name + "\": " + all_text(plan.errors));
+  wire::FrameDescriptor descriptor;
+  plan.frame->describe(radar.name, descriptor);
+  for (const std::string& warning : descriptor.warnings()) {
+    const bool said = std::ranges::find(loaded.warnings, warning) != loaded.warnings.end();
+    if (!said) spdlog::warn("radar {}: {}", radar.name, warning);
+  }
+}
+
+/// One object, so that what the io thread uses outlives that thread however the daemon ends.
+class Daemon {
+ public:
+  Daemon(SceneConfig config, SceneArguments arguments)
+      : config_(std::move(config)), arguments_(std::move(arguments)), metrics_(build_info()) {
+    on_log_line([this](const std::string& level) { metrics_.log_line(level); });
+  }
+  ~Daemon() {
+    io_.end();
+    http_io_.end();
+    on_log_line({});
+  }
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  void run();
+
+ private:
+  void heed_signals();
+  void wait_for_signal();
+  void on_signal();
+  static void end_by(double limit_s);
+  void keep_pulse();
+  void open_http();
+  void load();
+  void serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port);
+  Progress progress();
+
+  SceneConfig config_;
+  SceneArguments arguments_;
+  std::shared_ptr<net::Security> security_;
+  http::Readiness readiness_;
+  http::Metrics metrics_;
+  net::IoThread http_io_;  ///< HTTP's own, so that its TLS handshakes keep nobody waiting
+  net::IoThread io_;
+  asio::signal_set signals_{io_.context()};
+  asio::steady_timer pulse_{io_.context()};
+  std::unique_ptr<http::HttpServer> http_;
+  std::optional<Reloader> reloader_;  ///< the io thread's, once it heeds signals
+  std::optional<net::SceneRenderer> renderer_;
+  std::optional<net::KeepingRenderer> keeping_;
+  std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
+  std::optional<net::Server> server_;
+  net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
+};
+
+void Daemon::run() {
+  const ServerConfig& server = config_.server;
+  check_server_protection(server, "server.address", server.address);
+  security_ = server_security(server);
+  for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
+  net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
+  auto modbus_port = modbus::reserve(config_.modbus);
+  if (config_.http.enabled) open_http();
+  reloader_.emplace(io_, security_, config_, arguments_);
+  heed_signals();
+  io_.post([this] { keep_pulse(); });
+  load();
+  serve(std::move(port), std::move(modbus_port));
+  spdlog::info("stopped");
+}
+
+void Daemon::heed_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) signals_.add(signal);
+  wait_for_signal();
+}
+
+void Daemon::wait_for_signal() {
+  signals_.async_wait([this](boost::system::error_code error, int signal) {
+    if (error) return;
+    if (signal != SIGHUP) return on_signal();
+    reloader_->begin();
+    wait_for_signal();
+  });
+}
+
+// What cannot be interrupted (a wedge that takes minutes, Embree's build of a new scene) must not hold the
+// end up: by then every client has been told, and nothing is left that a longer life would save.
+void Daemon::end_by(double limit_s) {
+  std::thread([limit_s] {
+    std::this_thread::sleep_for(std::chrono::duration<double>(limit_s));
+    spdlog::warn("stopped at server.stop_limit_s with work unfinished, which is given up");
+    spdlog::default_logger()->flush();
+    _exit(0);
+  }).detach();
+}
+
+void Daemon::on_signal() {
+  if (serving_ == nullptr) {
+    spdlog::info("stopping while loading");
+    spdlog::default_logger()->flush();
+    _exit(0);  // nobody is served yet, and loading cannot be interrupted
+  }
+  readiness_.stopping();
+  service_manager::stopping();
+  signals_.clear();  // a second Ctrl-C ends the process
+  end_by(reloader_->in_file().server.stop_limit_s + kLastWords_s);
+  server_->stop();
+}
+
+// From the io thread: systemd hears nothing when that thread hangs, and starts the daemon anew.
+void Daemon::keep_pulse() {
+  static constexpr std::chrono::microseconds kUsual = std::chrono::seconds(1);
+  const auto watched = service_manager::watchdog_period();
+  if (watched) service_manager::watchdog();
+  report_suppressed_lines();
+  pulse_.expires_after(watched ? std::min(*watched / 3, kUsual) : kUsual);
+  pulse_.async_wait([this](boost::system::error_code error) {
+    if (!error) keep_pulse();
+  });
+}
+
+void Daemon::open_http() {
+  check_server_protection(config_.server, "http.address", config_.http.address);
+  http::HttpOptions options;
+  options.security = security_;
+  options.address = config_.http.address;
+  options.port = static_cast<std::uint16_t>(config_.http.port);
+  options.max_connections = config_.http.max_connections;
+  options.max_connections_per_address = config_.http.max_connections_per_address;
+  options.timeout_s = config_.http.timeout_s;
+  const auto metrics = [this] {
+    std::optional<net::RoomStatistics> room;
+    if (serving_ != nullptr) room = serving_->statistics();
+    http::SceneStatistics scene;
+    if (serving_ != nullptr) {
+      const SceneKeeper::State state = keeper_->state();
+      scene = {state.swaps, state.failures, state.building, state.last_build_s,
+               scene_memory(*renderer_->scene())};
+    }
+    return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
+  };
+  http_io_.post([] { (void)lower_own_priority(); });
+  http_ = std::make_unique<http::HttpServer>(
+      http_io_.context(), options,
+      std::vector<http::Route>{{"/healthz", true, http::health_page},
+                               {"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }},
+                               {"/metrics", false, metrics}},
+      &io_.context());
+  spdlog::info("HTTP on {}: /healthz, /readyz, /metrics", http_->address());
+}
+
+/// A log line per stage and quarter; /readyz knows better.
+Progress Daemon::progress() {
+  struct Last {
+    std::string stage;
+    int quarter = 0;
+  };
+  return [this, last = std::make_shared<Last>()](std::string_view stage, double fraction) {
+    readiness_.loading(std::string(stage), fraction);
+    const int quarter = static_cast<int>(fraction * 4);
+    if (stage == last->stage && quarter <= last->quarter) return;
+    *last = {std::string(stage), quarter};
+    spdlog::info("{}: {} %", stage, 25 * quarter);
+    service_manager::status("loading: " + last->stage + ", " + std::to_string(25 * quarter) + " %");
+  };
+}
+
+void Daemon::load() {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto say = [](const std::string& line) {
+    const bool warns = line.starts_with(kWarningPrefix);
+    spdlog::log(warns ? spdlog::level::warn : spdlog::level::info, "{}",
+                warns ? line.substr(std::string_view(kWarningPrefix).size()) : line);
+  };
+  const Progress tell = progress();
+  for (const std::string& note : config_.notes) say(note);
+  tell("terrain", 0);
+  meet_accuracy(config_, say, tell);
+  const auto first_scene = build_scene(config_, say, tell);
+  for (RadarConfig& radar : config_.radars)
+    find_pixels(first_scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
+  renderer_.emplace(first_scene, config_.name);
+  keeping_.emplace(*renderer_);
+  keeper_ = std::make_unique<SceneKeeper>(
+      config_, renderer_->scene(),
+      [this](const SceneConfig& config, const std::stop_token& stop) {
+        auto scene = build_scene_behind(config, stop);
+        if (renderer_->scene()->built_tracer() != nullptr) scene->tracer();  // not when a frame waits for it
+        return scene;
+      },
+      [this](std::shared_ptr<const Scene> scene) {
+        renderer_->replace(std::move(scene));
+        keeping_->forget();
+      });
+  for (const RadarConfig& radar : config_.radars) {
+    check_radar(*renderer_, radar, renderer_->scene()->world().report);
+    metrics_.add_radar(radar.name);
+  }
+  metrics_.scene_loaded(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+}
+
+void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port) {
+  net::ServerOptions options = server_options(config_);
+  options.security = security_;
+  options.on_frame = [this](const std::string& radar, const net::RenderedFrame& frame) {
+    metrics_.frame(radar, frame);
+  };
+  options.on_once_frame = [this](const net::RenderedOnce& frame) { metrics_.once_frame(frame); };
+  options.keeper_state = [this] { return keeper_->state(); };
+  options.ground_at = [this](const PoseSettings& pose, double r_max_m) {
+    return keeper_->ground_at({pose.longitude_deg, pose.latitude_deg}, r_max_m);
+  };
+  options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
+  server_.emplace(io_.context(), *keeping_, config_.radars, options, std::move(port));
+  const modbus::Service modbus(config_.modbus, std::move(modbus_port), server_->panel());
+  io_.post([this] {
+    serving_ = &*server_;
+    server_->start([this] {
+      if (http_) http_->stop();
+      pulse_.cancel();
+      io_.release();
+    });
+    const std::string names = radar_names(config_);
+    readiness_.ready();
+    const std::string serving = "serving " + names + " on " + server_->address();
+    service_manager::ready(serving);
+    spdlog::info("ready: {} on {}", names, server_->address());
+    reloader_->serve(*server_, *keeper_, serving);
+  });
+  io_.join();
+}
+
+extern "C" void end_before_start(int) {
+  constexpr std::string_view kLine = "obliqd: stopping while loading\n";
+  (void)!write(STDERR_FILENO, kLine.data(), kLine.size());  // nobody is left to be told if that fails
+  _exit(0);
+}
+
+}  // namespace
+
+void heed_signals_before_start() {
+  struct sigaction action {};
+  action.sa_handler = end_before_start;
+  sigemptyset(&action.sa_mask);
+  (void)std::signal(SIGHUP, SIG_IGN);  // nothing to reload yet
+  for (const int signal : {SIGINT, SIGTERM}) {
+    if (sigaction(signal, &action, nullptr) != 0)
+      spdlog::warn("signal {} cannot be handled; only SIGKILL will end this process", signal);
+  }
+}
+
+void run_daemon(SceneConfig config, SceneArguments arguments) {
+  Daemon(std::move(config), std::move(arguments)).run();
+}
+
+}  // namespace obliq

@@ -1,0 +1,76 @@
+// The daemon: loads a scene and serves its radars.
+#include <malloc.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "server/apps/daemon/daemon.h"
+#include "server/apps/daemon/library_logs.h"
+#include "server/apps/parse_failure.h"
+#include "server/apps/scene_arguments.h"
+#include "server/log/service_log.h"
+#include "terrain/base/failure_text.h"
+
+namespace {
+
+/// Threads come and go with each frame, and the C library gives them heaps of their own, eight for each core,
+/// which all keep what was ever freed in them: weeks on, that is a multiple of what is in use. One for each
+/// core costs no time (mallopt(3), M_ARENA_MAX).
+void keep_memory_together() {
+  mallopt(M_ARENA_MAX, static_cast<int>(std::max(2u, std::thread::hardware_concurrency())));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  keep_memory_together();
+  CLI::App app{
+      "Serves radar ground maps of real terrain over TCP. The port is taken at once; until the terrain is "
+      "loaded "
+      "connections are refused (`obliq get --wait SECONDS` tries again). SIGTERM and SIGINT stop it in good "
+      "order, a "
+      "second one at once; SIGHUP reads the scene file anew.",
+      "obliqd"};
+  app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
+  obliq::SceneArguments arguments;
+  obliq::add_scene_arguments(app, "SCENE,--config", arguments);
+  const auto setting = [&](const char* key) {
+    return [&arguments, key](const std::string& value) {
+      arguments.set.push_back(std::string(key) + "=" + value);
+    };
+  };
+  app.add_option_function<std::string>("--port", setting("server.port"), "Short for --set server.port");
+  app.add_option_function<std::string>("--address", setting("server.address"),
+                                       "Short for --set server.address");
+  obliq::LogConfig log;
+  obliq::open_log(log);
+  obliq::take_over_library_logs();
+  obliq::heed_signals_before_start();
+  try {
+    app.parse(argc, argv);
+    auto config = obliq::open_scene(arguments);
+    if (config) {
+      log = config->log;
+      obliq::open_log(log);
+      obliq::run_daemon(std::move(*config), arguments);
+    }
+    std::cout.flush();
+    return std::cout ? 0 : 1;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    std::cerr << "obliqd: " << obliq::explain_parse_failure(app, e, argc, argv) << '\n';
+  } catch (const std::exception& e) {
+    if (log.format == obliq::LogFormat::json) {
+      spdlog::error("{}", obliq::failure_text(e));
+    } else {
+      std::cerr << "obliqd: " << obliq::failure_text(e) << '\n';
+    }
+  }
+  return 1;
+}

@@ -1,0 +1,207 @@
+#include "server/apps/daemon/reloader.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <utility>
+
+#include "server/apps/daemon/reload.h"
+#include "server/apps/daemon/service_manager.h"
+#include "server/control/parameters.h"
+#include "server/control/scene_file.h"
+#include "server/flight/scene_keeper.h"
+#include "server/loading/meet_accuracy.h"
+#include "server/log/service_log.h"
+#include "server/net/panel.h"
+#include "server/net/server.h"
+#include "server/security/security.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/failure_text.h"
+
+namespace obliq {
+namespace {
+
+/// Complaints of a line each as one line.
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) line += c == '\n' ? "; " : std::string(1, c);
+  return line;
+}
+
+/// In brackets, what a reload that has failed has done all the same.
+std::string but(const std::string& taken) { return taken.empty() ? "" : " (" + taken + ")"; }
+
+}  // namespace
+
+/// One thread for the small files, one for the scene file, whose elevation models may have to be opened, and
+/// whose [accuracy] may have to be measured.
+struct Reloader::Readers {
+  boost::asio::thread_pool security{1};
+  boost::asio::thread_pool scene{1};
+};
+
+Reloader::Reloader(net::IoThread& io, std::shared_ptr<net::Security> security, SceneConfig config,
+                   SceneArguments arguments)
+    : io_(io),
+      security_(std::move(security)),
+      arguments_(std::move(arguments)),
+      at_start_(std::move(config)),
+      in_file_(at_start_),
+      signature_(scene_signature(at_start_)),
+      readers_(std::make_unique<Readers>()) {}
+
+Reloader::~Reloader() {
+  ++newest_;  // ends what can be ended
+  for (auto* reader : {&readers_->security, &readers_->scene}) {
+    reader->stop();
+    reader->join();
+  }
+}
+
+void Reloader::serve(net::Server& server, SceneKeeper& keeper, std::string text) {
+  server_ = &server;
+  keeper_ = &keeper;
+  serving_text_ = std::move(text);
+  if (std::exchange(wanted_, false)) begin();
+}
+
+void Reloader::begin() {
+  spdlog::info("reloading {}", arguments_.file);
+  const int number = ++newest_;
+  reading_ = true;
+  wanted_ = server_ == nullptr;
+  if (!wanted_) service_manager::reloading();
+  boost::asio::post(readers_->security, [this, number, server = server_] { read_security(number, server); });
+}
+
+void Reloader::read_security(int number, net::Server* server) {
+  const net::Security::Reloaded reloaded =
+      server == nullptr ? security_->reload() : server->reload_security();
+  std::vector<std::string> faults;
+  for (const std::string& fault : {reloaded.tokens_fault, reloaded.certificate_fault})
+    if (!fault.empty()) faults.push_back(one_line(fault));
+  const bool tokens = security_->needs_token() && reloaded.tokens_fault.empty();
+  const bool certificate = security_->has_tls() && reloaded.certificate_fault.empty();
+  const std::string taken = tokens && certificate ? "tokens and certificate were taken over"
+                            : tokens              ? "tokens were taken over"
+                            : certificate         ? "the certificate was taken over"
+                                                  : "";
+  io_.post([this, number, taken, faults] { security_was_read(number, taken, faults); });
+}
+
+void Reloader::security_was_read(int number, const std::string& taken,
+                                 const std::vector<std::string>& faults) {
+  for (const std::string& fault : faults)
+    spdlog::error("reload: {}; the old one stays in force: mend it and send SIGHUP again", fault);
+  for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
+  if (!taken.empty()) spdlog::info("reload: {}", taken);
+  if (server_ != nullptr && number == newest_)
+    boost::asio::post(readers_->scene, [this, number, taken] { read_scene(number, taken); });
+}
+
+// An elevation model may have to be opened, and [accuracy] measured.
+void Reloader::read_scene(int number, const std::string& taken) {
+  const auto go_on = [this, number] {
+    if (number != newest_) throw InputError("a newer SIGHUP has come");
+  };
+  Read read;
+  try {
+    go_on();
+    read.wanted = load_scene_file(arguments_.file, {arguments_.set});
+    read.to_build = read.wanted;
+    const auto say = [](const std::string& line) { spdlog::info("{}", line); };
+    meet_accuracy(read.to_build, say, [&](std::string_view, double) { go_on(); });
+    go_on();
+  } catch (const std::exception& e) {
+    read.fault = one_line(failure_text(e));
+  }
+  io_.post([this, number, taken, read = std::move(read)] { take_over(number, taken, read); });
+}
+
+void Reloader::take_over(int number, const std::string& taken, Read read) {
+  if (number != newest_) return;  // the newer one tells its own story
+  reading_ = false;
+  if (!read.fault.empty()) {
+    spdlog::error(
+        "reload refused, scene, radars and limits stay as they were{}: {}; mend it and send SIGHUP again",
+        but(taken), read.fault);
+    return rest();
+  }
+  for (const std::string& key : keys_for_restart(at_start_, read.wanted))
+    spdlog::warn("reload: {} differs from what runs; restart obliqd to apply it", key);
+  open_log(read.wanted.log);
+  server_->set_limits(read.wanted.server);
+  take_over_radars(read.wanted, read.to_build);
+  const std::string signature = scene_signature(read.wanted);
+  if (building_ && building_->signature == signature) {
+    spdlog::info("reloaded: the scene of this file is being built already");
+  } else if (signature == signature_) {
+    if (std::exchange(building_, std::nullopt)) keeper_->give_up_reload();
+    spdlog::info("reloaded: the scene is the same");
+  } else {
+    build(number, taken, signature, std::move(read.to_build));
+  }
+  rest();
+}
+
+// What a client has set since stays, unless its text in the file has changed.
+void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to_build) {
+  std::vector<RadarConfig> radars = in_file_.radars;
+  for (std::size_t i = 0; i < wanted.radars.size(); ++i) {
+    const auto known = std::ranges::find(radars, wanted.radars[i].name, &RadarConfig::name);
+    if (known == radars.end()) continue;  // needs a restart, which was said
+    net::PanelChange change;
+    std::string text;
+    for (const Parameter& parameter : parameters()) {
+      if (value_of(parameter, *known) == value_of(parameter, wanted.radars[i])) continue;
+      change.settings.push_back({&parameter, value_of(parameter, to_build.radars[i])});
+      text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +
+              toml_text(change.settings.back().value);
+    }
+    if (change.settings.empty()) continue;
+    const net::PanelAnswer answer = server_->panel().apply(known->name, change);
+    if (answer.verdict == net::PanelVerdict::done) {
+      spdlog::info("radar {}: {}", known->name, text);
+      *known = wanted.radars[i];
+    } else if (answer.verdict == net::PanelVerdict::controlled) {
+      spdlog::warn(
+          "radar {}: is under control by {}; it keeps what it has, and takes \"{}\" at a SIGHUP when nobody "
+          "controls it",
+          known->name, answer.controller, text);
+    } else {
+      spdlog::error("radar {}: not taken over: {}: {}; mend it and send SIGHUP again", known->name, text,
+                    all_text(answer.errors));
+    }
+  }
+  in_file_ = wanted;
+  in_file_.radars = std::move(radars);
+}
+
+void Reloader::build(int number, const std::string& taken, const std::string& signature, SceneConfig config) {
+  building_ = Building{number, taken, signature};
+  if (radar_names(at_start_) != radar_names(config)) config.radars = in_file_.radars;
+  keeper_->reload(std::move(config), [this, number](const std::string& fault) {
+    io_.post([this, number, fault] { built(number, fault); });
+  });
+}
+
+void Reloader::built(int number, const std::string& fault) {
+  if (!building_ || building_->number != number) return;  // superseded
+  const Building done = *std::exchange(building_, std::nullopt);
+  if (fault.empty()) {
+    signature_ = done.signature;
+    spdlog::info("reloaded: the new scene serves");
+  } else {
+    spdlog::error("reload: the old scene serves on{}: {}; mend it and send SIGHUP again", but(done.taken),
+                  one_line(fault));
+  }
+  rest();
+}
+
+void Reloader::rest() {
+  if (!reading_ && !building_) service_manager::ready(serving_text_);
+}
+
+}  // namespace obliq

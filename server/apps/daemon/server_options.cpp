@@ -1,0 +1,36 @@
+#include "server/apps/daemon/server_options.h"
+
+#include "server/security/exposure.h"
+#include "server/security/security.h"
+
+namespace obliq {
+
+net::ServerOptions server_options(const SceneConfig& config) {
+  net::ServerOptions options;
+  static_cast<ServerLimits&>(options) = config.server;
+  options.address = config.server.address;
+  options.port = static_cast<std::uint16_t>(config.server.port);
+  options.server_version = OBLIQ_VERSION;
+  options.scene_name = config.name;
+  options.dead_after_s = config.server.dead_after_s;
+  options.live_frames = config.stream.live_frames;
+  options.abort_after_s = config.stream.abort_after_s;
+  options.lossless_limit_s = config.stream.lossless_limit_s;
+  options.render_threads = config.threads;
+  return options;
+}
+
+void check_server_protection(const ServerConfig& server, const std::string& address_key,
+                             const std::string& address) {
+  net::require_protection(address_key, address,
+                          {{"TLS (server.tls_certificate, server.tls_key)", !server.tls_certificate.empty()},
+                           {"tokens (server.tokens)", !server.tokens.empty()}},
+                          "server.unprotected", server.unprotected);
+}
+
+std::shared_ptr<net::Security> server_security(const ServerConfig& server) {
+  return std::make_shared<net::Security>(
+      net::SecurityFiles{server.tokens, server.tls_certificate, server.tls_key});
+}
+
+}  // namespace obliq

@@ -1,0 +1,44 @@
+#include "server/apps/daemon/service_manager.h"
+
+#include <systemd/sd-daemon.h>
+
+#include <ctime>
+
+namespace obliq::service_manager {
+namespace {
+
+// A status is one line.
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n') c = ' ';
+  }
+  return text;
+}
+
+void tell(const std::string& state) { (void)sd_notify(0, state.c_str()); }  // nobody there: nothing to do
+
+}  // namespace
+
+void status(const std::string& line) { tell("STATUS=" + one_line(line)); }
+
+void ready(const std::string& line) { tell("READY=1\nSTATUS=" + one_line(line)); }
+
+void reloading() {
+  // systemd 253 and later want to know since when (Type=notify-reload).
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  tell("RELOADING=1\nSTATUS=reloading\nMONOTONIC_USEC=" +
+       std::to_string(now.tv_sec * 1'000'000LL + now.tv_nsec / 1000));
+}
+
+void stopping() { tell("STOPPING=1\nSTATUS=stopping"); }
+
+void watchdog() { tell("WATCHDOG=1"); }
+
+std::optional<std::chrono::microseconds> watchdog_period() {
+  std::uint64_t period_us = 0;
+  if (sd_watchdog_enabled(0, &period_us) <= 0) return std::nullopt;
+  return std::chrono::microseconds(period_us);
+}
+
+}  // namespace obliq::service_manager

@@ -1,0 +1,59 @@
+#pragma once
+// A recording in the place of a radar, so that the server's own network side replays it.
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "client/recorded_frames.h"
+#include "server/apps/replay/replay_clock.h"
+#include "server/rendering/frame_renderer.h"
+
+namespace obliq {
+
+struct ReplayOptions {
+  double speed = 1;  ///< infinity: as fast as clients ask
+  bool loop = false;
+};
+
+/// Hands out the recorded frames of one radar at their times, each wedge when it was sent. Time begins with
+/// the first frame asked for and stands still while nobody asks; a frame that was not asked for in time is
+/// left out when the next one is due, as by a radar.
+class ReplayRenderer : public net::FrameRenderer {
+ public:
+  /// say: hears what is missing in the recording. ended: called once, after the last frame, unless it loops.
+  ReplayRenderer(std::string path, client::RecordingStart start, const ReplayOptions& options,
+                 std::function<void(const std::string&)> say, std::function<void()> ended);
+
+  std::vector<FieldError> place(const PoseSettings& pose) const override;
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
+  std::string fixed() const override;
+  wire::PlaneSet planes() const override { return start_.planes; }
+
+  /// What is missing in the recording, as far as it has been read.
+  client::RecordingLosses losses() const;
+
+ private:
+  struct Due {
+    std::shared_ptr<client::RecordedFrame> frame;
+    ReplayClock::Clock::time_point at;
+  };
+  std::optional<Due> read_frame() const;
+
+  const std::string path_;
+  const client::RecordingStart start_;
+  const ReplayOptions options_;
+  const std::function<void(const std::string&)> say_;
+  const std::function<void()> ended_;
+
+  mutable std::mutex mutex_;  ///< guards everything below
+  mutable std::unique_ptr<client::RecordedFrames> frames_;
+  mutable ReplayClock clock_;
+  mutable std::optional<Due> next_;
+  mutable bool over_ = false;
+  mutable client::RecordingLosses losses_;
+};
+
+}  // namespace obliq

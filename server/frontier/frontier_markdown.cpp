@@ -1,0 +1,198 @@
+#include "server/frontier/frontier_markdown.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "server/frontier/frontier_comparison.h"
+#include "terrain/base/text.h"
+
+namespace obliq {
+namespace {
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string whole(double value) { return formatted("%.0f", value); }
+
+std::string missed_text(const FrontierRow& row) {
+  if (row.buildings_visible == 0) return "";
+  return whole(row.buildings_missed) + " of " + whole(row.buildings_visible);
+}
+
+std::string sampling_cell(const FrontierRow& row) {
+  return sampling_text(row.sampling) + (is_paper_sampling(row.sampling) ? " (the paper's)" : "");
+}
+
+/// How many times smaller ours is. Where theirs is 0 as well there was nothing to lower.
+std::string ratio_text(double theirs, double ours) {
+  if (theirs == 0) return "-";
+  return ours > 0 ? short_number(theirs / ours) + " x" : "none left";
+}
+
+std::string comparison_rows(const std::vector<FrontierRow>& rows, double scene_cell_m, Returns returns) {
+  const std::vector<PaperComparison> table = compare_with_paper(rows, scene_cell_m, returns);
+  if (table.empty() || table.front().row.lit == 0) return "Nothing is lit here: nothing to compare.\n";
+  const FrontierRow& paper = table.front().row;
+  std::string text =
+      "| sampling | frame, ms | quicker | E | E lower | gaps | gaps lower | false light | missed buildings "
+      "|\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
+  for (const PaperComparison& c : table)
+    text += "| " + sampling_cell(c.row) + " | " + formatted("%.1f", c.row.frame_ms) + " | " +
+            ratio_text(paper.frame_ms, c.row.frame_ms) + " | " + short_number(c.row.power_error) + " | " +
+            ratio_text(paper.power_error, c.row.power_error) + " | " + percent_text(c.row.gap_fraction) +
+            " | " + ratio_text(paper.gap_fraction, c.row.gap_fraction) + " | " +
+            percent_text(c.row.false_light_fraction) + " | " + missed_text(c.row) + " |\n";
+  return text;
+}
+
+std::string comparison_tables(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
+  if (compare_with_paper(rows, h.scene_cell_m).empty())
+    return "The paper's setting (oblique 2048 x 2048, nearest bin) cannot see this scene, so there is "
+           "nothing to "
+           "compare with.\n";
+  std::string text =
+      "For each kind the sampling of least E that takes no more time than the paper's setting (the quickest "
+      "one "
+      "where all\ntake more). Ratios: the paper's figure over this one's.\n\n" +
+      comparison_rows(rows, h.scene_cell_m, Returns::all);
+  if (h.buildings > 0)
+    text += "\nThe terrain's returns alone:\n\n" + comparison_rows(rows, h.scene_cell_m, Returns::terrain) +
+            "\nThe buildings' returns alone:\n\n" + comparison_rows(rows, h.scene_cell_m, Returns::buildings);
+  return text;
+}
+
+std::string error_table(const std::vector<FrontierRow>& rows, Returns returns) {
+  std::string text =
+      "| sampling | cell, m | frame, ms | without states, ms | processor, ms | E | median dB | 95 % dB | "
+      "mean error | energy "
+      "| gaps "
+      "| false light, bins | energy | missed buildings |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const FrontierRow& row : rows) {
+    if (row.returns != returns || !row.possible()) continue;
+    text += "| " + sampling_cell(row) + " | " + short_number(row.sampling.cell_m) + " | " +
+            formatted("%.1f", row.frame_ms) + " | " + formatted("%.1f", row.bare_ms) + " | " +
+            whole(row.processor_ms) + " | " + short_number(row.power_error) + " | " +
+            (row.has_decibels() ? short_number(row.median_db) + " | " + short_number(row.percentile95_db)
+                                : std::string("- | -")) +
+            " | " + percent_text(row.mean_relative) + " | " + formatted("%+.2f %%", 100 * row.energy_error) +
+            " | " + percent_text(row.gap_fraction) + " | " + percent_text(row.false_light_fraction) + " | " +
+            percent_text(row.false_light_energy) + " | " +
+            (returns == Returns::terrain ? "" : missed_text(row)) + " |\n";
+  }
+  return text;
+}
+
+std::string bin_counts(const std::vector<FrontierRow>& rows, Returns returns) {
+  const auto row =
+      std::ranges::find_if(rows, [&](const FrontierRow& r) { return r.returns == returns && r.possible(); });
+  if (row == rows.end()) return "";
+  return whole(row->lit) + " bins are lit, " + whole(row->dark) + " dark, " + whole(row->dont_care) +
+         " neither.\n\n";
+}
+
+/// The check against what the table shows; before it was measured, the finest frames stood for it.
+TruthCheck against_rows(TruthCheck check, const std::vector<FrontierRow>& rows) {
+  struct Named {
+    const char* name;
+    double FrontierRow::*value;
+  };
+  for (const Named& m :
+       {Named{"E", &FrontierRow::power_error}, Named{"median dB", &FrontierRow::median_db},
+        Named{"gaps", &FrontierRow::gap_fraction}, Named{"false light", &FrontierRow::false_light_fraction}})
+    for (bool first = true; const FrontierRow& row : rows) {
+      if (!row.possible() || check.measure != m.name + (", " + returns_name(row.returns))) continue;
+      if (first) check.smallest = 0;
+      first = false;
+      const double value = row.*m.value;
+      if (value > 0 && (check.smallest <= 0 || value < check.smallest)) check.smallest = value;
+    }
+  return check;
+}
+
+std::string truth_text(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
+  std::string text = "Truth: " + whole(h.truth.planes_per_bin) + " planes in each azimuth bin, steps of " +
+                     short_number(h.truth.step_m) + " m, on the grid of " + short_number(h.truth_cell_m) +
+                     " m, compared on " + whole(h.azimuths_compared) + " of " + whole(h.azimuth_bins) +
+                     " azimuth bins.\nIts own error (against twice the planes and half the step, " +
+                     whole(h.truth_check_azimuths) +
+                     " azimuth bins), to be at most a tenth of the smallest "
+                     "error shown:\n\n| measure | truth's own | smallest shown | |\n|---|---|---|---|\n";
+  for (const TruthCheck& expected : h.truth_checks) {
+    const TruthCheck check = against_rows(expected, rows);
+    text += "| " + check.measure + " | " + short_number(check.own) + " | " + short_number(check.smallest) +
+            " | " + (check.holds() ? "held" : "NOT held") + " |\n";
+  }
+  return text;
+}
+
+/// Times mean little on a busy machine, and the reader is to know.
+std::string load_text(const std::vector<FrontierRow>& rows, int threads) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (const FrontierRow& row : rows) {
+    if (!row.possible()) continue;
+    least = std::min(least, row.load);
+    most = std::max(most, row.load);
+  }
+  if (!(least <= most)) return "";
+  return " The machine's load before the frames was " + short_number(least) + " to " + short_number(most) +
+         "; this run alone makes up to " + std::to_string(threads) + ".";
+}
+
+std::string impossible_list(const std::vector<FrontierRow>& rows) {
+  std::string text;
+  for (const FrontierRow& row : rows)
+    if (!row.possible())
+      text += "- " + sampling_text(row.sampling) + ", cell " + short_number(row.sampling.cell_m) +
+              " m: " + row.not_possible + "\n";
+  return text.empty() ? text : "\n## Not possible here\n\n" + text;
+}
+
+}  // namespace
+
+std::string frontier_markdown(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
+  std::string text = "# Speed against error: " + h.scene + "\n\n" + h.view + "; " +
+                     std::to_string(h.buildings) + " buildings.\n" + machine_text(h) + "." +
+                     load_text(rows, h.threads) +
+                     "\n\n![Frame time against error](frontier.svg)\n\n## Against the paper's setting\n\n" +
+                     comparison_tables(h, rows) + "\n## All returns\n\n" + bin_counts(rows, Returns::all) +
+                     error_table(rows, Returns::all);
+  if (h.buildings > 0) {
+    text += "\n## Returns of the terrain alone\n\n" + bin_counts(rows, Returns::terrain) +
+            error_table(rows, Returns::terrain);
+    text += "\n## Returns of the buildings alone\n\n" + bin_counts(rows, Returns::buildings) +
+            error_table(rows, Returns::buildings);
+  }
+  text += impossible_list(rows);
+  return text +
+         "\n## How it was measured\n\n"
+         "Frame: plan, render and every plane of the whole sector, as a client gets it. Without states: the "
+         "same "
+         "without the\n`state` plane. Processor: time of all threads together. T is the truth's power of a "
+         "bin, P the frame's, q = r^3 T, M the "
+         "median of q "
+         "over T > 0. Lit: q >= 1e-3 M.\nDark: T = 0. E = sqrt(sum q^2 (P/T - 1)^2 / sum q^2) over lit bins; "
+         "dB: "
+         "|10 log10 P/T| over lit bins with P > 0; mean error:\nmean of min(|P/T - 1|, 1); gaps: lit, P = 0, "
+         "of "
+         "the lit; false light: dark, P > 0, of the dark, and its share of the truth's\nenergy. A building "
+         "is "
+         "missed when the truth sees at least 1 % of it and of one bin's power, and no sample is on "
+         "it.\nRows of "
+         "another cell size are compared with the same truth.\n\n" +
+         truth_text(h, rows);
+}
+
+std::string machine_text(const FrontierHeader& h) {
+  return h.cpu + ", " + std::to_string(h.threads) + (h.threads == 1 ? " thread, " : " threads, ") + h.tracer +
+         ", obliq " + h.version + "; least of " + std::to_string(h.repeats) + " frames after one unmeasured";
+}
+
+}  // namespace obliq

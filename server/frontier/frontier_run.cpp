@@ -1,0 +1,370 @@
+#include "server/frontier/frontier_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include "server/accuracy/truth_file.h"
+#include "server/accuracy/truth_search.h"
+#include "server/control/parameters.h"
+#include "server/control/print_config.h"
+#include "server/frontier/frontier_header.h"
+#include "server/frontier/frontier_markdown.h"
+#include "server/frontier/frontier_plot.h"
+#include "server/frontier/frontier_table.h"
+#include "server/frontier/machine.h"
+#include "server/loading/scene_loading.h"
+#include "server/output/frame_files.h"
+#include "server/radar/frame_plan.h"
+#include "server/scene/embree_tracer.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/hash.h"
+#include "terrain/base/text.h"
+
+namespace obliq {
+namespace {
+
+constexpr int kProbeAzimuths = 64;  ///< on which the truth's own error is measured
+
+/// Ground of one cell size with the radar's antenna on it.
+struct Ground {
+  std::shared_ptr<const Scene> scene;
+  Pose pose;
+
+  const World& world() const { return scene->world(); }
+  double cell_m() const { return world().grid.cell_m; }
+};
+
+std::string duration_text(double seconds) {
+  const int whole = static_cast<int>(std::ceil(seconds));
+  if (whole < 100) return std::to_string(whole) + " s";
+  return std::to_string((whole + 59) / 60) + " min";
+}
+
+std::uint64_t hash_bytes(std::uint64_t hash, const void* data, std::size_t n) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  for (std::size_t k = 0; k < n; k += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes + k, std::min<std::size_t>(8, n - k));
+    hash = mix64(hash ^ word);
+  }
+  return hash;
+}
+
+template <class T>
+std::uint64_t hash_list(std::uint64_t hash, const std::vector<T>& list) {
+  return hash_bytes(mix64(hash ^ list.size()), list.data(), list.size() * sizeof(T));
+}
+
+std::uint64_t hash_text(std::uint64_t hash, const std::string& text) {
+  return hash_bytes(mix64(hash ^ text.size()), text.data(), text.size());
+}
+
+/// Everything that the truth depends on besides its sampling.
+std::uint64_t world_hash(const World& world, std::uint64_t hash) {
+  hash = hash_list(hash, world.grid.y_m);
+  hash = hash_list(hash, world.surface_material);
+  return hash_list(hash, world.buildings.vertices_m);
+}
+
+/// The scene without what changes no line of the table: the cases set pixels, kind and plates themselves.
+SceneConfig what_counts(SceneConfig config) {
+  config.server = {};
+  config.accuracy = {};
+  for (RadarConfig& radar : config.radars) radar.settings = with_sampling(radar.settings, paper_sampling(0));
+  return config;
+}
+
+class FrontierRun {
+ public:
+  FrontierRun(const SceneConfig& config, const FrontierOptions& options)
+      : config_(config),
+        options_(options),
+        radar_(choose_radar(config, options.radar)),
+        threads_(options.threads > 0 ? options.threads : config.threads) {
+    if (threads_ == 0) threads_ = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  }
+
+  bool run() {
+    prepare_output_folder(options_.out);
+    load_first_grounds();
+    find_cases();
+    open_table();
+    make_truth();
+    const bool complete = measure_all();
+    report();
+    return complete;
+  }
+
+ private:
+  std::filesystem::path file(const char* name) const { return options_.out / name; }
+
+  Ground load_ground(std::optional<double> cell_m) const {
+    SceneConfig config = config_;
+    if (cell_m) config.world.terrain.cell_m = *cell_m;
+    const auto world = load_world_with_report(config);
+    Ground ground;
+    ground.pose = place_radar(*world, radar_);
+    ground.scene = std::make_shared<const Scene>(world, config.materials, threads_, config.rays);
+    if (needs_tracer(*ground.scene, FrustumKind::oblique))
+      ground.scene->tracer(terminal_progress());  // not while a frame is timed
+    return ground;
+  }
+
+  View view_of(const Ground& ground, const RadarSettings& settings) const {
+    return {ground.scene, std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1}),
+            ground.pose};
+  }
+
+  /// The scene's own cell size is known once its ground is loaded; the truth takes the finest of all.
+  void load_first_grounds() {
+    finest_ = load_ground(std::nullopt);
+    scene_cell_m_ = finest_.cell_m();
+    range_ = options_.range;
+    std::vector<double> others = range_.cells_m;
+    if (others.empty() && !options_.scene_cell_only) others = {2 * scene_cell_m_, 4 * scene_cell_m_};
+    std::ranges::sort(others);
+    range_.cells_m.assign(1, scene_cell_m_);
+    for (const double cell_m : others)
+      if (cell_m != range_.cells_m.back() && cell_m != scene_cell_m_) range_.cells_m.push_back(cell_m);
+    const double finest_m = *std::ranges::min_element(range_.cells_m);
+    if (finest_m < scene_cell_m_) finest_ = load_ground(finest_m);
+    here_ = finest_;
+  }
+
+  void find_cases() {
+    cases_ = frontier_cases(radar_.settings, range_);
+    const RadarSettings& s = radar_.settings;
+    char view[200];
+    std::snprintf(view, sizeof view, "%.4g to %.4g km, %.4g degrees, %d x %d bins", s.r_min_m / 1000,
+                  s.r_max_m / 1000, s.sector_deg, s.azimuth_bins, s.range_bins);
+    header_.version = OBLIQ_VERSION;
+    header_.scene = config_.name;
+    header_.radar = radar_.name;
+    header_.view = view;
+    header_.cpu = processor_name();
+    header_.threads = threads_;
+    header_.tracer = EmbreeTracer::version();
+    header_.repeats = options_.repeats;
+    header_.azimuth_bins = s.azimuth_bins;
+    header_.range_bins = s.range_bins;
+    runs_ = choose_azimuths(s.azimuth_bins, options_.azimuths);
+    header_.azimuths_compared = azimuth_count(runs_);
+    header_.buildings = static_cast<int>(finest_.world().buildings.list.size());
+    header_.scene_cell_m = scene_cell_m_;
+    header_.truth_cell_m = finest_.cell_m();
+
+    std::string text = print_config(what_counts(config_)) + header_.version + header_.cpu + header_.tracer;
+    for (const SamplingCase& c : cases_) text += sampling_text(c) + " " + std::to_string(c.cell_m) + "\n";
+    for (const double number :
+         {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,
+          1.0 * options_.truth_planes, options_.truth_step_m, 1.0 * options_.most_truth_planes})
+      text += std::to_string(number) + " ";
+    key_ = world_hash(finest_.world(), hash_text(1, text + radar_.name));
+    char key[20];
+    std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(key_));
+    header_.key = key;
+  }
+
+  void open_table() {
+    const auto table = file("frontier.csv");
+    if (options_.restart)
+      for (const char* name : {"frontier.csv", "frontier.json", "truth.bin"})
+        std::filesystem::remove(file(name));
+    const auto earlier = read_frontier_header(file("frontier.json"));
+    const bool has_table = std::filesystem::exists(table);
+    if (!earlier && !has_table) return;
+    if (!earlier || earlier->key != header_.key)
+      throw InputError(
+          options_.out.string() +
+          ": found the table of another run (other scene, settings, options, machine or version); "
+          "allowed: another folder, or --restart to throw that table away");
+    resumed_ = true;
+    header_ = *earlier;
+    if (has_table) rows_ = read_frontier_csv(table);
+    drop_half_done();
+    if (!rows_.empty())
+      say_on_terminal("going on after " + std::to_string(rows_.size()) + " lines of " + table.string());
+  }
+
+  /// A sampling whose lines were not all written is measured again.
+  void drop_half_done() {
+    if (!rows_.empty() && rows_.back().possible() && header_.buildings > 0) {
+      const SamplingCase last = rows_.back().sampling;
+      if (!find_row(rows_, last, Returns::buildings))
+        std::erase_if(rows_, [&](const FrontierRow& row) { return row.sampling == last; });
+    }
+    std::string text = csv_header();
+    for (const FrontierRow& row : rows_) text += csv_line(row);
+    std::ofstream(file("frontier.csv")) << text;
+  }
+
+  void make_truth() {
+    RadarSettings settings = radar_.settings;
+    settings.frustum = FrustumKind::polar;  // any: the truth looks from any pose, as the polar frustum does
+    const View view = view_of(finest_, settings);
+    const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);
+    if (!planned.plan) throw InputError("radar \"" + radar_.name + "\": " + all_text(planned.errors));
+    const ReferenceSampling start{options_.truth_planes, options_.truth_step_m, threads_};
+    if (!resumed_) {
+      const AzimuthRuns probe = choose_azimuths(settings.azimuth_bins, kProbeAzimuths);
+      const TruthQuality quality = search_truth(
+          *planned.plan, probe, start, options_.most_truth_planes,
+          [&](const TruthBins& truth) { return pilot(truth); }, terminal_progress());
+      header_.truth = quality.sampling;
+      header_.truth_checks = quality.checks;
+      header_.truth_check_azimuths = azimuth_count(probe);
+      write_frontier_header(file("frontier.json"), header_);
+    }
+    header_.truth.threads = threads_;
+    print_truth();
+    truth_ = integrate_truth_in_file(file("truth.bin"), key_, *planned.plan, runs_, header_.truth,
+                                     terminal_progress());
+    if (!truth_.lit()) say_on_terminal("nothing is lit here: nothing to compare");
+  }
+
+  /// The errors that the finest samplings will show.
+  SmallestErrors pilot(const TruthBins& truth) const {
+    SmallestErrors smallest;
+    const Progress progress = terminal_progress();
+    say_on_terminal("rendering the finest samplings once, for the errors that the truth is held to");
+    std::size_t looked_at = 0;
+    const auto match = match_buildings(finest_.world().buildings, finest_.world().buildings);
+    for (const SamplingCase& c : cases_) {
+      if (progress)
+        progress("first frames", static_cast<double>(looked_at++) / static_cast<double>(cases_.size()));
+      if (c.cell_m != finest_.cell_m()) continue;
+      const bool outdone = std::ranges::any_of(cases_, [&](const SamplingCase& other) {
+        return other.kind == c.kind && other.plates == c.plates && other.cell_m == c.cell_m &&
+               other.columns >= c.columns && other.rows >= c.rows && other != c;
+      });
+      if (outdone || (c.kind != FrustumKind::sweep && c.plates == PlateKind::nearest)) continue;
+      try {
+        smallest.add(
+            measure_errors(view_of(finest_, with_sampling(radar_.settings, c)), truth, match, threads_));
+      } catch (const InputError&) {
+        // Cannot see this scene: the table will say so.
+      }
+    }
+    if (progress) progress("first frames", 1);
+    return smallest;
+  }
+
+  void print_truth() const {
+    say_on_terminal("truth: " + std::to_string(header_.truth.planes_per_bin) +
+                    " planes in each azimuth bin, steps of " + short_number(header_.truth.step_m) +
+                    " m, grid of " + short_number(header_.truth_cell_m) +
+                    " m; its own error, to be a tenth of the smallest shown:");
+    for (const TruthCheck& check : header_.truth_checks)
+      say_on_terminal("  " + check.measure + ": " + short_number(check.own) + ", smallest shown " +
+                      short_number(check.smallest) + (check.holds() ? "" : "  NOT HELD"));
+  }
+
+  bool measure_all() {
+    std::ofstream table(file("frontier.csv"), std::ios::app);
+    if (rows_.empty() && std::filesystem::file_size(file("frontier.csv")) == 0) table << csv_header();
+    table.flush();
+    double work = 0;
+    for (const SamplingCase& c : cases_) work += is_done(c) ? 0 : weight(c);
+    double done = 0;
+    int measured = 0;
+    const auto start = std::chrono::steady_clock::now();
+    for (std::size_t k = 0; k < cases_.size(); ++k) {
+      if (is_done(cases_[k])) continue;
+      if (options_.stop_after > 0 && measured == options_.stop_after) {
+        say_on_terminal("stopped after " + std::to_string(measured) + "; the same command goes on from here");
+        return false;
+      }
+      const std::vector<FrontierRow> rows = measure(cases_[k]);
+      for (const FrontierRow& row : rows) table << csv_line(row);
+      table.flush();
+      if (!table) throw InputError(file("frontier.csv").string() + ": cannot be written (disk full?)");
+      rows_.insert(rows_.end(), rows.begin(), rows.end());
+      ++measured;
+      done += weight(cases_[k]);
+      const double spent_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      say_on_terminal("[" + std::to_string(k + 1) + "/" + std::to_string(cases_.size()) + "] " +
+                      row_text(rows.front()) +
+                      (done < work ? "; " + duration_text(spent_s / done * (work - done)) + " left" : ""));
+    }
+    return true;
+  }
+
+  bool is_done(const SamplingCase& c) const { return find_row(rows_, c, Returns::all) != nullptr; }
+
+  /// Work of a sampling, in pixels; a sweep's azimuth counts like a column of as many rows as range bins.
+  double weight(const SamplingCase& c) const {
+    const double rows = c.kind == FrustumKind::sweep ? header_.range_bins / 4.0 : c.rows;
+    return 5e5 + c.columns * rows;
+  }
+
+  static std::string row_text(const FrontierRow& row) {
+    const std::string text =
+        sampling_text(row.sampling) + ", cell " + short_number(row.sampling.cell_m) + " m: ";
+    if (!row.possible()) return text + "not possible here: " + row.not_possible;
+    return text + short_number(row.frame_ms) + " ms, E " + short_number(row.power_error) + ", gaps " +
+           percent_text(row.gap_fraction) + ", false light " + percent_text(row.false_light_fraction);
+  }
+
+  std::vector<FrontierRow> measure(const SamplingCase& c) {
+    if (c.cell_m != here_.cell_m()) {
+      here_ = {};  // one ground at a time beside the truth's
+      here_ = c.cell_m == finest_.cell_m() ? finest_ : load_ground(c.cell_m);
+      match_.clear();
+    }
+    if (match_.empty()) match_ = match_buildings(finest_.world().buildings, here_.world().buildings);
+    const RadarSettings settings = with_sampling(radar_.settings, c);
+    const double load = load_average();
+    try {
+      const std::vector<FieldError> errors = validate(settings);
+      if (!errors.empty()) throw InputError(all_text(errors));
+      return rows_of(c, measure_frame(view_of(here_, settings), truth_, match_, {threads_, options_.repeats}),
+                     load);
+    } catch (const InputError& e) {
+      return {impossible_row(c, e.what())};
+    }
+  }
+
+  void report() {
+    const std::vector<FrontierRow> rows = read_frontier_csv(file("frontier.csv"));
+    std::ofstream markdown(file("frontier.md"));
+    markdown << frontier_markdown(header_, rows);
+    markdown.close();
+    if (!markdown) throw InputError(file("frontier.md").string() + ": cannot be written (disk full?)");
+    draw_frontier(options_.out, header_, rows);
+    std::printf("%s: frontier.csv, frontier.md, frontier.svg, frontier.png (%zu of %zu samplings)\n",
+                options_.out.c_str(),
+                static_cast<std::size_t>(
+                    std::ranges::count_if(cases_, [&](const SamplingCase& c) { return is_done(c); })),
+                cases_.size());
+  }
+
+  const SceneConfig& config_;
+  const FrontierOptions& options_;
+  const RadarConfig& radar_;
+  int threads_;
+  Ground finest_;  ///< the truth's
+  Ground here_;    ///< of the sampling at work
+  double scene_cell_m_ = 0;
+  FrontierRange range_;
+  std::vector<SamplingCase> cases_;
+  FrontierHeader header_;
+  std::uint64_t key_ = 0;
+  AzimuthRuns runs_;
+  bool resumed_ = false;
+  std::vector<FrontierRow> rows_;
+  TruthBins truth_;
+  std::vector<std::uint32_t> match_;  ///< from the truth's buildings to those here
+};
+
+}  // namespace
+
+bool run_frontier(const SceneConfig& config, const FrontierOptions& options) {
+  return FrontierRun(config, options).run();
+}
+
+}  // namespace obliq

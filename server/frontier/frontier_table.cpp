@@ -1,0 +1,225 @@
+#include "server/frontier/frontier_table.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <optional>
+
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+struct Column {
+  std::string_view name;
+  double FrontierRow::*value;
+};
+
+constexpr std::array kColumns{
+    Column{"frame_ms", &FrontierRow::frame_ms},
+    Column{"frame_median_ms", &FrontierRow::frame_median_ms},
+    Column{"bare_ms", &FrontierRow::bare_ms},
+    Column{"bare_median_ms", &FrontierRow::bare_median_ms},
+    Column{"processor_ms", &FrontierRow::processor_ms},
+    Column{"rays", &FrontierRow::rays},
+    Column{"samples", &FrontierRow::samples},
+    Column{"power_error", &FrontierRow::power_error},
+    Column{"median_db", &FrontierRow::median_db},
+    Column{"percentile95_db", &FrontierRow::percentile95_db},
+    Column{"mean_relative", &FrontierRow::mean_relative},
+    Column{"energy_error", &FrontierRow::energy_error},
+    Column{"bins", &FrontierRow::bins},
+    Column{"lit", &FrontierRow::lit},
+    Column{"dark", &FrontierRow::dark},
+    Column{"dont_care", &FrontierRow::dont_care},
+    Column{"gaps", &FrontierRow::gaps},
+    Column{"gap_fraction", &FrontierRow::gap_fraction},
+    Column{"false_light", &FrontierRow::false_light},
+    Column{"false_light_fraction", &FrontierRow::false_light_fraction},
+    Column{"false_light_energy", &FrontierRow::false_light_energy},
+    Column{"buildings_visible", &FrontierRow::buildings_visible},
+    Column{"buildings_missed", &FrontierRow::buildings_missed},
+    Column{"load", &FrontierRow::load},
+};
+constexpr std::string_view kCaseColumns = "kind,columns,rows,plates,cell_m,returns";
+constexpr std::size_t kCaseFields = 6;
+constexpr std::size_t kFields = kCaseFields + kColumns.size() + 1;
+
+/// The shortest text that reads back to the same bits.
+std::string number_text(double value) {
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::optional<double> number_of(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string quoted(const std::string& text) {
+  if (text.empty()) return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + '"';
+}
+
+/// Fields of a line; those in quotes may hold commas and doubled quotes.
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool inside = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (line[k] == '"') {
+      if (inside && k + 1 < line.size() && line[k + 1] == '"') {
+        fields.back() += '"';
+        ++k;
+      } else {
+        inside = !inside;
+      }
+    } else if (line[k] == ',' && !inside) {
+      fields.emplace_back();
+    } else {
+      fields.back() += line[k];
+    }
+  }
+  return fields;
+}
+
+template <class T, std::size_t n>
+bool choose(const std::string& text, const std::array<T, n>& values, std::string (*name)(T), T& chosen) {
+  const auto found = std::ranges::find_if(values, [&](T value) { return name(value) == text; });
+  if (found != values.end()) chosen = *found;
+  return found != values.end();
+}
+
+std::optional<FrontierRow> row_of(const std::string& line) {
+  const std::vector<std::string> fields = fields_of(line);
+  if (fields.size() != kFields) return std::nullopt;
+  FrontierRow row;
+  SamplingCase& c = row.sampling;
+  const auto columns = number_of(fields[1]);
+  const auto rows = number_of(fields[2]);
+  const auto cell_m = number_of(fields[4]);
+  const std::array kinds{FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar,
+                         FrustumKind::sweep};
+  if (!choose(fields[0], kinds, frustum_name, c.kind) ||
+      !choose(fields[3], std::array{PlateKind::spread, PlateKind::nearest}, plates_name, c.plates) ||
+      !choose(fields[5], std::array{Returns::all, Returns::terrain, Returns::buildings}, returns_name,
+              row.returns) ||
+      !columns || !rows || !cell_m)
+    return std::nullopt;
+  c.columns = static_cast<int>(*columns);
+  c.rows = static_cast<int>(*rows);
+  c.cell_m = *cell_m;
+  for (std::size_t k = 0; k < kColumns.size(); ++k) {
+    const auto value = number_of(fields[kCaseFields + k]);
+    if (!value) return std::nullopt;
+    row.*kColumns[k].value = *value;
+  }
+  row.not_possible = fields.back();
+  return row;
+}
+
+}  // namespace
+
+std::string returns_name(Returns returns) {
+  constexpr std::array kNames{"all", "terrain", "buildings"};
+  return kNames[static_cast<std::size_t>(returns)];
+}
+
+std::vector<FrontierRow> rows_of(const SamplingCase& sampling, const FrameMeasurement& measured,
+                                 double load) {
+  std::vector<FrontierRow> rows;
+  for (const Returns returns : {Returns::all, Returns::terrain, Returns::buildings}) {
+    if (returns != Returns::all && !measured.has_buildings) break;
+    const ReturnErrors& errors = measured.errors[static_cast<int>(returns)];
+    const BinErrors& e = errors.bins;
+    const auto count = [](std::uint64_t n) { return static_cast<double>(n); };
+    FrontierRow row;
+    row.sampling = sampling;
+    row.returns = returns;
+    row.frame_ms = measured.all_planes.least_s * 1000;
+    row.frame_median_ms = measured.all_planes.median_s * 1000;
+    row.bare_ms = measured.no_states.least_s * 1000;
+    row.bare_median_ms = measured.no_states.median_s * 1000;
+    row.processor_ms = measured.all_planes.processor_s * 1000;
+    row.rays = count(measured.stats.rays);
+    row.samples = count(measured.stats.samples);
+    row.power_error = e.power_error;
+    row.median_db = e.median_db;
+    row.percentile95_db = e.percentile95_db;
+    row.mean_relative = e.mean_relative;
+    row.energy_error = e.energy_error();
+    row.bins = count(e.bins);
+    row.lit = count(e.lit);
+    row.dark = count(e.dark);
+    row.dont_care = count(e.dont_care);
+    row.gaps = count(e.gaps);
+    row.gap_fraction = e.gap_fraction();
+    row.false_light = count(e.false_light);
+    row.false_light_fraction = e.false_light_fraction();
+    row.false_light_energy = e.false_light_energy();
+    row.buildings_visible = errors.buildings.visible;
+    row.buildings_missed = errors.buildings.missed;
+    row.load = load;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+FrontierRow impossible_row(const SamplingCase& sampling, const std::string& reason) {
+  FrontierRow row;
+  row.sampling = sampling;
+  row.not_possible = reason;
+  return row;
+}
+
+std::string csv_header() {
+  std::string text(kCaseColumns);
+  for (const Column& column : kColumns) text += "," + std::string(column.name);
+  return text + ",not_possible\n";
+}
+
+std::string csv_line(const FrontierRow& row) {
+  const SamplingCase& c = row.sampling;
+  std::string text = frustum_name(c.kind) + "," + std::to_string(c.columns) + "," + std::to_string(c.rows) +
+                     "," + plates_name(c.plates) + "," + number_text(c.cell_m) + "," +
+                     returns_name(row.returns);
+  for (const Column& column : kColumns) text += "," + number_text(row.*column.value);
+  return text + "," + quoted(row.not_possible) + "\n";
+}
+
+std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!file || !std::getline(file, line) || line + "\n" != csv_header())
+    throw InputError(path.string() +
+                     ": found no table of this version; allowed: one that `obliq frontier` wrote, or "
+                     "--restart to begin anew");
+  std::vector<FrontierRow> rows;
+  for (int number = 2; std::getline(file, line); ++number) {
+    if (file.eof()) break;  // no newline behind it: it was cut off
+    const auto row = row_of(line);
+    if (!row)
+      throw InputError(
+          path.string() + ":" + std::to_string(number) +
+          ": found a line that is none of this table's; allowed: what `obliq frontier` wrote, or "
+          "--restart to begin anew");
+    rows.push_back(*row);
+  }
+  return rows;
+}
+
+const FrontierRow* find_row(const std::vector<FrontierRow>& rows, const SamplingCase& sampling,
+                            Returns returns) {
+  const auto found = std::ranges::find_if(
+      rows, [&](const FrontierRow& row) { return row.sampling == sampling && row.returns == returns; });
+  return found != rows.end() ? &*found : nullptr;
+}
+
+}  // namespace obliq

@@ -1,0 +1,186 @@
+#include "server/loading/scene_loading.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "server/radar/frame_plan.h"
+#include "server/scene/scene_memory.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/process_memory.h"
+
+namespace obliq {
+
+namespace {
+
+std::string source_error_line(const SourceError& error) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "grid against its source, vertically, at %llu posts: median %.3g m, 95 %% within %.3g m, rms "
+                "%.3g m, greatest %.3g m",
+                static_cast<unsigned long long>(error.posts), error.median_m, error.p95_m, error.rms_m,
+                error.greatest_m);
+  return text;
+}
+
+/// Where the heights come from, in what unit, and how far they reach.
+std::string elevation_line(const LoadReport& report) {
+  char text[160];
+  std::snprintf(text, sizeof text, "elevation: %.5g to %.5g m above the datum", report.lowest_m,
+                report.highest_m);
+  std::string line = text;
+  constexpr std::size_t kMost = 4;
+  for (std::size_t n = 0; n < std::min(kMost, report.elevation.size()); ++n) {
+    const ElevationSource& source = report.elevation[n];
+    line += (n == 0 ? ", from " : ", ") + source.file + " in " + source.unit +
+            (source.unit_assumed ? " (assumed, the file names no unit; terrain.unit does)" : "");
+  }
+  if (report.elevation.size() > kMost)
+    line += " and " + std::to_string(report.elevation.size() - kMost) + " more";
+  return line;
+}
+
+std::string heights_line(const BuildingHeights& heights) {
+  char text[200];
+  std::string line = "buildings of " + heights.file + ":";
+  if (heights.found > 0) {
+    std::snprintf(text, sizeof text, " heights %.3g to %.4g m, median %.3g m, from ", heights.least_m,
+                  heights.most_m, heights.median_m);
+    line += text + heights.field + " in " + heights.unit;
+  }
+  if (heights.by_default > 0) {
+    std::snprintf(text, sizeof text, "%s %llu with the default height of %g m", heights.found > 0 ? "," : "",
+                  static_cast<unsigned long long>(heights.by_default), heights.default_m);
+    line += text;
+  }
+  return line;
+}
+
+}  // namespace
+
+bool is_meant(const std::string& radar, const std::string& name, std::size_t radars) {
+  return radar == name || (name.empty() && (radars == 1 || radar == kUsualRadar));
+}
+
+const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name) {
+  std::string names;
+  for (const RadarConfig& radar : config.radars) {
+    if (is_meant(radar.name, name, config.radars.size())) return radar;
+    names += (names.empty() ? "" : ", ") + radar.name;
+  }
+  throw InputError("--radar: found " + (name.empty() ? "nothing" : "\"" + name + "\"") +
+                   "; allowed: " + names);
+}
+
+Pose place_radar(const World& world, const RadarConfig& radar) {
+  std::vector<FieldError> errors;
+  const auto pose = place_antenna(world, radar.pose, errors);
+  if (pose) return *pose;
+  throw InputError("radar \"" + radar.name + "\": " + all_text(errors));
+}
+
+void say_on_terminal(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
+
+void say_notes(const SceneConfig& config) {
+  for (const std::string& note : config.notes) say_on_terminal(note);
+}
+
+void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program) {
+  if (config.accuracy.asks())
+    say_on_terminal(program + ": [accuracy] is left out here; pixels and cells are those of the scene file");
+  for (const RadarConfig& radar : config.radars)
+    if (radar.finds_pixels)
+      say_on_terminal(
+          program + ": radar \"" + radar.name +
+          "\": the pixels of frustum.quality = \"oblique\" are found by render and obliqd; here it has " +
+          std::to_string(radar.settings.pixel_columns) + " x " + std::to_string(radar.settings.pixel_rows));
+}
+
+std::vector<std::string> world_report_lines(const World& world) {
+  const HeightGrid& grid = world.grid;
+  const LoadReport& report = world.report;
+  char text[256];
+  std::vector<std::string> lines;
+  std::snprintf(text, sizeof text, "terrain: %d x %d posts of %.5g m (%.1f x %.1f km)", grid.nx, grid.nz,
+                grid.cell_m, (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
+  std::string line = text;
+  const auto count = [&](std::uint64_t n, const char* what) {
+    if (n > 0) line += ", " + std::to_string(n) + " " + what;
+  };
+  count(report.posts_filled, "void posts filled by interpolation");
+  count(report.posts_absent, "without known ground");
+  lines.push_back(line);
+  if (!report.elevation.empty()) lines.push_back(elevation_line(report));
+  if (report.water_m2 > 0) {
+    std::snprintf(text, sizeof text, "water: %.3g km2 found in the elevation models (terrain.sea)",
+                  report.water_m2 / 1e6);
+    lines.emplace_back(text);
+  }
+  if (report.source_error.posts > 0) lines.push_back(source_error_line(report.source_error));
+  if (report.buildings_read > 0 || report.prisms_placed > 0) {
+    line = "buildings: " + std::to_string(world.buildings.list.size()) + " in the scene";
+    count(report.buildings_read, "outlines read");
+    count(report.buildings_repaired, "repaired");
+    count(report.buildings_zero_area, "skipped without area");
+    count(report.buildings_duplicate, "skipped as duplicates");
+    count(report.buildings_outside, "skipped outside the loaded area");
+    count(report.buildings_around, "skipped as larger than the loaded area");
+    count(report.buildings_too_complex, "skipped as too complex");
+    count(report.buildings_no_ground, "skipped over unknown ground");
+    count(report.buildings_unusable, "skipped as no usable polygon");
+    count(report.buildings_default_height, "with the default height");
+    count(report.prisms_placed, "random prisms");
+    lines.push_back(line);
+  }
+  for (const BuildingHeights& heights : report.building_heights) {
+    if (heights.found > 0 || heights.by_default > 0) lines.push_back(heights_line(heights));
+  }
+  lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+  for (const std::string& warning : report.warnings) lines.push_back(kWarningPrefix + warning);
+  return lines;
+}
+
+void print_world_report(const World& world) {
+  for (const std::string& line : world_report_lines(world)) say_on_terminal(line);
+}
+
+std::string scene_memory_line(const Scene& scene) {
+  char text[120];
+  std::snprintf(text, sizeof text, "; process %.0f MB, %.0f MB at its most",
+                static_cast<double>(resident_bytes()) / 1e6,
+                static_cast<double>(peak_resident_bytes()) / 1e6);
+  return memory_line(scene) + text;
+}
+
+std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
+                                         const std::function<void(const std::string&)>& say,
+                                         const Progress& progress) {
+  say("scene " + config.name + ": loading terrain");
+  auto world = std::make_shared<const World>(load_world(config.world, progress));
+  for (const std::string& line : world_report_lines(*world)) say(line);
+  auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, config.rays);
+  if (std::ranges::any_of(config.radars, [&](const RadarConfig& radar) {
+        return needs_tracer(*scene, radar.settings.frustum);
+      })) {
+    scene->tracer(progress);
+    say(tracer_line(*scene));
+  }
+  say(scene_memory_line(*scene));
+  return scene;
+}
+
+std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop) {
+  WorldSpec spec = config.world;
+  spec.terrain.cache_keeps = false;  // windows of a flight do not come again
+  auto world = std::make_shared<const World>(load_world(spec, [&](std::string_view, double) {
+    if (stop.stop_requested()) throw InputError("given up");
+  }));
+  return std::make_shared<const Scene>(world, config.materials, 1, config.rays);
+}
+
+std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {
+  auto world = std::make_shared<const World>(load_world(config.world, terminal_progress()));
+  print_world_report(*world);
+  return world;
+}
+
+}  // namespace obliq

@@ -1,0 +1,66 @@
+#pragma once
+// What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
+// terminal. The daemon logs the same report.
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/control/scene_config.h"
+#include "server/loading/terminal_progress.h"
+#include "server/radar/geometry/pose.h"
+#include "server/scene/scene.h"
+#include "terrain/base/progress.h"
+
+namespace obliq {
+
+inline constexpr const char* kWarningPrefix = "warning: ";
+
+/// Of several radars, the one that is taken where none is named.
+constexpr std::string_view kUsualRadar = "main";
+
+/// Whether a radar, one of so many, is the one that is meant: the named one, or the only one, or kUsualRadar.
+bool is_meant(const std::string& radar, const std::string& name, std::size_t radars);
+
+/// The named radar, or the only one, or kUsualRadar. Throws InputError that lists the names.
+const RadarConfig& choose_radar(const SceneConfig& config, const std::string& name);
+
+/// Places the radar's antenna. Throws InputError with every reason why it cannot stand there.
+Pose place_radar(const World& world, const RadarConfig& radar);
+
+/// One line on stderr.
+void say_on_terminal(const std::string& line);
+
+/// What was chosen for the user, a line each on stderr.
+void say_notes(const SceneConfig& config);
+
+/// A line on stderr where the scene has an [accuracy], or pixels that are to be found, for a program that has
+/// no use for it.
+void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program);
+
+/// What was loaded, a sentence or two each: grid, heights, voids, buildings with every count that is not
+/// zero, notes, and warnings behind kWarningPrefix.
+std::vector<std::string> world_report_lines(const World& world);
+
+/// Prints those lines on stderr.
+void print_world_report(const World& world);
+
+/// What the scene takes in memory, and the process now and at its most.
+std::string scene_memory_line(const Scene& scene);
+
+/// Loads terrain and buildings and, when a radar's rays are traced, builds the ray-tracing scene; `say` gets
+/// what was found, a sentence each.
+std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
+                                         const std::function<void(const std::string&)>& say,
+                                         const Progress& progress);
+
+/// Loads the same without a word, on the calling thread alone but for Embree's part, for which `threads` of
+/// the configuration is taken as 1. New grids are not kept in the cache. Throws InputError soon after stop is
+/// requested.
+std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop);
+
+/// Loads terrain and buildings and prints what was found, one line per note, on stderr.
+std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);
+
+}  // namespace obliq

@@ -1,0 +1,75 @@
+#include "server/loading/terminal_progress.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace obliq {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// What takes no longer needs no line in a log, nor a guess when it will end.
+constexpr double kQuick_s = 1.5;
+constexpr double kPause_s = 5;        // between two lines of one stage
+constexpr double kLeastShare = 0.02;  // from which the time left is guessed
+
+class ProgressLines {
+ public:
+  explicit ProgressLines(bool terminal) : terminal_(terminal) {}
+
+  void tell(std::string_view stage, double fraction) {
+    const auto now = Clock::now();
+    if (fraction < fraction_) {
+      start_ = now;
+      start_fraction_ = fraction;
+    }
+    fraction_ = fraction;
+    if (terminal_) return write_over(stage, now);
+    const bool is_new = stage != stage_;
+    stage_ = stage;
+    if (seconds(start_, now) < kQuick_s || fraction >= 1) return;
+    if (!is_new && seconds(written_, now) < kPause_s) return;
+    written_ = now;
+    std::fprintf(stderr, "%s\n", text(stage, now).c_str());
+  }
+
+ private:
+  static double seconds(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+  }
+
+  std::string text(std::string_view stage, Clock::time_point now) const {
+    char numbers[64];
+    std::snprintf(numbers, sizeof numbers, " %3.0f %%", 100 * fraction_);
+    std::string line = std::string(stage) + numbers;
+    const double spent_s = seconds(start_, now);
+    const double done = fraction_ - start_fraction_;
+    if (spent_s < kQuick_s || done < kLeastShare) return line;
+    std::snprintf(numbers, sizeof numbers, ", %.0f s left", spent_s / done * (1 - fraction_));
+    return line + numbers;
+  }
+
+  void write_over(std::string_view stage, Clock::time_point now) const {
+    std::fprintf(stderr, "\r\033[K%s", fraction_ >= 1 ? "" : text(stage, now).c_str());
+  }
+
+  const bool terminal_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point written_;
+  double start_fraction_ = 0;
+  double fraction_ = 0;
+  std::string stage_;
+};
+
+}  // namespace
+
+Progress terminal_progress() {
+  const auto lines = std::make_shared<ProgressLines>(isatty(STDERR_FILENO) != 0);
+  return [lines](std::string_view stage, double fraction) { lines->tell(stage, fraction); };
+}
+
+}  // namespace obliq

@@ -1,0 +1,135 @@
+#include "server/radar/echo/echo_bins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "server/radar/echo/antenna_pattern.h"
+#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/kernels.h"
+
+namespace obliq {
+namespace {
+
+/// The shortest wavelength that is allowed. The radar equation is one of the far field: nearer than this it
+/// means nothing, and at 0, an antenna against a wall, it divides by it.
+constexpr double kNearest_m = 1e-3;
+
+static_assert(PlacedSamples::kMost == kBatch);
+
+}  // namespace
+
+WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+                     AzimuthRange range, Surfaces surfaces)
+    : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range), surfaces_(surfaces) {
+  const double four_pi = 4 * std::numbers::pi;
+  const double lambda = plan.wavelength_m();
+  range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
+  const BinGrid& bins = plan.bins();
+  cells_.n_range = bins.n_range;
+  cells_.r_min_m = bins.r_min_m;
+  cells_.r_max_m = bins.r_max_m;
+  cells_.range_spacing_m = bins.range_spacing_m;
+  speckle.describe_cells(cells_);
+  factors_.range_normalisation = plan.settings().range_normalisation;
+  for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
+    factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
+  restart(range);
+}
+
+void WedgeBins::restart(AzimuthRange range) {
+  range_ = range;
+  const std::size_t n =
+      static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan_.bins().n_range);
+  power_w_.assign(n, 0);
+  count_.assign(n, 0);
+  voltage_.assign(n, 0);
+  if (plan_.settings().speckle == SpeckleKind::geometric) return;
+  sums_.resize(static_cast<std::size_t>(range.count), ScattererSums(scratch_));
+  for (ScattererSums& sums : sums_) sums.restart(plan_.bins().n_range);
+}
+
+std::uint64_t WedgeBins::add(const SampleBatch& samples) {
+  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
+  const AntennaPattern pattern(plan_.settings().gain_db);
+  const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
+  std::uint64_t binned = 0;
+  std::uint32_t marked = kNoFace;
+  lane_kernels().place(cells_, factors_,
+                       {samples.n, samples.slant_range_m.data(), samples.x_m.data(), samples.z_m.data(),
+                        samples.solid_angle_sr.data(), samples.material.data()},
+                       placed_);
+  for (int s = 0; s < samples.n; ++s) {
+    const auto k = static_cast<std::size_t>(s);
+    const double r = samples.slant_range_m[k];
+    const int range_bin = placed_.range_bin[k];
+    if (range_bin == PlacedSamples::kOutside || r < kNearest_m) continue;
+    if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
+      continue;
+    double sigma = placed_.sigma_m2[k];
+    if (std::isnan(sigma))
+      sigma = scattering_.cross_section_m2(
+          samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
+    // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
+    const double gain = pattern.power_gain(samples.azimuth_offset_rad[k], samples.sin_elevation[k]);
+    const double power = range_constant_ * gain * gain * sigma / placed_.spreading[k];
+    const auto azimuth = static_cast<std::size_t>(samples.azimuth_bin[k] - range_.first);
+    const std::size_t bin = azimuth * n_range + static_cast<std::size_t>(range_bin);
+    power_w_[bin] += power;
+    ++count_[bin];
+    ++binned;
+    if (samples.face[k] != kNoFace && samples.face[k] != marked)
+      plan_.seen().mark(plan_.scene().world().buildings.faces[marked = samples.face[k]].building);
+    if (geometric) {
+      const double round_trips = 2 * r / plan_.wavelength_m();
+      const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));
+      const double amplitude = std::sqrt(power);
+      voltage_[bin] += std::complex<double>(amplitude * at.cos, amplitude * at.sin);
+    } else {
+      const std::uint32_t face = samples.face[k];
+      const std::uint64_t ground =
+          static_cast<std::uint64_t>(face) << 32 | placed_.level[k] | samples.material[k];
+      const glm::dvec3 at_m(samples.x_m[k], plan_.sector().antenna_m.y + r * samples.sin_elevation[k],
+                            samples.z_m[k]);
+      sums_[azimuth].add(static_cast<std::uint32_t>(range_bin),
+                         face == kNoFace
+                             ? ScattererKey(placed_.cell[k], ground)
+                             : ScattererKey(speckle_.scatterer(r, at_m, face, samples.material[k])),
+                         power);
+    }
+  }
+  return binned;
+}
+
+/// Adds up the scatterers' voltages.
+void WedgeBins::add_speckle() {
+  constexpr std::size_t kBlock = 512;
+  double re[kBlock + ScattererLists::kSpare];
+  double im[kBlock + ScattererLists::kSpare];
+  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
+  for (std::size_t azimuth = 0; azimuth < sums_.size(); ++azimuth) {
+    ScattererSums& sums = sums_[azimuth];
+    sums.merge();
+    std::complex<double>* const voltage = voltage_.data() + azimuth * n_range;
+    for (std::size_t first = 0; first < sums.size(); first += kBlock) {
+      const std::size_t n = std::min(kBlock, sums.size() - first);
+      speckle_.respond({static_cast<int>(n), sums.places() + first, sums.kinds() + first,
+                        sums.powers_w() + first, re, im});
+      for (std::size_t k = 0; k < n; ++k)
+        voltage[sums.range_bin(first + k)] += std::complex<double>(re[k], im[k]);
+    }
+  }
+}
+
+void WedgeBins::write(BinBlock& block) {
+  if (plan_.settings().speckle == SpeckleKind::ground) add_speckle();
+  for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
+    block.iq[bin] = std::complex<float>(voltage_[bin]);
+    block.power_w[bin] = power_w_[bin];
+    block.count[bin] = count_[bin];
+    if (count_[bin] > 0) block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);
+  }
+}
+
+}  // namespace obliq

@@ -1,0 +1,56 @@
+#include "server/radar/echo/scattering.h"
+
+#include <limits>
+#include <numbers>
+
+#include "server/radar/simd/exact_math.h"
+
+namespace obliq {
+namespace {
+
+/// Below this cosine a specular face is edge-on and only its floor is left; tan^2 would be above 1e12.
+constexpr double kEdgeOn = 1e-6;
+
+}  // namespace
+
+ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m) {
+  rows_.reserve(materials.size());
+  for (const Material& material : materials) {
+    const double slope2 = material.rms_slope * material.rms_slope;
+    rows_.push_back({material.model, material.gamma, material.reflectivity / (2 * slope2), 1 / (2 * slope2),
+                     4 * std::numbers::pi * material.plate_tau / (wavelength_m * wavelength_m),
+                     material.plate_exponent});
+  }
+}
+
+double ScatteringTable::cross_section_m2(std::uint8_t material, double projected_area_m2,
+                                         double cos_incidence) const {
+  const Row& row = rows_[material];
+  switch (row.model) {
+    case ScatteringModel::constant_gamma:
+      return row.gamma * projected_area_m2;
+    case ScatteringModel::geometric_optics: {
+      if (cos_incidence < kEdgeOn) return row.gamma * projected_area_m2;
+      const double sec2 = 1 / (cos_incidence * cos_incidence);
+      const double tan2 = sec2 - 1;
+      const double lobe =
+          row.peak * exp_of_negative(-tan2 * row.over_two_slope2) * sec2 * sec2 * std::sqrt(sec2);
+      return (lobe + row.gamma) * projected_area_m2;
+    }
+    case ScatteringModel::flat_plate: {
+      const double tau = row.plate_exponent == 0 ? 1.0
+                         : cos_incidence < kEdgeOn
+                             ? 0.0
+                             : exp_of_negative(row.plate_exponent * log_of_positive(cos_incidence));
+      return row.plate * tau * projected_area_m2 * projected_area_m2;
+    }
+  }
+  return 0;
+}
+
+double ScatteringTable::constant_gamma(std::size_t material) const {
+  const Row& row = rows_[material];
+  return row.model == ScatteringModel::constant_gamma ? row.gamma : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace obliq

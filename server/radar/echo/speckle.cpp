@@ -1,0 +1,150 @@
+#include "server/radar/echo/speckle.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "server/radar/profile/wall_edge.h"
+#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/kernels.h"
+#include "terrain/base/hash.h"
+
+namespace obliq {
+namespace {
+
+/// Cells of 1 mm at least, so that cell numbers fit 32 bits within 2,000 km.
+constexpr int kFinestLevel = -10;
+
+/// Of a face from its centre, so that they fit 21 bits.
+constexpr double kMostCells = 0xfffff;
+
+/// 2^level.
+double side_of(const Scatterer& s) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
+}
+
+/// floor(log2 r), from the exponent bits.
+int octave_of(double slant_range_m) {
+  const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(slant_range_m) >> 52) - 1023;
+  return std::clamp(exponent, 0, 63);
+}
+
+}  // namespace
+
+SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m,
+                           double range_spacing_m, double azimuth_width_rad, std::int64_t seed)
+    : world_(world),
+      antenna_m_(antenna_m),
+      wavelength_m_(wavelength_m),
+      seed_(mix64(static_cast<std::uint64_t>(seed))) {
+  for (int octave = 0; octave < 64; ++octave) {
+    const double side = 0.5 * std::min(range_spacing_m, std::ldexp(azimuth_width_rad, octave));
+    level_of_octave_[octave] = static_cast<std::int16_t>(std::clamp(std::ilogb(side), kFinestLevel, 20));
+    cells_per_m_[octave] = std::ldexp(1.0, -level_of_octave_[octave]);
+  }
+}
+
+Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, std::uint32_t face,
+                                  std::uint8_t material) const {
+  Scatterer s;
+  s.material = material;
+  s.face = face;
+  const int octave = octave_of(slant_range_m);
+  const double cells_per_m = cells_per_m_[octave];
+  s.level = level_of_octave_[octave];
+  if (face == kNoFace) {
+    s.x_cell = static_cast<std::int32_t>(std::floor(at_m.x * cells_per_m));
+    s.z_cell = static_cast<std::int32_t>(std::floor(at_m.z * cells_per_m));
+    return s;
+  }
+  const BuildingFace& of = world_.buildings.faces[face];
+  if (lies_in_one_cell(of, 1 / cells_per_m)) {
+    s.level = Scatterer::kWholeFace;
+    return s;
+  }
+  // The centre is in the middle of a cell: no wall runs along the edge between two.
+  const auto cell = [&](double from_centre_m) {
+    return static_cast<std::int32_t>(
+        std::clamp(std::floor(from_centre_m * cells_per_m + 0.5), -kMostCells, kMostCells));
+  };
+  s.x_cell = cell(at_m.x - of.centre_m.x);
+  s.z_cell = cell(at_m.z - of.centre_m.z);
+  if (of.wall) s.y_cell = cell(at_m.y - of.centre_m.y);
+  return s;
+}
+
+/// Whether no point of a face is farther than half a side from its centre, along any axis.
+bool SpeckleField::lies_in_one_cell(const BuildingFace& face, double side_m) const {
+  const Buildings& all = world_.buildings;
+  const Building& building = all.list[face.building];
+  const std::uint32_t begin = all.ring_start[building.first_ring];
+  const auto is_near = [&](const glm::vec2& corner) {
+    return std::abs(static_cast<double>(corner.x) - face.centre_m.x) <= side_m / 2 &&
+           std::abs(static_cast<double>(corner.y) - face.centre_m.z) <= side_m / 2;
+  };
+  if (!face.wall) {
+    const std::uint32_t end = all.ring_start[building.first_ring + 1];
+    return std::all_of(all.ring_xz_m.begin() + begin, all.ring_xz_m.begin() + end, is_near);
+  }
+  // A wall's centre is half way between its corners, and half way up.
+  const auto index = static_cast<std::uint32_t>(&face - all.faces.data());
+  return static_cast<double>(building.roof_y_m) - face.centre_m.y <= side_m / 2 &&
+         is_near(all.ring_xz_m[edge_of_wall(all, index).from]);
+}
+
+std::uint64_t SpeckleField::hash(const Scatterer& s) const {
+  const ScattererKey key(s);
+  const std::uint64_t kind = key.kind & 0xffffffffull;
+  if (s.face == kNoFace) return mix64(mix64(seed_ ^ key.place) ^ kind);
+  const std::uint64_t of_face = mix64(seed_ ^ world_.buildings.faces[s.face].identity);
+  return s.level == Scatterer::kWholeFace ? of_face : mix64(mix64(of_face ^ key.place) ^ kind);
+}
+
+glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
+  if (s.face != kNoFace) {
+    const glm::dvec3& centre_m = world_.buildings.faces[s.face].centre_m;
+    if (s.level == Scatterer::kWholeFace) return centre_m;
+    return centre_m + side_of(s) * glm::dvec3(s.x_cell, s.y_cell, s.z_cell);
+  }
+  const double side = side_of(s);
+  const double x = (s.x_cell + 0.5) * side;
+  const double z = (s.z_cell + 0.5) * side;
+  const double y = world_.grid.height_at_m(x, z);
+  // A cell whose centre has no ground (the edge of a void) takes the datum surface: fixed, like the rest.
+  return {x, std::isnan(y) ? world_.frame.datum_y_m(x, z) : y, z};
+}
+
+std::complex<double> SpeckleField::response(const Scatterer& s) const {
+  const double range_m = glm::length(reference_point(s) - antenna_m_);
+  const std::uint64_t h = hash(s);
+  const double own_turns = static_cast<double>(h >> 32) * 0x1p-32;
+  // Phase in turns, -4 pi r / lambda = -2 pi (2 r / lambda): reduced modulo one turn before any sine.
+  const double round_trips = 2 * range_m / wavelength_m_;
+  const SinCos at = sincos_turns(own_turns - (round_trips - std::floor(round_trips)));
+  // Box and Muller 1958: |u|^2 = -ln(uniform) is exponential with mean 1.
+  const double modulus =
+      s.level == Scatterer::kWholeFace
+          ? 1.0
+          : std::sqrt(-log_of_positive((static_cast<double>(h & 0xffffffffull) + 0.5) * 0x1p-32));
+  return {modulus * at.cos, modulus * at.sin};
+}
+
+void SpeckleField::respond(const SpeckleBlock& block) const {
+  lane_kernels().speckle(
+      {lane_grid(world_.grid), antenna_m_.x, antenna_m_.y, antenna_m_.z, wavelength_m_, seed_}, block);
+  for (int k = 0; k < block.n; ++k) {
+    const ScattererKey key(block.place[k], block.kind[k]);
+    if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;
+    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(key.scatterer());
+    block.re[k] = voltage.real();
+    block.im[k] = voltage.imag();
+  }
+}
+
+void SpeckleField::describe_cells(SwathCells& cells) const {
+  std::copy(std::begin(cells_per_m_), std::end(cells_per_m_), cells.cells_per_m);
+  std::copy(std::begin(level_of_octave_), std::end(level_of_octave_), cells.level);
+}
+
+}  // namespace obliq

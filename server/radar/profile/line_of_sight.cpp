@@ -1,0 +1,62 @@
+#include "server/radar/profile/line_of_sight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/vec2.hpp>
+
+#include "server/radar/profile/wall_edge.h"
+
+namespace obliq {
+
+void SweepPlane::cut_roofs(double from_m) {
+  std::erase_if(spans_, [&](const FootprintSpan& span) { return span.far_m <= from_m; });
+  for (const FootprintSpan& span : spans_) walk_.reach(span.far_m);
+  steps_ = disjoint_roofs(world_->buildings, spans_);
+  step_ = 0;
+  while (step_ < steps_.size() && steps_[step_].far_m <= from_m) ++step_;
+  entered_ = step_ < steps_.size() && steps_[step_].near_m < from_m;
+}
+
+const RoofStep* SweepPlane::next_roof() const {
+  const auto ahead = std::find_if(steps_.begin() + static_cast<std::ptrdiff_t>(step_), steps_.end(),
+                                  [&](const RoofStep& step) { return step.far_m > walk_.at_m(); });
+  return ahead == steps_.end() ? nullptr : &*ahead;
+}
+
+bool SweepPlane::covers(const FootprintSpan& span) const {
+  return std::any_of(spans_.begin(), spans_.end(), [&](const FootprintSpan& other) {
+    return other.building != span.building && other.roof_y_m >= span.roof_y_m &&
+           other.near_m <= span.near_m + kTouching_m && other.far_m >= span.far_m - kTouching_m;
+  });
+}
+
+void SweepPlane::raise_by_roofs(PlaneHorizon& horizon, const FootprintSpan& before) const {
+  for (const FootprintSpan& other : spans_) {
+    if (other.building == before.building || !(other.near_m < before.near_m)) continue;
+    const double height = other.roof_y_m - antenna_m_.y;
+    horizon.raise(other.near_m, height, true);
+    horizon.raise(std::min(other.far_m, before.near_m), height, true);
+  }
+}
+
+SweepPlane::WallPlane SweepPlane::wall_plane(const RoofStep& step) const {
+  const Buildings& all = world_->buildings;
+  const WallEdge edge = edge_of_wall(all, step.wall);
+  const glm::dvec2 antenna(antenna_m_.x, antenna_m_.z);
+  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[edge.from]) - antenna;
+  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[edge.to]) - antenna;
+  const glm::dvec2 along = b - a;
+  const double length2 = along.x * along.x + along.y * along.y;
+  if (!(length2 > 0)) return {0, 0, 0, 0, 0};
+  const double length = std::sqrt(length2);
+  // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
+  const double distance = (a.y * along.x - a.x * along.y) / length;
+  const double to_a = std::sqrt(a.x * a.x + a.y * a.y);
+  const double to_b = std::sqrt(b.x * b.x + b.y * b.y);
+  const double foot = -(a.x * along.x + a.y * along.y);
+  return {distance, along.y / length, -along.x / length,
+          std::min({foot > 0 && foot < length2 ? std::abs(distance) : to_a, to_a, to_b}),
+          std::max(to_a, to_b)};
+}
+
+}  // namespace obliq

@@ -1,0 +1,143 @@
+#include "server/radar/profile/profile_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "server/radar/profile/line_of_sight.h"
+#include "server/radar/profile/walking_planes.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Answers the rays of one plane, those from `next` on, from what is visible.
+struct AnswerVisible {
+  const RayRows& rows;
+  int nx;
+  std::uint64_t& next;
+  double* slant_range_m;
+  std::uint32_t* surface;
+
+  void visible(const VisiblePiece& piece) {
+    const double low_d = piece.ground_range_m(piece.t0), low_h = piece.height_m(piece.t0);
+    const double high_d = piece.ground_range_m(piece.t1), high_h = piece.height_m(piece.t1);
+    for (; rows.slope[next] * high_d < high_h; ++next) {
+      const double slope = rows.slope[next];
+      if (slope * low_d < low_h) {
+        slant_range_m[next] = 0;
+        surface[next] = SweptRays::kUnder;
+        continue;
+      }
+      const double t = std::clamp((slope * piece.d_m - piece.h_m) / (piece.rate_h - slope * piece.rate_d),
+                                  piece.t0, piece.t1);
+      slant_range_m[next] = piece.ground_range_m(t) * rows.secant[next];
+      surface[next] = piece.face != kNoFace
+                          ? SweptRays::kFace + piece.face
+                          : 2 * static_cast<std::uint32_t>(piece.j * nx + piece.i) + (piece.upper ? 1 : 0);
+    }
+  }
+  bool full() const { return next == rows.n; }
+};
+
+}  // namespace
+
+/// Of one plane.
+struct SweptRays::Roofs {
+  std::vector<FootprintSpan> spans;
+  SinCos bearing;
+};
+
+SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const SinCos> elevation,
+                     double reach_m, const LaneKernels& kernels)
+    : world_(scene.world()),
+      antenna_m_(antenna_m),
+      ground_{lane_grid(scene.world().grid), antenna_m.x, antenna_m.y, antenna_m.z, reach_m},
+      kernels_(kernels),
+      top_m_(scene.highest_m() - antenna_m.y),
+      reach_m_(reach_m) {
+  const HeightGrid& grid = world_.grid;
+  const auto farther = [](double at, double first, double last) { return std::max(at - first, last - at); };
+  reach_m_ = std::min(reach_m_, std::hypot(farther(antenna_m.x, grid.x0_m, grid.x1_m()),
+                                           farther(antenna_m.z, grid.z0_m, grid.z1_m())));
+  if (static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.nz) >= kFace / 2)
+    throw std::length_error("SweptRays: the grid has 2^30 posts or more");
+  for (const SinCos at : elevation) {
+    slope_.push_back(at.sin / at.cos);
+    secant_.push_back(1 / at.cos);
+  }
+  slope_.push_back(kInfinity);
+  secant_.push_back(0);
+}
+
+/// The ground distance before which nothing reaches up to a ray. What stands no higher than top_m_ has slopes
+/// of at most top_m_ / d. A little less, for flat ground.
+double SweptRays::start_m(std::size_t ray) const {
+  if (!(top_m_ < 0 && slope_[ray] < 0)) return 0;
+  return 0.999 * std::min(reach_m_, top_m_ / slope_[ray]);
+}
+
+void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings, Run run,
+                       std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
+  RayLanes lanes{};
+  lanes.slant_range_m = slant_range_m.data();
+  lanes.surface = surface.data();
+  std::array<Roofs, kMostPlanes> roofs;
+  const double from_m = start_m(run.first);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(kMostPlanes); ++k) {
+    lanes.end_m[k] = -1;
+    lanes.roof_m[k] = kInfinity;
+    if (k >= bearings.size()) continue;
+    const SinCos bearing = roofs[k].bearing = bearings[k];
+    const GroundWalk walk(world_.grid, antenna_m_, bearing.sin, bearing.cos, from_m, reach_m_);
+    if (walk.done()) continue;
+    set_out(lanes, k, bearing, walk);
+    for (const std::uint32_t b : buildings)
+      footprint_spans(world_.buildings, b, antenna_m_.x, antenna_m_.z, bearing.sin, bearing.cos,
+                      roofs[k].spans);
+    for (const FootprintSpan& span : roofs[k].spans)
+      if (span.far_m > lanes.d_m[k]) lanes.roof_m[k] = std::min(lanes.roof_m[k], span.near_m);
+  }
+  const auto first = slope_.begin() + static_cast<std::ptrdiff_t>(run.first);
+  std::vector<double> cut;
+  if (run.first + run.count < rays()) {
+    cut.assign(first, first + static_cast<std::ptrdiff_t>(run.count));
+    cut.push_back(kInfinity);
+  }
+  const RayRows rows{cut.empty() ? &*first : cut.data(), secant_.data() + run.first, run.count};
+  while (const unsigned at_roof = kernels_.answer_rays(ground_, rows, lanes))
+    for (std::size_t k = 0; k < bearings.size(); ++k)
+      if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], rows, run.first, lanes);
+  for (std::size_t k = 0; k < bearings.size(); ++k) {
+    const auto unanswered = static_cast<std::ptrdiff_t>(k * run.count + lanes.next[k]);
+    const auto end = static_cast<std::ptrdiff_t>((k + 1) * run.count);
+    std::fill(slant_range_m.begin() + unanswered, slant_range_m.begin() + end, 0.0);
+    std::fill(surface.begin() + unanswered, surface.begin() + end, kNothing);
+  }
+}
+
+/// Takes one plane past the roofs that it stands before.
+void SweptRays::pass_roofs(std::size_t k, Roofs& roofs, const RayRows& rows, std::size_t first_ray,
+                           RayLanes& lanes) const {
+  // All that is nearer lies below the next ray.
+  PlaneHorizon horizon;
+  const std::size_t next = first_ray + lanes.next[k];
+  if (next > 0) horizon = {1, slope_[next - 1], false};
+  SweepPlane plane(world_, antenna_m_, roofs.bearing, lanes.d_m[k], reach_m_, horizon, roofs.spans);
+  AnswerVisible answers{rows, world_.grid.nx, lanes.next[k], lanes.slant_range_m + k * rows.n,
+                        lanes.surface + k * rows.n};
+  const RoofStep* roof = plane.next_roof();
+  while (roof && roof->near_m <= std::max(plane.at_m(), lanes.roof_m[k])) {
+    plane.advance(std::min(roof->far_m, reach_m_), answers);
+    const bool ended = answers.full() || plane.done() || plane.at_m() >= lanes.end_m[k];
+    roof = ended ? nullptr : plane.next_roof();
+  }
+  stand_at(lanes, k, plane);
+  lanes.roof_m[k] = roof ? roof->near_m : kInfinity;
+}
+
+}  // namespace obliq

@@ -1,0 +1,119 @@
+#include "server/radar/rays/ground_clearance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace obliq {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// More than what bearings and slopes are rounded by.
+constexpr double kSlack = 1e-9;
+
+}  // namespace
+
+GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right)
+    : grid_(grid), antenna_y_m_(antenna_m.y) {
+  const double sin = left.sin + right.sin;
+  const double cos = left.cos + right.cos;
+  const double u = (antenna_m.x - grid.x0_m) / grid.cell_m;
+  const double v = (antenna_m.z - grid.z0_m) / grid.cell_m;
+  along_z_ = std::abs(cos) >= std::abs(sin);
+  rising_ = (along_z_ ? cos : sin) > 0;
+  start_ = along_z_ ? v : u;
+  across_ = along_z_ ? u : v;
+  lines_ = along_z_ ? grid.nz : grid.nx;
+  others_ = along_z_ ? grid.nx : grid.nz;
+  per_line_ = along_z_ ? grid.nx : 1;
+  per_other_ = along_z_ ? 1 : grid.nx;
+  const auto aside = [&](SinCos bearing) {
+    return along_z_ ? bearing.sin / std::abs(bearing.cos) : bearing.cos / std::abs(bearing.sin);
+  };
+  left_ = std::min(aside(left), aside(right)) - kSlack;
+  right_ = std::max(aside(left), aside(right)) + kSlack;
+  // The strip that the antenna stands over, or the first one ahead of it; beyond the grid's end its last one.
+  first_line_ = static_cast<int>(rising_ ? std::clamp(std::floor(start_), 0.0, lines_ - 2.0)
+                                         : std::clamp(std::ceil(start_), 1.0, lines_ - 1.0));
+}
+
+/// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it
+/// need.
+float GroundBeam::highest_of(int line) const {
+  const double middle = (rising_ ? 1 : -1) * (line - start_);
+  const double near = std::max(0.0, middle - 1);
+  const double far = std::max(0.0, middle + 1);
+  const double from = across_ + std::min(left_ * near, left_ * far);
+  const double to = across_ + std::max(right_ * near, right_ * far);
+  const double most = others_ - 1.0;
+  const auto first = static_cast<std::ptrdiff_t>(std::clamp(from, 0.0, most));
+  const auto last = static_cast<std::ptrdiff_t>(std::ceil(std::clamp(to, 0.0, most)));
+  const float* const heights = grid_.y_m.data() + line * per_line_;
+  float highest = -std::numeric_limits<float>::infinity();
+  for (std::ptrdiff_t k = first; k <= last; ++k) {
+    const float height = heights[k * per_other_];
+    highest = height > highest ? height : highest;  // unknown ground is not a number, and not greater
+  }
+  return highest;
+}
+
+/// The next strip, between two lines of posts; false at the grid's end.
+bool GroundBeam::add_strip() {
+  const int step = rising_ ? 1 : -1;
+  const int near_line = first_line_ + step * static_cast<int>(slope_.size());
+  const int far_line = near_line + step;
+  if (far_line < 0 || far_line >= lines_) return false;
+  if (slope_.empty()) near_highest_ = highest_of(near_line);
+  const float far_highest = highest_of(far_line);
+  const double highest = static_cast<double>(std::max(near_highest_, far_highest));
+  const double above_m = highest - antenna_y_m_;
+  near_highest_ = far_highest;
+  const double far_m = step * (far_line - start_) * grid_.cell_m;
+  const double distance_m = above_m > 0 ? near_m(slope_.size()) : far_m;
+  double slope = -kInfinity;  // nothing is known, or all lies behind
+  if (far_m > 0 && highest > -kInfinity) slope = above_m == 0 ? 0 : above_m / distance_m;
+  const float up = std::nextafter(static_cast<float>(slope), std::numeric_limits<float>::infinity());
+  own_slope_.push_back(slope == -kInfinity ? static_cast<float>(slope) : up);
+  slope_.push_back(slope_.empty() ? own_slope_.back() : std::max(slope_.back(), own_slope_.back()));
+  return true;
+}
+
+/// The strip that holds a distance along the axis.
+std::size_t GroundBeam::strip_at(double ahead_m) const {
+  const double cells = ahead_m / grid_.cell_m;
+  const double strip =
+      rising_ ? std::floor(start_ + cells) - first_line_ : first_line_ - std::ceil(start_ - cells);
+  return static_cast<std::size_t>(std::clamp(strip, 0.0, static_cast<double>(lines_)));
+}
+
+/// Where a strip begins.
+double GroundBeam::near_m(std::size_t strip) const {
+  const int line = first_line_ + (rising_ ? 1 : -1) * static_cast<int>(strip);
+  return std::max(0.0, (rising_ ? line - start_ : start_ - line) * grid_.cell_m);
+}
+
+double GroundBeam::free_range_m(const glm::dvec3& direction, double from_m) {
+  const double ahead = std::abs(along_z_ ? direction.z : direction.x);
+  const double slope = direction.y / ahead - kSlack;
+  std::size_t k = last_;
+  const std::vector<float>* reached = &slope_;
+  if (from_m > 0) {
+    k = strip_at(from_m * ahead);
+    reached = &own_slope_;
+    while (slope_.size() < k && add_strip()) {
+    }
+  } else {
+    while (k > 0 && !(slope_[k - 1] < slope)) --k;
+  }
+  for (;; ++k) {
+    if (k >= slope_.size() && !add_strip()) break;
+    if (!((*reached)[k] < slope)) break;
+  }
+  if (from_m == 0) last_ = std::min(k, slope_.size());
+  if (k >= slope_.size()) return kInfinity;
+  const double near = near_m(k);
+  return std::max(from_m, near > 0 ? near / ahead : 0);
+}
+
+}  // namespace obliq

@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "server/radar/rays/packets.h"
+#include "server/radar/rays/ray_source.h"
+#include "server/radar/simd/pixel_rays.h"
+
+namespace obliq {
+
+/// Symmetric and oblique frusta. The pixels of one azimuth bin in a row are a run of columns, because all
+/// directions of a row lie in one line: the run's ends are where that line meets the bin's edges.
+class PerspectiveRays : public RaySource {
+ public:
+  PerspectiveRays(const FramePlan& plan, AzimuthRange range);
+  bool next(RayBatch& batch) override;
+
+ private:
+  /// Part of an azimuth bin that stays in front of or behind the antenna.
+  struct Piece {
+    int bin;
+    bool ahead;               // between -90 and 90 degrees
+    double tan_from, tan_to;  // of the bearing offsets at its ends; infinite at +-90 degrees
+  };
+  struct Run {
+    int bin;
+    PixelSpan columns;
+  };
+  struct Pixel {
+    int row, column, bin;
+    double up_m, ahead_m;
+  };
+
+  void add_pieces(int bin, double from, double to);
+  int column_at(double x_m) const;
+  void begin_rows();
+  PixelSpan add_row(int row);
+  void take(std::size_t n);
+  void cast(RayBatch& batch);
+
+  const PerspectiveFrustum& camera_;
+  PixelCamera aim_;
+  std::vector<Piece> pieces_;
+  int next_row_ = 0;
+  std::vector<Run> runs_;        // of a row, by column
+  std::vector<Pixel> waiting_;   // pixels of some rows, from taken_ on
+  std::vector<int> by_squares_;  // their numbers, in the order of packets
+  std::size_t taken_ = 0;
+  PixelList pixels_;
+  std::array<std::uint16_t, kBatch> packet_order_;  // of those
+};
+
+}  // namespace obliq

@@ -1,0 +1,56 @@
+#pragma once
+#include <deque>
+
+#include "server/radar/profile/local_sight.h"
+#include "server/radar/rays/plates/column_buildings.h"
+#include "server/radar/rays/plates/plate_source.h"
+
+namespace obliq {
+
+/// Plates of the polar frustum.
+class ColumnPlates : public PlateSpreader {
+ public:
+  explicit ColumnPlates(const FramePlan& plan);
+  void take(const RayBatch& rays, std::size_t k, const ExactHit* hit, std::vector<Sample>& samples) override;
+  void finish(std::vector<Sample>& samples) override;
+
+ private:
+  struct Pixel {
+    int row = -2;
+    bool hit = false;
+    double solid_angle_sr = 0;
+    ExactHit exact;
+    SightPoint point;
+    Plate plate;
+  };
+  struct Column {
+    bool aimed = false;
+    int azimuth_bin = 0;
+    double sin_bearing = 0;
+    double cos_bearing = 1;
+    std::vector<RoofStretch> roofs;  // in the column's own plane
+    ColumnBuildings buildings;
+    Pixel last;  // the newest row's; it is complete when the next row's has come
+  };
+
+  Column& column(const RayBatch& rays, std::size_t k);
+  void fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope);
+  void walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,
+                    double edge_slope, Plate& below, Plate& above);
+  void share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below, Plate& above) const;
+  void close_upwards(Column& column, std::vector<Sample>& samples);
+  void close(Column& column, std::vector<Sample>& samples);
+
+  const FramePlan& plan_;
+  int rows_;
+  std::vector<double> edge_slope_;  // [rows + 1], tangents of the rows' edges
+  PlaneSurface surface_;
+  std::deque<Column> columns_;
+  int first_column_ = 0;
+  Pixel next_;  // its buffers go round
+  std::vector<PlanePiece> visible_;
+  std::vector<BuildingStrand> strands_;
+  std::vector<RoofStretch> strand_roofs_;
+};
+
+}  // namespace obliq

@@ -1,0 +1,73 @@
+#pragma once
+// Gives a pixel's solid angle to the range bins that its visible pieces lie in.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "server/radar/frame_plan.h"
+#include "server/radar/profile/local_surface.h"
+#include "server/radar/samples.h"
+
+namespace obliq {
+
+/// The part of a plate in one range bin and on one surface. Sums weighted with the part's share until
+/// Plate::finish.
+struct PlatePart {
+  int range_bin = 0;  ///< -1: nearer than r_min; n_range: beyond r_max
+  std::uint32_t face = kNoFace;
+  std::uint8_t material = 0;
+  double share = 0;        ///< difference of the sines of its elevations
+  double over_range2 = 0;  ///< 1 / r^2, in 1 / m^2
+  double cos_incidence = 0;
+  double sin_elevation = 0;
+  double d_m = 0;
+  double least_range_m = HUGE_VAL;
+  double most_range_m = 0;
+
+  /// The range at which the whole part has the power that its surface of constant gamma has.
+  double range_m() const { return std::clamp(1 / std::sqrt(over_range2), least_range_m, most_range_m); }
+};
+
+/// One pixel's plate while it is put together.
+class Plate {
+ public:
+  void clear() {
+    parts_.clear();
+    end_ = {};
+  }
+
+  /// Adds a visible piece of the pixel's plane, cut at the edges of the range bins. A piece's range need not
+  /// be monotone: it is cut at the foot of the antenna's perpendicular too. `weight`: of the piece's plane
+  /// among those of the pixel.
+  void add(const BinGrid& bins, const PlanePiece& piece, double weight = 1);
+
+  /// The parts, their shares scaled to add up to `solid_angle_sr`. Empty when nothing was added.
+  const std::vector<PlatePart>& finish(double solid_angle_sr);
+
+  /// Leaves out parts in range bins that hold no visible surface; visible[n_range].
+  void drop_hidden(const std::vector<std::uint8_t>& visible, int kept_bin);
+
+ private:
+  /// A point of the plane as its slant range, its elevation and its range bin.
+  struct End {
+    double d_m = -1;
+    double h_m = 0;
+    double range_m = 0;
+    double sine = 0;
+    int bin = 0;
+  };
+
+  End end_at(const BinGrid& bins, double d_m, double h_m) const;
+  void add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to);
+  void add_part(int bin, const PlanePiece& piece, const End& from, const End& to);
+
+  double weight_ = 1;
+  End end_;  // where the last piece ended: mostly the next one begins there
+  std::vector<PlatePart> parts_;
+};
+
+/// Appends the samples of a pixel. A plate without a part is the hit itself, whole.
+void emit_plate(const FramePlan& plan, Plate& plate, const ExactHit& hit, double solid_angle_sr,
+                int azimuth_bin, double sin_bearing, double cos_bearing, std::vector<Sample>& samples);
+
+}  // namespace obliq

@@ -1,0 +1,37 @@
+#pragma once
+#include <vector>
+
+#include "server/radar/geometry/swath.h"
+#include "server/radar/rays/packets.h"
+#include "server/radar/rays/polar_columns.h"
+#include "server/radar/rays/ray_source.h"
+#include "server/radar/simd/exact_math.h"
+
+namespace obliq {
+
+/// Polar frustum: columns uniform in azimuth, rows from polar_rows.h.
+class PolarRays : public RaySource {
+ public:
+  PolarRays(const FramePlan& plan, AzimuthRange range);
+  bool next(RayBatch& batch) override;
+
+ private:
+  struct Row {
+    std::uint32_t first_pixel = 0;
+    SinCos elevation{0, 1};
+    double solid_angle_sr = 0;
+  };
+
+  bool add_rows(RayBatch& batch);
+  bool begin_row(Row& row, std::size_t number) const;
+  void add_row(RayBatch& batch, const Row& row, std::size_t from, std::size_t to, bool backwards) const;
+
+  const FramePlan& plan_;
+  SwathTest swath_;
+  std::vector<PolarColumn> columns_;
+  double width_rad_;
+  std::size_t row_ = 0;
+  std::size_t taken_ = 0;  // of the row's columns
+};
+
+}  // namespace obliq

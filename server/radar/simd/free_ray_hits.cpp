@@ -1,0 +1,101 @@
+// First hits on bare ground of rays that each go their own way. Eight walk at a time, and those that have
+// their answer make room for others.
+#include "server/radar/simd/free_ray_hits.h"
+
+#include "server/radar/simd/grid_walk.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+/// Rays on their way. A plane's bearing is a ray's whole direction here, so that it walks by slant range.
+struct Walkers : WalkingPlanes {
+  double dir_y[kLanes];
+  int ray[kLanes];
+};
+
+constexpr int kRefill = 5;  // idle lanes that are worth a stop
+
+/// Sets out rays in the lanes that are not in `busy`; returns those that are now.
+unsigned set_out(const GroundScene& scene, const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {
+  // A component that is all but 0 is none: its reciprocal would be infinite.
+  const auto component = [](double c) { return c < 1e-200 && c > -1e-200 ? 0.0 : c; };
+  for (int lane = 0; lane < kLanes && next < rays.n; ++lane) {
+    if ((busy >> lane & 1) != 0) continue;
+    const int ray = rays.order[next++];
+    walkers.sin_bearing[lane] = component(rays.dir_x[ray]);
+    walkers.cos_bearing[lane] = component(rays.dir_z[ray]);
+    walkers.dir_y[lane] = rays.dir_y[ray];
+    walkers.d_m[lane] = rays.from_m[ray];
+    // Below all ground nothing is met from above. A metre more, for flat ground.
+    const double to_m = (rays.lowest_m - 1) / rays.dir_y[ray];
+    walkers.end_m[lane] = rays.dir_y[ray] < 0 && to_m < scene.last_start_m ? to_m : scene.last_start_m;
+    walkers.ray[lane] = ray;
+    busy |= 1u << lane;
+  }
+  return busy;
+}
+
+}  // namespace
+
+void cast_ground(const GroundScene& scene, const CastRays& rays) {
+  const LaneGrid& grid = scene.grid;
+  Walkers walkers{};
+  PlaneRates p{};
+  Cells cells{};
+  Lanes dir_y{};
+  Lanes end_m{};
+  Lanes cells_left{};
+  LaneFlags above{};  // over known ground at the end of the last piece of it
+  unsigned busy = 0;
+  for (int next = 0;;) {
+    if (next < rays.n && __builtin_popcount(busy) <= kLanes - kRefill) {
+      store_cells(walkers, cells);
+      const LaneFlags before = flags_of(busy);
+      busy = set_out(scene, rays, next, busy, walkers);
+      p = plane_rates(scene, walkers);
+      cells = cells_of(walkers);
+      dir_y = load_lanes(walkers.dir_y);
+      end_m = load_lanes(walkers.end_m);
+      const Lanes i = clamp(floor_of(p.start_u + cells.d * p.rate_u), Lanes{}, all_lanes(grid.nx - 2));
+      const Lanes j = clamp(floor_of(p.start_v + cells.d * p.rate_v), Lanes{}, all_lanes(grid.nz - 2));
+      cells.i = select(before, cells.i, i);
+      cells.j = select(before, cells.j, j);
+      cells_left = select(before, cells_left, all_lanes(rays.most_cells));
+      above &= before;
+    }
+    if (busy == 0) break;
+    const LaneFlags active = flags_of(busy) & (cells.d < end_m) & cells.on(grid);
+    const CellEnds ends = cell_ends(scene, p, cells);
+    const Lanes end = greatest(cells.d, least(ends.nearest, end_m));
+    const Corners y = corners(grid, integers_of(cells.number(grid, active)));
+    LaneFlags open = active;
+    Lanes range = all_lanes(__builtin_nan(""));
+    // Behind a void a ray may be below the ground: it goes on until it meets some from above.
+    const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
+        __attribute__((always_inline)) {
+      const Lanes start = cut.start - scene.antenna_y_m;
+      const LaneFlags below0 = dir_y * d0 < start + cut.rise * d0;
+      const LaneFlags below1 = dir_y * d1 < start + cut.rise * d1;
+      // Where it was above it has met the edge between.
+      const LaneFlags hit = where & open & ((below0 & above) | (~below0 & below1 & (start < 0.0)));
+      range = select(hit, select(below0, d0, clamp(start / (dir_y - cut.rise), d0, d1)), range);
+      open &= ~hit;
+      above = (where & ~below1) | (~where & above);
+    };
+    above &= y.known;
+    visit_triangles(p, cells, y, active & y.known, end, triangle);
+    move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
+    cells_left -= 1.0;
+    const LaneFlags tired = open & (cells_left <= 0.0);
+    range = select(tired, all_lanes(CastRays::kTired), range);
+    const unsigned left = mask_of(open & ~tired);
+    for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
+      const int lane = __builtin_ctz(mask);
+      rays.range_m[walkers.ray[lane]] = range[lane];
+      rays.from_m[walkers.ray[lane]] = cells.d[lane];
+    }
+    busy = left;
+  }
+}
+
+}  // namespace obliq::OBLIQ_ISA

@@ -1,0 +1,103 @@
+// The ground's profile at eight crossings of a plane with the mesh's edges at a time. The edges are three
+// families of parallel lines: x, z and x + z whole, in cells.
+#include "server/radar/simd/highest_ground.h"
+
+#include "server/radar/simd/lanes.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+/// In cells: a crossing at an end of the stretch counts, however it is rounded.
+constexpr double kSlack = 1e-9;
+
+/// Along a stretch, in cells: where the antenna is and how fast x, z grow with ground distance.
+struct Line {
+  double start_u, start_v, rate_u, rate_v;
+};
+
+struct Highest {
+  Lanes slope = all_lanes(-__builtin_inf());
+  Lanes d{};
+  Lanes h{};
+
+  OBLIQ_LANES void raise(LaneFlags where, Lanes at_d, Lanes at_h) {
+    const Lanes at_slope = at_h / at_d;
+    const LaneFlags higher = where & (at_d > 0.0) & (at_slope > slope);
+    slope = select(higher, at_slope, slope);
+    d = select(higher, at_d, d);
+    h = select(higher, at_h, h);
+  }
+};
+
+OBLIQ_LANES Lanes cell_of(Lanes at, int nodes) {
+  return clamp(floor_of(at), Lanes{}, all_lanes(nodes - 2.0));
+}
+
+/// The crossings with one family: `start` and `rate` say how its number grows along the plane.
+/// heights(number, d): of the ground at the crossing.
+template <class Heights>
+OBLIQ_LANES void cross(const GroundStretch& along, double start, double rate, double least_number,
+                       double most_number, double antenna_y_m, Highest& highest, const Heights& heights) {
+  if (rate == 0) return;
+  const double a = start + along.from_m * rate;
+  const double b = start + along.to_m * rate;
+  double first = __builtin_ceil((a < b ? a : b) - kSlack);
+  double last = __builtin_floor((a < b ? b : a) + kSlack);
+  if (first < least_number) first = least_number;
+  if (last > most_number) last = most_number;
+  for (; first <= last; first += kLanes) {
+    const Lanes number = first + Lanes{0, 1, 2, 3, 4, 5, 6, 7};
+    const LaneFlags inside = number <= last;
+    const Lanes capped = select(inside, number, all_lanes(last));
+    // A plane that runs along a line of the family meets it anywhere.
+    const Lanes d = clamp((capped - start) / rate, all_lanes(along.from_m), all_lanes(along.to_m));
+    highest.raise(inside, d, heights(capped, d) - antenna_y_m);
+  }
+}
+
+}  // namespace
+
+HorizonPoint highest_ground(const GroundScene& scene, const GroundStretch& along) {
+  const LaneGrid& grid = scene.grid;
+  const Line line{(scene.antenna_x_m - grid.x0_m) / grid.cell_m,
+                  (scene.antenna_z_m - grid.z0_m) / grid.cell_m, along.sin_bearing / grid.cell_m,
+                  along.cos_bearing / grid.cell_m};
+  const double nx = grid.nx;
+  const auto between = [&](Lanes from, Lanes to, Lanes share) __attribute__((always_inline)) {
+    const Lanes low = gather(grid.y_m, integers_of(from));
+    return low + share * (gather(grid.y_m, integers_of(to)) - low);
+  };
+  Highest highest;
+  cross(
+      along, line.start_u, line.rate_u, 0, nx - 1, scene.antenna_y_m,
+      highest, [&](Lanes i, Lanes d) __attribute__((always_inline)) {
+        const Lanes v = line.start_v + d * line.rate_v;
+        const Lanes j = cell_of(v, grid.nz);
+        return between(j * nx + i, (j + 1.0) * nx + i, v - j);
+      });
+  cross(
+      along, line.start_v, line.rate_v, 0, grid.nz - 1.0, scene.antenna_y_m,
+      highest, [&](Lanes j, Lanes d) __attribute__((always_inline)) {
+        const Lanes u = line.start_u + d * line.rate_u;
+        const Lanes i = cell_of(u, grid.nx);
+        return between(j * nx + i, j * nx + i + 1.0, u - i);
+      });
+  cross(
+      along, line.start_u + line.start_v, line.rate_u + line.rate_v, 1, nx + grid.nz - 3, scene.antenna_y_m,
+      highest, [&](Lanes sum, Lanes d) __attribute__((always_inline)) {
+        const Lanes u = line.start_u + d * line.rate_u;
+        const Lanes i = clamp(cell_of(u, grid.nx), sum - (grid.nz - 1.0), sum - 1.0);
+        const Lanes j = sum - 1.0 - i;
+        return between((j + 1.0) * nx + i, j * nx + i + 1.0, u - i);
+      });
+  HorizonPoint point{0, 0};
+  double slope = -__builtin_inf();
+  for (int lane = 0; lane < kLanes; ++lane) {
+    if (!(highest.slope[lane] > slope)) continue;
+    slope = highest.slope[lane];
+    point = {highest.d[lane], highest.h[lane]};
+  }
+  return point;
+}
+
+}  // namespace obliq::OBLIQ_ISA

@@ -1,0 +1,21 @@
+#pragma once
+#include "server/radar/simd/visible_ground.h"
+
+namespace obliq {
+
+/// The stretch of a vertical plane between two ground distances.
+struct GroundStretch {
+  double sin_bearing, cos_bearing;
+  double from_m, to_m;
+};
+
+/// A point of a plane: ground distance and height above the antenna.
+struct HorizonPoint {
+  double d_m, h_m;
+};
+
+/// The point of highest elevation among those where the plane crosses an edge of the ground's triangles, ends
+/// included; d_m 0 where it crosses none. The cells along the stretch must be known.
+using HorizonKernel = HorizonPoint (*)(const GroundScene&, const GroundStretch&);
+
+}  // namespace obliq

@@ -1,0 +1,160 @@
+// First hits on bare ground of rays that lie in eight vertical planes. The planes walk side by side and note
+// the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a plane
+// come in rising order, and so do these slopes: a ray meets the first triangle that rises above it. Neither
+// step branches by where rays fall, which no processor foresees.
+#include "server/radar/simd/profile_ray_hits.h"
+
+#include "server/radar/simd/grid_walk.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+/// Triangles that the planes have passed, a row for each that some plane sees.
+struct Rises {
+  static constexpr int kMost = 128;
+  static constexpr int kMostOfCells = 4;  // two triangles, each with what passes under it
+  using Row = double[kLanes];
+  int n = 0;
+  double slope[kLanes][kMost + kLanes];  // the greatest so far, of each plane by itself
+  Row start[kMost];                      // height over the antenna = start + rise d, d from `from` to `to`
+  Row rise[kMost];
+  Row from[kMost];
+  Row to[kMost];
+  std::uint32_t surface[kMost][kLanes];
+};
+
+/// One plane's rays that lie below the last of its slopes.
+struct Answers {
+  const Rises& rises;
+  const RayRows& rows;
+  int lane;
+  const double* slopes;
+  double last;
+  double* slant_range_m;
+  std::uint32_t* surface;
+  std::uint64_t ray;
+  int k = 0;
+
+  OBLIQ_LANES Answers(const Rises& noted, const RayRows& all, int of_lane, const RayLanes& lanes)
+      : rises(noted),
+        rows(all),
+        lane(of_lane),
+        slopes(noted.slope[of_lane]),
+        last(slopes[noted.n - 1]),
+        slant_range_m(lanes.slant_range_m + static_cast<std::uint64_t>(of_lane) * all.n),
+        surface(lanes.surface + static_cast<std::uint64_t>(of_lane) * all.n),
+        ray(lanes.next[of_lane]) {}
+
+  OBLIQ_LANES bool left() const { return rows.slope[ray] < last; }
+  OBLIQ_LANES void answer() {
+    const double slope = rows.slope[ray];
+    unsigned above = mask_of(load_lanes(slopes + k) > slope);
+    while (above == 0) above = mask_of(load_lanes(slopes + (k += kLanes)) > slope);
+    k += __builtin_ctz(above);
+    const double d = rises.start[k][lane] / (slope - rises.rise[k][lane]);
+    const double from = rises.from[k][lane];
+    const double to = rises.to[k][lane];
+    surface[ray] = rises.surface[k][lane];
+    slant_range_m[ray] = (d < from ? from : to < d ? to : d) * rows.secant[ray];
+    ++ray;
+  }
+};
+
+/// Four planes at a time: what one waits for, the others have time for.
+OBLIQ_LANES void answer(const Rises& rises, const RayRows& rows, RayLanes& lanes) {
+  for (int lane = 0; lane < kLanes; lane += 4) {
+    Answers a(rises, rows, lane, lanes);
+    Answers b(rises, rows, lane + 1, lanes);
+    Answers c(rises, rows, lane + 2, lanes);
+    Answers d(rises, rows, lane + 3, lanes);
+    while (a.left() && b.left() && c.left() && d.left()) {
+      a.answer();
+      b.answer();
+      c.answer();
+      d.answer();
+    }
+    Answers* const all[] = {&a, &b, &c, &d};
+    for (Answers* rest : all) {
+      while (rest->left()) rest->answer();
+      lanes.next[rest->lane] = rest->ray;
+    }
+  }
+}
+
+}  // namespace
+
+unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& lanes) {
+  const LaneGrid& grid = scene.grid;
+  const PlaneRates p = plane_rates(scene, lanes);
+  const Lanes end_m = load_lanes(lanes.end_m);
+  const Lanes roof_m = load_lanes(lanes.roof_m);
+  const Lanes infinite = all_lanes(__builtin_inf());
+  Cells cells = cells_of(lanes);
+  const LaneBits next = load_bits(lanes.next);
+  const LaneFlags some = next > 0;
+  // All that is nearer lies below the next ray; where there is none, nothing is left to look for.
+  Lanes horizon = select(some, gather(rows.slope, some ? next - 1 : next), -infinite);
+  horizon = select(next >= rows.n, infinite, horizon);
+  const Lanes highest = all_lanes(rows.n > 0 ? rows.slope[rows.n - 1] : -__builtin_inf());
+  // Ground that begins higher than what is nearer leaves rays that pass under it: behind a void.
+  LaneFlags beginning = cells.d == cells.d;
+  Rises rises;
+  const auto note = [&](Lanes start, Lanes rise, Lanes from, Lanes to, LaneBits surface)
+      __attribute__((always_inline)) {
+    const int n = rises.n++;
+    for (int lane = 0; lane < kLanes; ++lane) rises.slope[lane][n] = horizon[lane];
+    store_lanes(rises.start[n], start);
+    store_lanes(rises.rise[n], rise);
+    store_lanes(rises.from[n], from);
+    store_lanes(rises.to[n], to);
+    store_words(rises.surface[n], surface);
+  };
+  unsigned at_roof = 0;
+  while (true) {
+    const LaneFlags active = (cells.d < end_m) & cells.on(grid) & (horizon <= highest);
+    if (!any(active)) break;
+    const CellEnds ends = cell_ends(scene, p, cells);
+    const Lanes end = greatest(cells.d, least(ends.nearest, end_m));
+    at_roof = mask_of(active & (roof_m <= end));
+    if (at_roof != 0) break;
+    if (rises.n > Rises::kMost - Rises::kMostOfCells) {
+      answer(rises, rows, lanes);
+      rises.n = 0;
+    }
+    const LaneBits at = integers_of(cells.number(grid, active));
+    const Corners y = corners(grid, at);
+    prefetch_ahead(grid, p, cells);
+    const LaneFlags known = active & y.known;
+    const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
+        __attribute__((always_inline)) {
+      const Lanes start = cut.start - scene.antenna_y_m;
+      const auto slope_at = [&](Lanes d) __attribute__((always_inline)) {
+        return (start + cut.rise * d) / d;
+      };
+      if (any(where & beginning)) {
+        const Lanes first = slope_at(d0);
+        // Nothing is under the antenna itself, at 0 or -0.
+        const LaneFlags under = where & beginning & (d0 > 0.0) & (first > horizon);
+        if (any(under)) {
+          horizon = select(under, first, horizon);
+          note(all_lanes(-1), Lanes{}, Lanes{}, Lanes{}, LaneBits{} + std::uint64_t{kUnderVoid});
+        }
+        beginning &= ~where;
+      }
+      // Facing when the antenna is above the triangle's plane: then elevation rises along it.
+      const Lanes last = slope_at(d1);
+      const LaneFlags rising = where & (start < 0.0) & (last > horizon);
+      if (!any(rising)) return;
+      horizon = select(rising, last, horizon);
+      note(start, cut.rise, d0, d1, at * 2 + ones_of(cut.upper));
+    };
+    visit_triangles(p, cells, y, known, end, triangle);
+    beginning |= active & ~y.known;
+    move_on(p, ends, active, active & (ends.nearest <= end_m), end, cells);
+  }
+  if (rises.n > 0) answer(rises, rows, lanes);
+  store_cells(lanes, cells);
+  return at_roof;
+}
+
+}  // namespace obliq::OBLIQ_ISA

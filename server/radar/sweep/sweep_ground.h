@@ -1,0 +1,47 @@
+#pragma once
+#include <vector>
+
+#include "server/radar/simd/kernels.h"
+#include "server/radar/sweep/segment_sampler.h"
+
+namespace obliq {
+
+/// What a plane over bare ground stands for: width_rad[k] up to ground distance to_m[k], the last one
+/// infinite.
+struct GroundShare {
+  PlaneShare plane;
+  std::vector<double> to_m;
+  std::vector<double> width_rad;
+};
+
+/// Marches up to eight planes over bare ground side by side, from the nadir outwards, and cuts what they see
+/// into samples. Samples of one plane come in order of distance; those of different planes are mixed, always
+/// in the same way.
+class SweepGround {
+ public:
+  static constexpr int kMost = GroundLanes::kLanes;
+
+  /// `kernels`: for tests that compare instruction sets.
+  explicit SweepGround(const FramePlan& plan, const LaneKernels& kernels = lane_kernels());
+
+  /// Begins with other planes; `shares` is kept until they have been marched.
+  void start(std::vector<GroundShare> shares);
+
+  /// Marches until the sampler is full; false when all planes have come to their ends.
+  bool next(PieceSampler& sampler, SampleBatch& samples);
+
+ private:
+  void cut_rare(PieceSampler& sampler);
+
+  const FramePlan& plan_;
+  const LaneKernels& kernels_;
+  GroundScene scene_;
+  PieceBins bins_;
+  std::vector<GroundShare> shares_;
+  GroundLanes lanes_;
+  GroundPieces pieces_;
+  int cut_ = 0;  // rows of pieces that are samples already
+  bool marching_ = false;
+};
+
+}  // namespace obliq

@@ -1,0 +1,62 @@
+#include "server/rendering/demand.h"
+
+#include <algorithm>
+#include <set>
+
+namespace obliq::net {
+
+std::chrono::steady_clock::duration period_of(double rate_hz) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(1 / rate_hz));
+}
+
+std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now) {
+  std::vector<Demand> taken;
+  for (Demand& demand : demands) {
+    const auto period = period_of(demand.rate_hz);
+    // A tenth of a period early is on time: the radar's clock is not exact.
+    if (now + period / 10 < demand.due) continue;
+    taken.push_back(demand);
+    demand.due = std::max(demand.due + period, now);
+  }
+  return taken;
+}
+
+void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands) {
+  for (const Demand& one : taken) {
+    const auto at = std::ranges::find(demands, one.watch_id, &Demand::watch_id);
+    if (at != demands.end()) at->due = one.due;
+  }
+}
+
+Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings) {
+  Order order;
+  std::set<StreamChoice> choices;
+  std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings.azimuth_bins)));
+  for (const Demand& demand : demands) {
+    const auto window =
+        wire::cut_window(demand.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
+                         static_cast<std::uint32_t>(settings.range_bins));
+    if (!window) continue;
+    order.takers.push_back(demand.watch_id);
+    choices.insert(demand.choice);
+    if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
+    for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
+         azimuth += window->azimuth.step)
+      wedges[static_cast<std::size_t>(azimuth) / kWedgeAzimuthBins] = true;
+  }
+  order.choices.assign(choices.begin(), choices.end());
+  for (std::size_t i = 0; i < wedges.size(); ++i) {
+    if (!wedges[i]) continue;
+    const int first = static_cast<int>(i) * kWedgeAzimuthBins;
+    const int count = std::min(kWedgeAzimuthBins, settings.azimuth_bins - first);
+    if (i > 0 && wedges[i - 1]) {
+      order.azimuths.back().count += count;
+    } else {
+      order.azimuths.push_back({first, count});
+    }
+  }
+  return order;
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,39 @@
+#pragma once
+// What a radar's next frame must hold, from what its watchers ask for.
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/render.h"
+#include "server/stream/stream_choice.h"
+
+namespace obliq::net {
+
+std::chrono::steady_clock::duration period_of(double rate_hz);
+
+/// What one subscription asks of its radar.
+struct Demand {
+  std::uint64_t watch_id = 0;  ///< never used again
+  double rate_hz = 0;
+  StreamChoice choice;
+  bool lossless = false;                      ///< its frames may be late, but none is left out
+  std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
+};
+
+/// What of a frame must be rendered for some of those who ask.
+struct Order {
+  std::vector<std::uint64_t> takers;
+  std::vector<StreamChoice> choices;  ///< different ones
+  bool states = false;
+  std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
+};
+
+/// The demands that are due, as they were; the next date of each is set.
+std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now);
+/// There was no frame after all: they are due again.
+void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
+
+/// What a frame of such settings holds for them. Those whose window has no bin in it get nothing.
+Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings);
+
+}  // namespace obliq::net

@@ -1,0 +1,197 @@
+#include "server/rendering/frame_cache.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace obliq::net {
+namespace {
+
+std::size_t bytes_of(const BinBlock& bins) {
+  return bins.iq.size() * sizeof bins.iq[0] + bins.power_w.size() * sizeof bins.power_w[0] +
+         bins.count.size() * sizeof bins.count[0] + bins.state.size() * sizeof bins.state[0];
+}
+
+/// Wedges of azimuth bins that were rendered in one go.
+struct Part {
+  AzimuthRange azimuths;
+  bool states = false;
+  std::vector<Wedge> wedges;
+  std::vector<std::uint32_t> seen;  // buildings
+  std::size_t bytes = 0;
+};
+
+}  // namespace
+
+/// What one radar's frames from one place have in common.
+class KeepingRenderer::Place {
+ public:
+  Place(const SettingsPtr& settings, const PoseSettings& pose, std::uint64_t generation,
+        std::shared_ptr<Budget> budget)
+      : settings_(settings), pose_(pose), generation_(generation), budget_(std::move(budget)) {}
+  ~Place() {
+    for (const auto& part : parts_) budget_->used -= part->bytes;
+  }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+  /// Its radar has other settings now, or has gone, or there is another scene.
+  bool is_over(std::uint64_t generation) const { return settings_.expired() || generation_ != generation; }
+  bool is_of(const SettingsPtr& settings) const { return settings_.lock() == settings; }
+  const PoseSettings& pose() const { return pose_; }
+  bool is_at(const PoseSettings& pose) const { return same_antenna(pose_, pose); }
+
+  /// The frame of before for another number and date; null when there is none to go by.
+  std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const {
+    const auto frame = planned();
+    return frame ? frame->again(pose) : nullptr;
+  }
+  void keep(std::shared_ptr<const PlannedFrame> frame) {
+    const std::lock_guard lock(mutex_);
+    frame_ = std::move(frame);
+  }
+
+  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool states) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& part : parts_)
+      if (part->azimuths.first == azimuths.first && part->azimuths.count == azimuths.count &&
+          part->states >= states)
+        return part;
+    return nullptr;
+  }
+
+  void keep(std::shared_ptr<const Part> part) {
+    if (find(part->azimuths, part->states)) return;
+    const std::lock_guard lock(mutex_);
+    if ((budget_->used += part->bytes) <= budget_->most) {
+      parts_.push_back(std::move(part));
+    } else {
+      budget_->used -= part->bytes;
+    }
+  }
+
+ private:
+  std::shared_ptr<const PlannedFrame> planned() const {
+    const std::lock_guard lock(mutex_);
+    return frame_;
+  }
+
+  std::weak_ptr<const SettingsSnapshot> settings_;
+  PoseSettings pose_;
+  std::uint64_t generation_;
+  std::shared_ptr<Budget> budget_;
+  mutable std::mutex mutex_;  ///< guards the rest
+  std::shared_ptr<const PlannedFrame> frame_;
+  std::vector<std::shared_ptr<const Part>> parts_;
+};
+
+/// A frame from a place where there was one before.
+class KeepingRenderer::Frame : public PlannedFrame {
+ public:
+  Frame(std::shared_ptr<const PlannedFrame> frame, std::shared_ptr<Place> place)
+      : frame_(std::move(frame)), place_(std::move(place)) {}
+
+  const PlannedFrame& frame() const { return *frame_; }
+
+  void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
+    frame_->describe(radar, descriptor);
+  }
+  void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
+    frame_->summarise(stats, summary);
+  }
+
+  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    const bool goes_on = options.pause && options.pause->begun;
+    if (!goes_on) {
+      if (const auto part = place_->find(azimuths, options.states)) return repeat(*part, options);
+      part_ = frame_->again(place_->pose());  // knows what this part alone has seen
+      fresh_ = std::make_shared<Part>();
+      fresh_->azimuths = azimuths;
+      fresh_->states = options.states;
+    }
+    if (!part_) return frame_->render(azimuths, options);
+    RenderOptions with_copy = options;
+    with_copy.on_wedge = [&](Wedge&& wedge) {
+      fresh_->bytes += bytes_of(wedge.bins);
+      fresh_->wedges.push_back(wedge);
+      if (options.on_wedge) options.on_wedge(std::move(wedge));
+    };
+    const bool done = part_->render(azimuths, with_copy);
+    if (options.pause && options.pause->begun) return done;  // there is more to come
+    if (done) {
+      fresh_->seen = part_->seen();
+      frame_->see_again(fresh_->seen);
+      place_->keep(fresh_);
+    }
+    fresh_ = nullptr;
+    part_ = nullptr;
+    return done;
+  }
+
+ private:
+  bool repeat(const Part& part, const RenderOptions& options) const {
+    for (const Wedge& wedge : part.wedges) {
+      if (options.stop.stop_requested()) return false;
+      if (options.before_wedge) options.before_wedge(wedge.index);
+      if (options.on_wedge) options.on_wedge(Wedge(wedge));
+    }
+    frame_->see_again(part.seen);
+    return true;
+  }
+
+  std::shared_ptr<const PlannedFrame> frame_;
+  std::shared_ptr<Place> place_;
+  mutable std::shared_ptr<Part> fresh_;  // while it is being rendered, by one thread
+  mutable std::unique_ptr<const PlannedFrame> part_;
+};
+
+KeepingRenderer::KeepingRenderer(const FrameRenderer& renderer, std::size_t most_bytes)
+    : renderer_(renderer), budget_(std::make_shared<Budget>()) {
+  budget_->most = most_bytes;
+}
+
+KeepingRenderer::~KeepingRenderer() = default;
+
+FrameRenderer::Plan KeepingRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+  const std::uint64_t generation = renderer_.generation();
+  if (const auto place = find(settings, pose, generation))
+    if (auto again = place->again(pose)) return {std::make_unique<Frame>(std::move(again), place), {}, {}};
+  Plan plan = renderer_.plan(settings, pose);
+  // Another scene may have come while the frame was planned.
+  if (!plan.frame || plan.settings || renderer_.generation() != generation) return plan;
+  const auto place = find(settings, pose, generation);
+  if (!place) {
+    const std::lock_guard lock(mutex_);
+    places_.push_back(std::make_shared<Place>(settings, pose, generation, budget_));
+    return plan;
+  }
+  std::shared_ptr<const PlannedFrame> frame = std::move(plan.frame);
+  place->keep(frame);
+  plan.frame = std::make_unique<Frame>(std::move(frame), place);
+  return plan;
+}
+
+FrameRenderer::Plan KeepingRenderer::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                                                const PoseSettings& pose) const {
+  const auto* ours = dynamic_cast<const Frame*>(&frame);
+  // In the scene of the frame before, whatever has come since: nothing of it is kept or repeated.
+  return renderer_.plan_again(ours ? ours->frame() : frame, settings, pose);
+}
+
+void KeepingRenderer::forget() {
+  const std::lock_guard lock(mutex_);
+  places_.clear();
+}
+
+/// Where a radar was before, if it is there still; places that radars have left are forgotten.
+std::shared_ptr<KeepingRenderer::Place> KeepingRenderer::find(const SettingsPtr& settings,
+                                                              const PoseSettings& pose,
+                                                              std::uint64_t generation) const {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(places_, [&](const auto& place) {
+    return place->is_over(generation) || (place->is_of(settings) && !place->is_at(pose));
+  });
+  const auto place = std::ranges::find_if(places_, [&](const auto& p) { return p->is_of(settings); });
+  return place == places_.end() ? nullptr : *place;
+}
+
+}  // namespace obliq::net

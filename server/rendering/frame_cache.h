@@ -1,0 +1,54 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/rendering/frame_renderer.h"
+
+namespace obliq::net {
+
+/// Renders nothing twice: while a radar's settings, its antenna and the scene stay what they were, the plan
+/// and the wedges of the frame before are taken again, which have the same bits. So an antenna that stands
+/// still, or scans from where it stands, costs next to nothing. Nothing is kept of the first frame at a
+/// place, so that a flight takes no memory.
+class KeepingRenderer : public FrameRenderer {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{128} << 20;
+
+  /// `most_bytes`: of all that is kept; frames beyond are rendered anew.
+  explicit KeepingRenderer(const FrameRenderer& renderer, std::size_t most_bytes = kMostBytes);
+  ~KeepingRenderer() override;
+
+  std::vector<FieldError> place(const PoseSettings& pose) const override { return renderer_.place(pose); }
+  std::uint64_t generation() const override { return renderer_.generation(); }
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
+  Plan plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                  const PoseSettings& pose) const override;
+  std::string fixed() const override { return renderer_.fixed(); }
+  wire::PlaneSet planes() const override { return renderer_.planes(); }
+
+  /// Lets go of all that is kept, and of the scene that it was planned in. From any thread.
+  void forget();
+
+  /// Bytes of bins that are kept.
+  std::size_t kept_bytes() const { return budget_->used; }
+
+ private:
+  struct Budget {
+    std::atomic<std::size_t> used = 0;
+    std::size_t most = 0;
+  };
+  class Place;
+  class Frame;
+  std::shared_ptr<Place> find(const SettingsPtr& settings, const PoseSettings& pose,
+                              std::uint64_t generation) const;
+
+  const FrameRenderer& renderer_;
+  std::shared_ptr<Budget> budget_;
+  mutable std::mutex mutex_;  ///< guards places_
+  mutable std::vector<std::shared_ptr<Place>> places_;
+};
+
+}  // namespace obliq::net

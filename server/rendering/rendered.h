@@ -1,0 +1,37 @@
+#pragma once
+// What rendering a frame costs, before and after.
+#include <cstdint>
+
+namespace obliq::net {
+
+/// What a frame takes, known before it is rendered (server/net/request_limits.h).
+struct FrameCost {
+  std::int64_t pixels = 0;
+  std::int64_t bins = 0;
+  std::int64_t bytes = 0;  ///< an estimate
+
+  /// What max_work_queued counts.
+  std::int64_t work() const { return pixels + bins; }
+};
+
+/// A frame of a RenderOnce request that has been rendered to its end.
+struct RenderedOnce {
+  double render_s = 0;  ///< of all its slices, without the waits between them
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+};
+
+/// A live frame that has been rendered to its end.
+struct RenderedFrame {
+  double waited_s = 0;       ///< from the date when it was due to its planning
+  double render_s = 0;       ///< from its planning to its last block, with the turns of others in between
+  double first_wedge_s = 0;  ///< from its planning to its first wedge
+  /// From the arrival of its pose to its last block; negative for all but the first frame of each pose.
+  double pose_to_end_s = -1;
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+  double coverage = 0;              ///< fraction of the sector that known ground covers
+  std::uint64_t dwells_missed = 0;  ///< of a pass of a scanning antenna
+};
+
+}  // namespace obliq::net

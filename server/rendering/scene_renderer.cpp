@@ -1,0 +1,98 @@
+#include "server/rendering/scene_renderer.h"
+
+#include <utility>
+
+#include "server/output/describe_frame.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/geometry/pose.h"
+#include "server/radar/render.h"
+
+namespace obliq::net {
+namespace {
+
+class PlannedSceneFrame : public PlannedFrame {
+ public:
+  PlannedSceneFrame(std::shared_ptr<const Scene> scene, std::shared_ptr<const FramePlan> plan,
+                    std::string scene_name)
+      : scene_(std::move(scene)), plan_(std::move(plan)), scene_name_(std::move(scene_name)) {}
+
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  const FramePlan& plan() const { return *plan_; }
+
+  void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
+    describe_frame(*plan_, radar, scene_name_, descriptor);
+  }
+  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    return render_wedges(*plan_, azimuths, options);
+  }
+  void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
+    summarise_frame(*plan_, stats, summary);
+  }
+  std::vector<std::uint32_t> seen() const override { return plan_->seen().list(); }
+  void see_again(const std::vector<std::uint32_t>& buildings) const override {
+    plan_->seen().mark(buildings);
+  }
+  std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const override {
+    return std::make_unique<PlannedSceneFrame>(scene_, plan_->again(pose), scene_name_);
+  }
+
+ private:
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const FramePlan> plan_;
+  std::string scene_name_;
+};
+
+}  // namespace
+
+SceneRenderer::SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name)
+    : scene_(std::move(scene)), scene_name_(std::move(scene_name)) {}
+
+std::shared_ptr<const Scene> SceneRenderer::scene() const {
+  const std::lock_guard lock(mutex_);
+  return scene_;
+}
+
+void SceneRenderer::replace(std::shared_ptr<const Scene> scene) {
+  const std::lock_guard lock(mutex_);
+  ++generation_;
+  scene_.swap(scene);  // the old one goes after the lock has
+}
+
+std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
+  std::vector<FieldError> errors;
+  (void)place_antenna(scene()->world(), pose, errors);
+  return errors;
+}
+
+FrameRenderer::Plan SceneRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+  return plan_in(scene(), settings, pose, nullptr);
+}
+
+FrameRenderer::Plan SceneRenderer::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                                              const PoseSettings& pose) const {
+  const auto& before = dynamic_cast<const PlannedSceneFrame&>(frame);
+  return plan_in(before.scene(), settings, pose, &before.plan());
+}
+
+FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, const SettingsPtr& settings,
+                                           const PoseSettings& pose, const FramePlan* before) const {
+  Plan result;
+  const auto placed = place_antenna(scene->world(), pose, result.errors);
+  if (!placed) return result;
+  PlanResult planned = plan_frame(scene, settings, *placed);
+  result.errors = std::move(planned.errors);
+  if (!planned.plan) return result;
+  if (needs_tracer(*scene, settings->settings.frustum)) {
+    std::string fault;
+    const TracerBuilder::State state = tracer_.ensure(scene, fault);
+    if (state == TracerBuilder::State::failed)
+      result.errors = {
+          {"frustum.kind", "a frustum whose rays are traced", "\"polar\" or \"sweep\": " + fault}};
+    if (state != TracerBuilder::State::built) return result;
+  }
+  if (before != nullptr) planned.plan->seen().mark(before->seen().list());  // the dwells of a pass add up
+  result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
+  return result;
+}
+
+}  // namespace obliq::net

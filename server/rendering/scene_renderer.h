@@ -1,0 +1,39 @@
+#pragma once
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/rendering/frame_renderer.h"
+#include "server/rendering/tracer_builder.h"
+
+namespace obliq::net {
+
+/// Renders frames of a loaded scene, which may be exchanged for another between frames: a planned frame keeps
+/// the scene that it was planned in. Where the first frustum's rays are to be traced, plan() has nothing yet
+/// until Embree's scene is built, beside the rendering.
+class SceneRenderer : public FrameRenderer {
+ public:
+  SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);
+  std::vector<FieldError> place(const PoseSettings& pose) const override;
+  std::uint64_t generation() const override { return generation_; }
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
+  Plan plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                  const PoseSettings& pose) const override;
+
+  // From any thread:
+  std::shared_ptr<const Scene> scene() const;
+  void replace(std::shared_ptr<const Scene> scene);
+
+ private:
+  Plan plan_in(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const PoseSettings& pose,
+               const FramePlan* before) const;
+
+  mutable std::mutex mutex_;  ///< guards scene_
+  std::shared_ptr<const Scene> scene_;
+  std::string scene_name_;
+  std::atomic<std::uint64_t> generation_ = 0;
+  mutable TracerBuilder tracer_;
+};
+
+}  // namespace obliq::net

@@ -1,0 +1,260 @@
+#include "server/stream/frame_encoder.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "server/radar/render.h"
+
+namespace obliq::net {
+
+static_assert(std::endian::native == std::endian::little, "plane data is sent as it lies in memory");
+
+using wire::BinRun;
+using wire::MessageType;
+using wire::Plane;
+
+namespace {
+
+std::span<const std::byte> plane_values(Plane plane, const BinBlock& bins) {
+  switch (plane) {
+    case Plane::iq:
+      return std::as_bytes(std::span(bins.iq));
+    case Plane::power:
+      return std::as_bytes(std::span(bins.power_w));
+    case Plane::count:
+      return std::as_bytes(std::span(bins.count));
+    case Plane::state:
+      return std::as_bytes(std::span(bins.state));
+  }
+  return {};
+}
+
+// Cuts n_azimuth rows of n_range bins into rectangles that fit a block: whole rows where one fits, parts of a
+// row, in order of range, where it does not.
+std::vector<wire::Rectangle> cut(std::uint32_t bytes_per_bin, std::uint32_t n_azimuth,
+                                 std::uint32_t n_range) {
+  const std::uint32_t most_bins = wire::kMaxPlaneBytes / bytes_per_bin;
+  const std::uint32_t ranges = std::min(n_range, most_bins);
+  const std::uint32_t rows = ranges < n_range ? 1 : std::max(1u, most_bins / n_range);
+  std::vector<wire::Rectangle> rectangles;
+  for (std::uint32_t azimuth = 0; azimuth < n_azimuth; azimuth += rows) {
+    for (std::uint32_t range = 0; range < n_range; range += ranges) {
+      rectangles.push_back(
+          {azimuth, std::min(rows, n_azimuth - azimuth), range, std::min(ranges, n_range - range)});
+    }
+  }
+  return rectangles;
+}
+
+/// A run as rows of a wedge: the first kept row, and how many.
+struct Rows {
+  std::uint32_t first_bin = 0;
+  std::uint32_t n = 0;
+};
+Rows rows_of(const BinRun& run, const BinBlock& bins) {
+  const auto first = static_cast<std::uint64_t>(bins.first_azimuth);
+  const std::uint32_t begin = run.index_from(first);
+  const std::uint32_t end = run.index_from(first + static_cast<std::uint64_t>(bins.n_azimuth));
+  return {run.first + begin * run.step, end - begin};
+}
+
+int wedges_of(const BinRun& run) {
+  const auto first = static_cast<int>(run.first) / kWedgeAzimuthBins;
+  return (static_cast<int>(run.end()) + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins - first;
+}
+
+}  // namespace
+
+std::int64_t monotonic_ns() {
+  using namespace std::chrono;
+  return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+FrameEncoder::FrameEncoder(FrameIdentity identity, std::uint64_t& sequence)
+    : identity_(std::move(identity)), sequence_(sequence), echo_(std::make_unique<wire::WedgeBlock>()) {
+  if (identity_.choices.empty()) identity_.choices.emplace_back();
+  echo_->set_frame_id(identity_.frame_id);
+  echo_->set_pose_received_ns(identity_.pose_received_ns);
+  echo_->set_render_start_ns(monotonic_ns());
+}
+FrameEncoder::~FrameEncoder() = default;
+
+std::shared_ptr<Block> FrameEncoder::new_block(MessageType type) {
+  auto block = std::make_shared<Block>();
+  block->type = type;
+  block->stream_id = identity_.stream_id;
+  block->frame_id = identity_.frame_id;
+  block->sequence = ++sequence_;
+  return block;
+}
+
+BlockPtr FrameEncoder::finish(std::shared_ptr<Block> block, const google::protobuf::MessageLite& message,
+                              std::span<const std::byte> values) {
+  block->bytes = wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()},
+                                      message, values);
+  if (identity_.meter) {
+    ++identity_.meter->blocks;
+    identity_.meter->bytes += block->bytes.size();
+    block->meter = identity_.meter;
+  }
+  return block;
+}
+
+std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descriptor) {
+  *echo_->mutable_pose() = descriptor.pose();
+  echo_->set_pose_stale(descriptor.pose_stale());
+  echo_->set_settings_version(descriptor.settings_version());
+  wire::FrameBegin message;
+  message.set_frame_id(identity_.frame_id);
+  message.set_request_id(identity_.request_id);
+  message.set_frames_skipped(identity_.frames_skipped);
+  *message.mutable_frame() = descriptor;
+  if (scan_) *message.mutable_scan() = *scan_;
+
+  wire::PlaneSet planes = 0;
+  std::set<std::pair<Plane, BlockFormat>> wanted;
+  std::set<wire::Window> windows;
+  for (const StreamChoice& choice : identity_.choices) {
+    planes |= choice.planes;
+    windows.insert(choice.format.window);
+    for (int i = 0; i < wire::kPlanes; ++i) {
+      const auto plane = static_cast<Plane>(i);
+      if (choice.planes & wire::plane_bit(plane)) wanted.emplace(plane, choice.format.of_plane(plane));
+    }
+  }
+  const auto cut_to_frame = [&](const wire::Window& window) {
+    return wire::cut_window(window, static_cast<std::uint32_t>(descriptor.settings().azimuth_bins()),
+                            static_cast<std::uint32_t>(descriptor.settings().range_bins()));
+  };
+  products_.clear();
+  for (const auto& [plane, format] : wanted) {
+    if (const auto window = cut_to_frame(format.window)) products_.push_back({plane, format, *window});
+  }
+  std::vector<BlockPtr> blocks;
+  for (const wire::Window& window : windows) {
+    auto block = new_block(MessageType::frame_begin);
+    block->planes = planes;
+    block->format.window = window;
+    const auto part = cut_to_frame(window);
+    message.mutable_frame()->clear_window();
+    if (part && !window.is_whole()) wire::write_window(*part, *message.mutable_frame()->mutable_window());
+    message.set_wedges(part ? static_cast<std::uint32_t>(wedges_of(part->azimuth)) : 0);
+    blocks.push_back(finish(std::move(block), message));
+  }
+  return blocks;
+}
+
+std::vector<BlockPtr> FrameEncoder::wedge(int wedge_index, const BinBlock& bins) {
+  std::vector<BlockPtr> blocks;
+  echo_->set_wedge_index(static_cast<std::uint32_t>(wedge_index));
+  for (const Product& product : products_) make(product, bins, blocks);
+  return blocks;
+}
+
+void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vector<BlockPtr>& blocks) {
+  const Rows rows = rows_of(product.window.azimuth, bins);
+  const BinRun& range = product.window.range;
+  const std::uint32_t n_range = range.kept();
+  if (rows.n == 0) return;
+
+  // The kept bins as rows without gaps: where all of a row is kept they lie so already.
+  const std::size_t bin_bytes = wire::bytes_per_bin(product.plane);
+  const std::size_t source_row_bytes = static_cast<std::size_t>(bins.n_range) * bin_bytes;
+  const std::size_t row_bytes = n_range * bin_bytes;
+  std::span<const std::byte> values = plane_values(product.plane, bins);
+  const std::size_t first_row = rows.first_bin - static_cast<std::uint32_t>(bins.first_azimuth);
+  if (row_bytes == source_row_bytes && product.window.azimuth.step == 1) {
+    values = values.subspan(first_row * row_bytes, rows.n * row_bytes);
+  } else {
+    picked_.resize(rows.n * row_bytes);
+    std::byte* to = picked_.data();
+    for (std::uint32_t row = 0; row < rows.n; ++row) {
+      const std::byte* from = values.data() +
+                              (first_row + row * product.window.azimuth.step) * source_row_bytes +
+                              range.first * bin_bytes;
+      if (range.step == 1) {
+        std::memcpy(to, from, row_bytes);
+        to += row_bytes;
+        continue;
+      }
+      for (std::uint32_t k = 0; k < n_range; ++k, to += bin_bytes)
+        std::memcpy(to, from + k * range.step * bin_bytes, bin_bytes);
+    }
+    values = picked_;
+  }
+
+  const bool integers = product.plane == Plane::iq && product.format.iq == wire::IqEncoding::ci16_le;
+  const std::uint32_t coded_bin_bytes = wire::coded_bytes_per_bin(product.plane, product.format.iq);
+  echo_->set_plane(static_cast<wire::PlaneKind>(product.plane));
+  echo_->set_iq_encoding(integers ? wire::CI16_LE : wire::CF32_LE);
+  echo_->set_azimuth_step(product.window.azimuth.step == 1 ? 0 : product.window.azimuth.step);
+  echo_->set_range_step(range.step == 1 ? 0 : range.step);
+  for (const wire::Rectangle& part : cut(coded_bin_bytes, rows.n, n_range)) {
+    // Whole rows or a part of a single one: either way contiguous.
+    const std::size_t n_bins = std::size_t{part.n_azimuth} * part.n_range;
+    const std::size_t first = std::size_t{part.first_azimuth} * n_range + part.first_range;
+    std::span<const std::byte> plain = values.subspan(first * bin_bytes, n_bins * bin_bytes);
+    echo_->set_scale(0);
+    if (integers) {
+      coded_.resize(n_bins * coded_bin_bytes);
+      const std::span iq(reinterpret_cast<const std::complex<float>*>(plain.data()), n_bins);
+      echo_->set_scale(wire::encode_ci16(iq, coded_));
+      plain = coded_;
+    }
+    const bool compresses = product.format.compression == wire::Compression::zstd;
+    const std::vector<std::byte> compressed = compresses ? wire::compress(plain) : std::vector<std::byte>();
+    echo_->set_compression(compressed.empty() ? wire::UNCOMPRESSED : wire::ZSTD);
+    echo_->set_plain_bytes(compressed.empty() ? 0 : static_cast<std::uint32_t>(plain.size()));
+    echo_->set_first_azimuth(rows.first_bin + part.first_azimuth * product.window.azimuth.step);
+    echo_->set_n_azimuth(part.n_azimuth);
+    echo_->set_first_range(range.first + part.first_range * range.step);
+    echo_->set_n_range(part.n_range);
+    echo_->set_send_ns(monotonic_ns());
+    auto block = new_block(MessageType::wedge_block);
+    block->planes = wire::plane_bit(product.plane);
+    block->format = product.format;
+    blocks.push_back(finish(std::move(block), *echo_, compressed.empty() ? plain : compressed));
+  }
+}
+
+void FrameEncoder::set_scan(const wire::ScanPass& scan) { scan_ = std::make_unique<wire::ScanPass>(scan); }
+
+void FrameEncoder::set_dwell(const wire::Pose& pose, std::int64_t pose_received_ns, bool pose_stale,
+                             std::int64_t beam_ns) {
+  *echo_->mutable_pose() = pose;
+  echo_->set_pose_received_ns(pose_received_ns);
+  echo_->set_pose_stale(pose_stale);
+  echo_->set_beam_ns(beam_ns);
+  echo_->set_render_start_ns(monotonic_ns());
+}
+
+BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s,
+                           const std::vector<AzimuthRange>& missed) {
+  wire::FrameEnd message;
+  message.set_frame_id(identity_.frame_id);
+  *message.mutable_summary() = summary;
+  message.set_render_s(render_s);
+  message.set_waited_s(identity_.waited_s);
+  for (const AzimuthRange& span : missed) {
+    wire::AzimuthSpan& row = *message.add_missed();
+    row.set_first_azimuth(static_cast<std::uint32_t>(span.first));
+    row.set_n_azimuth(static_cast<std::uint32_t>(span.count));
+  }
+  return finish(new_block(MessageType::frame_end), message);
+}
+
+BlockPtr FrameEncoder::abort(const std::string& reason) {
+  wire::FrameAbort message;
+  message.set_frame_id(identity_.frame_id);
+  message.set_request_id(identity_.request_id);
+  message.set_reason(reason);
+  return finish(new_block(MessageType::frame_abort), message);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,171 @@
+#include "server/stream/frame_queue.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+
+namespace obliq::net {
+
+using wire::MessageType;
+
+FrameLane::FrameLane(std::uint32_t stream_id, StreamChoice choice, LanePolicy policy, int most_frames)
+    : stream_id_(stream_id),
+      choice_(std::move(choice)),
+      policy_(policy),
+      most_frames_(static_cast<std::size_t>(most_frames)) {}
+
+void FrameLane::set_request(std::uint64_t request_id, ByteCounter counter) {
+  request_id_ = request_id;
+  counter_ = std::move(counter);
+}
+
+bool FrameLane::wants(const Block& block) const {
+  switch (block.type) {
+    case MessageType::frame_begin:
+      return block.format.window == choice_.format.window && (choice_.planes & ~block.planes) == 0;
+    case MessageType::wedge_block: {
+      if (!(choice_.planes & block.planes)) return false;
+      const bool is_iq = block.planes == wire::plane_bit(wire::Plane::iq);
+      return block.format == choice_.format.of_plane(is_iq ? wire::Plane::iq : wire::Plane::power);
+    }
+    default:
+      return true;
+  }
+}
+
+std::optional<wire::Bytes> FrameLane::push(const BlockPtr& block, const LiveFramePtr& frame,
+                                           std::size_t most_bytes) {
+  if (!wants(*block)) return std::nullopt;
+  if (block->type == MessageType::frame_begin) {
+    begin_frame(block, frame);
+    return std::nullopt;
+  }
+  const auto at = std::find_if(frames_.begin(), frames_.end(),
+                               [&](const QueuedFrame& queued) { return queued.id == block->frame_id; });
+  if (at == frames_.end()) return std::nullopt;
+  const bool newest_wins = policy_ == LanePolicy::newest_wins;
+  if (block->type == MessageType::wedge_block) {
+    if (newest_wins && bytes_ + block->bytes.size() > most_bytes) {
+      return give_up(at, "the client reads too slowly");
+    }
+  } else {
+    at->complete = true;
+    // Nobody need hear of the end of a frame that he has not heard of.
+    if (policy_ != LanePolicy::once && block->type == MessageType::frame_abort && !at->begun) {
+      drop(at);
+      return std::nullopt;
+    }
+  }
+  enqueue(*at, block);
+  return std::nullopt;
+}
+
+void FrameLane::begin_frame(const BlockPtr& block, const LiveFramePtr& frame) {
+  if (policy_ == LanePolicy::newest_wins && frames_.size() >= most_frames_) {
+    const auto waiting =
+        std::find_if(frames_.begin(), frames_.end(), [](const QueuedFrame& queued) { return !queued.begun; });
+    ++dropped_;
+    ++skipped_;
+    if (waiting == frames_.end()) return;
+    drop(waiting);
+  }
+  QueuedFrame& queued = frames_.emplace_back();
+  queued.id = block->frame_id;
+  queued.alive = frame;
+  queued.since = Clock::now();
+  if (frames_.size() == 1) last_progress_ = queued.since;
+  enqueue(queued, block);
+}
+
+void FrameLane::enqueue(QueuedFrame& frame, const BlockPtr& block) {
+  frame.blocks.push_back(block);
+  bytes_ += block->bytes.size();
+}
+
+void FrameLane::release(const Block& block) {
+  bytes_ -= block.bytes.size();
+  if (counter_) *counter_ -= block.bytes.size();
+}
+
+void FrameLane::drop(Frames::iterator at) {
+  for (const BlockPtr& block : at->blocks) release(*block);
+  frames_.erase(at);
+}
+
+std::optional<wire::Bytes> FrameLane::give_up(Frames::iterator at, const std::string& reason) {
+  ++dropped_;
+  std::optional<wire::Bytes> bytes;
+  if (at->begun) {
+    wire::FrameAbort message;
+    message.set_frame_id(at->id);
+    message.set_request_id(request_id_);
+    message.set_reason(reason);
+    // The encoder numbers a frame's last message after all its blocks, so this number is free for this
+    // client.
+    bytes = wire::encode_message(MessageType::frame_abort,
+                                 {stream_id_, at->last_sequence + 1, wire::utc_now_ns()}, message);
+  } else {
+    ++skipped_;
+  }
+  drop(at);
+  return bytes;
+}
+
+std::optional<wire::Bytes> FrameLane::give_up(std::uint64_t frame_id, const std::string& reason) {
+  const auto at = std::find_if(frames_.begin(), frames_.end(),
+                               [&](const QueuedFrame& queued) { return queued.id == frame_id; });
+  return at == frames_.end() ? std::nullopt : give_up(at, reason);
+}
+
+FrameLane::Held FrameLane::held(std::size_t index) const {
+  const QueuedFrame& frame = frames_[index];
+  return {frame.id, frame.begun, frame.since};
+}
+
+BlockPtr FrameLane::pop() {
+  if (frames_.empty() || frames_.front().blocks.empty()) return nullptr;
+  QueuedFrame& frame = frames_.front();
+  BlockPtr block = std::move(frame.blocks.front());
+  frame.blocks.pop_front();
+  frame.begun = true;
+  frame.last_sequence = block->sequence;
+  last_progress_ = Clock::now();
+  release(*block);
+  if (frame.complete && frame.blocks.empty()) frames_.pop_front();
+  if (block->type == MessageType::frame_begin && skipped_ > 0) block = with_skipped(block);
+  return block;
+}
+
+// The one message that differs from client to client.
+BlockPtr FrameLane::with_skipped(const BlockPtr& shared) {
+  wire::MessageView view;
+  wire::FrameBegin message;
+  if (wire::decode_message(shared->bytes, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok ||
+      !wire::parse_descriptor(view.descriptor, message)) {
+    return shared;  // not one of our encoder's
+  }
+  message.set_frames_skipped(message.frames_skipped() + std::exchange(skipped_, 0));
+  auto own = std::make_shared<Block>();
+  own->type = shared->type;
+  own->planes = shared->planes;
+  own->format = shared->format;
+  own->stream_id = shared->stream_id;
+  own->frame_id = shared->frame_id;
+  own->sequence = shared->sequence;
+  own->bytes = wire::encode_message(own->type, {own->stream_id, own->sequence, view.header.utc_ns}, message);
+  return own;
+}
+
+std::size_t FrameLane::blocks() const {
+  std::size_t n = 0;
+  for (const QueuedFrame& frame : frames_) n += frame.blocks.size();
+  return n;
+}
+
+void FrameLane::clear() {
+  while (!frames_.empty()) drop(frames_.begin());
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,102 @@
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/stream/block.h"
+
+namespace obliq::net {
+
+/// Bytes of one stream that wait for a client: the producer adds, the lane subtracts.
+using ByteCounter = std::shared_ptr<std::atomic<std::size_t>>;
+
+enum class LanePolicy {
+  newest_wins,  ///< a frame that has not begun to be written gives way to a newer one
+  lossless,     ///< keeps every frame; the radar is held back by the frames it has alive
+  once,         ///< a RenderOnce's only frame; its producer is held back by the byte counter
+};
+
+/// The frames of one stream on their way to one client. A frame that has begun is completed or ended by a
+/// FrameAbort. For one thread.
+class FrameLane {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  FrameLane(std::uint32_t stream_id, StreamChoice choice, LanePolicy policy, int most_frames);
+  FrameLane(FrameLane&&) noexcept = default;
+  FrameLane& operator=(FrameLane&&) noexcept = default;
+
+  /// Of a once lane.
+  void set_request(std::uint64_t request_id, ByteCounter counter);
+
+  std::uint32_t stream_id() const { return stream_id_; }
+  LanePolicy policy() const { return policy_; }
+  std::size_t bytes() const { return bytes_; }
+  std::size_t blocks() const;
+
+  /// Takes a block of a frame; `frame` is kept alive for as long as some of it waits here. What was not
+  /// asked for and blocks of frames dropped earlier are ignored. A newest-wins frame that brings the lane
+  /// above `most_bytes` is given up; when it had begun, the result is its FrameAbort.
+  std::optional<wire::Bytes> push(const BlockPtr& block, const LiveFramePtr& frame, std::size_t most_bytes);
+
+  /// The next block to write, or null.
+  BlockPtr pop();
+
+  /// A frame that waits here, in whole or in part.
+  struct Held {
+    std::uint64_t frame_id = 0;
+    bool begun = false;
+    Clock::time_point since;  ///< its FrameBegin came in
+  };
+  std::size_t held() const { return frames_.size(); }
+  Held held(std::size_t index) const;
+  /// A block was taken, or the first came to where there were none.
+  Clock::time_point last_progress() const { return last_progress_; }
+
+  /// Gives a frame up and counts it; when it had begun, the result is its FrameAbort. Frames that are not
+  /// held are not minded.
+  std::optional<wire::Bytes> give_up(std::uint64_t frame_id, const std::string& reason);
+  void clear();
+
+  /// Frames given up since the lane was opened.
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  struct QueuedFrame {
+    std::uint64_t id = 0;
+    std::deque<BlockPtr> blocks;
+    LiveFramePtr alive;
+    Clock::time_point since;
+    bool begun = false;     ///< its FrameBegin has been handed out
+    bool complete = false;  ///< its last block is in
+    std::uint64_t last_sequence = 0;
+  };
+  using Frames = std::deque<QueuedFrame>;
+
+  bool wants(const Block& block) const;
+  void begin_frame(const BlockPtr& block, const LiveFramePtr& frame);
+  void enqueue(QueuedFrame& frame, const BlockPtr& block);
+  void release(const Block& block);
+  std::optional<wire::Bytes> give_up(Frames::iterator at, const std::string& reason);
+  void drop(Frames::iterator at);
+  BlockPtr with_skipped(const BlockPtr& begin);
+
+  std::uint32_t stream_id_;
+  StreamChoice choice_;
+  LanePolicy policy_;
+  std::size_t most_frames_;
+  std::uint64_t request_id_ = 0;
+  ByteCounter counter_;
+  Frames frames_;
+  std::size_t bytes_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::uint64_t skipped_ = 0;  ///< since the last FrameBegin, without ever having begun
+  Clock::time_point last_progress_ = Clock::now();
+};
+
+}  // namespace obliq::net

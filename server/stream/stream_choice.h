@@ -1,0 +1,41 @@
+#pragma once
+#include <compare>
+#include <vector>
+
+#include "proto/bin_window.h"
+#include "proto/plane_coding.h"
+#include "terrain/base/errors.h"
+
+namespace obliq::wire {
+class Subscribe;
+class RenderOnce;
+}  // namespace obliq::wire
+
+namespace obliq::net {
+
+/// How blocks are made. Watchers that ask for the same share the same blocks.
+struct BlockFormat {
+  wire::IqEncoding iq = wire::IqEncoding::cf32_le;  ///< means nothing for other planes
+  wire::Compression compression = wire::Compression::none;
+  wire::Window window;  ///< as asked for, not cut to any frame
+
+  auto operator<=>(const BlockFormat&) const = default;
+  /// The format as it is for this plane: what means nothing is the default.
+  BlockFormat of_plane(wire::Plane plane) const;
+};
+
+/// What a client wants of a radar's frames.
+struct StreamChoice {
+  wire::PlaneSet planes = wire::kAllPlanes;
+  BlockFormat format{};
+
+  auto operator<=>(const StreamChoice&) const = default;
+};
+
+/// Reads what a request asks for, of a frame of so many bins; adds what is impossible to `errors`.
+StreamChoice read_choice(const wire::Subscribe& request, int azimuth_bins, int range_bins,
+                         std::vector<FieldError>& errors);
+StreamChoice read_choice(const wire::RenderOnce& request, int azimuth_bins, int range_bins,
+                         std::vector<FieldError>& errors);
+
+}  // namespace obliq::net

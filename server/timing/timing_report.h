@@ -1,0 +1,41 @@
+#pragma once
+// What `obliq render --profile` says: where the time of loading and of a frame goes.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "terrain/base/stage_clock.h"
+
+namespace obliq {
+
+/// Parts of a whole, in seconds. They add up to it.
+struct TimeParts {
+  std::vector<std::pair<std::string, double>> part_s;
+  double whole_s = 0;
+
+  void add(const std::string& name, double seconds) { part_s.emplace_back(name, seconds); }
+};
+
+struct Profile {
+  TimeParts scene;  ///< wall time: the stages follow one another
+  /// Thread time. The whole is threads x wall time; what no stage of any thread has is "idle": serial stages,
+  /// the end of the frame, threads that begin late.
+  TimeParts frame;
+  double frame_s = 0;  ///< wall time, plan to last byte at the reader
+  int threads = 0;
+  double processor_s = 0;  ///< of the stages' thread time, how much had a processor
+  int pairs = 0;           ///< of frames with and without probes, in turns; the frame is the median one with
+  /// Frames with probes against those without, the median of the pairs' ratios.
+  double wall_ratio = 1;
+  double processor_ratio = 1;  ///< of the whole process, the reader included
+};
+
+/// The stages that took any time, in order.
+TimeParts time_parts(const StageTimes& times);
+
+/// Tables with bars, some 80 characters wide.
+std::string profile_text(const Profile& profile);
+/// The same as a JSON object.
+std::string profile_json(const Profile& profile);
+
+}  // namespace obliq

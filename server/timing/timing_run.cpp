@@ -1,0 +1,162 @@
+#include "server/timing/timing_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <vector>
+
+#include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
+#include "server/stream/frame_encoder.h"
+#include "server/timing/loopback.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+constexpr int kFewestPairs = 5;
+constexpr int kMostPairs = 31;
+constexpr double kLongEnough_s = 4;
+
+/// Of the whole process.
+double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// One frame.
+struct Run {
+  double wall_s = 0;
+  double process_s = 0;  ///< processor time of the process
+  TimeParts stages;      ///< only with probes
+  int threads = 0;
+  double processor_s = 0;
+};
+
+class FrameRunner {
+ public:
+  explicit FrameRunner(const ProfiledFrame& frame) : frame_(frame) {}
+
+  Run run(bool with_probes) {
+    Run run;
+    const double process_s = processor_s();
+    const auto start = Clock::now();
+    StageTimes serial, parallel;
+    begin(with_probes ? &serial : nullptr);
+    RenderOptions options;
+    options.threads = frame_.threads;
+    options.times = with_probes ? &parallel : nullptr;
+    FrameSum sum(frame_.settings->settings);
+    options.on_wedge = [&](Wedge&& wedge) {
+      sum.add(wedge);
+      send([&] { return encoder_->wedge(wedge.index, wedge.bins); });
+    };
+    render_wedges(*plan_, {0, plan_->bins().n_azimuth}, options);
+    end(with_probes ? &serial : nullptr, sum, start);
+    run.wall_s = Seconds(Clock::now() - start).count();
+    run.process_s = processor_s() - process_s;
+    if (with_probes) take(run, serial, parallel);
+    return run;
+  }
+
+ private:
+  void begin(StageTimes* times) {
+    const StageClock clock(times);
+    {
+      const StageProbe probe(Stage::plan);
+      PlanResult planned = plan_frame(frame_.scene, frame_.settings, frame_.pose);
+      if (!planned.plan) throw InputError(all_text(planned.errors));
+      plan_ = std::move(planned.plan);
+      describe_frame(*plan_, frame_.radar, frame_.scene_name, descriptor_);
+    }
+    send([&] {
+      encoder_ = std::make_unique<net::FrameEncoder>(net::FrameIdentity{.stream_id = 1}, sequence_);
+      return encoder_->begin(descriptor_);
+    });
+  }
+
+  void end(StageTimes* times, const FrameSum& sum, Clock::time_point start) {
+    const StageClock clock(times);
+    send([&] {
+      wire::FrameSummary summary;
+      summarise_frame(*plan_, sum.total(), summary);
+      return std::vector{encoder_->end(summary, Seconds(Clock::now() - start).count())};
+    });
+    const StageProbe probe(Stage::send);
+    loopback_.drain();
+  }
+
+  template <typename Encode>
+  void send(Encode encode) {
+    std::vector<net::BlockPtr> blocks;
+    {
+      const StageProbe probe(Stage::encode);
+      blocks = encode();
+    }
+    const StageProbe probe(Stage::send);
+    for (const net::BlockPtr& block : blocks) loopback_.send(block->bytes);
+  }
+
+  static void take(Run& run, const StageTimes& serial, const StageTimes& parallel) {
+    run.threads = parallel.threads();
+    run.processor_s = serial.processor_s() + parallel.processor_s();
+    run.stages.whole_s = run.threads * run.wall_s;
+    double idle_s = run.stages.whole_s;
+    for (int k = 0; k < kStages; ++k) {
+      const auto stage = static_cast<Stage>(k);
+      const double seconds = serial.seconds(stage) + parallel.seconds(stage);
+      idle_s -= seconds;
+      if (seconds > 0) run.stages.add(stage_name(stage), seconds);
+    }
+    run.stages.add("idle", idle_s);
+  }
+
+  ProfiledFrame frame_;
+  Loopback loopback_;
+  std::shared_ptr<const FramePlan> plan_;
+  wire::FrameDescriptor descriptor_;
+  std::uint64_t sequence_ = 0;
+  std::unique_ptr<net::FrameEncoder> encoder_;
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+Profile profile_frames(const ProfiledFrame& frame) {
+  FrameRunner runner(frame);
+  runner.run(false);  // memory, connection
+  std::vector<Run> profiled;
+  std::vector<double> wall_ratio, processor_ratio;
+  const auto start = Clock::now();
+  while (profiled.size() < kFewestPairs ||
+         (profiled.size() < kMostPairs && Seconds(Clock::now() - start).count() < kLongEnough_s)) {
+    const bool first = profiled.size() % 2 == 0;
+    Run with, without;
+    if (first) with = runner.run(true);
+    without = runner.run(false);
+    if (!first) with = runner.run(true);
+    wall_ratio.push_back(with.wall_s / without.wall_s);
+    processor_ratio.push_back(with.process_s / without.process_s);
+    profiled.push_back(std::move(with));
+  }
+  const auto middle = profiled.begin() + static_cast<std::ptrdiff_t>(profiled.size() / 2);
+  std::nth_element(profiled.begin(), middle, profiled.end(),
+                   [](const Run& a, const Run& b) { return a.wall_s < b.wall_s; });
+  Profile profile;
+  profile.frame = std::move(middle->stages);
+  profile.frame_s = middle->wall_s;
+  profile.threads = middle->threads;
+  profile.processor_s = middle->processor_s;
+  profile.pairs = static_cast<int>(profiled.size());
+  profile.wall_ratio = median(wall_ratio);
+  profile.processor_ratio = median(processor_ratio);
+  return profile;
+}
+
+}  // namespace obliq
