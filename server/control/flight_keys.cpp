@@ -7,33 +7,32 @@ namespace {
 
 using Scene = SceneConfig;
 const std::array kFlight{
-    Entry<Scene>{
-        {"flight.enabled",
-         "",
-         {},
-         {},
-         "Load the next part of the terrain, in the background, when radars fly out of what is there."},
-        [](Scene& c) -> Slot { return &c.flight.enabled; }},
-    Entry<Scene>{{"flight.reorigin_km",
-                  "km",
-                  closed(1, 100),
+    Entry<Scene>{{"flight.enabled",
+                  "",
                   {},
-                  "The first radar further than this from the scene's origin: the origin moves to it."},
-                 [](Scene& c) -> Slot { return &c.flight.reorigin_km; }},
+                  {},
+                  "Load more terrain in the background when radars fly out of what is loaded."},
+                 [](Scene& c) -> Slot { return &c.flight.enabled; }},
     Entry<Scene>{
-        {"flight.max_reach_km",
+        {"flight.reorigin_km",
          "km",
-         closed(0, 500),
+         closed(1, 100),
          {},
-         "Terrain is followed for ranges up to this, whatever a client sets; 0: the longest r_max_m of "
-         "the scene file."},
-        [](Scene& c) -> Slot { return &c.flight.max_reach_km; }},
+         "When the first radar is further than this from the scene's origin, the origin moves to it."},
+        [](Scene& c) -> Slot { return &c.flight.reorigin_km; }},
+    Entry<Scene>{{"flight.max_reach_km",
+                  "km",
+                  closed(0, 500),
+                  {},
+                  "Terrain is loaded for ranges up to this, whatever a client sets; 0: the longest r_max_m "
+                  "in the scene file."},
+                 [](Scene& c) -> Slot { return &c.flight.max_reach_km; }},
     Entry<Scene>{{"flight.max_megaposts",
                   "million",
                   above(0, 268),
                   {},
-                  "Most posts of terrain that are loaded while serving; 32 MB of memory per million, 5 where "
-                  "every frustum is polar or a sweep."},
+                  "Most posts of terrain to load while serving; they take 32 MB of memory per million, or 5 "
+                  "MB where every frustum is polar or a sweep."},
                  [](Scene& c) -> Slot { return &c.flight.max_megaposts; }},
 };
 

@@ -65,23 +65,16 @@ std::string pixels_cell(int fixed, double per_bin, const char* bins) {
 
 std::string quality_page() {
   std::string page =
-      "\n## Quality\n\n"
-      "`frustum.quality` sets several keys at once, in a file, a variable or a flag; keys that the same file "
-      "or "
-      "the same\ncommand line names itself win. Pixels that go with the bins end at 16384. A scene that "
-      "names "
-      "nothing of `[frustum]` has\nthe quality `standard`; one that names pixels or plates, but no kind, and "
-      "a RenderOnce "
-      "without a frustum, have the oblique frustum,\nspread over the bins that its pixels cover. `oblique` "
-      "looks for its "
-      "pixels when `obliqd` or `obliq render` has loaded\nthe scene. A variable's key beats\na file's "
-      "quality and a flag's quality beats a variable's and a file's "
-      "keys."
-      "\n\nMeasured over Los Angeles (`deploy/scenes/losangeles.toml`, terrain and 14,535 buildings) against "
-      "the reference\nrenderer, whole frames on two threads, by `obliq frontier`. E: power error of the lit "
-      "bins, weighted by power; gaps: lit\nbins without a return."
-      "\n\n| quality | kind | plates | pixel_columns | pixel_rows | for | measured "
-      "|\n|---|---|---|---|---|---|---|\n";
+      "\n## Quality\n\n`frustum.quality` sets several keys at once, in a file, a variable or a flag. A key "
+      "that the same file or the same\ncommand line names itself overrides it; a key in a variable overrides "
+      "a file's quality; a flag's quality overrides keys in\nvariables and files. Pixel counts that follow "
+      "the bins stop at 16384.\n\nA scene with an empty `[frustum]` has the quality `standard`. A scene that "
+      "names pixels or plates but no kind, and a\nRenderOnce without a frustum, have the oblique frustum "
+      "with spread plates. `oblique` finds its pixels when `obliqd` or\n`obliq render` has loaded the "
+      "scene.\n\nMeasured over Los Angeles (`deploy/scenes/losangeles.toml`, terrain and 14,535 buildings) "
+      "against the reference\nrenderer, whole frames on two threads, by `obliq frontier`. E: power error of "
+      "the lit bins, weighted by power; gaps: lit\nbins without a return.\n\n| quality | kind | plates | "
+      "pixel_columns | pixel_rows | for | measured |\n|---|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
     page += "|" + cell(code(p.name)) + cell(std::string(p.kind)) + cell(std::string(p.plates)) +
             cell(p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins")) +
@@ -98,29 +91,26 @@ std::string daemon_section_names() {
 }
 
 std::string scene_pages() {
-  return "\n## The rest of a scene file\n\n"
-         "Read at start, and again at SIGHUP: then tokens and certificate, radars' parameters whose text has "
-         "changed (not of\na radar that a client controls), the ground and what stands on it, `[log]` and "
-         "the "
-         "limits of `[server]` are taken over, and\nwhat needs a restart is named in the log. The sections "
-         "`[terrain]`, "
-         "`[earth]`, `[run]` and those of the daemon\n(" +
+  return "\n## The rest of a scene file\n\nRead at start and again at SIGHUP. SIGHUP takes over tokens and "
+         "certificate, radar parameters whose text has changed\n(except those of a radar that a client "
+         "controls), terrain, buildings, surfaces and materials, `[log]` and the limits of `[server]`; "
+         "the\nlog names what needs a restart. The sections `[terrain]`, `[earth]`, `[run]` and those of the "
+         "daemon\n(" +
          daemon_section_names() +
-         ") take variables and flags as above. Relative paths count from the scene file's folder; `/vsi...` "
-         "paths, URLs and "
-         "`DRIVER:...` names "
-         "stay as they\nare. One of `terrain.dem` and `terrain.synthetic` is needed. The default of "
-         "`earth.radius_factor` is `inf` over\nsynthetic ground.\n\n" +
+         ") take variables and flags as above. Relative paths start at the scene file's folder; `/vsi...` "
+         "paths, URLs and\n`DRIVER:...` names are used as written. A scene needs either `terrain.dem` or "
+         "`terrain.synthetic`. Over synthetic ground\n`earth.radius_factor` defaults to `inf`.\n\n" +
          std::string(kSceneHeader) + special_rows("terrain.") + rows(scene_entries(), "", SceneConfig{}) +
-         special_rows("modbus.") + "\n`[[buildings]]`, `[[prisms]]` and `[[surfaces]]` may be repeated:\n\n" +
+         special_rows("modbus.") +
+         "\n`[[buildings]]`, `[[prisms]]` and `[[surfaces]]` may each occur several times:\n\n" +
          kSceneHeader + special_rows("buildings.") + rows(building_entries(), "buildings.", {}) +
          special_rows("prisms.") + rows(prism_entries(), "prisms.", {}) + special_rows("surfaces.") +
          rows(surface_entries(), "surfaces.", {}) +
-         "\n## Materials\n\n`[materials.NAME]` changes a material that ships or adds one:\n\n" +
-         kSceneHeader + rows(material_entries(), "materials.NAME.", {}) +
-         "\nThese ship. Gamma is for 10 GHz and grazing angles between a few degrees and about 60; sources "
-         "stand "
-         "in\n`material_library.cpp`.\n\n| material | model | gamma, dB |\n|---|---|---|\n" +
+         "\n## Materials\n\n`[materials.NAME]` changes a built-in material or adds one:\n\n" + kSceneHeader +
+         rows(material_entries(), "materials.NAME.", {}) +
+         "\nThe built-in materials. Gamma is for 10 GHz and grazing angles between a few degrees and about "
+         "60; `material_library.cpp`\nnames the sources.\n\n| material | model | gamma, dB "
+         "|\n|---|---|---|\n" +
          material_rows();
 }
 
@@ -140,23 +130,17 @@ std::string parameters_text() {
 std::string parameters_markdown() {
   RadarConfig defaults;
   std::string page =
-      "# Parameters\n\n"
-      "Written by `obliq parameters --markdown` from the tables in `parameters.cpp` and `scene_keys.cpp`; do "
-      "not "
-      "edit.\n\n"
-      "## Radar parameters\n\n"
-      "Each can be set in a scene file, by an environment variable (`OBLIQ_` and the key in capitals, with\n"
-      "underscores for points: `OBLIQ_RADAR_R_MAX_M`), by the flag `--set KEY=VALUE` (`--set "
-      "RADAR:KEY=VALUE` for "
-      "one of\nseveral radars), and by a message. Flags beat environment beats file beats defaults. *Live* "
-      "ones "
-      "change with the\nnext frame. `[radar]` is one radar called `main`; `[[radar]]` with a `name` makes "
-      "several, "
-      "each with sections of\nits own (`[radar.antenna]`) over the common `[antenna]`, `[frustum]`, `[bins]` "
-      "and `[scan]`. "
-      "An antenna without a position\nstands at the dem's centre, over synthetic ground at 33 N 99.5 W.\n\n"
-      "| key | type | default | allowed | change | message field | Modbus | meaning |\n"
-      "|---|---|---|---|---|---|---|---|\n";
+      "# Parameters\n\nWritten by `obliq parameters --markdown` from the tables in `parameters.cpp` and "
+      "`scene_keys.cpp`; do not edit.\n\n## Radar parameters\n\nEach can be set in a scene file, by an "
+      "environment variable (`OBLIQ_` plus the key in capitals with underscores for\npoints: "
+      "`OBLIQ_RADAR_R_MAX_M`), by the flag `--set KEY=VALUE` (`--set RADAR:KEY=VALUE` for one of several "
+      "radars), and\nby a message. A flag overrides the environment, the environment the file, the file the "
+      "default. *Live* parameters change\nwith the next frame. `[radar]` is one radar named `main`; several "
+      "`[[radar]]` tables with a `name` are several radars, each\nwith sections of its own "
+      "(`[radar.antenna]`) that override the common `[antenna]`, `[frustum]`, `[bins]` and `[scan]`. "
+      "An\nantenna without a position stands at the centre of the dem, or at 33 N 99.5 W over synthetic "
+      "ground.\n\n| key | type | default | allowed | change | message field | Modbus | meaning "
+      "|\n|---|---|---|---|---|---|---|---|\n";
   for (const Parameter& p : parameters()) {
     const Slot slot = p.slot(defaults);
     const std::string message = p.message == WireMessage::pose ? "Pose." : "RadarSettings.";
@@ -169,8 +153,7 @@ std::string parameters_markdown() {
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";
-  page +=
-      "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) says how it is coded.\n";
+  page += "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) gives its encoding.\n";
   return page + quality_page() + scene_pages();
 }
 

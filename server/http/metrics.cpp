@@ -62,8 +62,8 @@ MetricFamily per_radar(const std::string& name, const std::string& help,
 }
 
 MetricFamily scene_memory_by_kind(const SceneMemory& memory) {
-  MetricFamily made = family("obliq_scene_memory_bytes", "Memory of the scene that serves, by what it holds.",
-                             MetricType::Gauge);
+  MetricFamily made =
+      family("obliq_scene_memory_bytes", "Memory of the scene in use, by content.", MetricType::Gauge);
   const auto kind = [&](const char* name, std::uint64_t bytes) {
     ClientMetric metric = sample(MetricType::Gauge, static_cast<double>(bytes));
     metric.label.push_back({"kind", name});
@@ -90,34 +90,32 @@ void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all
   };
   using Radar = net::RadarStatistics;
   gauge("obliq_clients", "Clients connected to the stream.", static_cast<double>(room.clients));
-  counter("obliq_sent_bytes_total", "Bytes handed to clients' sockets.", room.bytes_sent);
-  counter("obliq_frames_dropped_total", "Frames that slow clients did not get, over all clients.",
+  counter("obliq_sent_bytes_total", "Bytes written to clients' sockets.", room.bytes_sent);
+  counter("obliq_frames_dropped_total", "Frames not sent because clients were too slow, over all clients.",
           room.frames_dropped);
   gauge("obliq_queue_messages", "Messages that wait to be written, over all clients.",
         static_cast<double>(room.queued_messages));
   gauge("obliq_queue_bytes", "Bytes that wait to be written, over all clients.",
         static_cast<double>(room.queued_bytes));
-  gauge("obliq_renders_queued", "RenderOnce requests that are not finished.",
-        static_cast<double>(room.renders_queued));
+  gauge("obliq_renders_queued", "Unfinished RenderOnce requests.", static_cast<double>(room.renders_queued));
   radar("obliq_radar_watchers", "Clients that watch the radar.",
         [](const Radar& r) { return static_cast<double>(r.watchers); });
-  radar("obliq_radar_wanted_rate_hertz", "Frame rate that the radar's fastest watcher asked for.",
+  radar("obliq_radar_wanted_rate_hertz", "Highest frame rate that a watcher of the radar asked for.",
         [](const Radar& r) { return r.rate_hz; });
   radar("obliq_radar_controlled", "1 while a client controls the radar.",
         [](const Radar& r) { return r.controlled ? 1.0 : 0.0; });
-  radar("obliq_radar_faulty", "1 while the radar cannot be rendered as it is set.",
+  radar("obliq_radar_faulty", "1 while the radar cannot be rendered with its settings.",
         [](const Radar& r) { return r.faulty ? 1.0 : 0.0; });
   radar("obliq_radar_live_frames",
-        "Frames of the radar that are being rendered, or wait in whole or in part for a client.",
+        "Frames of the radar being rendered or waiting, in whole or in part, for a client.",
         [](const Radar& r) { return static_cast<double>(r.live_frames); });
   all.push_back(per_radar(
       "obliq_radar_frames_shed_total",
-      "Frames of the radar that were never begun because there was no time for all that was "
-      "asked for.",
-      room.radars, [](const Radar& r) { return static_cast<double>(r.frames_shed); }, MetricType::Counter));
-  radar("obliq_radar_live_bytes", "Memory that the blocks of those frames take.",
+      "Frames of the radar skipped because rendering could not keep up with the requests.", room.radars,
+      [](const Radar& r) { return static_cast<double>(r.frames_shed); }, MetricType::Counter));
+  radar("obliq_radar_live_bytes", "Memory of the blocks of live frames.",
         [](const Radar& r) { return static_cast<double>(r.live_bytes); });
-  radar("obliq_terrain_coverage_ratio", "Part of the radar's sector over known ground, in its newest frame.",
+  radar("obliq_terrain_coverage_ratio", "Share of the radar's sector over known ground in its newest frame.",
         [](const Radar& r) { return r.coverage; });
 }
 
@@ -148,54 +146,58 @@ struct Metrics::State {
 
   prometheus::Registry registry;
   prometheus::Family<Counter>& frames =
-      BuildCounter().Name("obliq_frames_total").Help("Live frames rendered to their end.").Register(registry);
+      BuildCounter().Name("obliq_frames_total").Help("Live frames rendered completely.").Register(registry);
   prometheus::Family<Counter>& rays =
       BuildCounter()
           .Name("obliq_rays_total")
-          .Help("Rays cast for live frames; of the sweep, vertical planes marched.")
+          .Help("Rays of live frames; for the sweep, vertical planes marched.")
           .Register(registry);
-  prometheus::Family<Counter>& hits = BuildCounter()
-                                          .Name("obliq_hits_total")
-                                          .Help("Rays of live frames that hit; of the sweep, visible pieces.")
-                                          .Register(registry);
+  prometheus::Family<Counter>& hits =
+      BuildCounter()
+          .Name("obliq_hits_total")
+          .Help("Rays of live frames that hit; for the sweep, visible ground and wall segments.")
+          .Register(registry);
   prometheus::Family<Histogram>& render = BuildHistogram()
                                               .Name("obliq_frame_render_seconds")
-                                              .Help("From a live frame's planning to its last block.")
+                                              .Help("Time from planning a live frame to its last block.")
                                               .Register(registry);
-  prometheus::Family<Histogram>& first_wedge = BuildHistogram()
-                                                   .Name("obliq_frame_first_wedge_seconds")
-                                                   .Help("From a live frame's planning to its first wedge.")
-                                                   .Register(registry);
+  prometheus::Family<Histogram>& first_wedge =
+      BuildHistogram()
+          .Name("obliq_frame_first_wedge_seconds")
+          .Help("Time from planning a live frame to its first wedge.")
+          .Register(registry);
   prometheus::Family<Histogram>& pose_to_end =
       BuildHistogram()
           .Name("obliq_frame_pose_latency_seconds")
-          .Help("From the arrival of a pose to the last block of the first live frame that shows it.")
+          .Help("Time from the arrival of a pose to the last block of the first live frame that shows it.")
           .Register(registry);
   Counter& once_frames = BuildCounter()
                              .Name("obliq_once_frames_total")
-                             .Help("Frames of RenderOnce requests rendered to their end.")
+                             .Help("Frames of RenderOnce requests rendered completely.")
                              .Register(registry)
                              .Add({});
   Counter& once_rays = BuildCounter()
                            .Name("obliq_once_rays_total")
-                           .Help("Rays cast for them; of the sweep, vertical planes marched.")
+                           .Help("Rays of RenderOnce frames; for the sweep, vertical planes marched.")
                            .Register(registry)
                            .Add({});
-  Counter& once_hits = BuildCounter()
-                           .Name("obliq_once_hits_total")
-                           .Help("Rays of theirs that hit; of the sweep, visible pieces.")
-                           .Register(registry)
-                           .Add({});
-  Histogram& once_render_s = BuildHistogram()
-                                 .Name("obliq_once_render_seconds")
-                                 .Help("Time that such a frame took, without the waits between its slices.")
-                                 .Register(registry)
-                                 .Add({}, kSeconds);
+  Counter& once_hits =
+      BuildCounter()
+          .Name("obliq_once_hits_total")
+          .Help("Rays of RenderOnce frames that hit; for the sweep, visible ground and wall segments.")
+          .Register(registry)
+          .Add({});
+  Histogram& once_render_s =
+      BuildHistogram()
+          .Name("obliq_once_render_seconds")
+          .Help("Rendering time of a RenderOnce frame, without the waits between its slices.")
+          .Register(registry)
+          .Add({}, kSeconds);
   prometheus::Family<Counter>& log_lines =
       BuildCounter().Name("obliq_log_lines_total").Help("Lines logged.").Register(registry);
   Gauge& scene_load_s = BuildGauge()
                             .Name("obliq_scene_load_seconds")
-                            .Help("Time that the scene in use took to load and build.")
+                            .Help("Time to load and build the scene in use.")
                             .Register(registry)
                             .Add({});
   std::map<std::string, Counter*> lines;  ///< by level; never changes once made
@@ -208,7 +210,7 @@ struct Metrics::State {
 Metrics::Metrics(const BuildInfo& build) : state_(std::make_unique<State>()) {
   BuildGauge()
       .Name("obliq_build_info")
-      .Help("1; its labels say what this program was built from.")
+      .Help("Always 1; its labels name the versions that this program was built with.")
       .Register(state_->registry)
       .Add({{"version", build.version},
             {"compiler", build.compiler},
@@ -254,20 +256,20 @@ std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics
   std::vector<MetricFamily> all = state_->registry.Collect();
   if (room != nullptr) append_room(*room, all);
   all.push_back(single("obliq_scene_swaps_total",
-                       "Scenes that replaced another: windows of a flight, reloads.", MetricType::Counter,
-                       static_cast<double>(scene.swaps)));
+                       "Scenes that replaced another: terrain windows of a flight, reloads.",
+                       MetricType::Counter, static_cast<double>(scene.swaps)));
   all.push_back(single("obliq_scene_failures_total",
-                       "Scenes that could not be loaded; the old one serves on.", MetricType::Counter,
-                       static_cast<double>(scene.failures)));
-  all.push_back(single("obliq_scene_building", "1 while a scene is built behind the one that serves.",
-                       MetricType::Gauge, scene.building ? 1 : 0));
+                       "Scenes that could not be loaded; the server keeps using the old one.",
+                       MetricType::Counter, static_cast<double>(scene.failures)));
+  all.push_back(single("obliq_scene_building", "1 while the next scene is being built.", MetricType::Gauge,
+                       scene.building ? 1 : 0));
   if (scene.memory.total() > 0) all.push_back(scene_memory_by_kind(scene.memory));
   all.push_back(single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge,
                        static_cast<double>(resident_bytes())));
   all.push_back(single("process_resident_memory_peak_bytes",
-                       "The most that was in use, while loading above all.", MetricType::Gauge,
+                       "Highest memory use so far, mostly while loading.", MetricType::Gauge,
                        static_cast<double>(peak_resident_bytes())));
-  all.push_back(single("process_start_time_seconds", "When the process started, since 1970, UTC.",
+  all.push_back(single("process_start_time_seconds", "Start time of the process, since 1970, UTC.",
                        MetricType::Gauge, state_->started_s));
   return prometheus::TextSerializer().Serialize(all);
 }

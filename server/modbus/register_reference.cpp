@@ -91,8 +91,8 @@ std::string bit_row(std::size_t address, const BitText& bit) {
 
 std::string bits() {
   std::string text =
-      "\n## Coils\n\nFunctions 01, 05, 15. Those in one request are done as a whole or not at all.\n\n"
-      "| coil | name | meaning |\n|---|---|---|\n";
+      "\n## Coils\n\nFunctions 01, 05, 15. The coils in one request take effect together or not at all.\n\n| "
+      "coil | name | meaning |\n|---|---|---|\n";
   for (std::size_t i = 0; i < coil_texts().size(); ++i) text += bit_row(i, coil_texts()[i]);
   text += "\n## Discrete inputs\n\nFunction 02.\n\n| input | name | meaning |\n|---|---|---|\n";
   for (std::size_t i = 0; i < discrete_inputs().size(); ++i) text += bit_row(i, discrete_inputs()[i].text);
@@ -101,71 +101,46 @@ std::string bits() {
 
 std::string errors() {
   std::string text =
-      "\n## Errors\n\n"
-      "| exception | when |\n|---|---|\n"
-      "| 01 | any other function code |\n"
-      "| 02 | an address that is not in this map, a gap among them; a write to a register that can only be "
-      "read |\n"
-      "| 03 | a value out of limits; staged setpoints that apply cannot put into effect; a malformed request "
-      "|\n"
-      "| 06 | apply while a client of the stream holds control or another apply is under way; no answer in "
-      "time |\n"
-      "| 0B | a unit id that is no radar's, 0 and 255 among them |\n\n"
-      "A refused request changes nothing but `last_error`, which says why; `last_error_address` says which "
-      "setpoint:\n\n| last_error | meaning |\n|---|---|\n";
+      "\n## Errors\n\n| exception | when |\n|---|---|\n| 01 | any other function code |\n| 02 | an address "
+      "outside this map or in one of its gaps; a write to a read-only register |\n| 03 | a value out of "
+      "limits; staged setpoints that apply cannot put into effect; a malformed request |\n| 06 | apply while "
+      "a client of the stream holds control or another apply is in progress; no answer from the server in "
+      "time |\n| 0B | a unit id without a radar, including 0 and 255 |\n\nA refused request changes only "
+      "`last_error`, which gives the reason, and `last_error_address`, which gives the setpoint:\n\n| "
+      "last_error | meaning |\n|---|---|\n";
   for (const FaultText& fault : fault_texts())
     text += "|" + cell(std::to_string(static_cast<int>(fault.fault))) + cell(std::string(fault.text)) + "\n";
   return text;
 }
 
 constexpr auto kIntroduction =
-    "# Modbus registers\n\n"
-    "Written by `obliq parameters --modbus` from the tables in `register_map.cpp` and "
-    "`server/control/parameters.cpp`; do not edit.\n\n"
-    "`[modbus] enabled = true` makes obliqd a Modbus/TCP slave, on 127.0.0.1:1502 unless told otherwise. "
-    "Unit id 1 "
-    "is the\nfirst radar of the scene file, 2 the second, and so on. Numbers below are those in the frame, "
-    "counted "
-    "from 0: a\nmaster that counts from 1 adds 1, or 40001 to holding and 30001 to input registers. "
-    "Functions 01 "
-    "to 06, 15, 16, 22\nand 23 are understood. A value of several registers has its most significant word "
-    "first "
-    "(\"ABCD\"); f32 is IEEE 754.\n\n"
-    "Modbus has no protection of its own: whoever reaches the port may set everything. Another address than "
-    "loopback needs\n`modbus.unprotected = true` and a list of those who may come in `modbus.allow`. At most "
-    "8 "
-    "masters at a time.\n\n"
-    "## How to set something\n\n"
-    "1. Write setpoints into holding registers, in any order and any number of requests. They are *staged*: "
-    "no "
-    "radar sees them. A\n   value out of its limits is refused at once (03), with all that came in the same "
-    "request. Half of a value may be\n   written by itself; it is looked at by apply.\n"
-    "2. Write 1 to the coil `apply`. All that is staged goes into effect between two frames, or none of "
-    "it.\n\n"
-    "Holding registers show a setpoint as staged, or, when it is not, as it is in effect; input registers "
-    "always as "
-    "it is in\neffect. A setpoint that was not written keeps all its digits, also those that its registers "
-    "cannot "
-    "show. All masters\nshare what is staged for a unit. A refused apply leaves it staged: correct it and "
-    "apply "
-    "again, or `discard` it.\n\n"
-    "While a client of the stream holds control of the radar, apply is refused (06); transmit, freeze and "
-    "clear "
-    "faults work\nall the same: they are the operator's.\n\n"
-    "*Frozen*, a radar goes on sending frames, of the pose and the settings that it was frozen with. What "
-    "clients and "
-    "apply set\nmeanwhile is checked, kept, and shown from the thaw on. *Transmit off*, it is not rendered; "
-    "its "
-    "watchers stay, and a\nbegun frame is aborted. Both stand in `GetRadar` and `GetStatus`, too.\n\n"
-    "*Heartbeats*: `heartbeat` rises as long as the server lives. A console that writes a changing number to "
-    "the "
-    "holding\nregister 300, and then leaves it alone for `modbus.watchdog_s`, has its radar frozen. Only "
-    "clear faults "
-    "and freeze = 0\nundo that. Without a first heartbeat there is no watchdog, and 0 s turns it off.\n\n"
-    "## Identity\n\n"
-    "Functions 03 and 04: status stands in input registers and, for masters that read nothing else, at the "
-    "same "
-    "numbers in\nholding registers, where it cannot be written.\n\n";
+    "# Modbus registers\n\nWritten by `obliq parameters --modbus` from the tables in `register_map.cpp` and "
+    "`server/control/parameters.cpp`; do not edit.\n\n`[modbus] enabled = true` makes obliqd a Modbus/TCP "
+    "slave, by default on 127.0.0.1:1502. Unit id 1 is the first radar\nof the scene file, 2 the second, and "
+    "so on. Addresses below are those in the frame, counted from 0: a master that\ncounts from 1 adds 1, or "
+    "40001 for holding and 30001 for input registers. The functions are 01 to 06, 15, 16, 22 and 23.\nA "
+    "value of several registers has its most significant word first (\"ABCD\"); f32 is IEEE 754.\n\nModbus "
+    "has no protection of its own: any master that reaches the port can set everything. An address other "
+    "than loopback\nneeds `modbus.unprotected = true` and a list of permitted addresses in `modbus.allow`. "
+    "At most 8 masters can connect at a time.\n\n## How to set something\n\n1. Write setpoints into holding "
+    "registers, in any order, in any number of requests. They are *staged*: the radar does not see them yet. "
+    "A\n   value outside its limits is refused at once (03), with everything in the same request. A request "
+    "may write half of a\n   value; apply checks it.\n2. Write 1 to the coil `apply`. All staged setpoints "
+    "take effect between two frames, or none does.\n\nHolding registers show the staged value of a setpoint, "
+    "or the value in effect if none is staged; input registers always\nshow the value in effect. A setpoint "
+    "that was not written keeps its full precision, even where its registers cannot show\nit. All masters "
+    "share the staged setpoints of a unit. After a refused apply they stay staged: correct them and "
+    "apply\nagain, or `discard` them.\n\nWhile a client of the stream holds control of the radar, apply is "
+    "refused (06). Transmit, freeze and clear_faults\nbelong to the operator and still work.\n\nA *frozen* "
+    "radar goes on sending frames with the pose and settings of the moment when it was frozen. Settings from "
+    "clients\nand from apply are checked and kept meanwhile, and take effect when freeze ends. With "
+    "*transmit off* a radar is not\nrendered: its watchers stay, and the frame in progress is aborted. "
+    "`GetRadar` and `GetStatus` report both.\n\n*Heartbeats*: `heartbeat` rises while the server runs. When "
+    "a console has written a changing number to holding register\n300 and then stops for "
+    "`modbus.watchdog_s`, its radar is frozen. Only clear_faults and freeze = 0 undo that. The "
+    "watchdog\nstarts with the first heartbeat; `modbus.watchdog_s = 0` turns it off.\n\n## "
+    "Identity\n\nFunctions 03 and 04. Status is in input registers and, for masters that read only holding "
+    "registers, at the same\naddresses there, read-only.\n\n";
 
 constexpr auto kStatusHeader = "| registers | type | count | name | meaning |\n|---|---|---|---|---|\n";
 
@@ -174,14 +149,15 @@ constexpr auto kStatusHeader = "| registers | type | count | name | meaning |\n|
 std::string registers_markdown() {
   return kIntroduction + std::string(kStatusHeader) + status_rows(0, 100) +
          row(kNameAddress, kNameRegisters, "ASCII", "", "`name`",
-             "The radar's name, two characters in a register, the first one high; zeros fill it up.") +
+             "The radar's name, two characters per register, the first in the high byte, padded with "
+             "zeros.") +
          "\n## Status\n\n" + kStatusHeader + status_rows(100, 200) +
-         "\n## Setpoints\n\nLimits are in the unit, not in counts; they are those of "
-         "`server/control/PARAMETERS.md`.\n\n"
-         "| register | type | count | name | allowed | meaning |\n|---|---|---|---|---|---|\n" +
+         "\n## Setpoints\n\nLimits are in units, not in counts, and are the same as in "
+         "`server/control/PARAMETERS.md`.\n\n| register | type | count | name | allowed | meaning "
+         "|\n|---|---|---|---|---|---|\n" +
          setpoint_rows() + "\n## Console\n\n" + kStatusHeader +
          row(kConsoleHeartbeat, 1, "u16", "", "`console_heartbeat`",
-             "Feeds the watchdog by changing. No setpoint: needs no apply.") +
+             "Each change feeds the watchdog. Not a setpoint: it needs no apply.") +
          bits() + errors();
 }
 

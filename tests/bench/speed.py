@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""README's section on speed: measured, kept and written by this script, all figures from one run.
+"""The tables of SPEED.md and the short one of README.md: measured, kept and written by this script, all figures from one run.
 
-  tests/bench/speed.py [--without PART]... [--bin FOLDER]   runs the programs, writes speed.json and the section
-  tests/bench/speed.py --again PART                         measures one part anew, which the section then says
-  tests/bench/speed.py --write                              writes the section from speed.json
-  tests/bench/speed.py --check                              fails when the section is not what speed.json gives
+  tests/bench/speed.py [--without PART]... [--bin FOLDER]   runs the programs, writes speed.json and the tables
+  tests/bench/speed.py --again PART                         measures one part anew, which SPEED.md then says
+  tests/bench/speed.py --write                              writes the tables from speed.json
+  tests/bench/speed.py --check                              fails when the tables are not what speed.json gives
 
-A program that is missing or fails leaves its part out, and the section says so. For a run on which figures are published,
-leave the machine alone: the load average goes with them.
+A program that is missing or fails leaves its part out, and SPEED.md says so. Leave the machine alone for a run whose
+figures are published: the load average is published with them.
 """
 import argparse
 import difflib
@@ -24,6 +24,7 @@ import speed_parts
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIGURES = ROOT / "tests/bench/speed.json"
 README = ROOT / "README.md"
+SPEED = ROOT / "tests/bench/SPEED.md"
 BEGIN = "<!-- Written by tests/bench/speed.py from tests/bench/speed.json: do not edit. -->"
 END = "<!-- End of what tests/bench/speed.py writes. -->"
 LONGEST_S = 3600  # of one program
@@ -101,10 +102,32 @@ def section(report):
     return "\n\n".join(text)
 
 
-def with_section(readme, text):
-    before, rest = readme.split(BEGIN + "\n")
+def short_section(report):
+    """README's table: a few rows of the same figures."""
+    where = report["machine"]
+    rows = [row for name, few in speed_parts.SHORT for figures in [report["parts"].get(name, {"missing": ""})]
+            if "missing" not in figures for row in few(figures)]
+    return (f"{where['processor']}, {where['threads']} threads, {where['date']}, commit {where['commit']}."
+            + speed_parts.table(["what", "result"], rows))
+
+
+def with_section(page, text):
+    before, rest = page.split(BEGIN + "\n")
     _, after = rest.split(END + "\n")
     return f"{before}{BEGIN}\n\n{text}\n\n{END}\n{after}"
+
+
+def settle(path, text, check):
+    """Writes the page's section; with `check`, only compares it."""
+    page = path.read_text(encoding="utf-8")
+    wanted = with_section(page, text)
+    if not check:
+        path.write_text(wanted, encoding="utf-8")
+    elif page != wanted:
+        sys.stdout.writelines(difflib.unified_diff(page.splitlines(True), wanted.splitlines(True), path.name, "from speed.json"))
+        sys.exit(f"{path.name}: found other figures than speed.json gives; run tests/bench/speed.py --write")
+    else:
+        print(f"{path.name} has the figures of speed.json")
 
 
 def main():
@@ -112,22 +135,16 @@ def main():
     parser.add_argument("--bin", default="build/release/bin", help="where the programs are")
     parser.add_argument("--without", action="append", default=[], choices=[part.name for part in speed_parts.PARTS])
     parser.add_argument("--again", choices=[part.name for part in speed_parts.PARTS])
-    parser.add_argument("--write", action="store_true", help="only write the section")
-    parser.add_argument("--check", action="store_true", help="only compare the section")
+    parser.add_argument("--write", action="store_true", help="only write the tables")
+    parser.add_argument("--check", action="store_true", help="only compare the tables")
     arguments = parser.parse_args()
     if arguments.again:
         measure_again((ROOT / arguments.bin).resolve(), arguments.again)
     elif not arguments.write and not arguments.check:
         measure((ROOT / arguments.bin).resolve(), arguments.without)
-    readme = README.read_text(encoding="utf-8")
-    wanted = with_section(readme, section(json.loads(FIGURES.read_text(encoding="utf-8"))))
-    if not arguments.check:
-        README.write_text(wanted, encoding="utf-8")
-    elif readme != wanted:
-        sys.stdout.writelines(difflib.unified_diff(readme.splitlines(True), wanted.splitlines(True), "README.md", "from speed.json"))
-        sys.exit("README.md: found another section on speed than speed.json gives; run tests/bench/speed.py --write")
-    else:
-        print("README.md has the figures of speed.json")
+    report = json.loads(FIGURES.read_text(encoding="utf-8"))
+    settle(SPEED, section(report), arguments.check)
+    settle(README, short_section(report), arguments.check)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What speed.py runs, and how README says it. A new benchmark is one more entry in PARTS."""
+"""What speed.py runs, and how SPEED.md and README.md show it. A new benchmark is one more entry in PARTS."""
 import csv
 import json
 from dataclasses import dataclass
@@ -252,3 +252,35 @@ PARTS = [
     Part("start", "From an elevation model to a scene", lambda bin_folder, _: [[bin_folder / "load_bench"]], text_of,
          lambda figures: "`load_bench`:\n\n```\n" + "\n".join(figures["lines"]) + "\n```"),
 ]
+
+
+# ---- README's few rows
+
+def few_sweeps(figures):
+    rows = []
+    for scene, words in SWEEPS.items():
+        draft, standard = (figures[scene][f"WholeSweepFrame/planes_per_bin:{planes}/real_time"] for planes in (1, 2))
+        paper = figures[scene]["WholeFrame/frustum:1/speckle:0/plates:1/rays:0/real_time"]
+        rows.append([f"frame of 1024 x 1024 bins, cells of {words}", f"`standard` {ms(standard)}, `draft` {ms(draft)}, the paper's setting {ms(paper)}"])
+    return rows
+
+
+def few_lights(figures):
+    frame = figures["hills"]["frusta"]["sweep"]
+    return [["first wedge at a client on the loopback", f"after {share(frame['first_wedge'])} of the frame's time"],
+            ["radar that stands still", f"{frame['standing_frames_per_s']:.0f} frames/s"]]
+
+
+def few_many(figures):
+    busy = next(row for row in figures["all_alike"] if row["load"] == 0.75)
+    return [[f"latency of {figures['radars']} radars of {figures['bins']} x {figures['bins']} bins at {100 * busy['load']:.0f} % load",
+             f"median {ms(busy['p50_s'])}, 99 % {ms(busy['p99_s'])}"]]
+
+
+def few_starts(figures):
+    seconds = {line.split("  ")[0]: line[len(line.split("  ")[0]):].split()[0] for line in figures["lines"][1:]}
+    return [[f"start with {figures['lines'][0].split(',')[0]}",
+             f"first {seconds['first start, which is kept']} s, second {seconds['second start']} s (GDAL alone {seconds['GDAL reads and warps']} s)"]]
+
+
+SHORT = [("sweep", few_sweeps), ("first_light", few_lights), ("many_radars", few_many), ("start", few_starts)]
