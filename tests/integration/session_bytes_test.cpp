@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "server/net/panel.h"
-#include "server/net/scene_renderer.h"
+#include "server/rendering/scene_renderer.h"
 #include "server/scene/embree_tracer.h"
 #include "tests/integration/net_fixture.h"
 #include "tests/integration/session_peer.h"

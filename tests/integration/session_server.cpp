@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "server/net/security.h"
+#include "server/security/security.h"
 #include "tests/support/scenes.h"
 
 namespace obliq::test {
