@@ -208,11 +208,20 @@ class SessionBytes : public testing::Test {
     admin.ask(claim_control, "radar: 'main' force: true", ack);
     controller.read(error);
     admin.ask(set_state, "radar: 'main' transmit: false", ack);
+    // Two watchers of one frame, who see different parts of it.
+    viewer.ask(subscribe, watch("main", "planes: [POWER, STATE] compression: ZSTD"), ack);
+    controller.ask(
+        subscribe,
+        watch("main", "planes: [IQ, STATE] window { first_azimuth: 2 n_azimuth: 3 range_step: 4 }"), ack);
+    admin.ask(set_state, "radar: 'main' transmit: true", ack);
+    viewer.read(frame_end);
+    controller.read(frame_end);
+    admin.ask(set_state, "radar: 'main' transmit: false", ack);
     admin.ask(release_control, kMain, ack);
     // A frame is counted a little after its end was sent.
     const auto& panel = server.panel();
-    while (panel.status(0)->frames < static_cast<std::uint64_t>(record_.frames_ended(1)) ||
-           panel.status(1)->frames < static_cast<std::uint64_t>(record_.frames_ended(2))) {
+    while (panel.status(0)->frames < record_.frames_ended(1) ||
+           panel.status(1)->frames < record_.frames_ended(2)) {
       server.panel().refresh();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
