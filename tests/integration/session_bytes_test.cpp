@@ -148,11 +148,13 @@ class SessionBytes : public testing::Test {
   void aborted_frames(RecordedPeer& viewer, RecordedPeer& controller) {
     gate_.close();
     viewer.ask(subscribe, watch("main", "planes: [POWER, STATE]"), wedge_block, 2);
+    gate_.await_somebody();
     viewer.ask(unsubscribe, kMain, ack);
     gate_.open();
     viewer.ask(subscribe, watch("main", "planes: STATE"), frame_end);
     gate_.close();
     viewer.ask(subscribe, watch("main", "planes: STATE"), wedge_block);
+    gate_.await_somebody();
     controller.ask(set_state, "radar: 'main' transmit: false", ack);
     viewer.ask(get_radar, kMain, radar_info);
     gate_.open();
