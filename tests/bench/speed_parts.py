@@ -40,7 +40,7 @@ def table(head, rows):
 # As in terrain/base/stage_clock.h.
 STAGES = ("plan", "rays", "trace", "refine", "plates", "buildings", "ground", "scatter", "bin", "states", "encode", "send", "wait",
           "other", "idle")
-FRUSTA = {"the paper's (oblique, nearest bin)": [], "the default (oblique, spread)": ["--set", "frustum.plates=spread"],
+FRUSTA = {"the paper's (oblique, nearest bin)": [], "oblique, spread plates": ["--set", "frustum.plates=spread"],
           "sweep, `standard`": ["--set", "frustum.quality=standard"]}
 
 
@@ -155,7 +155,7 @@ def sweep_words(figures):
                      f"{found['BareTrace/frustum:2'] / found['MarchedRays']:.1f}"])
     return ("`obliq_bench`: whole frames of 1024 x 1024 bins with I&Q and all planes, and the 4.2 M rays of the polar frustum traced by "
             "Embree (float) and answered by a march of their columns (double). Targets: 40 frames a second among 100,000 buildings, a "
-            "tenth of the paper's time, a march 10 times as quick as Embree at 10 m."
+            "tenth of the paper's time, a march 10 times as fast as Embree at 10 m."
             + table(["scene", "the paper's, by Embree", "marched", "sweep, `draft`", "sweep, `standard`", "frames/s", "over the paper's by Embree",
                      "Embree's trace", "march", "Embree over march"], rows))
 
@@ -183,7 +183,7 @@ def peer_words(figures):
             rows.append([name, row["name"], f"{row['least_ms']:.0f} ms", f"{run['rays'] / 1e3 / row['least_ms']:.1f}",
                          f"{row['march_speedup']:.2f}" if key != "march" else "", f"{row['target']:g}" if row.get("target") else "",
                          "" if ours else f"{row['speedup']:.2f}"])
-    return ("`tests/bench/peers.sh`: the rays of the paper's frame on the triangles of the same mesh, the same for all, two threads, the "
+    return ("`tests/bench/peers.sh`: the rays of the paper's frame on the triangles of one mesh, the same for all, two threads, the "
             "least of 15 in turn. All but our march, which is what frames use, run Embree inside."
             + table(["rays, cells", "tracer", "trace", "Mray/s", "its time over our march's", "target", "over our Embree's"], rows))
 
@@ -200,14 +200,17 @@ def light_figures(_, folder):
     return {scene: read(folder / f"{file}.json") for scene, file in (("hills", "light"), ("100,000 buildings", "light_city"))}
 
 
+LIGHT_FRUSTA = {"default": "oblique"}  # what first_light calls them, and we do
+
+
 def light_words(figures):
-    rows = [[scene, name, ms(f["frame_s"]), share(f["first_wedge"]), share(f["last_byte"]), f"{f['standing_frames_per_s']:.0f}"]
+    rows = [[scene, LIGHT_FRUSTA.get(name, name), ms(f["frame_s"]), share(f["first_wedge"]), share(f["last_byte"]), f"{f['standing_frames_per_s']:.0f}"]
             for scene, of_scene in figures.items() for name, f in of_scene["frusta"].items()]
     figures = figures["hills"]
-    return ("`first_light`: when a client on the loopback has the first wedge with all planes, and how long after the last wedge was "
-            f"binned it has the last byte, as shares of the frame's time; targets {share(figures['target_first_wedge'])} and "
-            f"{share(figures['target_last_byte'])}. A radar that stands still renders nothing anew: how many of its frames a second a "
-            "client gets."
+    return ("`first_light`: the time until a client on the loopback has the first wedge with all planes, and the time from binning the last "
+            f"wedge to the client's last byte, as shares of the frame's time; targets {share(figures['target_first_wedge'])} and "
+            f"{share(figures['target_last_byte'])}. A radar that stands still does not render its frame again; the last column gives the "
+            "frames per second that a client gets from it."
             + table(["scene", "frustum", "frame", "first wedge", "last byte", "standing still, frames/s"], rows))
 
 
@@ -223,8 +226,8 @@ def many_words(figures):
             row += [f"{f['delivered']} of {f['asked']}", str(f["shed"]), ms(f["p50_s"]), ms(f["p99_s"])]
         rows.append(row)
     return (f"`many_radars`: {figures['radars']} radars of {figures['bins']} x {figures['bins']} bins (sweep, I&Q) share a server; a "
-            f"frame alone takes {ms(figures['frame_s'])}. Load 1 asks for as many frames as there is time for. Latency is from a frame's "
-            f"date to its last byte at the client. In the second half one radar has {figures['slower']} times as many planes, frames of "
+            f"frame alone takes {ms(figures['frame_s'])}. At load 1 the radars ask for as many frames as fit into the time. Latency counts from a frame's "
+            f"due time to its last byte at the client. In the second half one radar has {figures['slower']} times as many planes, frames of "
             f"{ms(figures['slow_frame_s'])}; the figures are those of the {figures['radars'] - 1} others."
             + table(["load", "frames", "shed", "median", "99 %", "frames beside a slow one", "shed", "median", "99 %"], rows))
 

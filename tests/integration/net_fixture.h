@@ -40,7 +40,15 @@ class Gate {
   void open() { set(true); }
   void pass() {
     std::unique_lock lock(mutex_);
+    ++standing_;
+    changed_.notify_all();
     changed_.wait(lock, [this] { return open_; });
+    --standing_;
+  }
+  /// Returns when somebody stands at the closed gate.
+  void await_somebody() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return standing_ > 0; });
   }
 
  private:
@@ -52,6 +60,7 @@ class Gate {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool open_ = true;
+  int standing_ = 0;
 };
 
 /// Small frames, short limits.

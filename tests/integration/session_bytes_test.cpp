@@ -148,11 +148,13 @@ class SessionBytes : public testing::Test {
   void aborted_frames(RecordedPeer& viewer, RecordedPeer& controller) {
     gate_.close();
     viewer.ask(subscribe, watch("main", "planes: [POWER, STATE]"), wedge_block, 2);
+    gate_.await_somebody();
     viewer.ask(unsubscribe, kMain, ack);
     gate_.open();
     viewer.ask(subscribe, watch("main", "planes: STATE"), frame_end);
     gate_.close();
     viewer.ask(subscribe, watch("main", "planes: STATE"), wedge_block);
+    gate_.await_somebody();
     controller.ask(set_state, "radar: 'main' transmit: false", ack);
     viewer.ask(get_radar, kMain, radar_info);
     gate_.open();
@@ -208,11 +210,20 @@ class SessionBytes : public testing::Test {
     admin.ask(claim_control, "radar: 'main' force: true", ack);
     controller.read(error);
     admin.ask(set_state, "radar: 'main' transmit: false", ack);
+    // Two watchers of one frame, who see different parts of it.
+    viewer.ask(subscribe, watch("main", "planes: [POWER, STATE] compression: ZSTD"), ack);
+    controller.ask(
+        subscribe,
+        watch("main", "planes: [IQ, STATE] window { first_azimuth: 2 n_azimuth: 3 range_step: 4 }"), ack);
+    admin.ask(set_state, "radar: 'main' transmit: true", ack);
+    viewer.read(frame_end);
+    controller.read(frame_end);
+    admin.ask(set_state, "radar: 'main' transmit: false", ack);
     admin.ask(release_control, kMain, ack);
     // A frame is counted a little after its end was sent.
     const auto& panel = server.panel();
-    while (panel.status(0)->frames < static_cast<std::uint64_t>(record_.frames_ended(1)) ||
-           panel.status(1)->frames < static_cast<std::uint64_t>(record_.frames_ended(2))) {
+    while (panel.status(0)->frames < record_.frames_ended(1) ||
+           panel.status(1)->frames < record_.frames_ended(2)) {
       server.panel().refresh();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }

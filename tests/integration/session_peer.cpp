@@ -16,7 +16,7 @@ using google::protobuf::Message;
 using wire::MessageType;
 
 namespace {
-constexpr client::Timeout kLong{60000};  ///< reached only when something is broken
+constexpr client::Timeout kLong{20000};  ///< reached only when something is broken
 }  // namespace
 
 RecordedPeer::RecordedPeer(SessionRecord& record, std::string name, const client::Endpoint& server)

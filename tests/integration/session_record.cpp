@@ -121,11 +121,14 @@ std::string values_of(const wire::WedgeBlock& block, std::span<const std::byte> 
   return " " + std::to_string(payload.size()) + " bytes " + hash_of(payload);
 }
 
-/// How a line begins, and what it says from a little before the first difference on.
+/// How a line begins, and what it says from a little before the first difference on: that of the fields, if
+/// there is one, which says more than that of the hashes.
 std::string from_difference(const std::string& line, const std::string& other) {
-  const auto at = static_cast<std::size_t>(std::ranges::mismatch(line, other).in1 - line.begin());
-  const std::size_t from = at < 60 ? 0 : at - 60;
-  return (from == 0 ? "" : line.substr(0, 30) + " ... ") + line.substr(from, 160);
+  const auto fields = [](const std::string& of) { return of.substr(std::min(of.find('{'), of.size())); };
+  const std::string text = fields(line) == fields(other) ? line : fields(line);
+  const std::string other_text = fields(line) == fields(other) ? other : fields(other);
+  const auto at = static_cast<std::size_t>(std::ranges::mismatch(text, other_text).in1 - text.begin());
+  return line.substr(0, 30) + " ... " + text.substr(at < 60 ? 0 : at - 60, 160);
 }
 
 }  // namespace
@@ -203,7 +206,7 @@ bool SessionRecord::received(const std::string& who, const wire::MessageView& vi
   EXPECT_NE(facts.name, nullptr) << "message type " << static_cast<unsigned>(header.type);
   if (facts.name == nullptr) return false;
   received_.insert(header.type);
-  if (header.type == MessageType::frame_end) ++ended_[header.stream_id];
+  if (header.type == MessageType::frame_end) ended_[header.stream_id].insert(header.sequence);
   EXPECT_EQ(header.flags, 0);
   EXPECT_EQ(header.header_length, wire::kHeaderBytes);
   EXPECT_GT(header.utc_ns, 0);
@@ -226,9 +229,9 @@ bool SessionRecord::received(const std::string& who, const wire::MessageView& vi
   return true;
 }
 
-int SessionRecord::frames_ended(std::uint32_t stream_id) const {
+std::uint64_t SessionRecord::frames_ended(std::uint32_t stream_id) const {
   const auto at = ended_.find(stream_id);
-  return at == ended_.end() ? 0 : at->second;
+  return at == ended_.end() ? 0 : at->second.size();
 }
 
 void SessionRecord::write(const std::string& file) const {

@@ -42,8 +42,8 @@ class SessionRecord {
   void compare(const std::string& file) const;
 
   const std::string& last_line() const { return lines_.back(); }
-  /// FrameEnds of a stream.
-  int frames_ended(std::uint32_t stream_id) const;
+  /// Of a stream, whoever watches it.
+  std::uint64_t frames_ended(std::uint32_t stream_id) const;
   bool was_sent(wire::MessageType type) const { return sent_.contains(type); }
   bool was_received(wire::MessageType type) const { return received_.contains(type); }
 
@@ -51,7 +51,7 @@ class SessionRecord {
   std::vector<std::string> lines_;
   std::set<wire::MessageType> sent_;
   std::set<wire::MessageType> received_;
-  std::map<std::uint32_t, int> ended_;
+  std::map<std::uint32_t, std::set<std::uint64_t>> ended_;  ///< sequence numbers of the FrameEnds
 };
 
 }  // namespace obliq::test
