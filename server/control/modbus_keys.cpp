@@ -51,7 +51,7 @@ void read_modbus_access(SectionReader& reader, ModbusConfig& config) {
       reader.complain(*node, "allow", "an address or a network, such as \"10.0.0.0/24\"");
     }
   }
-  if (!config.enabled || is_loopback(config.address)) return;
+  if (!config.enabled || is_loopback_address(config.address)) return;
   const ConfigNode* address = reader.table().find("address");
   if (address != nullptr && (!config.unprotected || config.allow.empty())) {
     reader.complain(*address, "address",

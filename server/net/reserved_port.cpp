@@ -1,7 +1,5 @@
 #include "server/net/reserved_port.h"
 
-#include <unistd.h>
-
 #include <boost/asio.hpp>
 
 #include "server/net/endpoint_text.h"
@@ -55,12 +53,8 @@ ReservedPort::ReservedPort(const std::string& address, std::uint16_t port) {
   is_v6_ = endpoint.address().is_v6();
   address_ = text_of(socket.local_endpoint(error));
   check();
-  fd_ = socket.release(error);
+  fd_.reset(socket.release(error));
   check();
-}
-
-ReservedPort::~ReservedPort() {
-  if (fd_ >= 0) ::close(fd_);
 }
 
 }  // namespace obliq::net

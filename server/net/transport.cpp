@@ -66,7 +66,7 @@ Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::sha
     : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
   error_code ignored;  // a comfort, not a need
   state_->socket.set_option(tcp::no_delay(true), ignored);
-  if (obliq::is_loopback(host())) {
+  if (is_loopback_address(host())) {
     state_->socket.set_option(asio::socket_base::send_buffer_size(kLoopbackSendBytes), ignored);
   }
 }

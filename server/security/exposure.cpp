@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/network_v6.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <map>
 
@@ -13,15 +14,15 @@ namespace obliq::net {
 namespace ip = boost::asio::ip;
 using boost::system::error_code;
 
-bool is_loopback(const std::string& address) {
+bool resolves_to_loopback(const std::string& address) {
   error_code error;
   (void)ip::make_address(address, error);
-  if (!error) return obliq::is_loopback(address);
+  if (!error) return is_loopback_address(address);
   boost::asio::io_context io;
   ip::tcp::resolver resolver(io);
   const auto found = resolver.resolve(address, "", error);
   return !error && !found.empty() && std::ranges::all_of(found, [](const auto& entry) {
-    return obliq::is_loopback(entry.endpoint().address().to_string());
+    return is_loopback_address(entry.endpoint().address().to_string());
   });
 }
 
@@ -31,9 +32,7 @@ std::string network_of(const std::string& host) {
   if (error || address.is_v4()) return host;
   const ip::address_v6 v6 = address.to_v6();
   if (v6.is_v4_mapped()) return ip::make_address_v4(ip::v4_mapped, v6).to_string();
-  auto bytes = v6.to_bytes();
-  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
-  return ip::make_address_v6(bytes).to_string() + "/64";
+  return ip::network_v6(ip::address_v6(v6.to_bytes()), 64).canonical().to_string();  // without the scope
 }
 
 std::string most_crowded(const std::vector<std::string>& networks) {
@@ -45,7 +44,7 @@ std::string most_crowded(const std::vector<std::string>& networks) {
 void require_protection(const std::string& address_key, const std::string& address,
                         const std::vector<Protection>& protections, const std::string& unprotected_key,
                         bool unprotected) {
-  if (unprotected || is_loopback(address)) return;
+  if (unprotected || resolves_to_loopback(address)) return;
   std::string missing;
   for (const Protection& protection : protections) {
     if (!protection.is_set) missing += (missing.empty() ? "" : " and ") + protection.key;

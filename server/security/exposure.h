@@ -6,7 +6,7 @@ namespace obliq::net {
 
 /// Whether only this machine can reach a port bound to that address: 127.0.0.0/8, ::1, or a name of which all
 /// addresses are such. A name that is unknown counts as exposed.
-bool is_loopback(const std::string& address);
+bool resolves_to_loopback(const std::string& address);
 
 /// The part of an address that one host can fill at will, in canonical text: an IPv4 address (also from its
 /// IPv6 form), the /64 network of an IPv6 address. Other text comes back as it is.

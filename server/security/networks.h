@@ -6,7 +6,7 @@
 namespace obliq {
 
 /// "127.0.0.1", "::1" and their like, or "localhost". Other names count as far away.
-bool is_loopback(const std::string& address);
+bool is_loopback_address(const std::string& address);
 
 /// "10.1.2.3", "10.0.0.0/24", "fd00::/8". A network with bits beyond its prefix is none: one of the two is
 /// wrong.

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "terrain/base/errors.h"
+#include "terrain/base/unique_fd.h"
 
 namespace obliq::net {
 namespace {
@@ -26,28 +27,14 @@ TokenDigest digest_of(std::string_view token) {
   return digest;
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(const char* path) : fd_(::open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  operator int() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 std::string last_error() { return std::system_category().message(errno); }
 
 /// Looks at the open file, not at its name: what is checked is what is read.
 std::string text_of_private_file(const std::filesystem::path& path) {
   const std::string where = "server.tokens: " + path.string();
-  const Descriptor fd(path.c_str());
+  const UniqueFd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat status {};
-  if (fd < 0 || ::fstat(fd, &status) != 0) throw InputError(where + ": " + last_error());
+  if (!fd || ::fstat(fd.get(), &status) != 0) throw InputError(where + ": " + last_error());
   if (!S_ISREG(status.st_mode)) throw InputError(where + ": found no file; allowed: a file of tokens");
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     std::ostringstream mode;
@@ -63,7 +50,7 @@ std::string text_of_private_file(const std::filesystem::path& path) {
   std::string text(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t have = 0;
   while (have < text.size()) {
-    const ssize_t n = ::read(fd, text.data() + have, text.size() - have);
+    const ssize_t n = ::read(fd.get(), text.data() + have, text.size() - have);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw InputError(where + ": " + last_error());
     if (n == 0) break;

@@ -153,12 +153,12 @@ TEST(Exposure, OffLoopbackAPortNeedsProtectionOrAPlainWord) {
     return "";
   };
   for (const std::string here : {"127.0.0.1", "127.8.9.10", "::1", "::ffff:127.0.0.1"}) {
-    EXPECT_TRUE(net::is_loopback(here)) << here;
+    EXPECT_TRUE(net::resolves_to_loopback(here)) << here;
     EXPECT_EQ(complaint(here, false, false, false), "");
   }
   for (const std::string everywhere :
        {"0.0.0.0", "::", "192.0.2.1", "2001:db8::1", "no such host.invalid", ""}) {
-    EXPECT_FALSE(net::is_loopback(everywhere)) << everywhere;
+    EXPECT_FALSE(net::resolves_to_loopback(everywhere)) << everywhere;
     EXPECT_NE(complaint(everywhere, false, false, false).find("without TLS and tokens"), std::string::npos);
     EXPECT_NE(complaint(everywhere, true, false, false).find("without tokens;"), std::string::npos);
     EXPECT_NE(complaint(everywhere, false, true, false).find("without TLS;"), std::string::npos);

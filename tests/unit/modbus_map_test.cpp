@@ -136,9 +136,9 @@ TEST(Networks, AreToldFromWhatIsNone) {
 
 TEST(Networks, LoopbackIsToldFromElsewhere) {
   for (const char* here : {"127.0.0.1", "127.9.9.9", "::1", "localhost", "::ffff:127.0.0.1"})
-    EXPECT_TRUE(is_loopback(here)) << here;
+    EXPECT_TRUE(is_loopback_address(here)) << here;
   for (const char* elsewhere : {"0.0.0.0", "::", "10.0.0.1", "example.org", ""})
-    EXPECT_FALSE(is_loopback(elsewhere)) << elsewhere;
+    EXPECT_FALSE(is_loopback_address(elsewhere)) << elsewhere;
 }
 
 }  // namespace

@@ -63,9 +63,9 @@ TEST(Transport, APeerOfThisMachineHasTheSameSendBufferWhateverClothesItsAddressW
 
 TEST(Exposure, LoopbackInIPv6ClothesIsLoopback) {
   for (const char* here : {"127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1", "localhost"})
-    EXPECT_TRUE(net::is_loopback(here)) << here;
+    EXPECT_TRUE(net::resolves_to_loopback(here)) << here;
   for (const char* everywhere : {"0.0.0.0", "::", "::ffff:192.0.2.7", "192.0.2.7", ""})
-    EXPECT_FALSE(net::is_loopback(everywhere)) << everywhere;
+    EXPECT_FALSE(net::resolves_to_loopback(everywhere)) << everywhere;
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ RadarConfig radar_of(const client::RecordingStart& start, const std::string& pat
 }
 
 void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
-  if (!net::is_loopback(arguments.address) && !arguments.unprotected) {
+  if (!net::resolves_to_loopback(arguments.address) && !arguments.unprotected) {
     throw InputError(
         "--address: found " + arguments.address +
         "; allowed: a loopback address, unless --unprotected says that anyone who reaches the port "
