@@ -6,6 +6,6 @@
 namespace obliq {
 
 /// Scalar keys of [flight]: how the daemon moves its loaded terrain with radars that fly.
-std::span<const Entry<SceneConfig>> flight_entries();
+std::span<const Row<SceneConfig>> flight_entries();
 
 }  // namespace obliq

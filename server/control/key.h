@@ -8,14 +8,21 @@
 #include <string_view>
 #include <variant>
 
-#include "server/control/log_config.h"
-#include "server/radar/settings.h"
-#include "server/scene/materials.h"
-#include "server/scene/ray_method.h"
 #include "terrain/base/errors.h"
-#include "terrain/world_spec.h"
 
 namespace obliq {
+
+// The enumerations that a key may have, each declared where its section or parameter lives.
+enum class FrustumKind;
+enum class PlateKind;
+enum class ScanMode;
+enum class SpeckleKind;
+enum class HeightReference;
+enum class SyntheticKind;
+enum class ScatteringModel;
+enum class RayMethod : std::uint8_t;
+enum class LogFormat;
+enum class LogLevel;
 
 /// A value on its way in or out, before it has found its place. Enumerations travel by name.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
@@ -35,7 +42,10 @@ struct Limits {
   bool contains(long double x) const;  ///< wide enough for every 64-bit integer
 };
 constexpr Limits closed(double low, double high) { return {low, high, false, false}; }
+constexpr Limits from(double low) { return {low, std::numeric_limits<double>::infinity(), false, false}; }
 constexpr Limits above(double low, double high) { return {low, high, true, false}; }
+
+constexpr Limits kAny{};
 
 /// One name of an enumeration; its index in the list is the enumerator's value.
 struct Choice {

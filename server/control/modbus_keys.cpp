@@ -8,39 +8,26 @@
 namespace obliq {
 namespace {
 
-using Scene = SceneConfig;
+using Modbus = RowsOf<&SceneConfig::modbus>;
 const std::array kModbus{
-    Entry<Scene>{{"modbus.enabled", "", {}, {}, "Listen for Modbus/TCP masters."},
-                 [](Scene& c) -> Slot { return &c.modbus.enabled; }},
-    Entry<Scene>{{"modbus.address", "", {}, {}, "Address for Modbus to bind to."},
-                 [](Scene& c) -> Slot { return &c.modbus.address; }},
-    Entry<Scene>{{"modbus.port", "", closed(0, 65535), {}, "TCP port for Modbus; 0: any free one."},
-                 [](Scene& c) -> Slot { return &c.modbus.port; }},
-    Entry<Scene>{{"modbus.max_masters", "", closed(1, 8), {}, "Most masters at a time."},
-                 [](Scene& c) -> Slot { return &c.modbus.max_masters; }},
-    Entry<Scene>{{"modbus.idle_timeout_s",
-                  "s",
-                  closed(0.1, 86400),
-                  {},
-                  "A master that sends no request for this long is disconnected."},
-                 [](Scene& c) -> Slot { return &c.modbus.idle_timeout_s; }},
-    Entry<Scene>{{"modbus.watchdog_s",
-                  "s",
-                  closed(0, 3600),
-                  {},
-                  "A radar is frozen when its console's heartbeat has not changed for this long; 0: never."},
-                 [](Scene& c) -> Slot { return &c.modbus.watchdog_s; }},
-    Entry<Scene>{{"modbus.unprotected",
-                  "",
-                  {},
-                  {},
-                  "Allow an address other than loopback: Modbus has no protection of its own."},
-                 [](Scene& c) -> Slot { return &c.modbus.unprotected; }},
+    Modbus::row<&ModbusConfig::enabled>("modbus.enabled", "Listen for Modbus/TCP masters."),
+    Modbus::row<&ModbusConfig::address>("modbus.address", "Address for Modbus to bind to."),
+    Modbus::row<&ModbusConfig::port>("modbus.port", closed(0, 65535),
+                                     "TCP port for Modbus; 0: any free one."),
+    Modbus::row<&ModbusConfig::max_masters>("modbus.max_masters", closed(1, 8), "Most masters at a time."),
+    Modbus::row<&ModbusConfig::idle_timeout_s>(
+        "modbus.idle_timeout_s", "s", closed(0.1, 86400),
+        "A master that sends no request for this long is disconnected."),
+    Modbus::row<&ModbusConfig::watchdog_s>(
+        "modbus.watchdog_s", "s", closed(0, 3600),
+        "A radar is frozen when its console's heartbeat has not changed for this long; 0: never."),
+    Modbus::row<&ModbusConfig::unprotected>(
+        "modbus.unprotected", "Allow an address other than loopback: Modbus has no protection of its own."),
 };
 
 }  // namespace
 
-std::span<const Entry<SceneConfig>> modbus_entries() { return kModbus; }
+std::span<const Row<SceneConfig>> modbus_entries() { return kModbus; }
 
 void read_modbus_access(SectionReader& reader, ModbusConfig& config) {
   for (const ConfigNode* node : reader.texts("allow")) {

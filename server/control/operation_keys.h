@@ -6,6 +6,6 @@
 namespace obliq {
 
 /// Scalar keys of [http] and [log]: what an operator sees of the running daemon.
-std::span<const Entry<SceneConfig>> operation_entries();
+std::span<const Row<SceneConfig>> operation_entries();
 
 }  // namespace obliq

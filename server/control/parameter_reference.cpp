@@ -33,7 +33,7 @@ std::string row(std::string_view name, std::string_view default_text, std::strin
 constexpr auto kSceneHeader = "| key | default | allowed | meaning |\n|---|---|---|---|\n";
 
 template <class T>
-std::string rows(std::span<const Entry<T>> entries, std::string_view prefix, T defaults) {
+std::string rows(std::span<const Row<T>> entries, std::string_view prefix, T defaults) {
   std::string text;
   for (const auto& [key, slot] : entries)
     text += row(std::string(prefix) + std::string(key.name), code(toml_text(load(key, slot(defaults)))),
@@ -52,7 +52,7 @@ std::string material_rows() {
   std::string text;
   for (const Material& m : shipped_materials()) {
     MaterialKeys keys{m, 0};
-    const Entry<MaterialKeys>& model = material_entries().front();
+    const Row<MaterialKeys>& model = material_entries().front();
     text += "|" + cell(code(m.name)) + cell(code(toml_text(load(model.key, model.slot(keys))))) +
             cell(toml_number(to_db(m.gamma))) + "\n";
   }

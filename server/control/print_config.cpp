@@ -54,7 +54,7 @@ std::string section(const std::string& prefix, SceneConfig config) {
 }
 
 template <class T>
-std::string all_entries(std::span<const Entry<T>> entries, T object) {
+std::string all_entries(std::span<const Row<T>> entries, T object) {
   std::string text;
   for (const auto& [key, slot] : entries) text += entry_line(key.name, key, slot(object), "restart");
   return text;

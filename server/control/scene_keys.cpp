@@ -1,7 +1,6 @@
 #include "server/control/scene_keys.h"
 
 #include <array>
-#include <limits>
 #include <vector>
 
 #include "server/control/flight_keys.h"
@@ -15,8 +14,6 @@ namespace obliq {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // The lists follow their enumerations.
 constexpr std::array kRayMethods{Choice{"march"}, Choice{"embree"}};
 constexpr std::array kSyntheticKinds{Choice{"none"}, Choice{"flat"}, Choice{"ramp"}, Choice{"ridge"},
@@ -24,118 +21,79 @@ constexpr std::array kSyntheticKinds{Choice{"none"}, Choice{"flat"}, Choice{"ram
 constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"}};
 constexpr std::array kVerticalUnits{Choice{"m"}, Choice{"ft"}, Choice{"us_ft"}};
 
-using Scene = SceneConfig;
+using World = RowsOf<&SceneConfig::world>;
+using Terrain = RowsOf<&SceneConfig::world, &WorldSpec::terrain>;
+using Shape = RowsOf<&SceneConfig::world, &WorldSpec::terrain, &TerrainSpec::shape>;
+using Accuracy = RowsOf<&SceneConfig::accuracy>;
 const std::array kScene{
-    Entry<Scene>{{"terrain.synthetic", "", {}, kSyntheticKinds, "Synthetic ground instead of a dem."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.synthetic; }},
-    Entry<Scene>{{"terrain.shape.height_m",
-                  "m",
-                  closed(0, 9000),
-                  {},
-                  "Height of the crest (ridge, wall) or top (cone), relief of the hills."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.shape.height_m; }},
-    Entry<Scene>{
-        {"terrain.shape.base_m", "m", closed(-1000, 9000), {}, "Height of the ground around the shape."},
-        [](Scene& c) -> Slot { return &c.world.terrain.shape.base_m; }},
-    Entry<Scene>{{"terrain.shape.slope", "", closed(-2, 2), {}, "Rise over run of the ramp."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.shape.slope; }},
-    Entry<Scene>{{"terrain.shape.bearing_deg",
-                  "deg",
-                  closed(-360, 360),
-                  {},
-                  "Uphill direction of the ramp; direction from the origin to the crest of a ridge or wall."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.shape.bearing_deg; }},
-    Entry<Scene>{{"terrain.shape.distance_m",
-                  "m",
-                  closed(0, 500e3),
-                  {},
-                  "Ground distance from the origin to the crest or top."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.shape.distance_m; }},
-    Entry<Scene>{{"terrain.shape.width_m",
-                  "m",
-                  above(0, 500e3),
-                  {},
-                  "Width of the ridge from foot to foot, thickness of the wall, base radius of the cone."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.shape.width_m; }},
-    Entry<Scene>{{"terrain.shape.seed", "", {}, {}, "Each seed gives other hills."},
-                 [](Scene& c) -> Slot { return &c.world.terrain.shape.seed; }},
-    Entry<Scene>{{"earth.radius_factor",
-                  "",
-                  {0.5, kInfinity, false, false},
-                  {},
-                  "Effective earth radius: 4/3 for standard refraction (holds for antennas up to 3 km), 1 "
-                  "for vacuum, inf for a flat earth."},
-                 [](Scene& c) -> Slot { return &c.world.radius_factor; }},
-    Entry<Scene>{{"accuracy.max_power_error_db",
-                  "dB",
-                  {0.0001, kInfinity, false, false},
-                  {},
-                  "Largest allowed median error of a bin's power. [accuracy] chooses the frustum's pixels, "
-                  "even where the scene names some, and \"auto\" cells; kind and plates stay."},
-                 [](Scene& c) -> Slot { return &c.accuracy.max_power_error_db; }},
-    Entry<Scene>{{"accuracy.max_gap_fraction",
-                  "",
-                  closed(0, 1),
-                  {},
-                  "Largest allowed fraction of lit bins without a return; 1: any; 0.05 where only "
-                  "max_power_error_db is given."},
-                 [](Scene& c) -> Slot { return &c.accuracy.max_gap_fraction; }},
-    Entry<Scene>{{"run.threads", "", closed(0, 1024), {}, "Number of rendering threads; 0: one per core."},
-                 [](Scene& c) -> Slot { return &c.threads; }},
-    Entry<Scene>{{"run.rays",
-                  "",
-                  {},
-                  kRayMethods,
-                  "How rays find the ground: march its cells and use Embree only for rays near buildings, or "
-                  "use Embree for all, which takes longer. The bits are the same except where a ray meets an "
-                  "edge within rounding."},
-                 [](Scene& c) -> Slot { return &c.rays; }},
+    Terrain::row<&TerrainSpec::synthetic>("terrain.synthetic", kSyntheticKinds,
+                                          "Synthetic ground instead of a dem."),
+    Shape::row<&SyntheticSpec::height_m>(
+        "terrain.shape.height_m", "m", closed(0, 9000),
+        "Height of the crest (ridge, wall) or top (cone), relief of the hills."),
+    Shape::row<&SyntheticSpec::base_m>("terrain.shape.base_m", "m", closed(-1000, 9000),
+                                       "Height of the ground around the shape."),
+    Shape::row<&SyntheticSpec::slope>("terrain.shape.slope", closed(-2, 2), "Rise over run of the ramp."),
+    Shape::row<&SyntheticSpec::bearing_deg>(
+        "terrain.shape.bearing_deg", "deg", closed(-360, 360),
+        "Uphill direction of the ramp; direction from the origin to the crest of a ridge or wall."),
+    Shape::row<&SyntheticSpec::distance_m>("terrain.shape.distance_m", "m", closed(0, 500e3),
+                                           "Ground distance from the origin to the crest or top."),
+    Shape::row<&SyntheticSpec::width_m>(
+        "terrain.shape.width_m", "m", above(0, 500e3),
+        "Width of the ridge from foot to foot, thickness of the wall, base radius of the cone."),
+    Shape::row<&SyntheticSpec::seed>("terrain.shape.seed", "Each seed gives other hills."),
+    World::row<&WorldSpec::radius_factor>(
+        "earth.radius_factor", from(0.5),
+        "Effective earth radius: 4/3 for standard refraction (holds for antennas up to 3 km), 1 "
+        "for vacuum, inf for a flat earth."),
+    Accuracy::row<&AccuracyWish::max_power_error_db>(
+        "accuracy.max_power_error_db", "dB", from(0.0001),
+        "Largest allowed median error of a bin's power. [accuracy] chooses the frustum's pixels, "
+        "even where the scene names some, and \"auto\" cells; kind and plates stay."),
+    Accuracy::row<&AccuracyWish::max_gap_fraction>(
+        "accuracy.max_gap_fraction", closed(0, 1),
+        "Largest allowed fraction of lit bins without a return; 1: any; 0.05 where only "
+        "max_power_error_db is given."),
+    row<&SceneConfig::threads>("run.threads", closed(0, 1024),
+                               "Number of rendering threads; 0: one per core."),
+    row<&SceneConfig::rays>(
+        "run.rays", kRayMethods,
+        "How rays find the ground: march its cells and use Embree only for rays near buildings, or "
+        "use Embree for all, which takes longer. The bits are the same except where a ray meets an "
+        "edge within rounding."),
 };
 
-using Houses = BuildingSourceSpec;
 const std::array kBuildings{
-    Entry<Houses>{{"layer", "", {}, {}, "Layer of the source; empty: the first."},
-                  [](Houses& b) -> Slot { return &b.layer; }},
-    Entry<Houses>{{"height_field", "", {}, {}, "Field with the building's height."},
-                  [](Houses& b) -> Slot { return &b.height_field; }},
-    Entry<Houses>{{"default_height_m", "m", above(0, 2000), {}, "Height of buildings without one."},
-                  [](Houses& b) -> Slot { return &b.default_height_m; }},
+    row<&BuildingSourceSpec::layer>("layer", "Layer of the source; empty: the first."),
+    row<&BuildingSourceSpec::height_field>("height_field", "Field with the building's height."),
+    row<&BuildingSourceSpec::default_height_m>("default_height_m", "m", above(0, 2000),
+                                               "Height of buildings without one."),
 };
 
 const std::array kPrisms{
-    Entry<PrismSpec>{{"per_km2", "1/km2", closed(0, 100000), {}, "Prisms per square kilometre; 0: none."},
-                     [](PrismSpec& p) -> Slot { return &p.per_km2; }},
-    Entry<PrismSpec>{{"seed", "", {}, {}, "Each seed gives other prisms."},
-                     [](PrismSpec& p) -> Slot { return &p.seed; }},
+    row<&PrismSpec::per_km2>("per_km2", "1/km2", closed(0, 100000), "Prisms per square kilometre; 0: none."),
+    row<&PrismSpec::seed>("seed", "Each seed gives other prisms."),
 };
 
 const std::array kSurfaces{
-    Entry<SurfaceSpec>{{"layer", "", {}, {}, "Layer of the source; empty: the first."},
-                       [](SurfaceSpec& s) -> Slot { return &s.layer; }},
-    Entry<SurfaceSpec>{{"where", "", {}, {}, "OGR attribute filter; empty: every feature."},
-                       [](SurfaceSpec& s) -> Slot { return &s.where; }},
+    row<&SurfaceSpec::layer>("layer", "Layer of the source; empty: the first."),
+    row<&SurfaceSpec::where>("where", "OGR attribute filter; empty: every feature."),
 };
 
 const std::array kMaterials{
-    Entry<MaterialKeys>{{"model", "", {}, kModels, "Scattering model."},
-                        [](MaterialKeys& m) -> Slot { return &m.material.model; }},
-    Entry<MaterialKeys>{{"gamma_db",
-                         "dB",
-                         closed(-200, 60),
-                         {},
-                         "Constant gamma; with geometric optics the floor away from the specular direction."},
-                        [](MaterialKeys& m) -> Slot { return &m.gamma_db; }},
-    Entry<MaterialKeys>{
-        {"reflectivity", "", closed(0, 1), {}, "Geometric optics: power reflectivity at normal incidence."},
-        [](MaterialKeys& m) -> Slot { return &m.material.reflectivity; }},
-    Entry<MaterialKeys>{
-        {"rms_slope", "", closed(0.001, 10), {}, "Geometric optics: rms slope along one axis."},
-        [](MaterialKeys& m) -> Slot { return &m.material.rms_slope; }},
-    Entry<MaterialKeys>{{"plate_tau", "", closed(0, 1e6), {}, "Flat plate: tau at normal incidence."},
-                        [](MaterialKeys& m) -> Slot { return &m.material.plate_tau; }},
-    Entry<MaterialKeys>{
-        {"plate_exponent", "", closed(0, 1000), {}, "Flat plate: tau falls as this power of cos(incidence)."},
-        [](MaterialKeys& m) -> Slot { return &m.material.plate_exponent; }},
+    row<&MaterialKeys::material, &Material::model>("model", kModels, "Scattering model."),
+    row<&MaterialKeys::gamma_db>(
+        "gamma_db", "dB", closed(-200, 60),
+        "Constant gamma; with geometric optics the floor away from the specular direction."),
+    row<&MaterialKeys::material, &Material::reflectivity>(
+        "reflectivity", closed(0, 1), "Geometric optics: power reflectivity at normal incidence."),
+    row<&MaterialKeys::material, &Material::rms_slope>("rms_slope", closed(0.001, 10),
+                                                       "Geometric optics: rms slope along one axis."),
+    row<&MaterialKeys::material, &Material::plate_tau>("plate_tau", closed(0, 1e6),
+                                                       "Flat plate: tau at normal incidence."),
+    row<&MaterialKeys::material, &Material::plate_exponent>(
+        "plate_exponent", closed(0, 1000), "Flat plate: tau falls as this power of cos(incidence)."),
 };
 
 constexpr std::array kSpecial{
@@ -201,9 +159,9 @@ constexpr std::array<std::string_view, 6> kDaemonSections{
 
 std::span<const std::string_view> daemon_sections() { return kDaemonSections; }
 
-std::span<const Entry<SceneConfig>> scene_entries() {
+std::span<const Row<SceneConfig>> scene_entries() {
   static const auto all = [] {
-    std::vector<Entry<SceneConfig>> entries(kScene.begin(), kScene.end());
+    std::vector<Row<SceneConfig>> entries(kScene.begin(), kScene.end());
     entries.insert(entries.end(), server_entries().begin(), server_entries().end());
     entries.insert(entries.end(), stream_entries().begin(), stream_entries().end());
     entries.insert(entries.end(), operation_entries().begin(), operation_entries().end());
@@ -213,10 +171,10 @@ std::span<const Entry<SceneConfig>> scene_entries() {
   }();
   return all;
 }
-std::span<const Entry<BuildingSourceSpec>> building_entries() { return kBuildings; }
-std::span<const Entry<PrismSpec>> prism_entries() { return kPrisms; }
-std::span<const Entry<SurfaceSpec>> surface_entries() { return kSurfaces; }
-std::span<const Entry<MaterialKeys>> material_entries() { return kMaterials; }
+std::span<const Row<BuildingSourceSpec>> building_entries() { return kBuildings; }
+std::span<const Row<PrismSpec>> prism_entries() { return kPrisms; }
+std::span<const Row<SurfaceSpec>> surface_entries() { return kSurfaces; }
+std::span<const Row<MaterialKeys>> material_entries() { return kMaterials; }
 std::span<const SpecialKey> special_keys() { return kSpecial; }
 std::span<const Choice> vertical_units() { return kVerticalUnits; }
 

@@ -2,7 +2,7 @@
 // The tables of everything in a scene file that is no radar parameter: read at start, changed by a restart.
 #include <span>
 
-#include "server/control/key.h"
+#include "server/control/row.h"
 #include "server/control/scene_config.h"
 
 namespace obliq {
@@ -15,7 +15,7 @@ struct Entry {
 };
 
 /// Scalar keys of the sections; Key::name is the full dotted name.
-std::span<const Entry<SceneConfig>> scene_entries();
+std::span<const Row<SceneConfig>> scene_entries();
 
 /// The sections that only the daemon reads, each with its keys among scene_entries().
 std::span<const std::string_view> daemon_sections();
@@ -26,10 +26,10 @@ struct MaterialKeys {
   Material material;
   double gamma_db = 0;
 };
-std::span<const Entry<BuildingSourceSpec>> building_entries();
-std::span<const Entry<PrismSpec>> prism_entries();
-std::span<const Entry<SurfaceSpec>> surface_entries();
-std::span<const Entry<MaterialKeys>> material_entries();
+std::span<const Row<BuildingSourceSpec>> building_entries();
+std::span<const Row<PrismSpec>> prism_entries();
+std::span<const Row<SurfaceSpec>> surface_entries();
+std::span<const Row<MaterialKeys>> material_entries();
 
 /// Keys that need more than a slot, for the reference page and for near names.
 struct SpecialKey {

@@ -6,6 +6,6 @@
 namespace obliq {
 
 /// Scalar keys of [server]: where the daemon listens and what it lets a peer ask of it.
-std::span<const Entry<SceneConfig>> server_entries();
+std::span<const Row<SceneConfig>> server_entries();
 
 }  // namespace obliq

@@ -6,6 +6,6 @@
 namespace obliq {
 
 /// The keys of [stream].
-std::span<const Entry<SceneConfig>> stream_entries();
+std::span<const Row<SceneConfig>> stream_entries();
 
 }  // namespace obliq

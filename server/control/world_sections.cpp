@@ -29,7 +29,7 @@ void read_entries(SectionReader& reader, std::string_view prefix, SceneConfig& c
 }
 
 template <class T>
-void read_all(SectionReader& reader, std::span<const Entry<T>> entries, T& object) {
+void read_all(SectionReader& reader, std::span<const Row<T>> entries, T& object) {
   for (const auto& [key, slot] : entries) reader.read(key.name, key, slot(object));
 }
 

@@ -4,13 +4,16 @@
 namespace obliq {
 
 /// Finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014):
-/// a bijection of 64 bits whose outputs pass the usual tests of randomness.
-constexpr std::uint64_t mix64(std::uint64_t v) {
+/// a bijection of 64 bits whose outputs pass the usual tests of randomness. Of a std::uint64_t, or of eight
+/// side by side (server/radar/simd/lanes.h says why it is always inlined).
+template <typename Word>
+[[gnu::always_inline]] constexpr Word mix_words(Word v) {
   v += 0x9e3779b97f4a7c15u;
   v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
   v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
   return v ^ (v >> 31);
 }
+constexpr std::uint64_t mix64(std::uint64_t v) { return mix_words(v); }
 
 /// Hash of a seed and two whole numbers, such as the indices of a cell.
 constexpr std::uint64_t hash_cell(std::uint64_t seed, std::int64_t i, std::int64_t j) {

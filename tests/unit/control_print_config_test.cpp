@@ -24,7 +24,7 @@ std::filesystem::path write(const std::string& text, const std::string& folder) 
 }
 
 template <class T>
-void expect_same(std::span<const Entry<T>> entries, T a, T b) {
+void expect_same(std::span<const Row<T>> entries, T a, T b) {
   for (const auto& [key, slot] : entries) EXPECT_EQ(load(key, slot(a)), load(key, slot(b))) << key.name;
 }
 

@@ -43,7 +43,7 @@ TEST(ExactMath, LogarithmIsWithin1e15OfTheLongDoubleOne) {
     const auto expected = static_cast<double>(std::log(static_cast<long double>(x)));
     EXPECT_NEAR(log_of_positive(x), expected, 1e-15 + 4e-16 * std::abs(expected)) << x;
   }
-  EXPECT_EQ(log_of_positive(1), 0);
+  EXPECT_EQ(log_of_positive(1.0), 0);
 }
 
 }  // namespace

@@ -10,26 +10,26 @@ void place_samples(const SwathCells& cells, const EchoFactors& factors, const Pl
                    PlacedSamples& placed) {
   const double last = cells.n_range - 1;
   for (int k = 0; k < samples.n; k += kLanes) {
-    const Lanes r = load_lanes(samples.slant_range_m + k);
-    const LaneFlags inside = (r >= cells.r_min_m) & (r < cells.r_max_m);
-    const Lanes bin = floor_of(select(inside, (r - cells.r_min_m) / cells.range_spacing_m, Lanes{}));
-    const Lanes range_bin =
-        select(inside, select(bin > last, all_lanes(last), bin), all_lanes(PlacedSamples::kOutside));
-    store_ints(placed.range_bin + k, range_bin);
-    const Lanes r2 = r * r;
-    store_lanes(placed.range2_m2 + k, r2);
-    const Lanes gamma = gather(factors.gamma, load_bits(samples.material + k));
-    store_lanes(placed.sigma_m2 + k, gamma * (load_lanes(samples.solid_angle_sr + k) * r2));
-    store_lanes(placed.spreading + k, factors.range_normalisation ? all_lanes(1) : r2 * r2);
+    const f64x8 r = load(samples.slant_range_m + k);
+    const mask8 inside = (r >= cells.r_min_m) & (r < cells.r_max_m);
+    const f64x8 bin = floor(select(inside, (r - cells.r_min_m) / cells.range_spacing_m, f64x8{}));
+    const f64x8 range_bin =
+        select(inside, select(bin > last, broadcast(last), bin), broadcast(PlacedSamples::kOutside));
+    store_i32(placed.range_bin + k, range_bin);
+    const f64x8 r2 = r * r;
+    store(placed.range2_m2 + k, r2);
+    const f64x8 gamma = gather(factors.gamma, load_u64(samples.material + k));
+    store(placed.sigma_m2 + k, gamma * (load(samples.solid_angle_sr + k) * r2));
+    store(placed.spreading + k, factors.range_normalisation ? broadcast(1) : r2 * r2);
 
     // The exponent is floor(log2 r).
-    const Lanes exponent = doubles_of((bits_of(r) >> 52) & 0x7ff) - 1023.0;
-    const LaneBits octave = integers_of(clamp(exponent, Lanes{}, all_lanes(63)));
-    const Lanes cells_per_m = gather(cells.cells_per_m, octave);
-    const LaneBits x = whole_bits(floor_of(load_lanes(samples.x_m + k) * cells_per_m));
-    const LaneBits z = whole_bits(floor_of(load_lanes(samples.z_m + k) * cells_per_m));
-    store_bits(placed.cell + k, (x << 32) | (z & 0xffffffffull));
-    store_bits(placed.level + k, (whole_bits(gather(cells.level, octave)) & 0xffff) << 8);
+    const f64x8 exponent = to_doubles((as_bits(r) >> 52) & 0x7ff) - 1023.0;
+    const u64x8 octave = to_u64(clamp(exponent, f64x8{}, broadcast(63)));
+    const f64x8 cells_per_m = gather(cells.cells_per_m, octave);
+    const u64x8 x = to_i64(floor(load(samples.x_m + k) * cells_per_m));
+    const u64x8 z = to_i64(floor(load(samples.z_m + k) * cells_per_m));
+    store(placed.cell + k, (x << 32) | (z & 0xffffffffull));
+    store(placed.level + k, (to_i64(gather(cells.level, octave)) & 0xffff) << 8);
   }
 }
 

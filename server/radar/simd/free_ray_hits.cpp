@@ -42,42 +42,42 @@ void cast_ground(const GroundScene& scene, const CastRays& rays) {
   Walkers walkers{};
   PlaneRates p{};
   Cells cells{};
-  Lanes dir_y{};
-  Lanes end_m{};
-  Lanes cells_left{};
-  LaneFlags above{};  // over known ground at the end of the last piece of it
+  f64x8 dir_y{};
+  f64x8 end_m{};
+  f64x8 cells_left{};
+  mask8 above{};  // over known ground at the end of the last piece of it
   unsigned busy = 0;
   for (int next = 0;;) {
     if (next < rays.n && __builtin_popcount(busy) <= kLanes - kRefill) {
       store_cells(walkers, cells);
-      const LaneFlags before = flags_of(busy);
+      const mask8 before = mask_from(busy);
       busy = set_out(scene, rays, next, busy, walkers);
       p = plane_rates(scene, walkers);
       cells = cells_of(walkers);
-      dir_y = load_lanes(walkers.dir_y);
-      end_m = load_lanes(walkers.end_m);
-      const Lanes i = clamp(floor_of(p.start_u + cells.d * p.rate_u), Lanes{}, all_lanes(grid.nx - 2));
-      const Lanes j = clamp(floor_of(p.start_v + cells.d * p.rate_v), Lanes{}, all_lanes(grid.nz - 2));
+      dir_y = load(walkers.dir_y);
+      end_m = load(walkers.end_m);
+      const f64x8 i = clamp(floor(p.start_u + cells.d * p.rate_u), f64x8{}, broadcast(grid.nx - 2));
+      const f64x8 j = clamp(floor(p.start_v + cells.d * p.rate_v), f64x8{}, broadcast(grid.nz - 2));
       cells.i = select(before, cells.i, i);
       cells.j = select(before, cells.j, j);
-      cells_left = select(before, cells_left, all_lanes(rays.most_cells));
+      cells_left = select(before, cells_left, broadcast(rays.most_cells));
       above &= before;
     }
     if (busy == 0) break;
-    const LaneFlags active = flags_of(busy) & (cells.d < end_m) & cells.on(grid);
+    const mask8 active = mask_from(busy) & (cells.d < end_m) & cells.on(grid);
     const CellEnds ends = cell_ends(scene, p, cells);
-    const Lanes end = greatest(cells.d, least(ends.nearest, end_m));
-    const Corners y = corners(grid, integers_of(cells.number(grid, active)));
-    LaneFlags open = active;
-    Lanes range = all_lanes(__builtin_nan(""));
+    const f64x8 end = max(cells.d, min(ends.nearest, end_m));
+    const Corners y = corners(grid, to_u64(cells.number(grid, active)));
+    mask8 open = active;
+    f64x8 range = broadcast(__builtin_nan(""));
     // Behind a void a ray may be below the ground: it goes on until it meets some from above.
-    const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
+    const auto triangle = [&](mask8 where, const TriangleCut& cut, f64x8 d0, f64x8 d1)
         __attribute__((always_inline)) {
-      const Lanes start = cut.start - scene.antenna_y_m;
-      const LaneFlags below0 = dir_y * d0 < start + cut.rise * d0;
-      const LaneFlags below1 = dir_y * d1 < start + cut.rise * d1;
+      const f64x8 start = cut.start - scene.antenna_y_m;
+      const mask8 below0 = dir_y * d0 < start + cut.rise * d0;
+      const mask8 below1 = dir_y * d1 < start + cut.rise * d1;
       // Where it was above it has met the edge between.
-      const LaneFlags hit = where & open & ((below0 & above) | (~below0 & below1 & (start < 0.0)));
+      const mask8 hit = where & open & ((below0 & above) | (~below0 & below1 & (start < 0.0)));
       range = select(hit, select(below0, d0, clamp(start / (dir_y - cut.rise), d0, d1)), range);
       open &= ~hit;
       above = (where & ~below1) | (~where & above);
@@ -86,9 +86,9 @@ void cast_ground(const GroundScene& scene, const CastRays& rays) {
     visit_triangles(p, cells, y, active & y.known, end, triangle);
     move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
     cells_left -= 1.0;
-    const LaneFlags tired = open & (cells_left <= 0.0);
-    range = select(tired, all_lanes(CastRays::kTired), range);
-    const unsigned left = mask_of(open & ~tired);
+    const mask8 tired = open & (cells_left <= 0.0);
+    range = select(tired, broadcast(CastRays::kTired), range);
+    const unsigned left = movemask(open & ~tired);
     for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
       const int lane = __builtin_ctz(mask);
       rays.range_m[walkers.ray[lane]] = range[lane];

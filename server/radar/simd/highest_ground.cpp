@@ -16,28 +16,26 @@ struct Line {
 };
 
 struct Highest {
-  Lanes slope = all_lanes(-__builtin_inf());
-  Lanes d{};
-  Lanes h{};
+  f64x8 slope = broadcast(-__builtin_inf());
+  f64x8 d{};
+  f64x8 h{};
 
-  OBLIQ_LANES void raise(LaneFlags where, Lanes at_d, Lanes at_h) {
-    const Lanes at_slope = at_h / at_d;
-    const LaneFlags higher = where & (at_d > 0.0) & (at_slope > slope);
+  OBLIQ_INLINE void raise(mask8 where, f64x8 at_d, f64x8 at_h) {
+    const f64x8 at_slope = at_h / at_d;
+    const mask8 higher = where & (at_d > 0.0) & (at_slope > slope);
     slope = select(higher, at_slope, slope);
     d = select(higher, at_d, d);
     h = select(higher, at_h, h);
   }
 };
 
-OBLIQ_LANES Lanes cell_of(Lanes at, int nodes) {
-  return clamp(floor_of(at), Lanes{}, all_lanes(nodes - 2.0));
-}
+OBLIQ_INLINE f64x8 cell_of(f64x8 at, int nodes) { return clamp(floor(at), f64x8{}, broadcast(nodes - 2.0)); }
 
 /// The crossings with one family: `start` and `rate` say how its number grows along the plane.
 /// heights(number, d): of the ground at the crossing.
 template <class Heights>
-OBLIQ_LANES void cross(const GroundStretch& along, double start, double rate, double least_number,
-                       double most_number, double antenna_y_m, Highest& highest, const Heights& heights) {
+OBLIQ_INLINE void cross(const GroundStretch& along, double start, double rate, double least_number,
+                        double most_number, double antenna_y_m, Highest& highest, const Heights& heights) {
   if (rate == 0) return;
   const double a = start + along.from_m * rate;
   const double b = start + along.to_m * rate;
@@ -46,11 +44,11 @@ OBLIQ_LANES void cross(const GroundStretch& along, double start, double rate, do
   if (first < least_number) first = least_number;
   if (last > most_number) last = most_number;
   for (; first <= last; first += kLanes) {
-    const Lanes number = first + Lanes{0, 1, 2, 3, 4, 5, 6, 7};
-    const LaneFlags inside = number <= last;
-    const Lanes capped = select(inside, number, all_lanes(last));
+    const f64x8 number = first + f64x8{0, 1, 2, 3, 4, 5, 6, 7};
+    const mask8 inside = number <= last;
+    const f64x8 capped = select(inside, number, broadcast(last));
     // A plane that runs along a line of the family meets it anywhere.
-    const Lanes d = clamp((capped - start) / rate, all_lanes(along.from_m), all_lanes(along.to_m));
+    const f64x8 d = clamp((capped - start) / rate, broadcast(along.from_m), broadcast(along.to_m));
     highest.raise(inside, d, heights(capped, d) - antenna_y_m);
   }
 }
@@ -63,31 +61,31 @@ HorizonPoint highest_ground(const GroundScene& scene, const GroundStretch& along
                   (scene.antenna_z_m - grid.z0_m) / grid.cell_m, along.sin_bearing / grid.cell_m,
                   along.cos_bearing / grid.cell_m};
   const double nx = grid.nx;
-  const auto between = [&](Lanes from, Lanes to, Lanes share) __attribute__((always_inline)) {
-    const Lanes low = gather(grid.y_m, integers_of(from));
-    return low + share * (gather(grid.y_m, integers_of(to)) - low);
+  const auto between = [&](f64x8 from, f64x8 to, f64x8 share) __attribute__((always_inline)) {
+    const f64x8 low = gather(grid.y_m, to_u64(from));
+    return low + share * (gather(grid.y_m, to_u64(to)) - low);
   };
   Highest highest;
   cross(
       along, line.start_u, line.rate_u, 0, nx - 1, scene.antenna_y_m,
-      highest, [&](Lanes i, Lanes d) __attribute__((always_inline)) {
-        const Lanes v = line.start_v + d * line.rate_v;
-        const Lanes j = cell_of(v, grid.nz);
+      highest, [&](f64x8 i, f64x8 d) __attribute__((always_inline)) {
+        const f64x8 v = line.start_v + d * line.rate_v;
+        const f64x8 j = cell_of(v, grid.nz);
         return between(j * nx + i, (j + 1.0) * nx + i, v - j);
       });
   cross(
       along, line.start_v, line.rate_v, 0, grid.nz - 1.0, scene.antenna_y_m,
-      highest, [&](Lanes j, Lanes d) __attribute__((always_inline)) {
-        const Lanes u = line.start_u + d * line.rate_u;
-        const Lanes i = cell_of(u, grid.nx);
+      highest, [&](f64x8 j, f64x8 d) __attribute__((always_inline)) {
+        const f64x8 u = line.start_u + d * line.rate_u;
+        const f64x8 i = cell_of(u, grid.nx);
         return between(j * nx + i, j * nx + i + 1.0, u - i);
       });
   cross(
       along, line.start_u + line.start_v, line.rate_u + line.rate_v, 1, nx + grid.nz - 3, scene.antenna_y_m,
-      highest, [&](Lanes sum, Lanes d) __attribute__((always_inline)) {
-        const Lanes u = line.start_u + d * line.rate_u;
-        const Lanes i = clamp(cell_of(u, grid.nx), sum - (grid.nz - 1.0), sum - 1.0);
-        const Lanes j = sum - 1.0 - i;
+      highest, [&](f64x8 sum, f64x8 d) __attribute__((always_inline)) {
+        const f64x8 u = line.start_u + d * line.rate_u;
+        const f64x8 i = clamp(cell_of(u, grid.nx), sum - (grid.nz - 1.0), sum - 1.0);
+        const f64x8 j = sum - 1.0 - i;
         return between((j + 1.0) * nx + i, j * nx + i + 1.0, u - i);
       });
   HorizonPoint point{0, 0};

@@ -35,7 +35,7 @@ struct Answers {
   std::uint64_t ray;
   int k = 0;
 
-  OBLIQ_LANES Answers(const Rises& noted, const RayRows& all, int of_lane, const RayLanes& lanes)
+  OBLIQ_INLINE Answers(const Rises& noted, const RayRows& all, int of_lane, const RayLanes& lanes)
       : rises(noted),
         rows(all),
         lane(of_lane),
@@ -45,11 +45,11 @@ struct Answers {
         surface(lanes.surface + static_cast<std::uint64_t>(of_lane) * all.n),
         ray(lanes.next[of_lane]) {}
 
-  OBLIQ_LANES bool left() const { return rows.slope[ray] < last; }
-  OBLIQ_LANES void answer() {
+  OBLIQ_INLINE bool left() const { return rows.slope[ray] < last; }
+  OBLIQ_INLINE void answer() {
     const double slope = rows.slope[ray];
-    unsigned above = mask_of(load_lanes(slopes + k) > slope);
-    while (above == 0) above = mask_of(load_lanes(slopes + (k += kLanes)) > slope);
+    unsigned above = movemask(load(slopes + k) > slope);
+    while (above == 0) above = movemask(load(slopes + (k += kLanes)) > slope);
     k += __builtin_ctz(above);
     const double d = rises.start[k][lane] / (slope - rises.rise[k][lane]);
     const double from = rises.from[k][lane];
@@ -61,7 +61,7 @@ struct Answers {
 };
 
 /// Four planes at a time: what one waits for, the others have time for.
-OBLIQ_LANES void answer(const Rises& rises, const RayRows& rows, RayLanes& lanes) {
+OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayLanes& lanes) {
   for (int lane = 0; lane < kLanes; lane += 4) {
     Answers a(rises, rows, lane, lanes);
     Answers b(rises, rows, lane + 1, lanes);
@@ -86,64 +86,64 @@ OBLIQ_LANES void answer(const Rises& rises, const RayRows& rows, RayLanes& lanes
 unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& lanes) {
   const LaneGrid& grid = scene.grid;
   const PlaneRates p = plane_rates(scene, lanes);
-  const Lanes end_m = load_lanes(lanes.end_m);
-  const Lanes roof_m = load_lanes(lanes.roof_m);
-  const Lanes infinite = all_lanes(__builtin_inf());
+  const f64x8 end_m = load(lanes.end_m);
+  const f64x8 roof_m = load(lanes.roof_m);
+  const f64x8 infinite = broadcast(__builtin_inf());
   Cells cells = cells_of(lanes);
-  const LaneBits next = load_bits(lanes.next);
-  const LaneFlags some = next > 0;
+  const u64x8 next = load_u64(lanes.next);
+  const mask8 some = next > 0;
   // All that is nearer lies below the next ray; where there is none, nothing is left to look for.
-  Lanes horizon = select(some, gather(rows.slope, some ? next - 1 : next), -infinite);
+  f64x8 horizon = select(some, gather(rows.slope, some ? next - 1 : next), -infinite);
   horizon = select(next >= rows.n, infinite, horizon);
-  const Lanes highest = all_lanes(rows.n > 0 ? rows.slope[rows.n - 1] : -__builtin_inf());
+  const f64x8 highest = broadcast(rows.n > 0 ? rows.slope[rows.n - 1] : -__builtin_inf());
   // Ground that begins higher than what is nearer leaves rays that pass under it: behind a void.
-  LaneFlags beginning = cells.d == cells.d;
+  mask8 beginning = cells.d == cells.d;
   Rises rises;
-  const auto note = [&](Lanes start, Lanes rise, Lanes from, Lanes to, LaneBits surface)
+  const auto note = [&](f64x8 start, f64x8 rise, f64x8 from, f64x8 to, u64x8 surface)
       __attribute__((always_inline)) {
     const int n = rises.n++;
     for (int lane = 0; lane < kLanes; ++lane) rises.slope[lane][n] = horizon[lane];
-    store_lanes(rises.start[n], start);
-    store_lanes(rises.rise[n], rise);
-    store_lanes(rises.from[n], from);
-    store_lanes(rises.to[n], to);
-    store_words(rises.surface[n], surface);
+    store(rises.start[n], start);
+    store(rises.rise[n], rise);
+    store(rises.from[n], from);
+    store(rises.to[n], to);
+    store_u32(rises.surface[n], surface);
   };
   unsigned at_roof = 0;
   while (true) {
-    const LaneFlags active = (cells.d < end_m) & cells.on(grid) & (horizon <= highest);
+    const mask8 active = (cells.d < end_m) & cells.on(grid) & (horizon <= highest);
     if (!any(active)) break;
     const CellEnds ends = cell_ends(scene, p, cells);
-    const Lanes end = greatest(cells.d, least(ends.nearest, end_m));
-    at_roof = mask_of(active & (roof_m <= end));
+    const f64x8 end = max(cells.d, min(ends.nearest, end_m));
+    at_roof = movemask(active & (roof_m <= end));
     if (at_roof != 0) break;
     if (rises.n > Rises::kMost - Rises::kMostOfCells) {
       answer(rises, rows, lanes);
       rises.n = 0;
     }
-    const LaneBits at = integers_of(cells.number(grid, active));
+    const u64x8 at = to_u64(cells.number(grid, active));
     const Corners y = corners(grid, at);
     prefetch_ahead(grid, p, cells);
-    const LaneFlags known = active & y.known;
-    const auto triangle = [&](LaneFlags where, const TriangleCut& cut, Lanes d0, Lanes d1)
+    const mask8 known = active & y.known;
+    const auto triangle = [&](mask8 where, const TriangleCut& cut, f64x8 d0, f64x8 d1)
         __attribute__((always_inline)) {
-      const Lanes start = cut.start - scene.antenna_y_m;
-      const auto slope_at = [&](Lanes d) __attribute__((always_inline)) {
+      const f64x8 start = cut.start - scene.antenna_y_m;
+      const auto slope_at = [&](f64x8 d) __attribute__((always_inline)) {
         return (start + cut.rise * d) / d;
       };
       if (any(where & beginning)) {
-        const Lanes first = slope_at(d0);
+        const f64x8 first = slope_at(d0);
         // Nothing is under the antenna itself, at 0 or -0.
-        const LaneFlags under = where & beginning & (d0 > 0.0) & (first > horizon);
+        const mask8 under = where & beginning & (d0 > 0.0) & (first > horizon);
         if (any(under)) {
           horizon = select(under, first, horizon);
-          note(all_lanes(-1), Lanes{}, Lanes{}, Lanes{}, LaneBits{} + std::uint64_t{kUnderVoid});
+          note(broadcast(-1), f64x8{}, f64x8{}, f64x8{}, u64x8{} + std::uint64_t{kUnderVoid});
         }
         beginning &= ~where;
       }
       // Facing when the antenna is above the triangle's plane: then elevation rises along it.
-      const Lanes last = slope_at(d1);
-      const LaneFlags rising = where & (start < 0.0) & (last > horizon);
+      const f64x8 last = slope_at(d1);
+      const mask8 rising = where & (start < 0.0) & (last > horizon);
       if (!any(rising)) return;
       horizon = select(rising, last, horizon);
       note(start, cut.rise, d0, d1, at * 2 + ones_of(cut.upper));

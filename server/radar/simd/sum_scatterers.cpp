@@ -17,26 +17,26 @@ std::uint32_t merge_scatterers(ScattererLists& lists, std::uint32_t first, std::
     // just been stored one by one cannot be read as one at once.
     const std::uint32_t first_of_bin = n;
     std::uint32_t held_from = n;
-    LaneBits held_place{};
-    LaneBits held_kind{};
+    u64x8 held_place{};
+    u64x8 held_kind{};
     for (std::uint32_t k = begin; k < end; ++k) {
       const std::uint64_t place = lists.place[k];
       const std::uint64_t kind = lists.kind[k];
       const std::uint32_t held = n - held_from;
       std::uint32_t from = held_from;
-      unsigned same = ((1u << held) - 1) & mask_of((held_place == place) & (held_kind == kind));
+      unsigned same = ((1u << held) - 1) & movemask((held_place == place) & (held_kind == kind));
       for (std::uint32_t eight = first_of_bin; same == 0 && eight < held_from; eight += kLanes) {
         from = eight;
-        same = mask_of((load_bits(lists.sum_place + eight) == place) &
-                       (load_bits(lists.sum_kind + eight) == kind));
+        same = movemask((load_u64(lists.sum_place + eight) == place) &
+                        (load_u64(lists.sum_kind + eight) == kind));
       }
       if (same != 0) {
         lists.sum_power_w[from + static_cast<std::uint32_t>(__builtin_ctz(same))] += lists.power_w[k];
         continue;
       }
-      const LaneFlags here = LaneBits{0, 1, 2, 3, 4, 5, 6, 7} == held;
-      held_place = here ? LaneBits{} + place : held_place;
-      held_kind = here ? LaneBits{} + kind : held_kind;
+      const mask8 here = u64x8{0, 1, 2, 3, 4, 5, 6, 7} == held;
+      held_place = here ? u64x8{} + place : held_place;
+      held_kind = here ? u64x8{} + kind : held_kind;
       lists.bin[n] = bin;
       lists.sum_place[n] = place;
       lists.sum_kind[n] = kind;
