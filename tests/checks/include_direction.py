@@ -33,7 +33,7 @@ ALLOWED = {
     "client": ["proto"],
     "server/security": BASE,
     "server/scene": ["terrain"],
-    "server/radar/simd": BASE + ["terrain/height_grid", "server/scene/tracer_isa"],
+    "server/radar/simd": BASE + ["terrain/height_grid", "server/scene/tracer_isa", "server/scene/ground_triangle"],
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
     "server/radar/settings": TO_PROFILE,

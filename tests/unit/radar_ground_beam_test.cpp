@@ -123,10 +123,9 @@ struct Rays {
             int most_cells = 1 << 20) {
     float lowest_m = HUGE_VALF;
     for (const float height : grid.y_m) lowest_m = height < lowest_m ? height : lowest_m;
-    kernels.cast_ground(
-        {lane_grid(grid), antenna.x, antenna.y, antenna.z, 1e8},
-        {order.data(), static_cast<int>(order.size()), most_cells, static_cast<double>(lowest_m) - antenna.y,
-         x.data(), y.data(), z.data(), from.data(), range.data()});
+    kernels.cast_ground(ground_view(grid, antenna), {order.data(), static_cast<int>(order.size()), most_cells,
+                                                     1e8, static_cast<double>(lowest_m) - antenna.y, x.data(),
+                                                     y.data(), z.data(), from.data(), range.data()});
   }
 };
 

@@ -44,8 +44,8 @@ class HitLanes : public testing::Test {
 
   std::unique_ptr<GroundHits> answer(HitKernel kernel) const {
     auto hits = std::make_unique<GroundHits>();
-    kernel({lane_grid(world_.grid), antenna_m_.x, antenna_m_.y, antenna_m_.z, kRays, dir_x_.data(),
-            dir_y_.data(), dir_z_.data(), rough_m_.data()},
+    kernel({ground_view(world_.grid, antenna_m_), kRays, dir_x_.data(), dir_y_.data(), dir_z_.data(),
+            rough_m_.data()},
            *hits);
     return hits;
   }

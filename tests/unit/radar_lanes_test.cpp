@@ -77,7 +77,7 @@ TEST_F(SpeckleLanes, GiveTheBitsOfOneCellAtATime) {
 TEST_F(SpeckleLanes, AreTheSameInEveryInstructionSet) {
   Answer expected;
   field_.respond(block(expected));
-  const SpeckleGround ground{lane_grid(world_.grid), 10, 1500, -20, 0.03, mix64(1)};
+  const SpeckleGround ground{ground_view(world_.grid, {10, 1500, -20}), 0.03, mix64(1)};
   int unknown = 0;
   for (const LaneKernels& kernels : all_lane_kernels()) {
     Answer found;
@@ -246,7 +246,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
 
 /// The horizon of a walk over every cell.
 struct Walked {
-  PlaneHorizon horizon;
+  Horizon<double> horizon;
   double antenna_y_m;
   void ground(const GroundPiece& piece) {
     for (const double d : {piece.d0_m, piece.d1_m})
@@ -269,7 +269,7 @@ TEST(GroundHorizons, AreThoseOfAWalkOverEveryCell) {
       const GroundRidge ridge(*scene, antenna, sincos_turns(turn), half_width_rad, 5000);
       const SinCos bearing = sincos_turns(turn + (p - 4) * half_width_rad / 4 / 6.3);
       const double to_m = 4000 * unit_from_hash(hash_cell(8, static_cast<int>(seed), p));
-      const PlaneHorizon horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
+      const Horizon<double> horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
       Walked walked{{}, antenna.y};
       GroundWalk(grid, antenna, bearing.sin, bearing.cos, 0, to_m).advance(to_m, walked);
       ASSERT_EQ(horizon.d_m > 0, walked.horizon.d_m > 0) << random.text;
@@ -294,7 +294,7 @@ TEST(GroundHorizons, AlongALineOfTheMeshAreThoseBesideIt) {
       const SinCos apart{exact.sin + 1e-9 * exact.cos, exact.cos - 1e-9 * exact.sin};
       for (const double to_m : {700.0, 2000.0, 5000.0}) {
         const GroundRidge ridge(*scene, antenna, exact, 0, to_m);
-        const PlaneHorizon horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
+        const Horizon<double> horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
         Walked beside{{}, antenna.y};
         GroundWalk(grid, antenna, apart.sin, apart.cos, 0, to_m).advance(to_m, beside);
         EXPECT_LE(horizon.d_m, to_m) << k << ' ' << off;
@@ -307,7 +307,7 @@ TEST(GroundHorizons, AlongALineOfTheMeshAreThoseBesideIt) {
 
 TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
   const World world = load_world(test::synthetic_spec(SyntheticKind::hills, 5000, 50));
-  const GroundScene ground{lane_grid(world.grid), 10, 1500, -20, 5000};
+  const GroundView ground = ground_view(world.grid, {10, 1500, -20});
   for (int p = 0; p < 1000; ++p) {
     const SinCos bearing = sincos_turns(p / 1000.0);
     const GroundStretch along{bearing.sin, bearing.cos, 4.0 * p,

@@ -30,10 +30,7 @@ TEST(PlaceLanes, AreTheBitsOfOneSampleAtATimeInEveryInstructionSet) {
   bins.r_max_m = 5200;
   bins.range_spacing_m = 40;
   SwathCells cells{};
-  cells.n_range = bins.n_range;
-  cells.r_min_m = bins.r_min_m;
-  cells.r_max_m = bins.r_max_m;
-  cells.range_spacing_m = bins.range_spacing_m;
+  cells.axis = bins;
   field.describe_cells(cells);
   constexpr int kSamples = 1021;
   auto samples = std::make_unique<SampleBatch>();

@@ -110,7 +110,7 @@ TEST(PacketsOfRays, AreSquaresOfPixels) {
 }
 
 TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
-  const PixelCamera camera{-900, 1.5, 0.6, 0.8, 3.7e6, 1300.0 * 1300, 1250, 1100, 1500, 6000, 20};
+  const PixelCamera camera{-900, 1.5, 0.6, 0.8, 3.7e6, 1300.0 * 1300, {1250, 1100, 1500, 6000}, 20};
   const auto pixels = std::make_unique<PixelList>();
   pixels->n = 1021;
   for (int k = 0; k < PixelList::kMost; ++k) {

@@ -26,11 +26,7 @@ WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, c
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
   range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
-  const BinGrid& bins = plan.bins();
-  cells_.n_range = bins.n_range;
-  cells_.r_min_m = bins.r_min_m;
-  cells_.r_max_m = bins.r_max_m;
-  cells_.range_spacing_m = bins.range_spacing_m;
+  cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
   factors_.range_normalisation = plan.settings().range_normalisation;
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)

@@ -11,7 +11,7 @@ namespace {
 
 /// Raises a horizon by every corner of the ground's profile; a straight piece is highest at one of its ends.
 struct RaiseByGround {
-  PlaneHorizon& horizon;
+  Horizon<double>& horizon;
   double antenna_y_m;
 
   void ground(const GroundPiece& piece) {
@@ -36,9 +36,9 @@ class InwardLook {
         per_x_(1 / bearing.sin),
         per_z_(1 / bearing.cos),
         end_m_(end_m),
-        ground_{lane_grid(grid_), antenna_m.x, antenna_m.y, antenna_m.z, end_m} {}
+        ground_(ground_view(grid_, antenna_m)) {}
 
-  const PlaneHorizon& horizon() const { return horizon_; }
+  const Horizon<double>& horizon() const { return horizon_; }
 
   /// Raises the horizon by the ground between two distances, tile by tile.
   void look(const TileBounds& tiles, double from_m, double to_m) {
@@ -95,8 +95,8 @@ class InwardLook {
   double per_x_;
   double per_z_;
   double end_m_;
-  GroundScene ground_;
-  PlaneHorizon horizon_;
+  GroundView ground_;
+  Horizon<double> horizon_;
 };
 
 }  // namespace
@@ -127,8 +127,8 @@ GroundRidge::GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos
   }
 }
 
-PlaneHorizon ground_horizon(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m,
-                            SinCos bearing, double to_m) {
+Horizon<double> ground_horizon(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m,
+                               SinCos bearing, double to_m) {
   const GroundWalk whole(scene.world().grid, antenna_m, bearing.sin, bearing.cos, 0, to_m);
   if (whole.done()) return {};
   const double end_m = std::min(to_m, whole.end_m());

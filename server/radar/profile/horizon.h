@@ -14,7 +14,7 @@ class GroundRidge {
               double to_m);
 
   /// All ground up to a distance lies below a horizon.
-  bool hidden_by(const PlaneHorizon& horizon, double to_m) const {
+  bool hidden_by(const Horizon<double>& horizon, double to_m) const {
     const auto step = static_cast<std::size_t>(to_m * steps_per_m_);
     return step < slope_.size() && slope_[step] * horizon.d_m < horizon.h_m;
   }
@@ -26,7 +26,7 @@ class GroundRidge {
 
 /// The highest elevation that the ground has along one vertical plane up to to_m: exactly what a march from
 /// the nadir would have found, for the price of a look at the tiles that the ridge does not leave out.
-PlaneHorizon ground_horizon(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m,
-                            SinCos bearing, double to_m);
+Horizon<double> ground_horizon(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m,
+                               SinCos bearing, double to_m);
 
 }  // namespace obliq

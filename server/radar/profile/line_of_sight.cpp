@@ -30,7 +30,7 @@ bool SweepPlane::covers(const FootprintSpan& span) const {
   });
 }
 
-void SweepPlane::raise_by_roofs(PlaneHorizon& horizon, const FootprintSpan& before) const {
+void SweepPlane::raise_by_roofs(Horizon<double>& horizon, const FootprintSpan& before) const {
   for (const FootprintSpan& other : spans_) {
     if (other.building == before.building || !(other.near_m < before.near_m)) continue;
     const double height = other.roof_y_m - antenna_m_.y;

@@ -6,27 +6,11 @@
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/profile/roof_steps.h"
 #include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/horizon.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/world.h"
 
 namespace obliq {
-
-/// The highest elevation that anything up to some distance has, kept as the point (d, h) that reaches it, h
-/// above the antenna: slopes are compared by cross products, without a division.
-struct PlaneHorizon {
-  double d_m = 0;
-  double h_m = -1;  // straight down: nothing lies below it
-  bool building = false;
-
-  /// Strictly below the horizon.
-  bool hides(double d, double h) const { return h * d_m < h_m * d; }
-  void raise(double d, double h, bool by_building) {
-    if (!(d > 0) || hides(d, h)) return;
-    d_m = d;
-    h_m = h;
-    building = by_building;
-  }
-};
 
 /// A straight piece of the surface's cut through a vertical plane: (d, h) = (d_m, h_m) + t (rate_d, rate_h),
 /// h above the antenna, t from t0 (lower elevation) to t1 (higher).
@@ -67,7 +51,7 @@ class SweepPlane {
   /// Cells are marched whole, none that begins beyond reach_m and all footprints: a wall that begins in the
   /// swath may stand beyond it in this plane.
   SweepPlane(const World& world, const glm::dvec3& antenna_m, SinCos bearing, double from_m, double reach_m,
-             const PlaneHorizon& horizon, std::vector<FootprintSpan> spans)
+             const Horizon<double>& horizon, std::vector<FootprintSpan> spans)
       : world_(&world),
         antenna_m_(antenna_m),
         bearing_(bearing),
@@ -79,7 +63,7 @@ class SweepPlane {
   }
 
   const SinCos& bearing() const { return bearing_; }
-  const PlaneHorizon& horizon() const { return horizon_; }
+  const Horizon<double>& horizon() const { return horizon_; }
   const std::vector<FootprintSpan>& spans() const { return spans_; }
   double at_m() const { return walk_.at_m(); }
   int cell_i() const { return walk_.cell_i(); }
@@ -101,7 +85,7 @@ class SweepPlane {
   /// Whether another building's roof covers all of a footprint's stretch.
   bool covers(const FootprintSpan& span) const;
   /// Raises a horizon by the other buildings' roofs up to where a stretch begins.
-  void raise_by_roofs(PlaneHorizon& horizon, const FootprintSpan& before) const;
+  void raise_by_roofs(Horizon<double>& horizon, const FootprintSpan& before) const;
 
   /// Marches to `to_m` (see GroundWalk::Last) or until sink.full() after a cell. Calls
   /// sink.visible(const VisiblePiece&).
@@ -132,24 +116,11 @@ class SweepPlane {
     bool enough() const { return sink.full(); }
   };
 
-  /// A piece of sloping surface h = start + rise d. Facing when the antenna is above its plane (start < 0):
-  /// then elevation rises along it.
+  /// A segment of sloping surface h = start + rise d.
   template <class Emit>
   void see(double d0, double d1, double start, double rise, bool building, Emit&& emit) {
-    const double h1 = start + rise * d1;
-    if (start < 0) {
-      if (horizon_.hides(d1, h1)) return;
-      double from = d0;
-      if (horizon_.hides(d0, start + rise * d0))
-        // Where the piece comes out of the shadow: start + rise d = (h / d of the horizon) d.
-        from = std::clamp(start * horizon_.d_m / (horizon_.h_m - rise * horizon_.d_m), d0, d1);
-      if (from < d1) emit(from, d1);
-      horizon_.d_m = d1;
-      horizon_.h_m = h1;
-      horizon_.building = building;
-    } else {
-      horizon_.raise(d0, start + rise * d0, building);
-    }
+    const auto [any, from] = horizon_.pass(true, start, rise, d0, d1, building);
+    if (any) emit(from, d1);
   }
 
   template <class Sink>
@@ -253,7 +224,7 @@ class SweepPlane {
   SinCos bearing_;
   double cells_per_m_;
   GroundWalk walk_;
-  PlaneHorizon horizon_;
+  Horizon<double> horizon_;
   std::vector<FootprintSpan> spans_;
   std::vector<RoofStep> steps_;
   std::size_t step_ = 0;

@@ -56,7 +56,7 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
                      double reach_m, const LaneKernels& kernels)
     : world_(scene.world()),
       antenna_m_(antenna_m),
-      ground_{lane_grid(scene.world().grid), antenna_m.x, antenna_m.y, antenna_m.z, reach_m},
+      ground_(ground_view(scene.world().grid, antenna_m)),
       kernels_(kernels),
       top_m_(scene.highest_m() - antenna_m.y),
       reach_m_(reach_m) {
@@ -124,7 +124,7 @@ void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::ui
 void SweptRays::pass_roofs(std::size_t k, Roofs& roofs, const RayRows& rows, std::size_t first_ray,
                            RayLanes& lanes) const {
   // All that is nearer lies below the next ray.
-  PlaneHorizon horizon;
+  Horizon<double> horizon;
   const std::size_t next = first_ray + lanes.next[k];
   if (next > 0) horizon = {1, slope_[next - 1], false};
   SweepPlane plane(world_, antenna_m_, roofs.bearing, lanes.d_m[k], reach_m_, horizon, roofs.spans);

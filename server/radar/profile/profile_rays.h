@@ -56,7 +56,7 @@ class SweptRays {
 
   const World& world_;
   glm::dvec3 antenna_m_;
-  GroundScene ground_;
+  GroundView ground_;
   const LaneKernels& kernels_;
   std::vector<double> slope_;   // [rays + 1]
   std::vector<double> secant_;  // [rays + 1]

@@ -30,17 +30,13 @@ PixelCamera pixel_camera(const FramePlan& plan) {
   const PerspectiveFrustum& camera = plan.camera();
   const double width = camera.pixel_width_m();
   const double height = camera.pixel_height_m();
-  const SwathTest swath(plan.box(), plan.sector());
   return {camera.left_m,
           width,
           plan.sector().sin_bearing,
           plan.sector().cos_bearing,
           width * height * camera.near_m,
           camera.wide_m2(),
-          swath.below_bottom_m,
-          swath.below_top_m,
-          swath.r_min_m,
-          swath.r_max_m,
+          swath_test(plan.box(), plan.sector()),
           plan.settings().plates == PlateKind::spread ? std::hypot(width, height) / 2 : 0.0};
 }
 

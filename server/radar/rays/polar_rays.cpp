@@ -7,7 +7,7 @@ namespace obliq {
 
 PolarRays::PolarRays(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
-      swath_(plan.box(), plan.sector()),
+      swath_(swath_test(plan.box(), plan.sector())),
       columns_(polar_columns(plan, range)),
       width_rad_(plan.bins().azimuth_width_rad * plan.bins().n_azimuth / plan.settings().pixel_columns) {}
 

@@ -91,9 +91,8 @@ void RaySamples::meet_ground() {
     rough_ground_m_[k] =
         rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNone;
   for (std::size_t k = n; k % 8 != 0; ++k) rough_ground_m_[k] = kNone;
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
   lane_kernels().meet_ground(
-      {lane_grid(plan_.scene().world().grid), antenna.x, antenna.y, antenna.z, rays_.n, rays_.dir_x.data(),
+      {ground_view(plan_.scene().world().grid, plan_.sector().antenna_m), rays_.n, rays_.dir_x.data(),
        rays_.dir_y.data(), rays_.dir_z.data(), rough_ground_m_.data()},
       ground_);
 }

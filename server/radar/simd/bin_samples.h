@@ -1,12 +1,19 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/simd/range_axis.h"
+
 namespace obliq {
+
+/// floor(log2 r), from 0 to 63: by the exponent's bits.
+template <typename Real>
+OBLIQ_INLINE Real octave_of(Real r) {
+  return clamp(to_doubles((as_bits(r) >> 52) & 0x7ff) - 1023.0, Real{}, broadcast<Real>(63));
+}
 
 /// The swath's range bins and its ground cells by octave of range (SpeckleField).
 struct SwathCells {
-  int n_range;
-  double r_min_m, r_max_m, range_spacing_m;
+  RangeAxis axis;
   double cells_per_m[64];
   double level[64];
 };

@@ -1,22 +1,21 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/simd/range_axis.h"
 #include "server/radar/simd/visible_ground.h"
 
 namespace obliq {
 
 /// The range bins that pieces are cut into, and what the planes of the pieces have in common.
 struct PieceBins {
-  int n_range;
-  double r_min_m, r_max_m, range_spacing_m;
+  RangeAxis axis;
+  GroundView ground;
   double turn_rad;  ///< PieceSampler::kTurn_rad
-  double antenna_x_m, antenna_z_m;
   double sin_bearing[GroundLanes::kLanes];
   double cos_bearing[GroundLanes::kLanes];
   double azimuth_offset_rad[GroundLanes::kLanes];
   double azimuth_bin[GroundLanes::kLanes];  ///< whole numbers
   const std::uint8_t* material;             ///< [nz - 1][nx - 1] of the cells; null: all are 0
-  int nx;
 };
 
 /// The arrays of a SampleBatch.

@@ -12,6 +12,7 @@ struct CastRays {
   const std::uint16_t* order;           ///< [n] the rays' numbers
   int n;
   int most_cells;
+  double reach_m;   ///< slant range up to which they go
   double lowest_m;  ///< height above the antenna that no ground lies below
   const double* dir_x;
   const double* dir_y;
@@ -20,6 +21,6 @@ struct CastRays {
   double* range_m;  ///< slant range of what the ray meets first from above; NaN: nothing; or kTired
 };
 
-using CastKernel = void (*)(const GroundScene&, const CastRays&);
+using CastKernel = void (*)(const GroundView&, const CastRays&);
 
 }  // namespace obliq

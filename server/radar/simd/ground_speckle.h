@@ -7,8 +7,7 @@ namespace obliq {
 
 /// What the response of ground cells follows from, besides the cells.
 struct SpeckleGround {
-  LaneGrid grid;
-  double antenna_x_m, antenna_y_m, antenna_z_m;
+  GroundView view;
   double wavelength_m;
   std::uint64_t seed;
 };

@@ -55,8 +55,8 @@ OBLIQ_INLINE void cross(const GroundStretch& along, double start, double rate, d
 
 }  // namespace
 
-HorizonPoint highest_ground(const GroundScene& scene, const GroundStretch& along) {
-  const LaneGrid& grid = scene.grid;
+HorizonPoint highest_ground(const GroundView& scene, const GroundStretch& along) {
+  const GridView& grid = scene.grid;
   const Line line{(scene.antenna_x_m - grid.x0_m) / grid.cell_m,
                   (scene.antenna_z_m - grid.z0_m) / grid.cell_m, along.sin_bearing / grid.cell_m,
                   along.cos_bearing / grid.cell_m};

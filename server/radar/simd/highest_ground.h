@@ -16,6 +16,6 @@ struct HorizonPoint {
 
 /// The point of highest elevation among those where the plane crosses an edge of the ground's triangles, ends
 /// included; d_m 0 where it crosses none. The cells along the stretch must be known.
-using HorizonKernel = HorizonPoint (*)(const GroundScene&, const GroundStretch&);
+using HorizonKernel = HorizonPoint (*)(const GroundView&, const GroundStretch&);
 
 }  // namespace obliq

@@ -13,7 +13,6 @@
 #include "server/radar/simd/sum_scatterers.h"
 #include "server/radar/simd/visible_ground.h"
 #include "server/radar/simd/visible_ranges.h"
-#include "terrain/height_grid.h"
 
 namespace obliq {
 
@@ -38,24 +37,20 @@ const LaneKernels& lane_kernels();
 /// Of all the sets that this machine has, the narrowest first.
 const std::vector<LaneKernels>& all_lane_kernels();
 
-inline LaneGrid lane_grid(const HeightGrid& grid) {
-  return {grid.y_m.data(), grid.nx, grid.nz, grid.x0_m, grid.z0_m, grid.cell_m};
-}
-
 /// Compiled with x86-64-v2, -v3 and -v4.
 #define OBLIQ_DECLARE_LANES(isa)                                                                \
   namespace isa {                                                                               \
   void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                \
-  bool march_ground(const GroundScene&, GroundLanes&, GroundPieces&);                           \
-  unsigned march_profiles(const GroundScene&, const ProfileBins&, ProfileLanes&);               \
-  HorizonPoint highest_ground(const GroundScene&, const GroundStretch&);                        \
+  bool march_ground(const GroundView&, GroundLanes&, GroundPieces&);                            \
+  unsigned march_profiles(const GroundView&, const RangeAxis&, ProfileLanes&);                  \
+  HorizonPoint highest_ground(const GroundView&, const GroundStretch&);                         \
   int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);             \
   void place_samples(const SwathCells&, const EchoFactors&, const PlaceInput&, PlacedSamples&); \
-  unsigned answer_rays(const GroundScene&, const RayRows&, RayLanes&);                          \
+  unsigned answer_rays(const GroundView&, const RayRows&, RayLanes&);                           \
   std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                \
   int aim_pixels(const PixelCamera&, const PixelList&, const AimedRays&);                       \
   void meet_ground(const GroundRays&, GroundHits&);                                             \
-  void cast_ground(const GroundScene&, const CastRays&);                                        \
+  void cast_ground(const GroundView&, const CastRays&);                                         \
   }
 OBLIQ_DECLARE_LANES(sse)
 OBLIQ_DECLARE_LANES(avx2)

@@ -83,13 +83,13 @@ OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayLanes& lane
 
 }  // namespace
 
-unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& lanes) {
-  const LaneGrid& grid = scene.grid;
-  const PlaneRates p = plane_rates(scene, lanes);
+unsigned answer_rays(const GroundView& scene, const RayRows& rows, RayLanes& lanes) {
+  const GridView& grid = scene.grid;
+  const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const f64x8 end_m = load(lanes.end_m);
   const f64x8 roof_m = load(lanes.roof_m);
   const f64x8 infinite = broadcast(__builtin_inf());
-  Cells cells = cells_of(lanes);
+  Cells<f64x8> cells = cells_of(lanes);
   const u64x8 next = load_u64(lanes.next);
   const mask8 some = next > 0;
   // All that is nearer lies below the next ray; where there is none, nothing is left to look for.
@@ -113,7 +113,7 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
   while (true) {
     const mask8 active = (cells.d < end_m) & cells.on(grid) & (horizon <= highest);
     if (!any(active)) break;
-    const CellEnds ends = cell_ends(scene, p, cells);
+    const CellEnds<f64x8> ends = ends_of(scene, p, cells);
     const f64x8 end = max(cells.d, min(ends.nearest, end_m));
     at_roof = movemask(active & (roof_m <= end));
     if (at_roof != 0) break;
@@ -121,11 +121,11 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
       answer(rises, rows, lanes);
       rises.n = 0;
     }
-    const u64x8 at = to_u64(cells.number(grid, active));
-    const Corners y = corners(grid, at);
+    const u64x8 at = to_u64(number_of(grid, cells, active));
+    const Corners<f64x8> y = corners(grid, at);
     prefetch_ahead(grid, p, cells);
     const mask8 known = active & y.known;
-    const auto triangle = [&](mask8 where, const TriangleCut& cut, f64x8 d0, f64x8 d1)
+    const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
         __attribute__((always_inline)) {
       const f64x8 start = cut.start - scene.antenna_y_m;
       const auto slope_at = [&](f64x8 d) __attribute__((always_inline)) {

@@ -25,6 +25,6 @@ struct RayLanes : WalkingPlanes {
 
 /// Marches until every plane is at its end, has answered its rays or stands before a roof; a bit for each
 /// that stands before a roof.
-using AnswerKernel = unsigned (*)(const GroundScene&, const RayRows&, RayLanes&);
+using AnswerKernel = unsigned (*)(const GroundView&, const RayRows&, RayLanes&);
 
 }  // namespace obliq

@@ -8,8 +8,7 @@ namespace obliq {
 /// Rays from the antenna: unit directions, and how far the tracer says that each goes to the ground; NaN for
 /// one that met no ground. The arrays are read up to a multiple of 8.
 struct GroundRays {
-  LaneGrid grid;
-  double antenna_x_m, antenna_y_m, antenna_z_m;
+  GroundView view;
   int n;
   const double* dir_x;
   const double* dir_y;

@@ -18,20 +18,14 @@ struct WalkingPlanes {
 
 /// Over bare ground: SweepPlane without roofs, to the bit.
 struct GroundLanes : WalkingPlanes {
-  double horizon_d_m[kLanes];  ///< as in PlaneHorizon
+  double last_start_m;         ///< no cell that begins beyond is marched
+  double horizon_d_m[kLanes];  ///< as in Horizon
   double horizon_h_m[kLanes];
   /// The width that the plane stands for, and up to where. After that those at `next`.
   double width_rad[kLanes];
   double width_to_m[kLanes];
   const double* next_width_rad[kLanes];
   const double* next_width_to_m[kLanes];  ///< the last one infinite
-};
-
-/// Where the planes are and what they march through.
-struct GroundScene {
-  LaneGrid grid;
-  double antenna_x_m, antenna_y_m, antenna_z_m;
-  double last_start_m;  ///< no cell that begins beyond is marched
 };
 
 /// Visible pieces of ground, as in VisiblePiece: (d, h) = (t, start + rise t), t from `from` to `to`. A row
@@ -53,6 +47,6 @@ struct GroundPieces {
 };
 
 /// Marches until the pieces are full or every plane is at its end; false when nothing is left to march.
-using GroundKernel = bool (*)(const GroundScene&, GroundLanes&, GroundPieces&);
+using GroundKernel = bool (*)(const GroundView&, GroundLanes&, GroundPieces&);
 
 }  // namespace obliq

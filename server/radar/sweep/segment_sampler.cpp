@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/echo/mean_range.h"
+#include "server/radar/simd/range_run.h"
 
 namespace obliq {
 
@@ -143,11 +143,9 @@ void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   const int first = least < bins_.r_min_m ? -1 : bin_of(least);
   const int last = most >= bins_.r_max_m ? bins_.n_range : bin_of(most);
   if (first == last) {
-    part(piece, from, to, 0);
+    add_part(piece, from, to, 0);
     return;
   }
-  // |A + t D|^2 = edge^2: t = (-A.D +- sqrt(D.D edge^2 - (A x D)^2)) / D.D, by Lagrange's identity without
-  // the cancellation of the usual discriminant. Range grows with t beyond the foot and falls before it.
   const bool outwards = to.r_m > from.r_m;
   const double rate2 = piece.rate_d * piece.rate_d + piece.rate_h * piece.rate_h;
   const double along = piece.d_m * piece.rate_d + piece.h_m * piece.rate_h;
@@ -156,47 +154,38 @@ void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   At previous = from;
   for (int k = 1; k <= steps; ++k) {
     const int edge_index = outwards ? first + k : last - k + 1;
-    const double edge =
-        edge_index == bins_.n_range ? bins_.r_max_m : bins_.r_min_m + edge_index * bins_.range_spacing_m;
-    const double root = std::sqrt(std::max(0.0, rate2 * edge * edge - cross * cross));
-    const double t = std::clamp((outwards ? root - along : -root - along) / rate2, previous.t, to.t);
-    const At here{t, edge};
+    const double edge = bins_.edge_m(static_cast<double>(edge_index));
+    const At here{edge_at(rate2, along, cross, outwards ? 1.0 : -1.0, edge, previous.t, to.t), edge};
     const int bin = outwards ? edge_index - 1 : edge_index;
-    if (bin >= 0 && bin < bins_.n_range) part(piece, previous, here, 0);
+    if (bin >= 0 && bin < bins_.n_range) add_part(piece, previous, here, 0);
     previous = here;
   }
   const int bin = outwards ? last : first;
-  if (bin >= 0 && bin < bins_.n_range) part(piece, previous, to, 0);
+  if (bin >= 0 && bin < bins_.n_range) add_part(piece, previous, to, 0);
 }
 
-void PieceSampler::part(const VisiblePiece& piece, At from, At to, int depth) {
+void PieceSampler::add_part(const VisiblePiece& piece, At from, At to, int depth) {
   const double d0 = piece.ground_range_m(from.t);
   const double h0 = piece.height_m(from.t);
   const double d1 = piece.ground_range_m(to.t);
   const double h1 = piece.height_m(to.t);
-  // r0 r1 sin and cos of the angle between the ends; the cross product of points of one line is that of the
-  // line times the step, so that a tiny piece loses no digits.
   const double cross = (piece.d_m * piece.rate_h - piece.h_m * piece.rate_d) * (to.t - from.t);
-  const double dot = d0 * d1 + h0 * h1;
   if (!(cross > 0)) return;
-  if (cross > kTurn_rad * dot && depth < 40) {
+  const auto part = part_of(cross, d0, h0, from.r_m, d1, h1, to.r_m);
+  if (part.turn_sin > kTurn_rad * part.turn_cos && depth < 40) {
     const At middle = at(piece, (from.t + to.t) / 2);
     if (middle.t > from.t && middle.t < to.t) {
-      part(piece, from, middle, depth + 1);
-      part(piece, middle, to, depth + 1);
+      add_part(piece, from, middle, depth + 1);
+      add_part(piece, middle, to, depth + 1);
       return;
     }
   }
-  // sin e1 - sin e0 = sin(e1 - e0) (cos e0 + cos e1) / (1 + cos(e1 - e0)).
-  const double r01 = from.r_m * to.r_m;
-  const double rise = cross * (d0 * to.r_m + d1 * from.r_m) / (r01 * (r01 + dot));
-  const double r = mean_power_range_m(from.r_m, to.r_m);
-  const double over_r = 1 / r;
-  const double d = (d0 + d1) / 2;
+  const double over_r = 1 / part.range_m;
   ++samples_;
-  put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, piece.plane_distance_m * over_r),
-       share_.azimuth_offset_rad, (h0 + h1) / 2 * over_r, antenna_m_.x + d * share_.bearing.sin,
-       antenna_m_.z + d * share_.bearing.cos, piece.face, piece.material});
+  put({share_.azimuth_bin, part.range_m, share_.width_rad * part.share,
+       std::min(1.0, piece.plane_distance_m * over_r), share_.azimuth_offset_rad, part.height_m * over_r,
+       antenna_m_.x + part.distance_m * share_.bearing.sin,
+       antenna_m_.z + part.distance_m * share_.bearing.cos, piece.face, piece.material});
 }
 
 }  // namespace obliq

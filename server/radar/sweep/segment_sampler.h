@@ -73,7 +73,7 @@ class PieceSampler {
   /// Range rises or falls all the way.
   void cut_at_bins(const VisiblePiece& piece, At from, At to);
   /// In one range bin.
-  void part(const VisiblePiece& piece, At from, At to, int depth);
+  void add_part(const VisiblePiece& piece, At from, At to, int depth);
   void put(const Waiting& sample);
 
   const BinGrid& bins_;

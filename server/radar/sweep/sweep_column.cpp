@@ -107,7 +107,7 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const SinCos bearing = world_bearing(offset_rad(ticks));
-  PlaneHorizon horizon = ground_horizon(plan_.scene(), ridge_, antenna, bearing, from_m);
+  Horizon<double> horizon = ground_horizon(plan_.scene(), ridge_, antenna, bearing, from_m);
   const std::int64_t centre = ticks.from + ticks.size() / 2;
   spans_.clear();
   for (std::size_t k = n_obstacles; k-- > 0;) {
@@ -143,7 +143,7 @@ SweepColumn::Look SweepColumn::look(const SweepPlane& plane, std::size_t obstacl
   Look result = Look::hidden;
   for (const FootprintSpan& span : spans_) {
     if (plane.covers(span)) continue;
-    PlaneHorizon horizon = plane.horizon();
+    Horizon<double> horizon = plane.horizon();
     plane.raise_by_roofs(horizon, span);
     const double height = span.roof_y_m - antenna.y;
     if (span.near_m <= 0 || !horizon.hides(span.near_m, height) || !horizon.hides(span.far_m, height))

@@ -10,27 +10,20 @@ static_assert(SampleArrays::kGround == kNoFace);
 
 SweepGround::SweepGround(const FramePlan& plan, const LaneKernels& kernels) : plan_(plan), kernels_(kernels) {
   const World& world = plan.scene().world();
-  const glm::dvec3& antenna = plan.sector().antenna_m;
-  const BinGrid& bins = plan.bins();
-  scene_ = {lane_grid(world.grid), antenna.x, antenna.y, antenna.z, plan.sector().r_max_m};
   bins_ = {};
-  bins_.n_range = bins.n_range;
-  bins_.r_min_m = bins.r_min_m;
-  bins_.r_max_m = bins.r_max_m;
-  bins_.range_spacing_m = bins.range_spacing_m;
+  bins_.axis = plan.bins();
+  bins_.ground = ground_view(world.grid, plan.sector().antenna_m);
   bins_.turn_rad = PieceSampler::kTurn_rad;
-  bins_.antenna_x_m = antenna.x;
-  bins_.antenna_z_m = antenna.z;
   bins_.material = world.surface_material.empty() ? nullptr : world.surface_material.data();
-  bins_.nx = world.grid.nx;
 }
 
 void SweepGround::start(std::vector<GroundShare> shares) {
   shares_ = std::move(shares);
   lanes_ = {};
+  lanes_.last_start_m = plan_.sector().r_max_m;
   pieces_.n = cut_ = 0;
   marching_ = true;
-  const PlaneHorizon nothing;
+  const Horizon<double> nothing;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMost); ++lane) {
     lanes_.end_m[lane] = -1;
     if (lane >= shares_.size()) continue;
@@ -57,7 +50,7 @@ bool SweepGround::next(PieceSampler& sampler, SampleBatch& samples) {
     if (cut_ >= pieces_.n) {
       if (!marching_) return false;
       pieces_.n = cut_ = 0;
-      marching_ = kernels_.march_ground(scene_, lanes_, pieces_);
+      marching_ = kernels_.march_ground(bins_.ground, lanes_, pieces_);
       continue;
     }
     SampleArrays out{samples.n,

@@ -35,7 +35,6 @@ class SweepGround {
 
   const FramePlan& plan_;
   const LaneKernels& kernels_;
-  GroundScene scene_;
   PieceBins bins_;
   std::vector<GroundShare> shares_;
   GroundLanes lanes_;

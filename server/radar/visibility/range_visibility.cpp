@@ -142,10 +142,10 @@ double start_m(const FramePlan& plan, const Plane& plane, int first) {
 }
 
 /// The horizon that a march from the nadir would have at a distance.
-PlaneHorizon horizon_at(const FramePlan& plan, const Plane& plane, double at_m) {
+Horizon<double> horizon_at(const FramePlan& plan, const Plane& plane, double at_m) {
   const glm::dvec3& antenna = plan.sector().antenna_m;
   const GroundRidge ridge(plan.scene(), antenna, plane.bearing, 0, at_m);
-  PlaneHorizon horizon = ground_horizon(plan.scene(), ridge, antenna, plane.bearing, at_m);
+  Horizon<double> horizon = ground_horizon(plan.scene(), ridge, antenna, plane.bearing, at_m);
   for (const RoofStep& roof : plane.roofs) {
     if (!(roof.near_m < at_m)) break;
     horizon.raise(roof.near_m, roof.roof_y_m - antenna.y, true);
@@ -161,9 +161,8 @@ GroundWalk set_out_for(const FramePlan& plan, Plane& plane, RangeWindow bins) {
   const double to_m =
       std::min(grid.r_max_m, grid.r_min_m + (bins.last + 1) * grid.range_spacing_m + kSlack_m);
   if (from_m > 0) {
-    const PlaneHorizon horizon = horizon_at(plan, plane, from_m);
-    plane.state.horizon_d_m = horizon.d_m;
-    plane.state.horizon_h_m = horizon.h_m;
+    const Horizon<double> horizon = horizon_at(plan, plane, from_m);
+    plane.state.horizon = horizon;
     while (plane.roof < plane.roofs.size() && plane.roofs[plane.roof].far_m <= from_m) ++plane.roof;
   }
   return {plan.scene().world().grid,   plan.sector().antenna_m, plane.bearing.sin, plane.bearing.cos, from_m,
@@ -240,9 +239,8 @@ void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
     lanes.present[lane] = results[lane].present.data();
     next_roof(lane);
   }
-  const GroundScene scene{lane_grid(grid), antenna.x, antenna.y, antenna.z, kInfinity};
-  const ProfileBins marks{bins.n_range, bins.r_min_m, bins.r_max_m, bins.range_spacing_m};
-  while (const unsigned at_roof = kernels.march_profiles(scene, marks, lanes)) {
+  const GroundView ground = ground_view(grid, antenna);
+  while (const unsigned at_roof = kernels.march_profiles(ground, bins, lanes)) {
     // Cells with roofs in them, a plane at a time.
     for (std::size_t lane = 0; lane < planes.size(); ++lane) {
       if ((at_roof >> lane & 1) == 0) continue;
