@@ -6,7 +6,7 @@
 
 namespace obliq::OBLIQ_ISA {
 
-void place_samples(const SwathCells& cells, const EchoFactors& factors, const PlaceInput& samples,
+void place_samples(const SwathCells& cells, const EchoFactors& factors, const SampleBatch& samples,
                    PlacedSamples& placed) {
   const double last = cells.n_range - 1;
   for (int k = 0; k < samples.n; k += kLanes) {

@@ -1,4 +1,4 @@
-// PieceSampler for eight pieces of ground at a time, to the bit.
+// SegmentSampler for eight pieces of ground at a time, to the bit.
 #include "server/radar/simd/cut_at_bins.h"
 
 #include "server/radar/simd/lanes.h"
@@ -12,7 +12,7 @@ struct Part {
   mask8 any;
 };
 
-/// PieceSampler::part. The piece is the line h = start + rise d.
+/// SegmentSampler::part. The piece is the line h = start + rise d.
 OBLIQ_INLINE Part part_of(f64x8 start, f64x8 rise, f64x8 d0, f64x8 r0, f64x8 d1, f64x8 r1) {
   const f64x8 h0 = start + d0 * rise;
   const f64x8 h1 = start + d1 * rise;
@@ -26,7 +26,7 @@ OBLIQ_INLINE Part part_of(f64x8 start, f64x8 rise, f64x8 d0, f64x8 r0, f64x8 d1,
 
 }  // namespace
 
-int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, SampleArrays& out, bool& rare) {
+int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, SampleBatch& out, bool& rare) {
   const double bins_per_m = 1 / bins.range_spacing_m;
   const double n_range = bins.n_range;
   const f64x8 sines = load(bins.sin_bearing);
@@ -58,9 +58,10 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
     const f64x8 last_bin =
         select(farthest >= bins.r_max_m, broadcast(n_range), floor((farthest - bins.r_min_m) * bins_per_m));
     const f64x8 cuts = select(wanted, last_bin - first_bin, f64x8{});
-    const double room = out.most - SampleArrays::kRoom - out.n;
+    // Eights are stored whole: what is behind the last sample is overwritten.
+    const double room = kBatch - kLanes - out.n;
     const mask8 crowded = (cuts + 1.0) * static_cast<double>(kLanes) > room;
-    if (any(wanted & (turns | wide | (cuts * static_cast<double>(kLanes) > out.most / 4.0)))) {
+    if (any(wanted & (turns | wide | (cuts * static_cast<double>(kLanes) > kBatch / 4.0)))) {
       rare = true;
       return first;
     }
@@ -74,7 +75,7 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
     f64x8 d0 = from;
     f64x8 r0 = from_r;
     for (double k = 1; any(wanted); ++k) {
-      // The next edge, or the piece's end. |A + t D|^2 = edge^2, as in PieceSampler::cut_at_bins.
+      // The next edge, or the piece's end. |A + t D|^2 = edge^2, as in SegmentSampler::cut_at_bins.
       const mask8 at_end = cuts < k;
       const f64x8 edge_index = select(outwards, first_bin + k, last_bin - k + 1.0);
       const f64x8 edge = select(edge_index == n_range, broadcast(bins.r_max_m),
@@ -101,7 +102,7 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
         const u64x8 cell = to_u64(compress(kept, cells));
         const int count = __builtin_popcount(kept);
         for (int s = 0; s < count; ++s) {
-          out.face[n + s] = SampleArrays::kGround;
+          out.face[n + s] = kNoFace;
           out.material[n + s] = 0;
         }
         if (bins.material != nullptr) {
