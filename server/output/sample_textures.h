@@ -12,7 +12,7 @@ namespace obliq {
 /// Channels (float32 unless said): range_m and range_residual_m (their sum is the double range to 1e-9 m),
 /// azimuth_rad (clockwise from the sector's centre), incidence_rad, normal.x/y/z and position.x/y/z in the
 /// world frame, material (uint32; 4294967295 where no ray hit, and all other channels 0).
-class SampleTextures : public SampleTap {
+class SampleTextures : public HitObserver {
  public:
   SampleTextures(int columns, int rows);
   ~SampleTextures() override;

@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -7,9 +8,8 @@
 #include "server/radar/geometry/perspective_frustum.h"
 #include "server/radar/geometry/polar_rows.h"
 #include "server/radar/geometry/pose.h"
-#include "server/radar/geometry/sector.h"
+#include "server/radar/geometry/sector_extent.h"
 #include "server/radar/profile/profile_rays.h"
-#include "server/radar/seen_buildings.h"
 #include "server/radar/settings.h"
 #include "server/scene/scene.h"
 
@@ -30,6 +30,37 @@ bool needs_tracer(const Scene& scene, FrustumKind frustum);
 
 /// Columns that the sweep cuts an azimuth bin into.
 int sweep_columns_per_bin(const RadarSettings& settings);
+
+/// Which buildings have been seen. Marked from several threads at once.
+class SeenBuildings {
+ public:
+  explicit SeenBuildings(std::size_t n_buildings) : flags_(n_buildings) {}
+
+  void mark(std::uint32_t building) {
+    // Written once, so that threads do not take the line from each other for nothing.
+    if (!has(building)) flags_[building].store(1, std::memory_order_relaxed);
+  }
+  void mark(const std::vector<std::uint32_t>& buildings) {
+    for (const std::uint32_t b : buildings) mark(b);
+  }
+
+  bool has(std::uint32_t building) const { return flags_[building].load(std::memory_order_relaxed) != 0; }
+  std::uint32_t count() const {
+    std::uint32_t n = 0;
+    for (const auto& flag : flags_) n += flag.load(std::memory_order_relaxed);
+    return n;
+  }
+  /// Rising.
+  std::vector<std::uint32_t> list() const {
+    std::vector<std::uint32_t> seen;
+    for (std::uint32_t b = 0; b < flags_.size(); ++b)
+      if (has(b)) seen.push_back(b);
+    return seen;
+  }
+
+ private:
+  std::vector<std::atomic<std::uint8_t>> flags_;
+};
 
 /// Everything about a frame that its wedges share, worked out once. Immutable but for the buildings seen.
 class FramePlan {

@@ -1,6 +1,5 @@
 #pragma once
-// The core call. Reads top to bottom like the pipeline it is: plan the frame, then wedge by wedge find
-// samples, scatter, bin.
+// The core call: plan a frame, render its wedges. README.md beside this file has the pipeline as a picture.
 #include <functional>
 #include <limits>
 #include <memory>
@@ -16,8 +15,8 @@
 
 namespace obliq {
 
-class SampleTap;   // server/radar/rays/hit_observer.h
-class StageTimes;  // terrain/base/stage_clock.h
+class HitObserver;  // server/radar/rays/hit_observer.h
+class StageTimes;   // terrain/base/stage_clock.h
 
 struct Wedge {
   int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge
@@ -25,7 +24,7 @@ struct Wedge {
   FrameStats stats;
 };
 
-/// Wedges that are begun and not finished (server/radar/render.cpp).
+/// Wedges that are begun and not finished (server/radar/wedge_threads.cpp).
 class BegunWedges;
 
 /// Lets a rendering pause in the middle of its wedges, so that others get their turn. The bits stay the same.
@@ -44,9 +43,9 @@ struct RenderOptions {
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
   std::stop_token stop;                   ///< no further wedge or batch is begun after a stop request
-  bool states = true;            ///< false: bins without samples all say not_sampled, which is quicker
-  SampleTap* tap = nullptr;      ///< receives every hit of a pixel, for textures
-  RenderPause* pause = nullptr;  ///< null: does not pause
+  bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
+  HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
+  RenderPause* pause = nullptr;     ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
@@ -65,14 +64,15 @@ class FrameSum {
 
 class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
 
-/// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks. `tap`
-/// may be null. So may `profile`, of the same azimuth bins: whoever needs it too hands it in, so that nothing
-/// is marched twice. All of them must outlive the source.
-std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
-                                                 WedgeProfile* profile = nullptr);
+/// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks.
+/// `observer` may be null, and so may `profile`, the visibility of the same azimuth bins: a caller that has
+/// one hands it in, so that nothing is marched twice. All of them must outlive the source.
+std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
+                                                 HitObserver* observer, WedgeProfile* profile = nullptr);
 
-/// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early;
-/// options.pause tells whether there is more to come.
+/// Renders every wedge that overlaps `azimuths`, on several threads, and hands each to on_wedge
+/// (server/radar/wedge_threads.cpp). Returns false when stopped early; options.pause tells whether there is
+/// more to come.
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options);
 
 /// A whole frame in memory.

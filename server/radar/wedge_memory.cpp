@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/rays/polar_trace.h"
+#include "server/radar/rays/first_hits.h"
 #include "server/radar/render.h"
 
 namespace obliq {
@@ -57,8 +57,9 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
   }
   if (sweep) return std::llround(bytes);
   if (s.frustum == FrustumKind::polar) {
-    const double answers = std::max<double>(PolarTrace::kMostAnswers, columns * PolarTrace::kLeastRows);
-    bytes += PolarTrace::kBytesAnAnswer * std::min(answers, columns * s.pixel_rows);
+    const double answers =
+        std::max<double>(PolarFirstHits::kMostAnswers, columns * PolarFirstHits::kLeastRows);
+    bytes += PolarFirstHits::kBytesAnAnswer * std::min(answers, columns * s.pixel_rows);
     const double parts = 4 + 2.0 * s.range_bins / s.pixel_rows;
     bytes += columns * (s.plates == PlateKind::spread ? kBytesAColumn + kBytesAPart * parts : 0);
   } else {

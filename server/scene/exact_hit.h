@@ -10,8 +10,6 @@
 
 namespace obliq {
 
-constexpr std::uint32_t kNoFace = 0xffffffffu;
-
 /// A first hit in double precision, world frame, on the side of the surface that faces the antenna.
 struct ExactHit {
   double slant_range_m = 0;

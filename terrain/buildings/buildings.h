@@ -6,6 +6,8 @@
 
 namespace obliq {
 
+constexpr std::uint32_t kNoFace = 0xffffffffu;  ///< instead of a face's index: ground, or nothing
+
 /// One face of a building: a wall quad or the whole flat roof.
 struct BuildingFace {
   glm::dvec3 centre_m{0.0};    ///< world frame; the face's fixed phase reference point

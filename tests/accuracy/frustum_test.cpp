@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "server/radar/geometry/perspective_frustum.h"
-#include "server/radar/geometry/range_steps.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

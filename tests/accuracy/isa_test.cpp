@@ -19,7 +19,7 @@
 namespace obliq {
 namespace {
 
-class Hits : public SampleTap {
+class Hits : public HitObserver {
  public:
   void on_hit(std::uint32_t pixel, double, const ExactHit& hit) override { of_pixel_[pixel] = hit; }
   const std::unordered_map<std::uint32_t, ExactHit>& all() const { return of_pixel_; }
@@ -84,8 +84,8 @@ TEST(InstructionSets, AnswerTheSameButForRaysWithinFloatStepsOfAnEdge) {
     const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, RayMethod::embree, isa);
     Hits hits;
     RenderOptions options;
-    options.threads = 1;  // the tap is not locked
-    options.tap = first_name ? &hits : &first;
+    options.threads = 1;  // the observer is not locked
+    options.observer = first_name ? &hits : &first;
     const Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
     if (!first_name) {
       first_name = isa_name(isa);

@@ -54,7 +54,7 @@ std::shared_ptr<const FramePlan> plan_of(const std::shared_ptr<const Scene>& sce
   return planned.plan;
 }
 
-class HitPixels : public SampleTap {
+class HitPixels : public HitObserver {
  public:
   void on_hit(std::uint32_t pixel, double, const ExactHit&) override { ++hits_[pixel]; }
   bool has(std::uint32_t pixel) const { return hits_.contains(pixel); }
@@ -78,7 +78,7 @@ TEST(Plates, SolidAnglesOfAPlateAddUpToThePixels) {
     FrameStats stats;
     double sum_sr = 0;
     std::uint64_t n = 0;
-    while (source->next(*samples, stats)) {
+    while (source->fill(*samples, stats)) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(samples->n); ++k) {
         EXPECT_GT(samples->solid_angle_sr[k], 0);
         EXPECT_TRUE(std::isfinite(samples->slant_range_m[k]));
@@ -90,7 +90,7 @@ TEST(Plates, SolidAnglesOfAPlateAddUpToThePixels) {
     double expected_sr = 0;
     const auto rays = std::make_unique<RayBatch>();
     const auto ray_source = make_ray_source(*plan, range);
-    while (ray_source->next(*rays))
+    while (ray_source->generate(*rays))
       for (std::size_t k = 0; k < static_cast<std::size_t>(rays->n); ++k)
         if (pixels.has(rays->pixel[k])) expected_sr += rays->solid_angle_sr[k];
     std::printf("    %s: %zu pixels hit, %llu samples, %.3g sr, off by %.2g\n",

@@ -19,7 +19,7 @@ namespace obliq {
 namespace {
 
 /// Every hit of a frame by pixel.
-class HitsByPixel : public SampleTap {
+class HitsByPixel : public HitObserver {
  public:
   explicit HitsByPixel(std::size_t pixels) : hits(pixels) {}
   void on_hit(std::uint32_t pixel, double, const ExactHit& hit) override { hits.at(pixel) = hit; }
@@ -55,10 +55,10 @@ bool near_edge(const test::ReferenceMesh& mesh, const test::Vector3& origin, con
 
 Comparison compare(const Scene& scene, const FramePlan& plan, const test::ReferenceMesh& mesh) {
   const RadarSettings& settings = plan.settings();
-  HitsByPixel tap(static_cast<std::size_t>(settings.pixel_columns) *
-                  static_cast<std::size_t>(settings.pixel_rows));
+  HitsByPixel observer(static_cast<std::size_t>(settings.pixel_columns) *
+                       static_cast<std::size_t>(settings.pixel_rows));
   RenderOptions options;
-  options.tap = &tap;
+  options.observer = &observer;
   options.on_wedge = [](Wedge&&) {};
   render_wedges(plan, {0, settings.azimuth_bins}, options);
 
@@ -68,12 +68,12 @@ Comparison compare(const Scene& scene, const FramePlan& plan, const test::Refere
   const auto source = make_ray_source(plan, {0, settings.azimuth_bins});
   const auto rays = std::make_unique<RayBatch>();
   std::vector<RoughHit> rough(kBatch);
-  while (source->next(*rays)) {
+  while (source->generate(*rays)) {
     scene.tracer().trace(antenna, rays->dir_x.data(), rays->dir_y.data(), rays->dir_z.data(), rays->n,
                          rough.data());
     for (std::size_t k = 0; k < static_cast<std::size_t>(rays->n); ++k) {
       const test::Vector3 direction{rays->dir_x[k], rays->dir_y[k], rays->dir_z[k]};
-      const auto& mine = tap.hits[rays->pixel[k]];
+      const auto& mine = observer.hits[rays->pixel[k]];
       const auto reference = mesh.first_hit(origin, direction);
       ++c.rays;
       const double range_m = reference ? reference->distance_m : mine ? mine->slant_range_m : 1e5;

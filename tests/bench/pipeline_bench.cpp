@@ -107,7 +107,7 @@ void BareTrace(benchmark::State& state) {
   for (int first = 0; first < plan->settings().azimuth_bins; first += kWedgeAzimuthBins) {
     const auto source =
         make_ray_source(*plan, {first, std::min(kWedgeAzimuthBins, plan->settings().azimuth_bins - first)});
-    for (auto batch = std::make_unique<RayBatch>(); source->next(*batch);
+    for (auto batch = std::make_unique<RayBatch>(); source->generate(*batch);
          batch = std::make_unique<RayBatch>())
       batches.push_back(std::move(batch));
   }
@@ -194,7 +194,7 @@ void RayGeneration(benchmark::State& state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
       const auto batch = std::make_unique<RayBatch>();
       std::uint64_t n = 0;
-      for (const auto source = make_ray_source(*plan, range); source->next(*batch);)
+      for (const auto source = make_ray_source(*plan, range); source->generate(*batch);)
         n += static_cast<std::uint64_t>(batch->n);
       rays += n;
     });
@@ -214,7 +214,7 @@ void Samples(benchmark::State& state) {
       const auto batch = std::make_unique<SampleBatch>();
       FrameStats stats;
       std::uint64_t n = 0;
-      for (const auto source = make_sample_source(*plan, range, nullptr); source->next(*batch, stats);)
+      for (const auto source = make_sample_source(*plan, range, nullptr); source->fill(*batch, stats);)
         n += static_cast<std::uint64_t>(batch->n);
       found += n;
     });
@@ -240,7 +240,7 @@ void Sweep(benchmark::State& state) {
       const auto batch = std::make_unique<SampleBatch>();
       FrameStats stats;
       std::uint64_t n = 0;
-      for (const auto source = make_sample_source(*plan, range, nullptr); source->next(*batch, stats);)
+      for (const auto source = make_sample_source(*plan, range, nullptr); source->fill(*batch, stats);)
         n += static_cast<std::uint64_t>(batch->n);
       found += n;
       planes += stats.rays;
@@ -274,7 +274,7 @@ void Binning(benchmark::State& state) {
   BinBlock block(0, kWedgeAzimuthBins, plan->bins().n_range);
   double binned = 0;
   for (auto _ : state) {
-    WedgeBins bins(*plan, scattering, speckle, {0, kWedgeAzimuthBins});
+    EchoBins bins(*plan, scattering, speckle, {0, kWedgeAzimuthBins});
     for (int batch = 0; batch < 32; ++batch) {
       for (int k = 0; k < kBatch; ++k) {
         const auto s = static_cast<std::size_t>(k);

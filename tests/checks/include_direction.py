@@ -17,7 +17,7 @@ WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/samples", "
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
-TO_PLAN = TO_GEOMETRY + [R + "frame_plan", R + "seen_buildings"]
+TO_PLAN = TO_GEOMETRY + [R + "frame_plan"]
 TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
 TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
@@ -33,14 +33,13 @@ ALLOWED = {
     "client": ["proto"],
     "server/security": BASE,
     "server/scene": ["terrain"],
-    "server/radar/simd": BASE + ["terrain/height_grid", "server/scene/tracer_isa", "server/scene/ground_triangle"],
+    "server/radar/simd": BASE + ["terrain/height_grid", "server/scene/tracer_isa", "server/scene/ground_triangle", R + "samples"],
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
     "server/radar/settings": TO_PROFILE,
-    "server/radar/samples": TO_PROFILE + WORDS,
+    "server/radar/samples": [R + "bins", "terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,
     "server/radar/geometry": TO_GEOMETRY,
-    "server/radar/seen_buildings": [],
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,
     "server/radar/echo": TO_PLAN,

@@ -115,7 +115,7 @@ TEST(HardBinEdges, RaysExactlyOnAnAzimuthEdgeAreCastOnceAndInTheBinThatBeginsThe
     const auto rays = make_ray_source(*planned.plan, {0, 2});
     const auto batch = std::make_unique<RayBatch>();
     int on_edge = 0;
-    while (rays->next(*batch)) {
+    while (rays->generate(*batch)) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k) {
         if (batch->pixel[k] % 33 != 16) continue;
         ++on_edge;

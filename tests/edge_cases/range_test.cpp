@@ -131,7 +131,7 @@ TEST(HardRange, EverySourcesSamplesLieOnThePlaneAtTheirRange) {
     FrameStats stats;
     double worst_m = 0, farthest_m = 0;
     int n = 0, beyond = 0;
-    while (source->next(*batch, stats)) {
+    while (source->fill(*batch, stats)) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k) {
         if (planned.plan->bins().range_bin(batch->slant_range_m[k]) < 0) continue;
         const Exact x = batch->x_m[k], z = batch->z_m[k];
@@ -175,7 +175,7 @@ TEST(HardRange, PhaseAtFortyKilometresAndThirtyFiveGigahertzIsThatOfTheRange) {
   ASSERT_TRUE(planned.plan);
   const ScatteringTable scattering(scene->materials(), planned.plan->wavelength_m());
   const SpeckleField speckle(scene->world(), pose.antenna.m, kLambda_m, 10, 2, 1);
-  WedgeBins bins(*planned.plan, scattering, speckle, {0, 1});
+  EchoBins bins(*planned.plan, scattering, speckle, {0, 1});
   std::mt19937_64 random(35);
   const auto batch = std::make_unique<SampleBatch>();
   std::vector<double> range_m(4090);

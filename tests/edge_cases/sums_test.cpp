@@ -43,7 +43,7 @@ class HardSums : public testing::Test {
     const ScatteringTable scattering(scene_->materials(), plan.wavelength_m());
     const SpeckleField speckle(scene_->world(), pose.antenna.m, plan.wavelength_m(),
                                plan.bins().range_spacing_m, plan.bins().azimuth_width_rad, 1);
-    WedgeBins bins(plan, scattering, speckle, {0, 1});
+    EchoBins bins(plan, scattering, speckle, {0, 1});
     const auto batch = std::make_unique<SampleBatch>();
     for (int k = 0; k < n;) {
       batch->n = 0;

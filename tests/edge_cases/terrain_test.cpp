@@ -124,7 +124,7 @@ TEST(HardTerrain, VoidsOfEverySizeAreNoSurfaceAndNeverHit) {
       test::expect_sane(frame, s, scene->materials());
       EXPECT_GT(frame.stats.samples, 0u);
       // Every hit lies on a known cell: the tracer's tiles leave the others out.
-      struct OnKnown : SampleTap {
+      struct OnKnown : HitObserver {
         const World& world;
         int wrong = 0;
         explicit OnKnown(const World& w) : world(w) {}
@@ -141,12 +141,12 @@ TEST(HardTerrain, VoidsOfEverySizeAreNoSurfaceAndNeverHit) {
             wrong += near ? 0 : 1;
           }
         }
-      } tap(scene->world());
+      } observer(scene->world());
       RenderOptions options;
       options.threads = 1;
-      options.tap = &tap;
+      options.observer = &observer;
       render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
-      EXPECT_EQ(tap.wrong, 0);
+      EXPECT_EQ(observer.wrong, 0);
     }
   }
 }

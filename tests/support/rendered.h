@@ -37,14 +37,14 @@ inline Rendered rendered(const std::shared_ptr<const Scene>& scene, const RadarS
     result.refused = true;
     return result;
   }
-  HitsOnSurface tap(scene->world(), pose.antenna.m);
+  HitsOnSurface observer(scene->world(), pose.antenna.m);
   RenderOptions options;
-  if (checks.on_surface) options.tap = &tap;
+  if (checks.on_surface) options.observer = &observer;
   options.threads = checks.threads;
   result.frame = render(scene, snapshot(s), pose, {0, s.azimuth_bins}, options);
   result.totals = expect_sane(result.frame, s, scene->materials());
-  result.hits = tap.hits;
-  EXPECT_EQ(tap.wrong, 0);
+  result.hits = observer.hits;
+  EXPECT_EQ(observer.wrong, 0);
   if (checks.none_rejected) {
     EXPECT_EQ(result.frame.stats.rejected, 0u);
   }

@@ -99,7 +99,7 @@ void for_each_sample(const FramePlan& plan, const std::function<void(const Sampl
   for (int first = 0; first < n; first += kWedgeAzimuthBins) {
     const AzimuthRange range{first, std::min(kWedgeAzimuthBins, n - first)};
     const auto source = make_sample_source(plan, range, nullptr);
-    while (source->next(*batch, stats))
+    while (source->fill(*batch, stats))
       for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k) use(*batch, k);
   }
 }

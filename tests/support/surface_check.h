@@ -64,7 +64,7 @@ class SurfaceHeights {
 /// Checks every hit of a frame: it lies on the ground, a roof or a wall, and no point of its ray before it
 /// lies under the surface. Tolerance: a millimetre, which is what float32 coordinates of a few kilometres
 /// (0.25 mm) leave of a wall's place; a ray that leaks passes by metres.
-class HitsOnSurface : public SampleTap {
+class HitsOnSurface : public HitObserver {
  public:
   HitsOnSurface(const World& world, const glm::dvec3& antenna_m) : surface_(world), antenna_m_(antenna_m) {}
 

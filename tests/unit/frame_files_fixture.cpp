@@ -33,17 +33,17 @@ void FrameFilesTest::SetUp() {
   scene_ = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::hills, 12000, 100)));
 }
 
-void FrameFilesTest::render_to(const fs::path& folder, SampleTap* tap) {
-  render_frame(tap);
+void FrameFilesTest::render_to(const fs::path& folder, HitObserver* observer) {
+  render_frame(observer);
   EXPECT_EQ(write_frame_files(folder, descriptor_, summary_, frame_.bins).missing, "");
 }
 
-void FrameFilesTest::render_frame(SampleTap* tap) {
+void FrameFilesTest::render_frame(HitObserver* observer) {
   const Pose pose = test::pose_over_origin(scene_->world(), 1200, 40);
   plan_ = plan_frame(scene_, test::snapshot(settings_), pose).plan;
   ASSERT_TRUE(plan_);
   RenderOptions options;
-  options.tap = tap;
+  options.observer = observer;
   frame_ = render(scene_, test::snapshot(settings_), pose, {0, settings_.azimuth_bins}, options);
   descriptor_.Clear();
   summary_.Clear();

@@ -20,8 +20,8 @@ class FrameFilesTest : public testing::Test {
   FrameFilesTest();
   ~FrameFilesTest() override;
   void SetUp() override;
-  void render_to(const fs::path& folder, SampleTap* tap = nullptr);
-  void render_frame(SampleTap* tap = nullptr);
+  void render_to(const fs::path& folder, HitObserver* observer = nullptr);
+  void render_frame(HitObserver* observer = nullptr);
 
  private:
   struct Messages;

@@ -55,7 +55,7 @@ std::vector<Stretch> within(const std::vector<RoofStretch>& stretches, double fr
   return found;
 }
 
-TEST(BuildingFan, FindsWhatAllBuildingsOfTheBinHave) {
+TEST(BuildingsByBearing, FindsWhatAllBuildingsOfTheBinHave) {
   // Exactly: the same function on fewer buildings. Without the turns by 2 pi houses behind the antenna are
   // missing in the full circle; a house added once a turn would be there twice.
   const auto scene = houses_all_around();
@@ -68,7 +68,7 @@ TEST(BuildingFan, FindsWhatAllBuildingsOfTheBinHave) {
     const auto plan = plan_of(scene, c.sector_deg, c.bins, c.bearing_deg);
     std::size_t stretches = 0;
     for (int bin = 0; bin < c.bins; ++bin) {
-      const BuildingFan fan(*plan, bin);
+      const BuildingsByBearing fan(*plan, bin);
       const glm::dvec3& antenna = plan->sector().antenna_m;
       for (int k = 0; k <= 400; ++k) {  // the bin's edges are among them
         const double offset = plan->bins().azimuth_edge_rad(bin + k / 400.0);
@@ -89,14 +89,14 @@ TEST(BuildingFan, FindsWhatAllBuildingsOfTheBinHave) {
   }
 }
 
-TEST(BuildingFan, LooksAtFewBuildingsHoweverWideTheBin) {
+TEST(BuildingsByBearing, LooksAtFewBuildingsHoweverWideTheBin) {
   // 1600 houses in one bin. A plane passes houses of 50 m (diagonal) in rows 200 m apart: within reach of a
   // cell of 0.9 degrees (45 m at the middle distance) are some (50 + 45) / 200 of the 40 rows' houses in each
   // direction, 1 %, and those close by. Without cells (the named wrong version) it is all 1600.
   const auto scene = houses_all_around();
   const auto plan = plan_of(scene, 360, 1, 0);
   ASSERT_EQ(plan->buildings_in(0).size(), 1600u);
-  const BuildingFan fan(*plan, 0);
+  const BuildingsByBearing fan(*plan, 0);
   for (int k = 0; k < 360; ++k) {
     const double bearing = k * kTurn_rad / 360;
     EXPECT_LT(fan.candidates(std::sin(bearing), std::cos(bearing)), 80u) << k << " degrees";

@@ -7,8 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "server/radar/rays/ground_clearance.h"
-#include "server/radar/rays/roof_clearance.h"
+#include "server/radar/rays/clearance.h"
 #include "server/radar/simd/kernels.h"
 #include "server/scene/ray_answer.h"
 #include "tests/support/random_scenes.h"
@@ -29,7 +28,7 @@ glm::dvec3 ray_of(test::Dice& dice, double from_rad, double width_rad, double lo
   return {bearing.sin * std::cos(elevation), std::sin(elevation), bearing.cos * std::cos(elevation)};
 }
 
-TEST(GroundBeam, NoRayMeetsGroundBeforeItsFreeRange) {
+TEST(GroundClearance, NoRayMeetsGroundBeforeItsFreeRange) {
   int met = 0, free_and_met = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const test::RandomScene random = test::random_scene(seed);
@@ -39,7 +38,8 @@ TEST(GroundBeam, NoRayMeetsGroundBeforeItsFreeRange) {
       const double from_rad =
           dice.chance(0.3) ? dice.integer(0, 7) * std::numbers::pi / 4 : dice.uniform(0, 7);
       const double width_rad = dice.chance(0.2) ? 0 : dice.logarithmic(1e-4, 0.125);
-      GroundBeam beam(random.world.grid, antenna, bearing_at(from_rad), bearing_at(from_rad + width_rad));
+      GroundClearance beam(random.world.grid, antenna, bearing_at(from_rad),
+                           bearing_at(from_rad + width_rad));
       for (int ray = 0; ray < 10; ++ray) {
         const glm::dvec3 direction = ray_of(dice, from_rad, width_rad, -1.57, 0.5);
         const double free_m = beam.free_range_m(direction);
@@ -55,7 +55,7 @@ TEST(GroundBeam, NoRayMeetsGroundBeforeItsFreeRange) {
   EXPECT_GT(free_and_met, met / 3);
 }
 
-TEST(GroundBeam, RaysOverHillsBeginAFewCellsBeforeTheGround) {
+TEST(GroundClearance, RaysOverHillsBeginAFewCellsBeforeTheGround) {
   const World world = load_world(test::synthetic_spec(SyntheticKind::hills, 20000, 30));
   const glm::dvec3 antenna{11, 2500, -17};
   test::Dice dice(5);
@@ -63,7 +63,7 @@ TEST(GroundBeam, RaysOverHillsBeginAFewCellsBeforeTheGround) {
   int met = 0;
   for (int k = 0; k < 100; ++k) {
     const double from_rad = dice.uniform(0, 7);
-    GroundBeam beam(world.grid, antenna, bearing_at(from_rad), bearing_at(from_rad + 0.002));
+    GroundClearance beam(world.grid, antenna, bearing_at(from_rad), bearing_at(from_rad + 0.002));
     for (int ray = 0; ray < 50; ++ray) {
       const glm::dvec3 direction = ray_of(dice, from_rad, 0.002, -0.3, -0.1);
       const auto hit = walk_ground(world, antenna, direction, 0, 1e6);
@@ -77,7 +77,7 @@ TEST(GroundBeam, RaysOverHillsBeginAFewCellsBeforeTheGround) {
   EXPECT_LT(cells / met, 20);
 }
 
-TEST(RoofLine, NoRayMeetsABuildingBeforeItsFreeRange) {
+TEST(RoofClearance, NoRayMeetsABuildingBeforeItsFreeRange) {
   int met = 0, free_and_met = 0, free_of_all = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     test::RandomScene random = test::random_scene(seed, {.most_prisms = 12});
@@ -86,7 +86,7 @@ TEST(RoofLine, NoRayMeetsABuildingBeforeItsFreeRange) {
     const Sector sector(random.settings, random.pose);
     std::vector<std::uint32_t> numbers;
     for (std::uint32_t b = 0; b < all.list.size(); ++b) numbers.push_back(b);
-    const RoofLine roofs(all, sector, numbers);
+    const RoofClearance roofs(all, sector, numbers);
     test::Dice dice(seed);
     for (int ray = 0; ray < 300; ++ray) {
       const glm::dvec3 direction = ray_of(dice, 0, 7, -1.57, 0.5);

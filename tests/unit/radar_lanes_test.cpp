@@ -184,7 +184,7 @@ std::vector<std::vector<Sample>> samples_of(std::size_t planes, const Each& each
 
 /// A plane marched by itself.
 struct OnePlane {
-  PieceSampler& sampler;
+  SegmentSampler& sampler;
   void visible(const VisiblePiece& piece) { sampler.visible(piece); }
   bool full() const { return sampler.full(); }
 };
@@ -212,7 +212,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
     std::vector<std::vector<Sample>> expected;
     for (const GroundShare& share : shares) {
       SweepPlane plane(scene->world(), sector.antenna_m, share.plane.bearing, 0, sector.r_max_m, {}, {});
-      PieceSampler sampler(*plan);
+      SegmentSampler sampler(*plan);
       sampler.set(share.plane);
       OnePlane sink{sampler};
       std::size_t part = 0;
@@ -231,7 +231,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
     for (const LaneKernels& kernels : all_lane_kernels()) {
       SweepGround ground(*plan, kernels);
       ground.start(shares);
-      PieceSampler sampler(*plan);
+      SegmentSampler sampler(*plan);
       EXPECT_EQ(samples_of(shares.size(),
                            [&](SampleBatch& batch) {
                              sampler.begin(batch);

@@ -104,7 +104,7 @@ int batches_of(const FramePlan& plan) {
   const auto samples = std::make_unique<SampleBatch>();
   FrameStats stats;
   int batches = 0;
-  while (source->next(*samples, stats)) ++batches;
+  while (source->fill(*samples, stats)) ++batches;
   return batches;
 }
 
@@ -126,7 +126,7 @@ TEST(ABatch, EndsThoughItsRaysMeetNothing) {
   ASSERT_TRUE(planned.plan) << planned.errors.front().text();
   RayBatch rays;
   int ray_batches = 0;
-  for (const auto source = make_ray_source(*planned.plan, {0, 1}); source->next(rays);) ++ray_batches;
+  for (const auto source = make_ray_source(*planned.plan, {0, 1}); source->generate(rays);) ++ray_batches;
   ASSERT_GE(ray_batches, 3) << "or the case is none";
   EXPECT_GE(batches_of(*planned.plan), ray_batches);
 }

@@ -44,7 +44,7 @@ TEST_P(RaysOfEveryShape, LieInTheirAzimuthBinAndEveryPixelIsCastOnce) {
   for (int first = 0; first < settings.azimuth_bins; first += kWedgeAzimuthBins) {
     const auto source =
         make_ray_source(*planned.plan, {first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first)});
-    while (source->next(*batch)) {
+    while (source->generate(*batch)) {
       std::vector<std::uint16_t> order(batch->packet_order.begin(), batch->packet_order.begin() + batch->n);
       std::sort(order.begin(), order.end());
       for (std::size_t k = 0; k < order.size(); ++k) ASSERT_EQ(order[k], k) << "packets have every ray once";
@@ -92,7 +92,7 @@ TEST(PacketsOfRays, AreSquaresOfPixels) {
   ASSERT_TRUE(planned.plan) << planned.errors.front().text();
   RayBatch batch;
   const auto source = make_ray_source(*planned.plan, {0, 8});
-  ASSERT_TRUE(source->next(batch));
+  ASSERT_TRUE(source->generate(batch));
   ASSERT_GE(batch.n, 512);
   for (std::size_t packet = 0; packet < 16; ++packet) {
     std::uint32_t columns[2] = {~0u, 0};

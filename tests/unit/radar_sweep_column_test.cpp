@@ -38,7 +38,7 @@ class Pieces : public testing::Test {
   /// Samples of one piece in a plane that stands for a width of 1 rad.
   std::unique_ptr<SampleBatch> samples(VisiblePiece piece) const {
     auto batch = std::make_unique<SampleBatch>();
-    PieceSampler sampler(*plan_);
+    SegmentSampler sampler(*plan_);
     sampler.begin(*batch);
     sampler.set({0, 0, 1.0, {0, 1}});
     sampler.visible(piece);
@@ -105,7 +105,7 @@ TEST_F(Pieces, OfAWallAslantAreSharedAmongTheRangeBinsThatItRunsThrough) {
   // tan 0.05) to 2000 / (1 - tan 0.05) m of ground distance, two range bins of 100 m. With the plane in the
   // middle standing for all of it (the named wrong version) one bin has everything.
   auto batch = std::make_unique<SampleBatch>();
-  PieceSampler sampler(*plan_);
+  SegmentSampler sampler(*plan_);
   sampler.begin(*batch);
   sampler.set({0, 0, 0.1, {0, 1}});
   VisiblePiece wall{};
@@ -182,7 +182,7 @@ TEST(SweepColumns, StrandsAndTheBasePlaneShareEveryColumnExactly) {
         silhouettes.push_back(silhouette_of(scene->world().buildings, plan->sector(), b));
       SweepColumn column(*plan, bin, plan->bins().azimuth_edge_rad(bin),
                          plan->bins().azimuth_width_rad / per_bin);
-      PieceSampler sampler(*plan);
+      SegmentSampler sampler(*plan);
       auto batch = std::make_unique<SampleBatch>();
       sampler.begin(*batch);
       column.start(silhouettes, sampler);

@@ -8,7 +8,7 @@
 #include "server/loading/meet_accuracy.h"
 #include "server/loading/scene_loading.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/geometry/range_steps.h"
+#include "server/radar/geometry/perspective_frustum.h"
 #include "server/radar/sweep/sweep_samples.h"
 #include "terrain/base/constants.h"
 #include "terrain/base/errors.h"

@@ -97,7 +97,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   int done = 0;
   RenderOptions options;
   options.threads = threads;
-  options.tap = textures.get();
+  options.observer = textures.get();
   options.on_wedge = [&](Wedge&& wedge) {
     copy_azimuths(wedge.bins, frame.bins);
     sum.add(wedge);

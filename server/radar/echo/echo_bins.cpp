@@ -16,12 +16,10 @@ namespace {
 /// means nothing, and at 0, an antenna against a wall, it divides by it.
 constexpr double kNearest_m = 1e-3;
 
-static_assert(PlacedSamples::kMost == kBatch);
-
 }  // namespace
 
-WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     AzimuthRange range, Surfaces surfaces)
+EchoBins::EchoBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+                   AzimuthRange range, Surfaces surfaces)
     : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range), surfaces_(surfaces) {
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
@@ -34,7 +32,7 @@ WedgeBins::WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, c
   restart(range);
 }
 
-void WedgeBins::restart(AzimuthRange range) {
+void EchoBins::restart(AzimuthRange range) {
   range_ = range;
   const std::size_t n =
       static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan_.bins().n_range);
@@ -46,16 +44,13 @@ void WedgeBins::restart(AzimuthRange range) {
   for (ScattererSums& sums : sums_) sums.restart(plan_.bins().n_range);
 }
 
-std::uint64_t WedgeBins::add(const SampleBatch& samples) {
+std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
   const AntennaPattern pattern(plan_.settings().gain_db);
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
-  lane_kernels().place(cells_, factors_,
-                       {samples.n, samples.slant_range_m.data(), samples.x_m.data(), samples.z_m.data(),
-                        samples.solid_angle_sr.data(), samples.material.data()},
-                       placed_);
+  lane_kernels().place(cells_, factors_, samples, placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
@@ -99,7 +94,7 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
 }
 
 /// Adds up the scatterers' voltages.
-void WedgeBins::add_speckle() {
+void EchoBins::add_speckle() {
   constexpr std::size_t kBlock = 512;
   double re[kBlock + ScattererLists::kSpare];
   double im[kBlock + ScattererLists::kSpare];
@@ -118,7 +113,7 @@ void WedgeBins::add_speckle() {
   }
 }
 
-void WedgeBins::write(BinBlock& block) {
+void EchoBins::write(BinBlock& block) {
   if (plan_.settings().speckle == SpeckleKind::ground) add_speckle();
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
     block.iq[bin] = std::complex<float>(voltage_[bin]);

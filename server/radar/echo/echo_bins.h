@@ -14,10 +14,10 @@ namespace obliq {
 
 /// One wedge's accumulators, in double. Owned by one task; sums run in the order samples arrive, so the bits
 /// follow from the wedge alone.
-class WedgeBins {
+class EchoBins {
  public:
-  WedgeBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            AzimuthRange range, Surfaces surfaces = Surfaces::all);
+  EchoBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+           AzimuthRange range, Surfaces surfaces = Surfaces::all);
 
   /// Empties the bins for another wedge and keeps their memory.
   void restart(AzimuthRange range);

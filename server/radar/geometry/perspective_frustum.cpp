@@ -9,6 +9,16 @@
 #include "terrain/base/errors.h"
 
 namespace obliq {
+namespace {
+
+/// Slant range at which the edge line above row `row` (0 = the top edge) meets ground below_m under the
+/// antenna.
+double range_of_edge_m(const PerspectiveFrustum& frustum, double row, double below_m) {
+  const glm::dvec3 d = frustum.direction((frustum.columns - 1) / 2.0, row - 0.5);
+  return below_m * std::hypot(d.y, d.z) / -d.y;
+}
+
+}  // namespace
 
 glm::dvec3 PerspectiveFrustum::direction(double column, double row) const {
   const double x = column_x_m(column);
@@ -105,6 +115,19 @@ PerspectiveFrustum oblique_frustum(const SectorBox& box, int columns, int rows) 
   f.top_m = box.near_z_m + box.depth_m;
   f.lens_shift_m = box.near_z_m + (box.depth_m - f.elongation_m) / 2;
   return f;
+}
+
+StepSizes slant_range_steps(const PerspectiveFrustum& frustum, double below_m) {
+  const double rows = frustum.rows;
+  return {range_of_edge_m(frustum, 0, below_m) - range_of_edge_m(frustum, 1, below_m),
+          range_of_edge_m(frustum, rows - 1, below_m) - range_of_edge_m(frustum, rows, below_m)};
+}
+
+StepSizes flat_steps(FrustumKind kind, double height_m, double r_min_m, double r_max_m, int pixels) {
+  const SectorBox box(height_m, 0, r_min_m, r_max_m, 0);
+  return slant_range_steps(kind == FrustumKind::symmetric ? symmetric_frustum(box, 0, pixels, pixels)
+                                                          : oblique_frustum(box, pixels, pixels),
+                           height_m);
 }
 
 }  // namespace obliq

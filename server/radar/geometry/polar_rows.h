@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "server/radar/geometry/sector.h"
+#include "server/radar/geometry/sector_extent.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/frames.h"
 

@@ -1,11 +1,8 @@
 #pragma once
-// The part of the scene that a frame looks at: its sector, and how low and high the ground and roofs in it
-// reach.
 #include <glm/vec3.hpp>
 
 #include "server/radar/geometry/pose.h"
 #include "server/radar/settings.h"
-#include "server/scene/scene.h"
 
 namespace obliq {
 
@@ -33,18 +30,6 @@ struct Sector {
     return {right * cos_bearing + ahead * sin_bearing, up, ahead * cos_bearing - right * sin_bearing};
   }
 };
-
-/// Heights of the known posts and the roofs that lie in the sector and swath, widened by 1.5 cells so that
-/// every triangle that reaches into the swath is bounded. World y.
-struct SectorExtent {
-  bool any = false;            ///< false: no known ground in the sector; nothing else is meaningful
-  double bottom_y_m = 0;       ///< y_tb
-  double top_y_m = 0;          ///< y_tb + W_y
-  double median_height_m = 0;  ///< above the datum, over one post per 32 x 32 cells
-  double highest_elevation_rad = 0;
-};
-
-SectorExtent measure_sector(const Scene& scene, const Sector& sector);
 
 /// The paper's terrain bounding box in antenna axes (Figure 3; design section 2 for the corrections).
 struct SectorBox {

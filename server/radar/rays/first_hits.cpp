@@ -1,12 +1,25 @@
 #include "server/radar/rays/first_hits.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <span>
 
-#include "server/scene/embree_tracer.h"
+#include "server/radar/geometry/silhouettes.h"
+#include "server/radar/rays/polar_rays.h"
+#include "server/scene/ray_answer.h"
 
 namespace obliq {
+namespace {
 
-RayTrace::RayTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath) : plan_(plan) {
+constexpr auto kPlanes = static_cast<std::size_t>(SweptRays::kMostPlanes);
+
+/// Buildings are taken for wider by this, far more than bearings are rounded by.
+constexpr double kSlack_rad = 1e-9;
+
+}  // namespace
+
+FirstHits::FirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath) : plan_(plan) {
   if (plan.scene().rays() == RayMethod::embree || !plan.extent().any) return;
   if (plan.settings().frustum == FrustumKind::polar) {
     polar_.emplace(plan, range);
@@ -15,7 +28,7 @@ RayTrace::RayTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath)
   }
 }
 
-void RayTrace::trace(const RayBatch& rays, RoughHit* hits) {
+void FirstHits::trace(const RayBatch& rays, RoughHit* hits) {
   by_embree_.fill(false);
   if (polar_) return polar_->trace(rays, hits);
   std::span<const std::uint16_t> left(rays.packet_order.data(), static_cast<std::size_t>(rays.n));
@@ -24,6 +37,107 @@ void RayTrace::trace(const RayBatch& rays, RoughHit* hits) {
   for (const std::uint16_t k : left) by_embree_[k] = true;
   plan_.scene().tracer().trace(plan_.sector().antenna_m, rays.dir_x.data(), rays.dir_y.data(),
                                rays.dir_z.data(), static_cast<int>(left.size()), hits, left.data());
+}
+
+PolarFirstHits::PolarFirstHits(const FramePlan& plan, AzimuthRange range)
+    : plan_(plan), range_(range), rays_(plan.swept_rays()) {}
+
+void PolarFirstHits::begin() {
+  for (const PolarColumn& column : polar_columns(plan_, range_)) {
+    if (bearings_.empty()) first_column_ = column.index;
+    const glm::dvec3 ahead = plan_.sector().world_from_antenna(column.offset.sin, 0, column.offset.cos);
+    bearings_.push_back({ahead.x, ahead.z});
+  }
+  groups_.resize((bearings_.size() + kPlanes - 1) / kPlanes);
+  share_out_buildings();
+  most_rows_ = std::min(rays_.rays(), std::max(kLeastRows, kMostAnswers / bearings_.size()));
+  slant_range_m_.resize(groups_.size() * kPlanes * most_rows_);
+  surface_.resize(slant_range_m_.size());
+}
+
+/// In doubles until clamped, as FramePlan shares them out to azimuth bins.
+void PolarFirstHits::share_out_buildings() {
+  const Buildings& all = plan_.scene().world().buildings;
+  const double width_rad = plan_.sector().width_rad / plan_.settings().pixel_columns;
+  const double start_rad = plan_.bins().azimuth_start_rad + first_column_ * width_rad;
+  const double last = static_cast<double>(groups_.size()) - 1;
+  for (const std::uint32_t b : plan_.buildings_in(range_)) {
+    const RoughBearings seen = rough_bearings_of(all, plan_.sector(), b);
+    for (int turn = -1; turn <= 1; ++turn) {
+      const auto group_at = [&](double offset_rad) {
+        return std::floor((offset_rad + turn * 2 * std::numbers::pi - start_rad) / width_rad / kPlanes);
+      };
+      const double from = group_at(seen.from_rad - kSlack_rad);
+      const double to = group_at(seen.to_rad + kSlack_rad);
+      if (!(from <= last && to >= 0)) continue;
+      const auto end = static_cast<std::size_t>(std::min(last, to));
+      for (auto group = static_cast<std::size_t>(std::max(0.0, from)); group <= end; ++group) {
+        std::vector<std::uint32_t>& list = groups_[group].buildings;
+        if (list.empty() || list.back() != b) list.push_back(b);
+      }
+    }
+  }
+}
+
+/// Answers a group's rays of the stretch of rows that holds `row`.
+void PolarFirstHits::march(std::size_t number, std::size_t row) {
+  Group& group = groups_[number];
+  const std::size_t first = row / most_rows_ * most_rows_;
+  group.rows = {first, std::min(most_rows_, rays_.rays() - first)};
+  const std::size_t column = number * kPlanes;
+  const std::size_t n = std::min(kPlanes, bearings_.size() - column);
+  const std::size_t at = column * most_rows_;
+  rays_.answer(std::span(bearings_).subspan(column, n), group.buildings, group.rows,
+               std::span(slant_range_m_).subspan(at, n * group.rows.count),
+               std::span(surface_).subspan(at, n * group.rows.count));
+}
+
+void PolarFirstHits::trace(const RayBatch& rays, RoughHit* hits) {
+  if (bearings_.empty() && rays.n > 0) begin();
+  const auto columns = static_cast<std::uint32_t>(plan_.settings().pixel_columns);
+  const std::size_t rows = rays_.rays();
+  std::uint32_t first_of_row = 0;
+  std::size_t row = rows - 1;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(rays.n); ++k) {
+    // Texture rows run from the top down.
+    const std::uint32_t pixel = rays.pixel[k];
+    if (pixel - first_of_row >= columns) {
+      row = rows - 1 - pixel / columns;
+      first_of_row = pixel / columns * columns;
+    }
+    const std::size_t column = pixel - first_of_row - static_cast<std::uint32_t>(first_column_);
+    const Group& group = groups_[column / kPlanes];
+    if (row - group.rows.first >= group.rows.count) march(column / kPlanes, row);
+    const std::size_t at = column / kPlanes * kPlanes * most_rows_ + column % kPlanes * group.rows.count +
+                           row - group.rows.first;
+    const std::uint32_t surface = surface_[at];
+    hits[k] = surface == SweptRays::kUnder ? walk(rays, k) : RoughHit{};
+    if (surface == SweptRays::kUnder || surface == SweptRays::kNothing) continue;
+    hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
+    hits[k].kind = surface < SweptRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
+    if (surface >= SweptRays::kFace) hits[k].triangle = triangle_of(surface - SweptRays::kFace);
+  }
+}
+
+/// What a ray meets on its own walk.
+RoughHit PolarFirstHits::walk(const RayBatch& rays, std::size_t k) const {
+  const auto found = first_hit(plan_.scene(), plan_.sector().antenna_m,
+                               glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]));
+  RoughHit hit;
+  if (!found) return hit;
+  hit.distance_m = static_cast<float>(found->slant_range_m);
+  hit.kind = found->face == kNoFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
+  if (found->face != kNoFace) hit.triangle = triangle_of(found->face);
+  return hit;
+}
+
+/// One of a face's triangles.
+std::uint32_t PolarFirstHits::triangle_of(std::uint32_t face) const {
+  const Buildings& all = plan_.scene().world().buildings;
+  const Building& building = all.list[all.faces[face].building];
+  const auto first = all.triangle_face.begin() + building.first_triangle;
+  return static_cast<std::uint32_t>(std::find(first, first + building.n_triangles, face) -
+                                    all.triangle_face.begin());
 }
 
 }  // namespace obliq

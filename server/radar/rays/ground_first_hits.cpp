@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <numbers>
 
-#include "server/radar/rays/ground_prefetch.h"
 #include "server/radar/simd/kernels.h"
 
 namespace obliq {
@@ -23,9 +23,51 @@ constexpr int kStretch = 24;
 /// Beyond this a ray has left any grid.
 constexpr double kFar_m = 1e8;
 
+constexpr std::ptrdiff_t kFloatsALine = 16;  // 64 bytes
+constexpr double kMostBytes = 1024 * 1024;
+
+/// Asks for the heights between two bearings (sin and cos of world angles, less than half a turn apart) and
+/// up to a ground distance, row by row, so that they are in the second-level cache when rays walk through
+/// them: a walk waits for each line of the cache, and rows can be waited for all at once. Does nothing for a
+/// wedge that such a cache would not hold. Planes that march side by side ask on their way (cell_lanes.h).
+void prefetch_ground(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right,
+                     double reach_m) {
+  const double cells_far = reach_m / grid.cell_m;
+  const double sin_width = std::abs(left.sin * right.cos - left.cos * right.sin);
+  // The triangle, and a line at both ends of each row.
+  if (!(cells_far * (0.5 * cells_far * sin_width * sizeof(float) + 128) <= kMostBytes)) return;
+  // In cells.
+  const glm::dvec2 antenna((antenna_m.x - grid.x0_m) / grid.cell_m, (antenna_m.z - grid.z0_m) / grid.cell_m);
+  const std::array<glm::dvec2, 3> corners{antenna, antenna + cells_far * glm::dvec2(left.sin, left.cos),
+                                          antenna + cells_far * glm::dvec2(right.sin, right.cos)};
+  const auto [lowest, highest] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
+  const int last_row = static_cast<int>(std::clamp(std::ceil(highest), -1.0, grid.nz - 1.0));
+  for (int j = static_cast<int>(std::clamp(std::floor(lowest), 0.0, static_cast<double>(grid.nz)));
+       j <= last_row; ++j) {
+    // What of the triangle lies within a cell of the row.
+    double from = HUGE_VAL;
+    double to = -HUGE_VAL;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec2& a = corners[k];
+      const glm::dvec2& b = corners[(k + 1) % 3];
+      for (const double row : {std::clamp(j - 1.0, lowest, highest), std::clamp(j + 1.0, lowest, highest)}) {
+        if ((row < a.y) == (row < b.y) && row != a.y && row != b.y) continue;
+        const double x = a.y == b.y ? a.x : a.x + (b.x - a.x) * ((row - a.y) / (b.y - a.y));
+        from = std::min(from, x);
+        to = std::max(to, x);
+      }
+    }
+    const auto first = static_cast<std::ptrdiff_t>(std::clamp(from - 1, 0.0, grid.nx - 1.0));
+    const auto last = static_cast<std::ptrdiff_t>(std::clamp(to + 2, 0.0, grid.nx - 1.0));
+    const float* const heights = grid.y_m.data() + grid.index(0, j);
+    for (std::ptrdiff_t i = first; i < last + kFloatsALine; i += kFloatsALine)
+      __builtin_prefetch(heights + std::min(i, last), 0, 2);
+  }
+}
+
 }  // namespace
 
-GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath)
+GroundFirstHits::GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath)
     : plan_(plan), first_bin_(range.first), beyond_swath_(beyond_swath) {
   const HeightGrid& grid = plan.scene().world().grid;
   const Sector& sector = plan.sector();
@@ -53,7 +95,7 @@ GroundTrace::GroundTrace(const FramePlan& plan, AzimuthRange range, bool beyond_
 }
 
 /// The beam of a ray in the wedge's azimuth bin number `bin`.
-GroundBeam* GroundTrace::beam_of(std::size_t bin, const glm::dvec3& direction) {
+GroundClearance* GroundFirstHits::beam_of(std::size_t bin, const glm::dvec3& direction) {
   if (beams_a_bin_ == 1) return &beams_[bin];
   const std::size_t first = bin * beams_a_bin_;
   const std::size_t last = first + beams_a_bin_ - 1;
@@ -76,14 +118,14 @@ GroundBeam* GroundTrace::beam_of(std::size_t bin, const glm::dvec3& direction) {
 
 /// Slant range from which on a ray may meet buildings that are not in the plan's lists; infinite: there are
 /// none.
-double GroundTrace::unknown_from_m(const glm::dvec3& direction) const {
+double GroundFirstHits::unknown_from_m(const glm::dvec3& direction) const {
   if (!beyond_swath_ || plan_.scene().world().buildings.list.empty()) return kInfinity;
   return plan_.building_reach_m() / std::sqrt(direction.x * direction.x + direction.z * direction.z);
 }
 
 /// From where on a ray that meets nothing before `from_m` is to be walked: where it comes over the grid, if
 /// it is not there yet; infinite: nowhere.
-double GroundTrace::on_grid_m(double from_m, const glm::dvec3& direction) const {
+double GroundFirstHits::on_grid_m(double from_m, const glm::dvec3& direction) const {
   const HeightGrid& grid = plan_.scene().world().grid;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const double x = antenna.x + from_m * direction.x;
@@ -103,7 +145,7 @@ double GroundTrace::on_grid_m(double from_m, const glm::dvec3& direction) const 
   return from_m <= to ? from_m : kInfinity;
 }
 
-std::span<const std::uint16_t> GroundTrace::trace(const RayBatch& rays, RoughHit* hits) {
+std::span<const std::uint16_t> GroundFirstHits::trace(const RayBatch& rays, RoughHit* hits) {
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const auto n = static_cast<std::size_t>(rays.n);
   const auto direction = [&](std::size_t k) {

@@ -4,27 +4,26 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/rays/ground_clearance.h"
+#include "server/radar/rays/clearance.h"
 #include "server/radar/rays/ray_batch.h"
-#include "server/radar/rays/roof_clearance.h"
-#include "server/radar/samples.h"
+#include "server/scene/embree_tracer.h"
 
 namespace obliq {
 
 /// What rays of one wedge meet first, whatever way they lie, as far as that is ground. Each walks the grid by
 /// itself, but only from where the highest ground around its bearing first reaches up to it: a few cells.
 /// Rays that might meet a building before are left to a ray tracer.
-class GroundTrace {
+class GroundFirstHits {
  public:
   /// beyond_swath: buildings there count too, though nothing of them is binned.
-  GroundTrace(const FramePlan& plan, AzimuthRange range, bool beyond_swath);
+  GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath);
 
   /// As EmbreeTracer::trace, of rays of the wedge, each in the azimuth bin that the batch says, but for the
   /// rays that it returns: those are left, in the batch's packet order. Valid until the next call.
   std::span<const std::uint16_t> trace(const RayBatch& rays, RoughHit* hits);
 
  private:
-  GroundBeam* beam_of(std::size_t bin, const glm::dvec3& direction);
+  GroundClearance* beam_of(std::size_t bin, const glm::dvec3& direction);
   double unknown_from_m(const glm::dvec3& direction) const;
   double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
@@ -38,10 +37,10 @@ class GroundTrace {
   std::vector<double> middle_rad_;
   std::vector<std::size_t> last_beam_;  // that a ray lay in
   std::vector<SinCos> edges_;           // of the beams, from the left one of the first on
-  std::vector<GroundBeam> beams_;
-  std::vector<RoofLine> roofs_;  // of the azimuth bins; empty where there are no buildings
+  std::vector<GroundClearance> beams_;
+  std::vector<RoofClearance> roofs_;  // of the azimuth bins; empty where there are no buildings
   // Of the batch's rays:
-  std::array<GroundBeam*, kBatch> beam_;
+  std::array<GroundClearance*, kBatch> beam_;
   std::array<double, kBatch> from_m_;
   std::array<double, kBatch> roof_m_;
   std::array<double, kBatch> range_m_;

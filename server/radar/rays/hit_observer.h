@@ -7,9 +7,9 @@ namespace obliq {
 
 /// Receives every hit of the ray sources with its pixel, for the perspective textures. Called from any
 /// thread, each pixel at most once.
-class SampleTap {
+class HitObserver {
  public:
-  virtual ~SampleTap() = default;
+  virtual ~HitObserver() = default;
   virtual void on_hit(std::uint32_t pixel, double azimuth_offset_rad, const ExactHit& hit) = 0;
 };
 

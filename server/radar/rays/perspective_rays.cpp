@@ -16,8 +16,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-static_assert(PixelList::kMost == kBatch);
-
 /// Tangent of a bearing offset as the start or the end of a piece. Ahead of the antenna tangents rise from
 /// -infinity to infinity, and so they do on each side behind it.
 double tangent(double offset, bool start) {
@@ -48,7 +46,7 @@ PerspectiveRays::PerspectiveRays(const FramePlan& plan, AzimuthRange range)
     add_pieces(bin, plan.bins().azimuth_edge_rad(bin), plan.bins().azimuth_edge_rad(bin + 1));
 }
 
-bool PerspectiveRays::next(RayBatch& batch) {
+bool PerspectiveRays::generate(RayBatch& batch) {
   for (pixels_.n = 0; pixels_.n < kBatch;) {
     if (taken_ == waiting_.size()) {
       if (next_row_ >= camera_.rows) break;

@@ -2,8 +2,9 @@
 #include <array>
 #include <vector>
 
+#include "server/radar/frame_plan.h"
 #include "server/radar/rays/packets.h"
-#include "server/radar/rays/ray_source.h"
+#include "server/radar/rays/ray_batch.h"
 #include "server/radar/simd/pixel_rays.h"
 
 namespace obliq {
@@ -13,7 +14,7 @@ namespace obliq {
 class PerspectiveRays : public RaySource {
  public:
   PerspectiveRays(const FramePlan& plan, AzimuthRange range);
-  bool next(RayBatch& batch) override;
+  bool generate(RayBatch& batch) override;
 
  private:
   /// Part of an azimuth bin that stays in front of or behind the antenna.

@@ -2,8 +2,25 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 namespace obliq {
+
+std::vector<PolarColumn> polar_columns(const FramePlan& plan, AzimuthRange range) {
+  const std::int64_t columns = plan.settings().pixel_columns;
+  const BinGrid& bins = plan.bins();
+  const double step_rad = bins.azimuth_width_rad * bins.n_azimuth / static_cast<double>(columns);
+  std::vector<PolarColumn> found;
+  // floor((c + 1/2) n_azimuth / columns), in integers: no column before the bin's share has its centre in it.
+  for (std::int64_t c = range.first * columns / bins.n_azimuth; c < columns; ++c) {
+    const auto bin = static_cast<int>((2 * c + 1) * bins.n_azimuth / (2 * columns));
+    if (bin < range.first) continue;
+    if (bin >= range.first + range.count) break;
+    const double offset_rad = bins.azimuth_start_rad + (static_cast<double>(c) + 0.5) * step_rad;
+    found.push_back({static_cast<int>(c), bin, sincos_turns(offset_rad / (2 * std::numbers::pi))});
+  }
+  return found;
+}
 
 PolarRays::PolarRays(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
@@ -11,7 +28,7 @@ PolarRays::PolarRays(const FramePlan& plan, AzimuthRange range)
       columns_(polar_columns(plan, range)),
       width_rad_(plan.bins().azimuth_width_rad * plan.bins().n_azimuth / plan.settings().pixel_columns) {}
 
-bool PolarRays::next(RayBatch& batch) {
+bool PolarRays::generate(RayBatch& batch) {
   batch.n = 0;
   const std::size_t rows = plan_.polar().ray.size();
   while (row_ < rows && !batch.full()) {

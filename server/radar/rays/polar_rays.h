@@ -1,19 +1,29 @@
 #pragma once
 #include <vector>
 
+#include "server/radar/frame_plan.h"
 #include "server/radar/geometry/swath.h"
 #include "server/radar/rays/packets.h"
-#include "server/radar/rays/polar_columns.h"
-#include "server/radar/rays/ray_source.h"
+#include "server/radar/rays/ray_batch.h"
 #include "server/radar/simd/exact_math.h"
 
 namespace obliq {
+
+/// A column of the polar frustum's pixels: one vertical plane.
+struct PolarColumn {
+  int index;
+  int azimuth_bin;
+  SinCos offset;  ///< of its bearing from the sector's centre
+};
+
+/// Those of some azimuth bins, in order of bearing: column c belongs to the bin of its centre.
+std::vector<PolarColumn> polar_columns(const FramePlan& plan, AzimuthRange range);
 
 /// Polar frustum: columns uniform in azimuth, rows from polar_rows.h.
 class PolarRays : public RaySource {
  public:
   PolarRays(const FramePlan& plan, AzimuthRange range);
-  bool next(RayBatch& batch) override;
+  bool generate(RayBatch& batch) override;
 
  private:
   struct Row {

@@ -1,8 +1,11 @@
 #pragma once
+// Rays of a wedge and what they hit first, a batch at a time.
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "server/radar/samples.h"
+#include "server/radar/simd/refine_hits.h"
 
 namespace obliq {
 
@@ -20,5 +23,40 @@ struct RayBatch {
 
   bool full() const { return n == kBatch; }
 };
+
+/// Generates the rays of one wedge in a fixed order that keeps packets compact: squares of pixels
+/// (packets.h), back and forth. Every pixel of the frame belongs to exactly one azimuth bin, known before its
+/// ray is traced, because a ray stays in its vertical plane.
+class RaySource {
+ public:
+  static constexpr int kMostPixels = kBatch;
+
+  virtual ~RaySource() = default;
+  /// Fills the batch, possibly with nothing: looks at kMostPixels at most. False when no pixel was left.
+  virtual bool generate(RayBatch& batch) = 0;
+};
+
+/// What each ray of a batch hits first, in double precision.
+struct HitBatch : GroundHits {
+  std::array<std::uint32_t, kBatch> face;  ///< kNoFace on ground
+  std::array<std::uint8_t, kBatch> material;
+
+  /// False: the ray meets nothing, and its other values mean nothing.
+  bool is_hit(std::size_t k) const { return !std::isnan(slant_range_m[k]); }
+};
+
+/// A ray's hit as one sample with the pixel's whole solid angle: a nearest plate.
+inline Sample sample_at_hit(const BinGrid& bins, const RayBatch& rays, const HitBatch& hits, std::size_t k) {
+  return {rays.azimuth_bin[k],
+          hits.slant_range_m[k],
+          rays.solid_angle_sr[k],
+          hits.cos_incidence[k],
+          bins.azimuth_edge_rad(rays.azimuth_bin[k] + 0.5),
+          rays.dir_y[k],
+          hits.x_m[k],
+          hits.z_m[k],
+          hits.face[k],
+          hits.material[k]};
+}
 
 }  // namespace obliq

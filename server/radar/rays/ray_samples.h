@@ -1,56 +1,53 @@
 #pragma once
 #include <array>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "server/radar/rays/first_hits.h"
 #include "server/radar/rays/hit_observer.h"
-#include "server/radar/rays/plates/plate_source.h"
-#include "server/radar/rays/ray_source.h"
-#include "server/radar/samples.h"
-#include "server/radar/simd/refine_hits.h"
+#include "server/radar/rays/plates/plate.h"
+#include "server/radar/rays/ray_batch.h"
 
 namespace obliq {
 
-/// Rays of azimuth bins [range.first, range.first + range.count), from the plan's frustum.
+/// Rays of azimuth bins [range.first, range.first + range.count), from the plan's frustum; null where the
+/// sector holds no known ground.
 std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange range);
 
 class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
 
-/// The three frusta: rays through pixels, traced (ray_trace.h) and re-intersected in double. With nearest
-/// plates one sample a hit, with spread plates one for every range bin and surface that the hit's pixel
-/// covers.
+/// The three frusta, in four stages: generate rays through pixels, trace them to their first hits, refine
+/// those in double, and spread each pixel's solid angle: with nearest plates one sample a hit, with spread
+/// plates one for every range bin and surface that the pixel's footprint covers.
 class RaySamples : public SampleSource {
  public:
-  RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile);
+  RaySamples(const FramePlan& plan, AzimuthRange range, HitObserver* observer, WedgeProfile* profile);
   ~RaySamples() override;
-  bool next(SampleBatch& samples, FrameStats& stats) override;
+  bool fill(SampleBatch& samples, FrameStats& stats) override;
 
  private:
-  bool trace(FrameStats& stats);
-  void take_nearest(SampleBatch& samples, FrameStats& stats);
-  bool next_rays(FrameStats& stats);
-  void spread_some();
-  bool unload(SampleBatch& samples);
-  void meet_ground();
-  std::optional<ExactHit> exact_hit(std::size_t k, FrameStats& stats);
-  bool on_ground(std::size_t k) const;
-  ExactHit ground_hit(std::size_t k) const;
+  bool next_hits(FrameStats& stats);
+  bool generate(FrameStats& stats);
+  void trace();
+  void refine(FrameStats& stats);
+  void refine_ground();
+  bool is_settled_ground(std::size_t k) const;
+  void refine_one(std::size_t k, FrameStats& stats);
+  void take_nearest(SampleBatch& samples) const;
+  void spread();
+  bool hand_out(SampleBatch& samples);
 
   const FramePlan& plan_;
-  SampleTap* tap_;
-  std::unique_ptr<RaySource> source_;
+  HitObserver* observer_;
+  std::unique_ptr<RaySource> source_;          // null: no rays
   std::unique_ptr<WedgeProfile> own_profile_;  // null when one was handed in, or none is needed
-  std::unique_ptr<PlateSpreader> spreader_;    // null: nearest plates
-  RayTrace trace_;
+  std::unique_ptr<PlateSource> plates_;        // null: nearest plates
+  FirstHits first_hits_;
   RayBatch rays_;
-  std::array<RoughHit, kBatch> rough_;
-  std::array<std::optional<ExactHit>, kBatch> exact_;  // of spread plates
-  std::array<double, kBatch> rough_ground_m_;          // NaN where no ground was met
-  GroundHits ground_;
-  std::vector<Sample> spread_;  // made, not yet handed out from unloaded_ on
-  std::size_t unloaded_ = 0;
+  std::array<RoughHit, kBatch> rough_;  // first hits as they were traced
+  HitBatch hits_;                       // the same, refined
+  std::vector<Sample> spread_;          // handed out up to handed_out_
+  std::size_t handed_out_ = 0;
   int spread_rays_ = 0;  // of the batch
   bool finished_ = false;
 };

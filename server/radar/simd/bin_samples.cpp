@@ -6,7 +6,7 @@
 
 namespace obliq::OBLIQ_ISA {
 
-void place_samples(const SwathCells& cells, const EchoFactors& factors, const PlaceInput& samples,
+void place_samples(const SwathCells& cells, const EchoFactors& factors, const SampleBatch& samples,
                    PlacedSamples& placed) {
   for (int k = 0; k < samples.n; k += kLanes) {
     const f64x8 r = load(samples.slant_range_m + k);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/samples.h"
 #include "server/radar/simd/range_axis.h"
 
 namespace obliq {
@@ -24,28 +25,17 @@ struct EchoFactors {
   double gamma[256];  ///< by material; NaN: not a constant
 };
 
-/// A SampleBatch's arrays, read up to a multiple of 8.
-struct PlaceInput {
-  int n;
-  const double* slant_range_m;
-  const double* x_m;
-  const double* z_m;
-  const double* solid_angle_sr;
-  const std::uint8_t* material;
-};
-
-/// Where samples fall, and what they scatter.
+/// Where samples fall, and what they scatter. Samples are read up to a multiple of 8.
 struct PlacedSamples {
-  static constexpr int kMost = 1024;
   static constexpr std::int32_t kOutside = -1;
-  std::int32_t range_bin[kMost];  ///< kOutside: not in the swath
-  double range2_m2[kMost];
-  double sigma_m2[kMost];     ///< NaN where gamma is no constant
-  double spreading[kMost];    ///< r^4, or 1 with range normalisation
-  std::uint64_t cell[kMost];  ///< ScattererKey::place and the level in its kind, as if all were ground
-  std::uint64_t level[kMost];
+  std::int32_t range_bin[kBatch];  ///< kOutside: not in the swath
+  double range2_m2[kBatch];
+  double sigma_m2[kBatch];     ///< NaN where gamma is no constant
+  double spreading[kBatch];    ///< r^4, or 1 with range normalisation
+  std::uint64_t cell[kBatch];  ///< ScattererKey::place and the level in its kind, as if all were ground
+  std::uint64_t level[kBatch];
 };
 
-using PlaceKernel = void (*)(const SwathCells&, const EchoFactors&, const PlaceInput&, PlacedSamples&);
+using PlaceKernel = void (*)(const SwathCells&, const EchoFactors&, const SampleBatch&, PlacedSamples&);
 
 }  // namespace obliq

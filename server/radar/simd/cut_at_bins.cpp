@@ -1,10 +1,10 @@
-// PieceSampler for eight pieces of ground at a time, to the bit.
+// SegmentSampler for eight pieces of ground at a time, to the bit.
 #include "server/radar/simd/cut_at_bins.h"
 
 #include "server/radar/simd/range_run.h"
 
 namespace obliq::OBLIQ_ISA {
-int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, SampleArrays& out, bool& rare) {
+int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, SampleBatch& out, bool& rare) {
   const RangeAxis& axis = bins.axis;
   const double bins_per_m = 1 / axis.range_spacing_m;
   const double n_range = axis.n_range;
@@ -37,9 +37,10 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
     const f64x8 last_bin =
         select(farthest >= axis.r_max_m, broadcast(n_range), floor((farthest - axis.r_min_m) * bins_per_m));
     const f64x8 cuts = select(wanted, last_bin - first_bin, f64x8{});
-    const double room = out.most - SampleArrays::kRoom - out.n;
+    // Eights are stored whole: what is behind the last sample is overwritten.
+    const double room = kBatch - kLanes - out.n;
     const mask8 crowded = (cuts + 1.0) * static_cast<double>(kLanes) > room;
-    if (any(wanted & (turns | wide | (cuts * static_cast<double>(kLanes) > out.most / 4.0)))) {
+    if (any(wanted & (turns | wide | (cuts * static_cast<double>(kLanes) > kBatch / 4.0)))) {
       rare = true;
       return first;
     }
@@ -77,7 +78,7 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
         const u64x8 cell = to_u64(compress(kept, cells));
         const int count = __builtin_popcount(kept);
         for (int s = 0; s < count; ++s) {
-          out.face[n + s] = SampleArrays::kGround;
+          out.face[n + s] = kNoFace;
           out.material[n + s] = 0;
         }
         if (bins.material != nullptr) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/samples.h"
 #include "server/radar/simd/range_axis.h"
 #include "server/radar/simd/visible_ground.h"
 
@@ -10,7 +11,7 @@ namespace obliq {
 struct PieceBins {
   RangeAxis axis;
   GroundView ground;
-  double turn_rad;  ///< PieceSampler::kTurn_rad
+  double turn_rad;  ///< SegmentSampler::kTurn_rad
   double sin_bearing[GroundLanes::kLanes];
   double cos_bearing[GroundLanes::kLanes];
   double azimuth_offset_rad[GroundLanes::kLanes];
@@ -18,27 +19,9 @@ struct PieceBins {
   const std::uint8_t* material;             ///< [nz - 1][nx - 1] of the cells; null: all are 0
 };
 
-/// The arrays of a SampleBatch.
-struct SampleArrays {
-  static constexpr int kRoom = 8;                        ///< what is written behind the last sample
-  static constexpr std::uint32_t kGround = 0xffffffffu;  ///< kNoFace
-  int n;
-  int most;
-  std::int32_t* azimuth_bin;
-  double* slant_range_m;
-  double* solid_angle_sr;
-  double* cos_incidence;
-  double* azimuth_offset_rad;
-  double* sin_elevation;
-  double* x_m;
-  double* z_m;
-  std::uint32_t* face;
-  std::uint8_t* material;
-};
-
-/// Cuts rows of pieces from number `first` on into samples as PieceSampler does, to the bit. Returns the
+/// Cuts rows of pieces from number `first` on into samples as SegmentSampler does, to the bit. Returns the
 /// first one that is not done: all are, or there is no room, or a piece of the next row is rare (its range
 /// turns, it is seen under a wide angle, or it has very many bins) and `rare` is set.
-using PieceKernel = int (*)(const PieceBins&, const GroundPieces&, int first, SampleArrays&, bool& rare);
+using PieceKernel = int (*)(const PieceBins&, const GroundPieces&, int first, SampleBatch&, bool& rare);
 
 }  // namespace obliq

@@ -38,19 +38,19 @@ const LaneKernels& lane_kernels();
 const std::vector<LaneKernels>& all_lane_kernels();
 
 /// Compiled with x86-64-v2, -v3 and -v4.
-#define OBLIQ_DECLARE_LANES(isa)                                                                \
-  namespace isa {                                                                               \
-  void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                \
-  bool march_ground(const GroundView&, GroundLanes&, GroundPieces&);                            \
-  unsigned march_profiles(const GroundView&, const RangeAxis&, ProfileLanes&);                  \
-  HorizonPoint highest_ground(const GroundView&, const GroundStretch&);                         \
-  int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);             \
-  void place_samples(const SwathCells&, const EchoFactors&, const PlaceInput&, PlacedSamples&); \
-  unsigned answer_rays(const GroundView&, const RayRows&, RayLanes&);                           \
-  std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                \
-  int aim_pixels(const PixelCamera&, const PixelList&, const AimedRays&);                       \
-  void meet_ground(const GroundRays&, GroundHits&);                                             \
-  void cast_ground(const GroundView&, const CastRays&);                                         \
+#define OBLIQ_DECLARE_LANES(isa)                                                                 \
+  namespace isa {                                                                                \
+  void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                 \
+  bool march_ground(const GroundView&, GroundLanes&, GroundPieces&);                             \
+  unsigned march_profiles(const GroundView&, const RangeAxis&, ProfileLanes&);                   \
+  HorizonPoint highest_ground(const GroundView&, const GroundStretch&);                          \
+  int cut_ground(const PieceBins&, const GroundPieces&, int, SampleBatch&, bool&);               \
+  void place_samples(const SwathCells&, const EchoFactors&, const SampleBatch&, PlacedSamples&); \
+  unsigned answer_rays(const GroundView&, const RayRows&, RayLanes&);                            \
+  std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                 \
+  int aim_pixels(const PixelCamera&, const PixelList&, const AimedRays&);                        \
+  void meet_ground(const GroundRays&, GroundHits&);                                              \
+  void cast_ground(const GroundView&, const CastRays&);                                          \
   }
 OBLIQ_DECLARE_LANES(sse)
 OBLIQ_DECLARE_LANES(avx2)

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/samples.h"
 #include "server/radar/simd/lanes.h"
 
 namespace obliq {
@@ -35,13 +36,12 @@ struct PixelCamera {
 
 /// Pixels, each in its azimuth bin, and the viewing plane's up and ahead in its row.
 struct PixelList {
-  static constexpr int kMost = 1024;
   int n = 0;
-  std::int32_t column[kMost];
-  std::int32_t row[kMost];
-  std::int32_t bin[kMost];
-  double up_m[kMost];
-  double ahead_m[kMost];
+  std::int32_t column[kBatch];
+  std::int32_t row[kBatch];
+  std::int32_t bin[kBatch];
+  double up_m[kBatch];
+  double ahead_m[kBatch];
 };
 
 /// Rays of the pixels that reach the swath, in their order; `from` is the pixel's place in the list. All

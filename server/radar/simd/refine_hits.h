@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/samples.h"
 #include "server/radar/simd/grid_view.h"
 
 namespace obliq {
@@ -18,13 +19,12 @@ struct GroundRays {
 
 /// Where they meet the ground in double precision: what refine_near (server/scene/exact_hit.h) answers.
 struct GroundHits {
-  static constexpr int kMost = 1024;
-  double slant_range_m[kMost];  ///< NaN: to be answered otherwise
-  double cos_incidence[kMost];
-  double x_m[kMost];
-  double z_m[kMost];
-  std::int32_t cell_x[kMost];  ///< the ground cell
-  std::int32_t cell_z[kMost];
+  double slant_range_m[kBatch];  ///< NaN: to be answered otherwise
+  double cos_incidence[kBatch];
+  double x_m[kBatch];
+  double z_m[kBatch];
+  std::int32_t cell_x[kBatch];  ///< the ground cell
+  std::int32_t cell_z[kBatch];
 };
 
 /// Intersects the triangle under each rough hit, and the one under the point that this leads to. Rays that

@@ -8,36 +8,24 @@
 
 namespace obliq {
 
-void PieceSampler::begin(SampleBatch& batch) {
+void SegmentSampler::begin(SampleBatch& batch) {
   batch_ = &batch;
   batch.n = 0;
-  const std::size_t n = std::min<std::size_t>(waiting_.size(), kBatch);
-  std::vector<Waiting> first(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(n));
-  std::vector<Waiting> rest(waiting_.begin() + static_cast<std::ptrdiff_t>(n), waiting_.end());
-  waiting_.clear();
-  for (const Waiting& sample : first) put(sample);
-  waiting_ = std::move(rest);
+  const auto end =
+      waiting_.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(waiting_.size(), kBatch));
+  std::for_each(waiting_.begin(), end, [&](const Sample& sample) { batch.push(sample); });
+  waiting_.erase(waiting_.begin(), end);
 }
 
-void PieceSampler::put(const Waiting& sample) {
-  if (batch_->n == kBatch || !waiting_.empty()) {
+void SegmentSampler::put(const Sample& sample) {
+  if (batch_->full() || !waiting_.empty()) {
     waiting_.push_back(sample);
-    return;
+  } else {
+    batch_->push(sample);
   }
-  const auto s = static_cast<std::size_t>(batch_->n++);
-  batch_->azimuth_bin[s] = sample.azimuth_bin;
-  batch_->slant_range_m[s] = sample.slant_range_m;
-  batch_->solid_angle_sr[s] = sample.solid_angle_sr;
-  batch_->cos_incidence[s] = sample.cos_incidence;
-  batch_->azimuth_offset_rad[s] = sample.azimuth_offset_rad;
-  batch_->sin_elevation[s] = sample.sin_elevation;
-  batch_->x_m[s] = sample.x_m;
-  batch_->z_m[s] = sample.z_m;
-  batch_->face[s] = sample.face;
-  batch_->material[s] = sample.material;
 }
 
-void PieceSampler::visible(const VisiblePiece& piece) {
+void SegmentSampler::visible(const VisiblePiece& piece) {
   if (!(share_.width_rad > 0)) return;
   if (piece.wall) {
     aslant(piece);
@@ -46,7 +34,7 @@ void PieceSampler::visible(const VisiblePiece& piece) {
   }
 }
 
-void PieceSampler::aslant(const VisiblePiece& wall) {
+void SegmentSampler::aslant(const VisiblePiece& wall) {
   // The wall is the line n.p = -distance from the antenna: at a bearing off the plane's by `off` it stands at
   // 1 / d = -n.direction / distance. That is a cosine of the bearing, as good as straight across a strand.
   const PlaneShare whole = share_;
@@ -116,7 +104,7 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
   share_ = whole;
 }
 
-void PieceSampler::straight(const VisiblePiece& piece) {
+void SegmentSampler::straight(const VisiblePiece& piece) {
   const At from = at(piece, piece.t0);
   const At to = at(piece, piece.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.
@@ -134,7 +122,7 @@ void PieceSampler::straight(const VisiblePiece& piece) {
   }
 }
 
-void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
+void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   const double least = std::min(from.r_m, to.r_m);
   const double most = std::max(from.r_m, to.r_m);
   if (most < bins_.r_min_m || least >= bins_.r_max_m) return;
@@ -164,7 +152,7 @@ void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   if (bin >= 0 && bin < bins_.n_range) add_part(piece, previous, to, 0);
 }
 
-void PieceSampler::add_part(const VisiblePiece& piece, At from, At to, int depth) {
+void SegmentSampler::add_part(const VisiblePiece& piece, At from, At to, int depth) {
   const double d0 = piece.ground_range_m(from.t);
   const double h0 = piece.height_m(from.t);
   const double d1 = piece.ground_range_m(to.t);
@@ -181,7 +169,6 @@ void PieceSampler::add_part(const VisiblePiece& piece, At from, At to, int depth
     }
   }
   const double over_r = 1 / part.range_m;
-  ++samples_;
   put({share_.azimuth_bin, part.range_m, share_.width_rad * part.share,
        std::min(1.0, piece.plane_distance_m * over_r), share_.azimuth_offset_rad, part.height_m * over_r,
        antenna_m_.x + part.distance_m * share_.bearing.sin,

@@ -18,9 +18,9 @@ struct PlaneShare {
 };
 
 /// Appends samples to a batch; those that do not fit wait for the next one.
-class PieceSampler {
+class SegmentSampler {
  public:
-  explicit PieceSampler(const FramePlan& plan)
+  explicit SegmentSampler(const FramePlan& plan)
       : bins_(plan.bins()),
         bins_per_m_(1 / plan.bins().range_spacing_m),
         grid_(plan.scene().world().grid),
@@ -31,7 +31,6 @@ class PieceSampler {
   /// No more than a few pieces should be added.
   bool full() const { return batch_->n > kBatch - kSpare || !waiting_.empty(); }
   bool anything_waiting() const { return !waiting_.empty(); }
-  std::uint64_t samples() const { return samples_; }
 
   void set(const PlaneShare& share) { share_ = share; }
   void set_width(double width_rad) { share_.width_rad = width_rad; }
@@ -51,12 +50,6 @@ class PieceSampler {
   static constexpr int kSpare = 32;
   static constexpr int kMostEdges = 64;  // that an aslant wall is divided at; more are left to even parts
 
-  struct Waiting {
-    std::int32_t azimuth_bin;
-    double slant_range_m, solid_angle_sr, cos_incidence, azimuth_offset_rad, sin_elevation, x_m, z_m;
-    std::uint32_t face;
-    std::uint8_t material;
-  };
   /// A point of the piece.
   struct At {
     double t;
@@ -74,7 +67,7 @@ class PieceSampler {
   void cut_at_bins(const VisiblePiece& piece, At from, At to);
   /// In one range bin.
   void add_part(const VisiblePiece& piece, At from, At to, int depth);
-  void put(const Waiting& sample);
+  void put(const Sample& sample);
 
   const BinGrid& bins_;
   double bins_per_m_;
@@ -82,9 +75,8 @@ class PieceSampler {
   glm::dvec3 antenna_m_;
   PlaneShare share_;
   SampleBatch* batch_ = nullptr;
-  std::vector<Waiting> waiting_;
+  std::vector<Sample> waiting_;
   std::vector<double> cuts_;
-  std::uint64_t samples_ = 0;
 };
 
 }  // namespace obliq

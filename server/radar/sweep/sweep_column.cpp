@@ -45,7 +45,7 @@ PlaneShare SweepColumn::share_of(TickRange ticks, SinCos bearing) const {
   return {azimuth_bin_, offset_rad(ticks), static_cast<double>(ticks.size()) * tick_rad_, bearing};
 }
 
-void SweepColumn::start(const std::vector<Silhouette>& silhouettes, PieceSampler& sampler) {
+void SweepColumn::start(const std::vector<Silhouette>& silhouettes, SegmentSampler& sampler) {
   find_obstacles(silhouettes);
   for (std::size_t k = 0; k < obstacles_.size(); ++k) add_obstacle(k, sampler);
   advance(kInfinity, sampler);
@@ -169,7 +169,7 @@ void SweepColumn::consider(TickRange ticks, std::size_t obstacle, int halvings, 
 }
 
 /// Gives an obstacle strands where it shows: new ones, or parts of those that are already there.
-void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
+void SweepColumn::add_obstacle(std::size_t index, SegmentSampler& sampler) {
   const Obstacle& o = obstacles_[index];
   advance(o.near_m, sampler);
   std::vector<Strand> fresh;
@@ -226,7 +226,7 @@ void SweepColumn::add_obstacle(std::size_t index, PieceSampler& sampler) {
 
 /// Marches every active strand up to the cell that holds a distance; those that come out of the shadow give
 /// their bearings back.
-void SweepColumn::advance(double to_m, PieceSampler& sampler) {
+void SweepColumn::advance(double to_m, SegmentSampler& sampler) {
   std::erase_if(active_, [&](Strand& strand) {
     march(strand, to_m, GroundWalk::Last::whole, sampler);
     if (!strand.plane.out_of_shadow()) return false;
@@ -235,9 +235,9 @@ void SweepColumn::advance(double to_m, PieceSampler& sampler) {
   });
 }
 
-void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler) {
+void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, SegmentSampler& sampler) {
   struct Sink {
-    PieceSampler& sampler;
+    SegmentSampler& sampler;
     const SweepPlane& plane;
     void visible(const VisiblePiece& piece) { sampler.visible(piece); }
     bool full() const { return plane.out_of_shadow(); }

@@ -40,7 +40,7 @@ class SweepColumn {
 
   /// Marches the strands of all buildings and leaves what the base plane stands for. `silhouettes`: of the
   /// buildings that may overlap the column.
-  void start(const std::vector<Silhouette>& silhouettes, PieceSampler& sampler);
+  void start(const std::vector<Silhouette>& silhouettes, SegmentSampler& sampler);
 
   const GroundShare& base() const { return base_; }
 
@@ -65,9 +65,9 @@ class SweepColumn {
   };
 
   void find_obstacles(const std::vector<Silhouette>& silhouettes);
-  void add_obstacle(std::size_t index, PieceSampler& sampler);
-  void advance(double to_m, PieceSampler& sampler);
-  void march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler);
+  void add_obstacle(std::size_t index, SegmentSampler& sampler);
+  void advance(double to_m, SegmentSampler& sampler);
+  void march(Strand& strand, double to_m, GroundWalk::Last last, SegmentSampler& sampler);
   SweepPlane plane_at(TickRange ticks, double from_m, std::size_t n_obstacles);
   enum class Look { shows, nearly, hidden };
   Look look(const SweepPlane& plane, std::size_t obstacle, double width_rad);

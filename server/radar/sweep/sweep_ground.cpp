@@ -6,14 +6,12 @@
 
 namespace obliq {
 
-static_assert(SampleArrays::kGround == kNoFace);
-
 SweepGround::SweepGround(const FramePlan& plan, const LaneKernels& kernels) : plan_(plan), kernels_(kernels) {
   const World& world = plan.scene().world();
   bins_ = {};
   bins_.axis = plan.bins();
   bins_.ground = ground_view(world.grid, plan.sector().antenna_m);
-  bins_.turn_rad = PieceSampler::kTurn_rad;
+  bins_.turn_rad = SegmentSampler::kTurn_rad;
   bins_.material = world.surface_material.empty() ? nullptr : world.surface_material.data();
 }
 
@@ -45,7 +43,7 @@ void SweepGround::start(std::vector<GroundShare> shares) {
   }
 }
 
-bool SweepGround::next(PieceSampler& sampler, SampleBatch& samples) {
+bool SweepGround::next(SegmentSampler& sampler, SampleBatch& samples) {
   while (!sampler.full()) {
     if (cut_ >= pieces_.n) {
       if (!marching_) return false;
@@ -53,21 +51,8 @@ bool SweepGround::next(PieceSampler& sampler, SampleBatch& samples) {
       marching_ = kernels_.march_ground(bins_.ground, lanes_, pieces_);
       continue;
     }
-    SampleArrays out{samples.n,
-                     kBatch,
-                     samples.azimuth_bin.data(),
-                     samples.slant_range_m.data(),
-                     samples.solid_angle_sr.data(),
-                     samples.cos_incidence.data(),
-                     samples.azimuth_offset_rad.data(),
-                     samples.sin_elevation.data(),
-                     samples.x_m.data(),
-                     samples.z_m.data(),
-                     samples.face.data(),
-                     samples.material.data()};
     bool rare = false;
-    cut_ = kernels_.cut_ground(bins_, pieces_, cut_, out, rare);
-    samples.n = out.n;
+    cut_ = kernels_.cut_ground(bins_, pieces_, cut_, samples, rare);
     if (rare) {
       cut_rare(sampler);
     } else if (cut_ < pieces_.n) {
@@ -78,7 +63,7 @@ bool SweepGround::next(PieceSampler& sampler, SampleBatch& samples) {
 }
 
 /// The next row of pieces, one at a time.
-void SweepGround::cut_rare(PieceSampler& sampler) {
+void SweepGround::cut_rare(SegmentSampler& sampler) {
   const World& world = plan_.scene().world();
   const auto nx = static_cast<std::uint64_t>(world.grid.nx);
   for (std::size_t lane = 0; lane < shares_.size(); ++lane) {

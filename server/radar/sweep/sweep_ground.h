@@ -28,10 +28,10 @@ class SweepGround {
   void start(std::vector<GroundShare> shares);
 
   /// Marches until the sampler is full; false when all planes have come to their ends.
-  bool next(PieceSampler& sampler, SampleBatch& samples);
+  bool next(SegmentSampler& sampler, SampleBatch& samples);
 
  private:
-  void cut_rare(PieceSampler& sampler);
+  void cut_rare(SegmentSampler& sampler);
 
   const FramePlan& plan_;
   const LaneKernels& kernels_;

@@ -21,7 +21,7 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
   }
 }
 
-bool SweepSamples::next(SampleBatch& samples, FrameStats& stats) {
+bool SweepSamples::fill(SampleBatch& samples, FrameStats& stats) {
   sampler_.begin(samples);
   if (!sampler_.full() && !done()) step(samples, stats);
   stats.hits += static_cast<std::uint64_t>(samples.n);

@@ -14,7 +14,7 @@ namespace obliq {
 class SweepSamples : public SampleSource {
  public:
   SweepSamples(const FramePlan& plan, AzimuthRange range);
-  bool next(SampleBatch& samples, FrameStats& stats) override;
+  bool fill(SampleBatch& samples, FrameStats& stats) override;
 
  private:
   bool done() const { return columns_per_bin_ == 0 || first_ >= range_.first + range_.count; }
@@ -30,7 +30,7 @@ class SweepSamples : public SampleSource {
   int first_;                            // bin of those that go together
   int within_ = 0;                       // their columns' place in the bin
   std::vector<Silhouette> silhouettes_;  // of the wedge's buildings, by their numbers
-  PieceSampler sampler_;
+  SegmentSampler sampler_;
   SweepGround ground_;
   std::vector<GroundShare> shares_;  // of the columns whose buildings are done
   bool marching_ = false;

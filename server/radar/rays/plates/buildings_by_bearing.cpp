@@ -21,7 +21,7 @@ constexpr double kSlack_rad = 1e-9;
 
 }  // namespace
 
-BuildingFan::BuildingFan(const FramePlan& plan, int azimuth_bin)
+BuildingsByBearing::BuildingsByBearing(const FramePlan& plan, int azimuth_bin)
     : all_(plan.scene().world().buildings), sector_(plan.sector()) {
   const std::vector<std::uint32_t>& buildings = plan.buildings_in(azimuth_bin);
   cells_.resize(std::clamp<std::size_t>(buildings.size() / kBuildingsACell, 1, kMostCells));
@@ -54,7 +54,7 @@ BuildingFan::BuildingFan(const FramePlan& plan, int azimuth_bin)
 }
 
 /// The farthest corner bounds the outline; the nearest point of an edge may be nearer than its corners.
-BuildingFan::Standing BuildingFan::standing(std::uint32_t building) const {
+BuildingsByBearing::Standing BuildingsByBearing::standing(std::uint32_t building) const {
   const std::uint32_t ring = all_.list[building].first_ring;
   double nearest = HUGE_VAL;
   double farthest = 0;
@@ -72,11 +72,11 @@ BuildingFan::Standing BuildingFan::standing(std::uint32_t building) const {
 }
 
 /// Not clamped: in doubles, a narrow bin makes numbers that fit no integer.
-double BuildingFan::cell_number(double offset_rad) const {
+double BuildingsByBearing::cell_number(double offset_rad) const {
   return std::floor((offset_rad - centre_rad_) * cells_a_rad_ + static_cast<double>(cells_.size()) / 2);
 }
 
-const BuildingFan::Cell& BuildingFan::cell(double sin_bearing, double cos_bearing) const {
+const BuildingsByBearing::Cell& BuildingsByBearing::cell(double sin_bearing, double cos_bearing) const {
   if (cells_.size() == 1) return cells_[0];
   const double offset = bearing_of(sin_bearing * sector_.cos_bearing - cos_bearing * sector_.sin_bearing,
                                    sin_bearing * sector_.sin_bearing + cos_bearing * sector_.cos_bearing);
@@ -86,8 +86,8 @@ const BuildingFan::Cell& BuildingFan::cell(double sin_bearing, double cos_bearin
   return cells_[static_cast<std::size_t>(std::clamp(cell_number(near_centre), 0.0, last))];
 }
 
-void BuildingFan::add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
-                                std::vector<RoofStretch>& stretches) const {
+void BuildingsByBearing::add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
+                                       std::vector<RoofStretch>& stretches) const {
   const Cell& here = cell(sin_bearing, cos_bearing);
   auto at = std::lower_bound(here.buildings.begin(), here.buildings.end(), from_m - here.longest_m,
                              [](const Standing& standing, double d) { return standing.near_m < d; });

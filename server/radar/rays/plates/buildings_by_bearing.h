@@ -9,9 +9,9 @@ namespace obliq {
 
 /// The buildings of one azimuth bin by bearing and distance: which of them a vertical plane through the
 /// antenna can meet. A bin may be the whole sector, with thousands of buildings. Immutable.
-class BuildingFan {
+class BuildingsByBearing {
  public:
-  BuildingFan(const FramePlan& plan, int azimuth_bin);
+  BuildingsByBearing(const FramePlan& plan, int azimuth_bin);
 
   /// Appends the roof stretches of the plane along a world direction, those of all buildings that it can meet
   /// between two distances, the nearest building first.

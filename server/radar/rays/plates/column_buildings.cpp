@@ -55,7 +55,7 @@ ColumnBuildings::ColumnBuildings(const FramePlan& plan, int azimuth_bin, double 
 }
 
 void ColumnBuildings::strands_between(double low_slope, double high_slope, double range_spacing_m,
-                                      std::vector<BuildingStrand>& strands) const {
+                                      std::vector<SubColumn>& strands) const {
   strands.clear();
   between_.clear();
   cuts_.clear();

@@ -7,7 +7,7 @@
 namespace obliq {
 
 /// A stretch of a column's width in which no building has a corner, as the vertical plane at its middle.
-struct BuildingStrand {
+struct SubColumn {
   double sin_bearing = 0;
   double cos_bearing = 1;
   double weight = 1;  ///< of the column's width; the strands' weights add up to 1
@@ -24,7 +24,7 @@ class ColumnBuildings {
 
   /// The strands for elevations between two slopes; none where no building is. Kept until the next call.
   void strands_between(double low_slope, double high_slope, double range_spacing_m,
-                       std::vector<BuildingStrand>& strands) const;
+                       std::vector<SubColumn>& strands) const;
   /// The buildings of the last call, rising, and how near the nearest of them is.
   const std::vector<std::uint32_t>& between() const { return between_; }
   double nearest_between_m() const { return nearest_between_m_; }

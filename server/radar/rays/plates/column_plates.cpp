@@ -56,8 +56,8 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
   return found;
 }
 
-void ColumnPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
-                        std::vector<Sample>& samples) {
+void ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
+                          std::vector<Sample>& samples) {
   Column& here = column(rays, k);
   surface_.aim(here.sin_bearing, here.cos_bearing, here.roofs);
   Pixel& next = next_;
@@ -65,12 +65,12 @@ void ColumnPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit
   next.plate.clear();
   next.row = rows_ - 1 -
              static_cast<int>(rays.pixel[k] / static_cast<std::uint32_t>(plan_.settings().pixel_columns));
-  if (hit) {
+  if (hits.is_hit(k)) {
     next.hit = true;
-    next.solid_angle_sr = rays.solid_angle_sr[k];
-    next.exact = *hit;
+    next.nearest = sample_at_hit(plan_.bins(), rays, hits, k);
+    const double range_m = next.nearest.slant_range_m;
     const double ground = std::sqrt(rays.dir_x[k] * rays.dir_x[k] + rays.dir_z[k] * rays.dir_z[k]);
-    next.point = {hit->slant_range_m * ground, hit->slant_range_m * rays.dir_y[k], rays.dir_y[k] / ground};
+    next.point = {range_m * ground, range_m * rays.dir_y[k], rays.dir_y[k] / ground};
   }
   const double edge = edge_slope_[static_cast<std::size_t>(next.row)];
   Pixel& last = here.last;
@@ -100,7 +100,7 @@ void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above
   }
   const Buildings& all = plan_.scene().world().buildings;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  for (const BuildingStrand& strand : strands_) {
+  for (const SubColumn& strand : strands_) {
     strand_roofs_.clear();
     for (const std::uint32_t b : column.buildings.between())
       add_roof_stretches(all, b, antenna.x, antenna.z, strand.sin_bearing, strand.cos_bearing, strand_roofs_);
@@ -155,8 +155,7 @@ void ColumnPlates::close_upwards(Column& column, std::vector<Sample>& samples) {
 void ColumnPlates::close(Column& column, std::vector<Sample>& samples) {
   Pixel& pixel = column.last;
   if (!pixel.hit) return;
-  emit_plate(plan_, pixel.plate, pixel.exact, pixel.solid_angle_sr, column.azimuth_bin, column.sin_bearing,
-             column.cos_bearing, samples);
+  emit_plate(plan_, pixel.plate, pixel.nearest, column.sin_bearing, column.cos_bearing, samples);
   pixel.hit = false;
 }
 

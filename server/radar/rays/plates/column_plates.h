@@ -3,23 +3,23 @@
 
 #include "server/radar/profile/local_sight.h"
 #include "server/radar/rays/plates/column_buildings.h"
-#include "server/radar/rays/plates/plate_source.h"
+#include "server/radar/rays/plates/plate.h"
 
 namespace obliq {
 
 /// Plates of the polar frustum.
-class ColumnPlates : public PlateSpreader {
+class ColumnPlates : public PlateSource {
  public:
   explicit ColumnPlates(const FramePlan& plan);
-  void take(const RayBatch& rays, std::size_t k, const ExactHit* hit, std::vector<Sample>& samples) override;
+  void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
+              std::vector<Sample>& samples) override;
   void finish(std::vector<Sample>& samples) override;
 
  private:
   struct Pixel {
     int row = -2;
     bool hit = false;
-    double solid_angle_sr = 0;
-    ExactHit exact;
+    Sample nearest;
     SightPoint point;
     Plate plate;
   };
@@ -49,7 +49,7 @@ class ColumnPlates : public PlateSpreader {
   int first_column_ = 0;
   Pixel next_;  // its buffers go round
   std::vector<PlanePiece> visible_;
-  std::vector<BuildingStrand> strands_;
+  std::vector<SubColumn> strands_;
   std::vector<RoofStretch> strand_roofs_;
 };
 

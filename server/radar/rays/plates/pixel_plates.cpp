@@ -39,9 +39,10 @@ double PixelPlates::half_extent(std::uint32_t pixel) const {
   return std::sqrt(by_row * by_row + by_column * by_column) / 2;
 }
 
-void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
-                       std::vector<Sample>& samples) {
-  if (!hit) return;
+void PixelPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
+                         std::vector<Sample>& samples) {
+  if (!hits.is_hit(k)) return;
+  const double range_m = hits.slant_range_m[k];
   const BinGrid& bins = plan_.bins();
   const double ground = std::sqrt(rays.dir_x[k] * rays.dir_x[k] + rays.dir_z[k] * rays.dir_z[k]);
   plate_.clear();
@@ -50,8 +51,7 @@ void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
   if (ground > 0) {
     sin_bearing = rays.dir_x[k] / ground;
     cos_bearing = rays.dir_z[k] / ground;
-    const SightPoint point{hit->slant_range_m * ground, hit->slant_range_m * rays.dir_y[k],
-                           rays.dir_y[k] / ground};
+    const SightPoint point{range_m * ground, range_m * rays.dir_y[k], rays.dir_y[k] / ground};
     const double half = half_extent(rays.pixel[k]);
     const double reach_m = kReach_cells * plan_.scene().world().grid.cell_m;
     roofs_.clear();
@@ -63,10 +63,9 @@ void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
     walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);
     walk_in(surface_, point, point.slope - half, point.d_m - reach_m, visible_);
     for (const PlanePiece& piece : visible_) plate_.add(bins, piece);
-    plate_.drop_hidden(profile_.whole_marks(rays.azimuth_bin[k]).visible, bins.range_bin(hit->slant_range_m));
+    plate_.drop_hidden(profile_.whole_marks(rays.azimuth_bin[k]).visible, bins.range_bin(range_m));
   }
-  emit_plate(plan_, plate_, *hit, rays.solid_angle_sr[k], rays.azimuth_bin[k], sin_bearing, cos_bearing,
-             samples);
+  emit_plate(plan_, plate_, sample_at_hit(bins, rays, hits, k), sin_bearing, cos_bearing, samples);
 }
 
 }  // namespace obliq

@@ -1,7 +1,7 @@
 #pragma once
 #include "server/radar/profile/local_sight.h"
 #include "server/radar/rays/plates/buildings_by_bearing.h"
-#include "server/radar/rays/plates/plate_source.h"
+#include "server/radar/rays/plates/plate.h"
 
 namespace obliq {
 
@@ -11,10 +11,11 @@ class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
 /// each plate is walked on its own: from its hit outwards and inwards to the pixel's edges, as they lie in
 /// the ray's plane. What stands far in front is not met by so short a walk; no light goes to range bins that
 /// the profiles of the azimuth bin call hidden.
-class PixelPlates : public PlateSpreader {
+class PixelPlates : public PlateSource {
  public:
   PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile);
-  void take(const RayBatch& rays, std::size_t k, const ExactHit* hit, std::vector<Sample>& samples) override;
+  void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
+              std::vector<Sample>& samples) override;
   void finish(std::vector<Sample>&) override {}
 
  private:
@@ -23,7 +24,7 @@ class PixelPlates : public PlateSpreader {
   const FramePlan& plan_;
   AzimuthRange range_;
   WedgeProfile& profile_;
-  std::vector<BuildingFan> fans_;  // [range.count]
+  std::vector<BuildingsByBearing> fans_;  // [range.count]
   PlaneSurface surface_;
   std::vector<RoofStretch> roofs_;
   std::vector<PlanePiece> visible_;

@@ -120,13 +120,15 @@ const std::vector<PlatePart>& Plate::finish(double solid_angle_sr) {
   return parts_;
 }
 
-void emit_plate(const FramePlan& plan, Plate& plate, const ExactHit& hit, double solid_angle_sr,
-                int azimuth_bin, double sin_bearing, double cos_bearing, std::vector<Sample>& samples) {
-  Sample sample;
-  sample.azimuth_bin = azimuth_bin;
-  sample.azimuth_offset_rad = plan.bins().azimuth_edge_rad(azimuth_bin + 0.5);
+void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
+                double cos_bearing, std::vector<Sample>& samples) {
+  const std::vector<PlatePart>& parts = plate.finish(nearest.solid_angle_sr);
+  if (parts.empty()) {
+    samples.push_back(nearest);
+    return;
+  }
   const glm::dvec3& antenna = plan.sector().antenna_m;
-  const std::vector<PlatePart>& parts = plate.finish(solid_angle_sr);
+  Sample sample = nearest;
   for (const PlatePart& part : parts) {
     sample.slant_range_m = part.range_m();
     sample.solid_angle_sr = part.share;
@@ -138,16 +140,6 @@ void emit_plate(const FramePlan& plan, Plate& plate, const ExactHit& hit, double
     sample.material = part.material;
     samples.push_back(sample);
   }
-  if (!parts.empty()) return;
-  sample.slant_range_m = hit.slant_range_m;
-  sample.solid_angle_sr = solid_angle_sr;
-  sample.cos_incidence = hit.cos_incidence;
-  sample.sin_elevation = (hit.position_m.y - antenna.y) / hit.slant_range_m;
-  sample.x_m = hit.position_m.x;
-  sample.z_m = hit.position_m.z;
-  sample.face = hit.face;
-  sample.material = hit.material;
-  samples.push_back(sample);
 }
 
 }  // namespace obliq

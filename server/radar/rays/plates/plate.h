@@ -1,11 +1,13 @@
 #pragma once
-// Gives a pixel's solid angle to the range bins that its visible pieces lie in.
+// A plate is a pixel's footprint: the visible surface that the pixel covers, by range bin. The pixel's solid
+// angle is spread over it.
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "server/radar/frame_plan.h"
 #include "server/radar/profile/local_surface.h"
+#include "server/radar/rays/ray_batch.h"
 #include "server/radar/samples.h"
 
 namespace obliq {
@@ -66,8 +68,21 @@ class Plate {
   std::vector<PlatePart> parts_;
 };
 
-/// Appends the samples of a pixel. A plate without a part is the hit itself, whole.
-void emit_plate(const FramePlan& plan, Plate& plate, const ExactHit& hit, double solid_angle_sr,
-                int azimuth_bin, double sin_bearing, double cos_bearing, std::vector<Sample>& samples);
+/// Appends the samples of a pixel, in the vertical plane of a bearing; they share the solid angle of
+/// `nearest`, the pixel as one sample. That is its only sample when the plate has no part.
+void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
+                double cos_bearing, std::vector<Sample>& samples);
+
+/// Spreads the pixels of one wedge over their plates, those whose rays hit something.
+class PlateSource {
+ public:
+  virtual ~PlateSource() = default;
+  /// Takes ray k of the batch; batches come as RaySource generates them. Appends samples, some of them only
+  /// when later rays have been taken.
+  virtual void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
+                      std::vector<Sample>& samples) = 0;
+  /// After the last ray.
+  virtual void finish(std::vector<Sample>& samples) = 0;
+};
 
 }  // namespace obliq

@@ -1,8 +1,12 @@
 #pragma once
+// How far a ray goes before it can meet anything: bounds that cost less than a walk.
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
+#include "server/radar/geometry/sector.h"
 #include "server/radar/simd/exact_math.h"
+#include "terrain/buildings/buildings.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {
@@ -10,10 +14,10 @@ namespace obliq {
 /// A narrow stretch of bearings, and how high the ground in it stands at most, line of posts by line of
 /// posts: tells how far a ray goes before it can meet any. Distances are along the grid's axis that the beam
 /// goes along rather than across, so that a ray's height over them is a straight line.
-class GroundBeam {
+class GroundClearance {
  public:
   /// Between two bearings that are much less than a right angle apart. The grid outlives the beam.
-  GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right);
+  GroundClearance(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right);
 
   /// Slant range from from_m on before which a ray of the beam (unit direction) meets no ground; infinite: it
   /// meets none at all. Looks at the ground only as far as a ray has needed it.
@@ -39,6 +43,24 @@ class GroundBeam {
   std::vector<float> own_slope_;
   std::vector<float> slope_;
   std::size_t last_ = 0;  // where the last ray's look ended: the next is mostly near
+};
+
+/// How high some buildings reach at most, seen from the antenna: tells how far a ray goes before it can meet
+/// any of them, whichever way they and it stand.
+class RoofClearance {
+ public:
+  RoofClearance(const Buildings& all, const Sector& sector, std::span<const std::uint32_t> buildings);
+
+  /// Slant range before which a ray (unit direction) meets none of the buildings; infinite: it meets none at
+  /// all.
+  double free_range_m(const glm::dvec3& direction) const;
+
+ private:
+  struct Roof {
+    double near_m;  // ground distance
+    double slope;   // the greatest height over ground distance of this one and all before it
+  };
+  std::vector<Roof> roofs_;  // by distance
 };
 
 }  // namespace obliq

@@ -1,8 +1,10 @@
-#include "server/radar/rays/ground_clearance.h"
+#include "server/radar/rays/clearance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "server/radar/geometry/silhouettes.h"
 
 namespace obliq {
 namespace {
@@ -14,7 +16,8 @@ constexpr double kSlack = 1e-9;
 
 }  // namespace
 
-GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right)
+GroundClearance::GroundClearance(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left,
+                                 SinCos right)
     : grid_(grid), antenna_y_m_(antenna_m.y) {
   const double sin = left.sin + right.sin;
   const double cos = left.cos + right.cos;
@@ -40,7 +43,7 @@ GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinC
 
 /// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it
 /// need.
-float GroundBeam::highest_of(int line) const {
+float GroundClearance::highest_of(int line) const {
   const double middle = (rising_ ? 1 : -1) * (line - start_);
   const double near = std::max(0.0, middle - 1);
   const double far = std::max(0.0, middle + 1);
@@ -59,7 +62,7 @@ float GroundBeam::highest_of(int line) const {
 }
 
 /// The next strip, between two lines of posts; false at the grid's end.
-bool GroundBeam::add_strip() {
+bool GroundClearance::add_strip() {
   const int step = rising_ ? 1 : -1;
   const int near_line = first_line_ + step * static_cast<int>(slope_.size());
   const int far_line = near_line + step;
@@ -80,7 +83,7 @@ bool GroundBeam::add_strip() {
 }
 
 /// The strip that holds a distance along the axis.
-std::size_t GroundBeam::strip_at(double ahead_m) const {
+std::size_t GroundClearance::strip_at(double ahead_m) const {
   const double cells = ahead_m / grid_.cell_m;
   const double strip =
       rising_ ? std::floor(start_ + cells) - first_line_ : first_line_ - std::ceil(start_ - cells);
@@ -88,12 +91,12 @@ std::size_t GroundBeam::strip_at(double ahead_m) const {
 }
 
 /// Where a strip begins.
-double GroundBeam::near_m(std::size_t strip) const {
+double GroundClearance::near_m(std::size_t strip) const {
   const int line = first_line_ + (rising_ ? 1 : -1) * static_cast<int>(strip);
   return std::max(0.0, (rising_ ? line - start_ : start_ - line) * grid_.cell_m);
 }
 
-double GroundBeam::free_range_m(const glm::dvec3& direction, double from_m) {
+double GroundClearance::free_range_m(const glm::dvec3& direction, double from_m) {
   const double ahead = std::abs(along_z_ ? direction.z : direction.x);
   const double slope = direction.y / ahead - kSlack;
   std::size_t k = last_;
@@ -114,6 +117,29 @@ double GroundBeam::free_range_m(const glm::dvec3& direction, double from_m) {
   if (k >= slope_.size()) return kInfinity;
   const double near = near_m(k);
   return std::max(from_m, near > 0 ? near / ahead : 0);
+}
+
+RoofClearance::RoofClearance(const Buildings& all, const Sector& sector,
+                             std::span<const std::uint32_t> buildings) {
+  for (const std::uint32_t b : buildings) {
+    const RoughBearings bounds = rough_bearings_of(all, sector, b);
+    const double near_m = std::max(0.0, bounds.near_m);
+    const double above_m = static_cast<double>(all.list[b].roof_y_m) - sector.antenna_m.y;
+    roofs_.push_back({near_m, above_m == 0 ? 0 : above_m / (above_m > 0 ? near_m : bounds.far_m)});
+  }
+  std::sort(roofs_.begin(), roofs_.end(), [](const Roof& a, const Roof& b) { return a.near_m < b.near_m; });
+  double slope = -kInfinity;
+  for (Roof& roof : roofs_) roof.slope = slope = std::max(slope, roof.slope);
+}
+
+double RoofClearance::free_range_m(const glm::dvec3& direction) const {
+  if (roofs_.empty()) return kInfinity;
+  const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+  const double slope = direction.y / level - kSlack;
+  const auto first = std::partition_point(roofs_.begin(), roofs_.end(),
+                                          [&](const Roof& roof) { return roof.slope < slope; });
+  if (first == roofs_.end()) return kInfinity;
+  return first->near_m > 0 ? first->near_m / level : 0;
 }
 
 }  // namespace obliq

@@ -1,0 +1,268 @@
+#include "server/radar/geometry/sector_extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "server/radar/profile/roofs.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+enum class Overlap { none, partial, full };
+
+/// Collects extremes over tiles and posts of one sector.
+class SectorScan {
+ public:
+  SectorScan(const Scene& scene, const Sector& sector)
+      : world_(scene.world()),
+        tiles_(scene.tiles()),
+        sector_(sector),
+        margin_m_(1.5 * world_.grid.cell_m),
+        sin_half_(std::sin(sector.width_rad / 2)),
+        cos_half_(std::cos(sector.width_rad / 2)) {}
+
+  SectorExtent run() {
+    for (int tj = 0; tj < tiles_.tiles_z(); ++tj)
+      for (int ti = 0; ti < tiles_.tiles_x(); ++ti) visit_tile(ti, tj);
+    for (const Building& building : world_.buildings.list) visit_building(building);
+    // Roofs alone in the swath, their ground too far or too near: the walls' feet bound them.
+    if (bottom_ > top_ && top_ >= base_)
+      bottom_ = std::clamp(sector_.antenna_m.y - sector_.r_max_m, base_, top_);
+    SectorExtent extent;
+    extent.any = bottom_ <= top_;
+    if (!extent.any) return extent;
+    extent.bottom_y_m = bottom_;
+    extent.top_y_m = top_;
+    extent.highest_elevation_rad = std::atan(tangent_);
+    const auto middle = heights_.begin() + static_cast<std::ptrdiff_t>(heights_.size() / 2);
+    std::nth_element(heights_.begin(), middle, heights_.end());
+    extent.median_height_m = heights_.empty() ? bottom_ : *middle;
+    return extent;
+  }
+
+ private:
+  bool holds(double x_m, double y_m, double z_m) const {
+    const double right = sector_.right_m(x_m, z_m);
+    const double ahead = sector_.ahead_m(x_m, z_m);
+    const double up = y_m - sector_.antenna_m.y;
+    const double range = std::sqrt(right * right + ahead * ahead + up * up);
+    if (range > sector_.r_max_m + margin_m_ || range < sector_.r_min_m - margin_m_) return false;
+    return in_azimuth(right, ahead);
+  }
+
+  bool in_azimuth(double right, double ahead) const {
+    // Distances beyond the right and the left edge of the sector.
+    const double past_right = right * cos_half_ - ahead * sin_half_;
+    const double past_left = -right * cos_half_ - ahead * sin_half_;
+    if (sector_.width_rad > kPi) return past_right <= margin_m_ || past_left <= margin_m_;
+    return past_right <= margin_m_ && past_left <= margin_m_ && ahead >= -margin_m_;
+  }
+
+  Overlap overlap(double x_m, double z_m, double radius_m, double lowest_m, double highest_m) const {
+    const double ground = std::hypot(x_m - sector_.antenna_m.x, z_m - sector_.antenna_m.z);
+    const double near = std::max(0.0, ground - radius_m);
+    const double below = sector_.antenna_m.y - lowest_m;
+    const double above = sector_.antenna_m.y - highest_m;
+    const double up_max = std::max(std::abs(below), std::abs(above));
+    const double up_min = below >= 0 && above <= 0 ? 0 : std::min(std::abs(below), std::abs(above));
+    const double range_min = std::hypot(near, up_min);
+    const double range_max = std::hypot(ground + radius_m, up_max);
+    if (range_min > sector_.r_max_m || range_max < sector_.r_min_m) return Overlap::none;
+    const bool range_inside = range_min >= sector_.r_min_m && range_max <= sector_.r_max_m;
+    if (ground <= radius_m) return Overlap::partial;
+    const double half_angle = std::asin(std::min(1.0, radius_m / ground));
+    const double offset = std::abs(std::atan2(sector_.right_m(x_m, z_m), sector_.ahead_m(x_m, z_m)));
+    if (offset - half_angle > sector_.width_rad / 2) return Overlap::none;
+    return range_inside && offset + half_angle <= sector_.width_rad / 2 ? Overlap::full : Overlap::partial;
+  }
+
+  /// The part of a vertical line that lies in sector and swath; nothing when none does. A line stands for a
+  /// steep edge of the mesh or a wall, both ends of which may be out of range while its middle is not.
+  struct Reach {
+    bool any = false;
+    double low_y_m = 0, high_y_m = 0;
+  };
+  Reach reach(double x_m, double z_m, double low_y_m, double high_y_m) const {
+    const double right = sector_.right_m(x_m, z_m);
+    const double ahead = sector_.ahead_m(x_m, z_m);
+    const double ground2 = right * right + ahead * ahead;
+    const double far_m = sector_.r_max_m + margin_m_;
+    if (ground2 > far_m * far_m || !in_azimuth(right, ahead)) return {};
+    const double near_m = std::max(0.0, sector_.r_min_m - margin_m_);
+    // Heights relative to the antenna between -farthest and -nearest or between nearest and farthest.
+    const double farthest = std::sqrt(far_m * far_m - ground2);
+    const double nearest = std::sqrt(std::max(0.0, near_m * near_m - ground2));
+    double low = std::max(low_y_m - sector_.antenna_m.y, -farthest);
+    double high = std::min(high_y_m - sector_.antenna_m.y, farthest);
+    if (low > -nearest) low = std::max(low, nearest);
+    if (high < nearest) high = std::min(high, -nearest);
+    if (!(low <= high)) return {};
+    return {true, low + sector_.antenna_m.y, high + sector_.antenna_m.y};
+  }
+
+  void raise(double x_m, double y_m, double z_m) {
+    const double ground = std::hypot(x_m - sector_.antenna_m.x, z_m - sector_.antenna_m.z);
+    const double up = y_m - sector_.antenna_m.y;
+    tangent_ = std::max(tangent_, ground > 0 ? up / ground : up > 0 ? kInfinity : -kInfinity);
+  }
+
+  /// A point of a building in sector and swath.
+  void raise_building(const Building& building, double x_m, double y_m, double z_m) {
+    top_ = std::max(top_, y_m);
+    base_ = std::min(base_, static_cast<double>(building.base_y_m));
+    raise(x_m, y_m, z_m);
+  }
+
+  void visit_tile(int ti, int tj) {
+    const TileBounds::Tile& tile = tiles_.tile(ti, tj);
+    if (!(tile.lowest_m <= tile.highest_m)) return;
+    const HeightGrid& grid = world_.grid;
+    const int i0 = ti * TileBounds::kCells;
+    const int j0 = tj * TileBounds::kCells;
+    const int i1 = std::min(grid.nx - 1, i0 + TileBounds::kCells);
+    const int j1 = std::min(grid.nz - 1, j0 + TileBounds::kCells);
+    const double x = (grid.node_x_m(i0) + grid.node_x_m(i1)) / 2;
+    const double z = (grid.node_z_m(j0) + grid.node_z_m(j1)) / 2;
+    const double radius = std::hypot(grid.node_x_m(i1) - x, grid.node_z_m(j1) - z) + margin_m_;
+    const auto lowest = static_cast<double>(tile.lowest_m);
+    const auto highest = static_cast<double>(tile.highest_m);
+    const Overlap kind = overlap(x, z, radius, lowest, highest);
+    if (kind == Overlap::none) return;
+    const int middle_i = (i0 + i1) / 2;
+    const int middle_j = (j0 + j1) / 2;
+    if (grid.node_known(middle_i, middle_j)) {
+      const double mx = grid.node_x_m(middle_i);
+      const double mz = grid.node_z_m(middle_j);
+      const double my = grid.node_y_m(middle_i, middle_j);
+      if (holds(mx, my, mz)) heights_.push_back(my - world_.frame.datum_y_m(mx, mz));
+    }
+    if (kind == Overlap::full) {
+      bottom_ = std::min(bottom_, lowest);
+      top_ = std::max(top_, highest);
+      const double ground = std::hypot(x - sector_.antenna_m.x, z - sector_.antenna_m.z);
+      const double up = highest - sector_.antenna_m.y;
+      // No post of the tile can stand above this elevation: skip the posts when another already does.
+      if (up / (up > 0 ? ground - radius : ground + radius) <= tangent_) return;
+    }
+    for (int j = j0; j <= j1; ++j) {
+      for (int i = i0; i <= i1; ++i) {
+        if (!grid.node_known(i, j)) continue;
+        const double px = grid.node_x_m(i);
+        const double pz = grid.node_z_m(j);
+        const double py = grid.node_y_m(i, j);
+        if (kind == Overlap::partial) {
+          visit_steep_edges(i, j);
+          if (!holds(px, py, pz)) continue;
+          bottom_ = std::min(bottom_, py);
+          top_ = std::max(top_, py);
+        }
+        raise(px, py, pz);
+      }
+    }
+  }
+
+  /// Edges of the mesh from a node that rise or fall by more than the margin covers: 1.5 cells hold the other
+  /// end of an edge of 1.41 cells that climbs by half a cell.
+  void visit_steep_edges(int i, int j) {
+    const HeightGrid& grid = world_.grid;
+    const double y = grid.node_y_m(i, j);
+    // All six, so that an edge counts at both its ends and no direction is special.
+    for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}) {
+      if (i + di < 0 || i + di >= grid.nx || j + dj < 0 || j + dj >= grid.nz ||
+          !grid.node_known(i + di, j + dj))
+        continue;
+      const double other = grid.node_y_m(i + di, j + dj);
+      if (std::abs(other - y) <= 0.5 * grid.cell_m) continue;
+      const double x = grid.node_x_m(i);
+      const double z = grid.node_z_m(j);
+      if (holds(x, y, z) && holds(grid.node_x_m(i + di), other, grid.node_z_m(j + dj))) continue;
+      const Reach part = reach(x, z, std::min(y, other), std::max(y, other));
+      if (!part.any) continue;
+      bottom_ = std::min(bottom_, part.low_y_m);
+      top_ = std::max(top_, part.high_y_m);
+      raise(x, part.high_y_m, z);
+    }
+  }
+
+  void visit_building(const Building& building) {
+    const Buildings& all = world_.buildings;
+    const auto roof = static_cast<double>(building.roof_y_m);
+    const std::uint32_t begin = all.ring_start[building.first_ring];
+    const std::uint32_t end = all.ring_start[building.first_ring + 1];
+    if (begin == end) return;
+    const glm::dvec2 first(all.ring_xz_m[begin]);
+    double size = roof - static_cast<double>(building.base_y_m);
+    bool all_inside = true;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const glm::dvec2 p(all.ring_xz_m[k]);
+      size = std::max({size, std::abs(p.x - first.x), std::abs(p.y - first.y)});
+      if (!holds(p.x, roof, p.y)) {
+        all_inside = false;
+        continue;
+      }
+      raise_building(building, p.x, roof, p.y);
+    }
+    // What is smaller than the margin cannot reach into the swath without its corners.
+    if (!all_inside && size > margin_m_ / 2) visit_large_building(building, size);
+  }
+
+  /// Walls and roof of a building whose corners are not all in sector and swath.
+  void visit_large_building(const Building& building, double size_m) {
+    const Buildings& all = world_.buildings;
+    const auto roof = static_cast<double>(building.roof_y_m);
+    const auto base = static_cast<double>(building.base_y_m);
+    const std::uint32_t begin = all.ring_start[building.first_ring];
+    const std::uint32_t end = all.ring_start[building.first_ring + 1];
+    const glm::dvec2 first(all.ring_xz_m[begin]);
+    if (overlap(first.x, first.y, 1.5 * size_m + margin_m_, base, roof) == Overlap::none) return;
+    constexpr double kMostSteps = 64;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const glm::dvec2 p(all.ring_xz_m[k]);
+      const glm::dvec2 q(all.ring_xz_m[k + 1 < end ? k + 1 : begin]);
+      const double steps =
+          std::clamp(std::ceil(std::hypot(q.x - p.x, q.y - p.y) / margin_m_), 1.0, kMostSteps);
+      for (double step = 0; step < steps; ++step) {
+        const glm::dvec2 at = p + step / steps * (q - p);
+        const Reach part = reach(at.x, at.y, base, roof);
+        if (!part.any) continue;
+        raise_building(building, at.x, part.high_y_m, at.y);
+      }
+    }
+    // A roof that fills the sector from edge to edge has no corner or wall in it: ask at the far end.
+    const double down = sector_.antenna_m.y - roof;
+    if (!(down > 0 && down < sector_.r_max_m)) return;
+    const double ground = std::sqrt(sector_.r_max_m * sector_.r_max_m - down * down);
+    const glm::dvec3 far = sector_.antenna_m + sector_.world_from_antenna(0, -down, ground);
+    std::vector<FootprintSpan> spans;
+    footprint_spans(all, static_cast<std::uint32_t>(&building - all.list.data()), far.x, far.z, 0, 1, spans);
+    const auto holds_far = [](const FootprintSpan& span) { return span.near_m == 0; };
+    if (std::none_of(spans.begin(), spans.end(), holds_far)) return;
+    raise_building(building, far.x, roof, far.z);
+  }
+
+  const World& world_;
+  const TileBounds& tiles_;
+  const Sector& sector_;
+  double margin_m_;
+  double sin_half_;
+  double cos_half_;
+  double bottom_ = kInfinity;
+  double top_ = -kInfinity;
+  double base_ = kInfinity;  // of buildings in the swath
+  double tangent_ = -kInfinity;
+  std::vector<double> heights_;
+};
+
+}  // namespace
+
+SectorExtent measure_sector(const Scene& scene, const Sector& sector) {
+  return SectorScan(scene, sector).run();
+}
+
+}  // namespace obliq

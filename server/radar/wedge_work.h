@@ -1,0 +1,43 @@
+#pragma once
+// A wedge on its way through the pipeline: what render_wedge (server/radar/render.cpp) works on.
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "server/radar/echo/echo_bins.h"
+#include "server/radar/echo/scattering.h"
+#include "server/radar/echo/speckle.h"
+#include "server/radar/render.h"
+#include "server/radar/visibility/wedge_visibility.h"
+
+namespace obliq {
+
+/// What the wedges of a frame share besides the plan. Immutable.
+struct FrameTables {
+  ScatteringTable scattering;
+  SpeckleField speckle;
+
+  explicit FrameTables(const FramePlan& plan);
+};
+
+/// The wedge that a thread has in hand, and its buffers, reused from wedge to wedge.
+struct WedgeWork {
+  const FramePlan& plan;
+  EchoBins echo;
+  SampleBatch samples;
+  std::unique_ptr<SampleSource> source;  ///< null: no wedge in hand
+  std::optional<WedgeProfile> visibility;
+  Wedge wedge;
+
+  WedgeWork(const FramePlan& frame_plan, const FrameTables& tables, Surfaces surfaces)
+      : plan(frame_plan), echo(plan, tables.scattering, tables.speckle, {}, surfaces) {}
+};
+
+/// Takes wedge `index` in hand.
+void begin_wedge(WedgeWork& work, int index, HitObserver* observer);
+
+/// The pipeline. True: work.wedge is finished. False: may_go_on() said no after a batch, and the next call
+/// goes on from there.
+bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may_go_on);
+
+}  // namespace obliq
