@@ -10,6 +10,8 @@ namespace obliq {
 
 namespace {
 
+constexpr std::string_view kAuto = "auto";
+
 std::string number_text(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -24,6 +26,42 @@ std::string number_text(double value) {
 std::string with_unit(std::string text, std::string_view unit) {
   if (!unit.empty()) text.append(" ").append(unit);
   return text;
+}
+
+/// The value as T when that is exact and its type serves; enumerations are looked up by name.
+template <class T>
+std::optional<T> convert(const Key& key, const Value& value) {
+  if constexpr (std::is_enum_v<T>) {
+    const auto* name = std::get_if<std::string>(&value);
+    if (name == nullptr) return std::nullopt;
+    for (std::size_t i = 0; i < key.choices.size(); ++i)
+      if (key.choices[i].name == *name) return static_cast<T>(i);
+    return std::nullopt;
+  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+    if (value == Value(std::string(kAuto))) return std::optional<T>(std::in_place);
+    const auto number = convert<double>(key, value);
+    return number ? std::optional<T>(std::in_place, *number) : std::nullopt;
+  } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
+    const auto* same = std::get_if<T>(&value);
+    return same != nullptr ? std::optional<T>(*same) : std::nullopt;
+  } else if constexpr (std::is_same_v<T, double>) {
+    if (const auto* real = std::get_if<double>(&value)) return *real;
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
+    if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*whole);
+    return std::nullopt;
+  } else {
+    if (const auto* whole = std::get_if<std::int64_t>(&value))
+      return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
+    if (const auto* whole = std::get_if<std::uint64_t>(&value))
+      return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::string_view change_name(Change change) {
+  return change == Change::live ? "live" : change == Change::reload ? "reload" : "restart";
 }
 
 std::string limits_text(const Limits& limits, std::string_view unit) {
@@ -45,34 +83,6 @@ std::string choices_text(std::span<const Choice> choices) {
   for (const Choice& choice : choices) text += (text.empty() ? "" : " | ") + toml_string(choice.name);
   return text;
 }
-
-/// The value as T when that is exact and its type serves; enumerations are looked up by name.
-template <class T>
-std::optional<T> convert(const Key& key, const Value& value) {
-  if constexpr (std::is_enum_v<T>) {
-    const auto* name = std::get_if<std::string>(&value);
-    if (name == nullptr) return std::nullopt;
-    for (std::size_t i = 0; i < key.choices.size(); ++i)
-      if (key.choices[i].name == *name) return static_cast<T>(i);
-    return std::nullopt;
-  } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
-    const auto* same = std::get_if<T>(&value);
-    return same != nullptr ? std::optional<T>(*same) : std::nullopt;
-  } else if constexpr (std::is_same_v<T, double>) {
-    if (const auto* real = std::get_if<double>(&value)) return *real;
-    if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
-    if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*whole);
-    return std::nullopt;
-  } else {
-    if (const auto* whole = std::get_if<std::int64_t>(&value))
-      return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
-    if (const auto* whole = std::get_if<std::uint64_t>(&value))
-      return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
-    return std::nullopt;
-  }
-}
-
-}  // namespace
 
 bool Limits::contains(long double x) const {
   return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
@@ -97,6 +107,8 @@ std::optional<FieldError> check(const Key& key, const Slot& slot) {
           return static_cast<std::size_t>(*place) < key.choices.size();
         } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
           return true;
+        } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+          return !*place || key.limits.contains(**place);
         } else {
           return key.limits.contains(static_cast<long double>(*place));
         }
@@ -116,6 +128,8 @@ Value load(const Key& key, const Slot& slot) {
                                             : "number " + std::to_string(index);
         } else if constexpr (std::is_same_v<T, int>) {
           return std::int64_t{*place};
+        } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+          return *place ? Value(**place) : Value(std::string(kAuto));
         } else {
           return *place;
         }
@@ -130,7 +144,7 @@ std::string_view type_name(const Slot& slot) {
         if constexpr (std::is_enum_v<T>) return "choice";
         if constexpr (std::is_same_v<T, bool>) return "boolean";
         if constexpr (std::is_same_v<T, std::string>) return "text";
-        if constexpr (std::is_same_v<T, double>) return "number";
+        if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) return "number";
         return "integer";
       },
       slot);
@@ -140,6 +154,8 @@ std::string allowed_text(const Key& key, const Slot& slot) {
   if (!key.choices.empty()) return choices_text(key.choices);
   if (std::holds_alternative<bool*>(slot)) return "true | false";
   if (std::holds_alternative<std::string*>(slot)) return "a text in quotes";
+  if (std::holds_alternative<std::optional<double>*>(slot))
+    return toml_string(kAuto) + " or a number " + limits_text(key.limits, key.unit);
   const std::string limits = limits_text(key.limits, key.unit);
   const std::string kind = std::holds_alternative<double*>(slot) ? "number" : "integer";
   if (limits != "any") return kind + " " + limits;

@@ -27,10 +27,10 @@ enum class LogLevel;
 /// A value on its way in or out, before it has found its place. Enumerations travel by name.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
-/// Where a value lives.
-using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, FrustumKind*,
-                          PlateKind*, ScanMode*, SpeckleKind*, HeightReference*, SyntheticKind*,
-                          ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
+/// Where a value lives. An optional number is "auto" where it is empty.
+using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*,
+                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, HeightReference*,
+                          SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {
@@ -46,6 +46,14 @@ constexpr Limits from(double low) { return {low, std::numeric_limits<double>::in
 constexpr Limits above(double low, double high) { return {low, high, true, false}; }
 
 constexpr Limits kAny{};
+
+/// When a change of a key's text in the scene file takes effect in a daemon that runs.
+enum class Change {
+  live,    ///< with the next frame
+  reload,  ///< at SIGHUP
+  restart
+};
+std::string_view change_name(Change change);
 
 /// One name of an enumeration; its index in the list is the enumerator's value.
 struct Choice {
@@ -74,8 +82,12 @@ Value load(const Key& key, const Slot& slot);
 /// "number", "integer", "boolean", "text" or "choice".
 std::string_view type_name(const Slot& slot);
 
-/// What the key accepts, in words: "above 0, at most 360 deg".
+/// What the key accepts, in words: "number above 0, at most 360 deg".
 std::string allowed_text(const Key& key, const Slot& slot);
+
+/// The same of limits alone ("above 0, at most 360 deg", "any") and of names ("\"a\" | \"b\"").
+std::string limits_text(const Limits& limits, std::string_view unit);
+std::string choices_text(std::span<const Choice> choices);
 
 /// The value as a scene file has it; numbers are the shortest that read back to the same bits.
 std::string toml_text(const Value& value);

@@ -6,9 +6,9 @@
 #include <array>
 #include <cctype>
 
-#include "server/control/parameters.h"
+#include "server/control/key_list.h"
 #include "server/control/quality_presets.h"
-#include "server/control/scene_keys.h"
+#include "server/control/sections/radar.h"
 
 namespace obliq {
 
@@ -16,7 +16,6 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr std::array<std::string_view, 4> kRadarSections{"antenna", "frustum", "bins", "scan"};
 constexpr std::string_view kQualityKey = "frustum.quality";
 
 /// frustum.pixels = 512 or [512, 256] becomes pixel_columns and pixel_rows. What is neither stays, and the
@@ -87,7 +86,7 @@ bool lay_over(ConfigNode& root, const ConfigNode& patch, const std::string& only
   for (const ConfigNode& section : patch.items) {
     if (section.key == "radar" && section.kind == Kind::table) {
       for (const ConfigNode& item : section.items) for_radar.items.push_back(item);
-    } else if (std::ranges::find(kRadarSections, section.key) != kRadarSections.end()) {
+    } else if (std::ranges::find(kRadarTables, section.key) != kRadarTables.end()) {
       for_radar.items.push_back(section);
     } else {
       for_all.items.push_back(section);
@@ -110,18 +109,6 @@ std::string variable_name(std::string_view key) {
   for (const char c : key)
     name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return name;
-}
-
-/// Every dotted key that a variable can name.
-std::vector<std::string> keys_for_environment() {
-  std::vector<std::string> keys;
-  for (const Parameter& p : parameters()) keys.emplace_back(p.key.name);
-  for (const auto& entry : scene_entries()) keys.emplace_back(entry.key.name);
-  for (const SpecialKey& special : special_keys())
-    if (special.name.starts_with("terrain.") || special.name.starts_with("modbus.") ||
-        special.name.starts_with("frustum."))
-      keys.emplace_back(special.name);
-  return keys;
 }
 
 /// A flag's key without the radar's name.
@@ -227,7 +214,7 @@ void choose_frustum(ConfigNode& root, std::vector<std::string>& notes) {
 }
 
 void apply_environment(ConfigNode& root, Complaints& complaints) {
-  const std::vector<std::string> keys = keys_for_environment();
+  const std::vector<std::string> keys = names_of_flags();
   std::vector<std::string> names;
   for (const std::string& key : keys) names.push_back(variable_name(key));
   for (const std::string& variable : environment()) {
@@ -270,7 +257,7 @@ void apply_flag(ConfigNode& root, const std::string& flag, Complaints& complaint
   expand_frustum(patch);
   const std::string_view section = std::string_view(key).substr(0, key.find('.'));
   if (!only_radar.empty() && section != "radar" &&
-      std::ranges::find(kRadarSections, section) == kRadarSections.end()) {
+      std::ranges::find(kRadarTables, section) == kRadarTables.end()) {
     complaints.add("--set", {key, "a key that is no radar parameter behind " + toml_string(only_radar + ":"),
                              "the key alone, since it is the whole scene's"});
     return;

@@ -1,9 +1,9 @@
 #include "server/control/parameter_reference.h"
 
-#include "server/control/material_library.h"
-#include "server/control/parameters.h"
+#include "server/control/key_list.h"
 #include "server/control/quality_presets.h"
-#include "server/control/scene_keys.h"
+#include "server/control/sections/materials.h"
+#include "server/control/sections/section.h"
 
 namespace obliq {
 
@@ -32,27 +32,26 @@ std::string row(std::string_view name, std::string_view default_text, std::strin
 
 constexpr auto kSceneHeader = "| key | default | allowed | meaning |\n|---|---|---|---|\n";
 
-template <class T>
-std::string rows(std::span<const Row<T>> entries, std::string_view prefix, T defaults) {
+/// Whether the default is a value, not words about one.
+bool is_toml(const KeyText& key) {
+  return key.type != "special" || key.default_text.starts_with('"') || key.default_text.starts_with('[');
+}
+
+/// The rows of the keys whose names begin so.
+std::string rows(KeyGroup group, std::string_view prefix = "") {
   std::string text;
-  for (const auto& [key, slot] : entries)
-    text += row(std::string(prefix) + std::string(key.name), code(toml_text(load(key, slot(defaults)))),
-                allowed_text(key, slot(defaults)), key.summary);
+  for (const KeyText& key : all_keys())
+    if (key.group == group && key.name.starts_with(prefix))
+      text += row(key.name, is_toml(key) ? code(key.default_text) : key.default_text, key.allowed,
+                  key.key.summary);
   return text;
 }
 
-std::string special_rows(std::string_view prefix) {
-  std::string text;
-  for (const SpecialKey& key : special_keys())
-    if (key.name.starts_with(prefix)) text += row(key.name, key.default_text, key.allowed, key.summary);
-  return text;
-}
-
-std::string material_rows() {
+std::string shipped_rows() {
   std::string text;
   for (const Material& m : shipped_materials()) {
     MaterialKeys keys{m, 0};
-    const Row<MaterialKeys>& model = material_entries().front();
+    const Row<MaterialKeys>& model = material_rows().front();
     text += "|" + cell(code(m.name)) + cell(code(toml_text(load(model.key, model.slot(keys))))) +
             cell(toml_number(to_db(m.gamma))) + "\n";
   }
@@ -85,8 +84,8 @@ std::string quality_page() {
 
 std::string daemon_section_names() {
   std::string names;
-  for (const std::string_view name : daemon_sections())
-    names += (names.empty() ? "`[" : ", `[") + std::string(name) + "]`";
+  for (const Section* section : sections())
+    if (section->of_daemon) names += (names.empty() ? "`[" : ", `[") + std::string(section->name) + "]`";
   return names;
 }
 
@@ -100,38 +99,32 @@ std::string scene_pages() {
          ") take variables and flags as above. Relative paths start at the scene file's folder; `/vsi...` "
          "paths, URLs and\n`DRIVER:...` names are used as written. A scene needs either `terrain.dem` or "
          "`terrain.synthetic`. Over synthetic ground\n`earth.radius_factor` defaults to `inf`.\n\n" +
-         std::string(kSceneHeader) + special_rows("terrain.") + rows(scene_entries(), "", SceneConfig{}) +
-         special_rows("modbus.") +
+         std::string(kSceneHeader) + rows(KeyGroup::section) +
          "\n`[[buildings]]`, `[[prisms]]` and `[[surfaces]]` may each occur several times:\n\n" +
-         kSceneHeader + special_rows("buildings.") + rows(building_entries(), "buildings.", {}) +
-         special_rows("prisms.") + rows(prism_entries(), "prisms.", {}) + special_rows("surfaces.") +
-         rows(surface_entries(), "surfaces.", {}) +
+         kSceneHeader + rows(KeyGroup::list) +
          "\n## Materials\n\n`[materials.NAME]` changes a built-in material or adds one:\n\n" + kSceneHeader +
-         rows(material_entries(), "materials.NAME.", {}) +
+         rows(KeyGroup::material) +
          "\nThe built-in materials. Gamma is for 10 GHz and grazing angles between a few degrees and about "
-         "60; `material_library.cpp`\nnames the sources.\n\n| material | model | gamma, dB "
+         "60; `sections/materials.cpp`\nnames the sources.\n\n| material | model | gamma, dB "
          "|\n|---|---|---|\n" +
-         material_rows();
+         shipped_rows();
 }
 
 }  // namespace
 
 std::string parameters_text() {
-  RadarConfig defaults;
   std::string text;
-  for (const Parameter& p : parameters()) {
-    const Slot slot = p.slot(defaults);
-    text += padded(std::string(p.key.name), 27) + padded(toml_text(load(p.key, slot)), 10) +
-            padded(allowed_text(p.key, slot), 40) + std::string(p.key.summary) + '\n';
-  }
+  for (const KeyText& key : all_keys())
+    if (key.group == KeyGroup::radar)
+      text += padded(key.name, 27) + padded(key.default_text, 10) + padded(key.allowed, 40) +
+              std::string(key.key.summary) + '\n';
   return text;
 }
 
 std::string parameters_markdown() {
-  RadarConfig defaults;
   std::string page =
-      "# Parameters\n\nWritten by `obliq parameters --markdown` from the tables in `parameters.cpp` and "
-      "`scene_keys.cpp`; do not edit.\n\n## Radar parameters\n\nEach can be set in a scene file, by an "
+      "# Parameters\n\nWritten by `obliq parameters --markdown` from the tables in `sections/`; do not "
+      "edit.\n\n## Radar parameters\n\nEach can be set in a scene file, by an "
       "environment variable (`OBLIQ_` plus the key in capitals with underscores for\npoints: "
       "`OBLIQ_RADAR_R_MAX_M`), by the flag `--set KEY=VALUE` (`--set RADAR:KEY=VALUE` for one of several "
       "radars), and\nby a message. A flag overrides the environment, the environment the file, the file the "
@@ -141,15 +134,12 @@ std::string parameters_markdown() {
       "An\nantenna without a position stands at the centre of the dem, or at 33 N 99.5 W over synthetic "
       "ground.\n\n| key | type | default | allowed | change | message field | Modbus | meaning "
       "|\n|---|---|---|---|---|---|---|---|\n";
-  for (const Parameter& p : parameters()) {
-    const Slot slot = p.slot(defaults);
-    const std::string message = p.message == WireMessage::pose ? "Pose." : "RadarSettings.";
-    page += "|" + cell(code(p.key.name)) + cell(std::string(type_name(slot))) +
-            cell(code(toml_text(load(p.key, slot)))) + cell(allowed_text(p.key, slot)) +
-            cell(p.change == Change::live ? "live" : "restart") +
-            cell(code(message + std::string(p.wire_field))) +
-            cell(p.modbus.address < 0 ? "" : std::to_string(p.modbus.address)) +
-            cell(std::string(p.key.summary)) + "\n";
+  for (const KeyText& key : all_keys()) {
+    if (key.group != KeyGroup::radar) continue;
+    page += "|" + cell(code(key.name)) + cell(key.type) + cell(code(key.default_text)) + cell(key.allowed) +
+            cell(std::string(change_name(key.change))) + cell(code(key.message_field)) +
+            cell(key.modbus_address < 0 ? "" : std::to_string(key.modbus_address)) +
+            cell(std::string(key.key.summary)) + "\n";
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";

@@ -1,143 +1,102 @@
 #include "server/control/parameters.h"
 
 #include <algorithm>
-#include <array>
-#include <type_traits>
+#include <cmath>
 
-#include "server/control/row.h"
+#include "server/radar/render.h"
 
 namespace obliq {
 
 namespace {
 
-// The lists follow their enumerations.
-constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
-                                   Choice{"polar", "POLAR"}, Choice{"sweep", "SWEEP"}};
-constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
-constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
-                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}};
-constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
-                                Choice{"circular", "CIRCULAR_SCAN"}};
-constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
-                                       Choice{"ellipsoid", "ELLIPSOID"}};
+/// A range bin shorter than this is a mistake in units: the shortest wavelength allowed is 1 mm.
+constexpr double kShortestBin_m = 0.001;
 
-using enum ModbusWords;
+/// An azimuth bin narrower than this, 0.7 mm at 40 km, is a mistake as well.
+constexpr double kNarrowestBin_deg = 1e-6;
 
-/// The row of a member of RadarSettings or PoseSettings: what it accepts, the field of its message, its place
-/// in the Modbus map, its sentence.
-template <auto member>
-Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
-              ModbusColumn modbus, std::string_view summary) {
-  constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
-  return {{name, unit, accepts.limits, accepts.choices, summary},
-          Change::live,
-          of_pose ? WireMessage::pose : WireMessage::radar_settings,
-          field,
-          modbus,
-          [](RadarConfig& radar) -> Slot {
-            if constexpr (of_pose)
-              return &(radar.pose.*member);
-            else
-              return &(radar.settings.*member);
-          }};
+/// A pass keeps the scene that it began in, and a client waits this long for its first: one turn a minute.
+constexpr double kLongestPass_s = 60;
+
+void check_limits(RadarConfig config, WireMessage message, std::vector<FieldError>& errors) {
+  for (const Parameter& parameter : parameters()) {
+    if (parameter.message != message) continue;
+    if (auto error = check(parameter.key, parameter.slot(config))) errors.push_back(std::move(*error));
+  }
 }
 
-// Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
-// 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
-// 8192 x 8192 takes 1.4 GB. Undulation: the geoid lies -107 to +86 m from the ellipsoid (EGM2008).
-//
-// Modbus: an integer's count is the finest round one that fits the limits into 32 bits: 1e-7 deg of longitude
-// is 1 cm, 1e-6 deg of bearing 2 mm at 100 km. Addresses never change their meaning: new parameters go into
-// the gaps.
-const std::array kParameters{
-    row<&PoseSettings::latitude_deg>(
-        "antenna.latitude_deg", "deg", closed(-90, 90), "latitude_deg", {200, i32, 1e7},
-        "Geodetic latitude of the antenna; a scene file that names none gets the terrain's centre."),
-    row<&PoseSettings::longitude_deg>(
-        "antenna.longitude_deg", "deg", closed(-180, 180), "longitude_deg", {202, i32, 1e7},
-        "Longitude of the antenna, east positive; a scene file that names none gets the terrain's centre."),
-    row<&PoseSettings::height_m>("antenna.height_m", "m", closed(-1000, 100000), "height_m", {204, i32, 1e3},
-                                 "Height of the antenna above antenna.height_reference."),
-    row<&PoseSettings::height_reference>(
-        "antenna.height_reference", "", kHeightReferences, "height_reference", {206, u16},
-        "Zero of antenna.height_m: the terrain's datum, the ground below, or the WGS84 ellipsoid."),
-    row<&PoseSettings::geoid_undulation_m>(
-        "antenna.geoid_undulation_m", "m", closed(-120, 120), "geoid_undulation_m", {207, i32, 1e3},
-        "Height of the datum above the ellipsoid at the antenna; used with \"ellipsoid\" only."),
-    row<&PoseSettings::bearing_deg>("antenna.bearing_deg", "deg", closed(-360, 360), "bearing_deg",
-                                    {210, i32, 1e6},
-                                    "Centre of the sector, clockwise from true north at the antenna."),
-    row<&PoseSettings::sim_time_ns>(
-        "antenna.sim_time_ns", "ns", closed(-4e18, 4e18), "sim_time_ns", {212, i64},
-        "Time of the pose by the controller's clock; the server interpolates between poses that have one."),
-    row<&PoseSettings::pose_id>("antenna.pose_id", "", kAny, "pose_id", {216, u64},
-                                "The controller's number for the pose; echoed, not used."),
-    row<&PoseSettings::valid_s>(
-        "antenna.valid_s", "s", closed(0, 86400), "valid_s", {220, i32, 1e3},
-        "A pose is marked stale this long after it arrived if no other has arrived since; 0: never."),
-    row<&RadarSettings::frequency_ghz>("radar.frequency_ghz", "GHz", closed(0.03, 300), "frequency_ghz",
-                                       {232, wavelength}, "Carrier frequency."),
-    row<&RadarSettings::sector_deg>(
-        "radar.sector_deg", "deg", above(0, 360), "sector_deg", {234, i32, 1e6},
-        "Width of the sector in azimuth; the symmetric frustum needs less than 180."),
-    row<&RadarSettings::r_min_m>("radar.r_min_m", "m", closed(0, 500e3), "r_min_m", {236, i32, 1e3},
-                                 "Slant range of the near edge of the first range bin."),
-    row<&RadarSettings::r_max_m>("radar.r_max_m", "m", above(0, 500e3), "r_max_m", {238, i32, 1e3},
-                                 "Slant range of the far edge of the last range bin."),
-    row<&RadarSettings::power_w>("radar.power_w", "W", closed(0, 1e12), "power_w", {240, f32},
-                                 "Transmitted power; 0: a silent radar."),
-    row<&RadarSettings::gain_db>("radar.gain_db", "dB", closed(-100, 100), "gain_db", {242, i32, 1e3},
-                                 "One-way antenna gain, the same in all directions."),
-    row<&RadarSettings::range_normalisation>("radar.range_normalisation", "", kAny, "range_normalisation",
-                                             {244, u16},
-                                             "Multiply amplitudes by range squared; phases stay."),
-    row<&RadarSettings::speckle>(
-        "radar.speckle", "", kSpeckleKinds, "speckle", {245, u16},
-        "Speckle fixed to the ground, or the paper's, from the ranges of the samples."),
-    row<&RadarSettings::speckle_seed>("radar.speckle_seed", "", kAny, "speckle_seed", {246, i64},
-                                      "Each seed gives another speckle pattern on the same ground."),
-    row<&RadarSettings::frustum>(
-        "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
-        "How the ground is sampled: rays through pixels in one of three layouts, or vertical planes "
-        "without rays."),
-    row<&RadarSettings::plates>(
-        "frustum.plates", "", kPlateKinds, "plates", {251, u16},
-        "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "
-        "hit, as the paper does."),
-    row<&RadarSettings::pixel_columns>(
-        "frustum.pixel_columns", "", closed(1, 16384), "pixel_columns", {252, u16},
-        "Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth "
-        "bin. frustum.pixels sets columns and rows."),
-    row<&RadarSettings::pixel_rows>(
-        "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
-        "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
-    row<&RadarSettings::azimuth_bins>("bins.azimuth", "", closed(1, 8192), "azimuth_bins", {254, u16},
-                                      "Azimuth bins in the sector."),
-    row<&RadarSettings::range_bins>("bins.range", "", closed(1, 8192), "range_bins", {255, u16},
-                                    "Range bins between r_min and r_max."),
-    row<&RadarSettings::scan_mode>(
-        "scan.mode", "", kScanModes, "scan_mode", {256, u16},
-        "How a live radar scans: whole frames, back and forth across the sector, or round and round."),
-    row<&RadarSettings::scan_rate_deg_s>("scan.rate_deg_s", "deg/s", closed(0.1, 7200), "scan_rate_deg_s",
-                                         {257, i32, 1e3},
-                                         "Turning rate of the antenna; 36 is 6 turns per minute."),
-    row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
-                                         {259, u16},
-                                         "Azimuth bins rendered together from one pose; a multiple of 8."),
-};
+/// How the fields fit each other. Fields that are wrong by themselves have had their say: a comparison with
+/// NaN is false and adds nothing.
+void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
+  if (s.r_min_m >= s.r_max_m) {
+    errors.push_back({"radar.r_min_m",
+                      toml_number(s.r_min_m) + " with radar.r_max_m = " + toml_number(s.r_max_m),
+                      "r_min_m less than r_max_m"});
+  } else if (s.range_bins >= 1 && (s.r_max_m - s.r_min_m) / s.range_bins < kShortestBin_m) {
+    errors.push_back({"bins.range",
+                      std::to_string(s.range_bins) + " between radar.r_min_m = " + toml_number(s.r_min_m) +
+                          " and radar.r_max_m = " + toml_number(s.r_max_m),
+                      "range bins of at least " + toml_number(kShortestBin_m) + " m"});
+  }
+  if (s.azimuth_bins >= 1 && s.sector_deg > 0 && s.sector_deg / s.azimuth_bins < kNarrowestBin_deg) {
+    errors.push_back({"bins.azimuth",
+                      std::to_string(s.azimuth_bins) + " in radar.sector_deg = " + toml_number(s.sector_deg),
+                      "azimuth bins of at least " + toml_number(kNarrowestBin_deg) + " deg"});
+  }
+  if (s.frustum == FrustumKind::symmetric && s.sector_deg >= 180) {
+    errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with frustum.kind = \"symmetric\"",
+                      "below 180 deg, or frustum.kind = \"oblique\", \"polar\" or \"sweep\""});
+  }
+}
+
+void check_scan(const RadarSettings& s, std::vector<FieldError>& errors) {
+  if (s.scan_dwell_bins % kWedgeAzimuthBins != 0) {
+    errors.push_back({"scan.dwell_bins", std::to_string(s.scan_dwell_bins),
+                      "a multiple of " + std::to_string(kWedgeAzimuthBins)});
+  }
+  if (s.scan_mode == ScanMode::frame) return;
+  if (s.scan_mode == ScanMode::circular && s.sector_deg != 360) {
+    errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with scan.mode = \"circular\"",
+                      "360, or scan.mode = \"sector\""});
+  }
+  if (s.sector_deg / s.scan_rate_deg_s > kLongestPass_s) {
+    errors.push_back(
+        {"scan.rate_deg_s",
+         toml_number(s.scan_rate_deg_s) + " with radar.sector_deg = " + toml_number(s.sector_deg),
+         "a pass over the sector in at most " + toml_number(kLongestPass_s) + " s"});
+  }
+}
 
 }  // namespace
 
-std::span<const Parameter> parameters() { return kParameters; }
-
 const Parameter* find_parameter(std::string_view name) {
   const auto found =
-      std::ranges::find_if(kParameters, [&](const Parameter& p) { return p.key.name == name; });
-  return found == kParameters.end() ? nullptr : &*found;
+      std::ranges::find_if(parameters(), [&](const Parameter& p) { return p.key.name == name; });
+  return found == parameters().end() ? nullptr : &*found;
 }
 
 Value value_of(const Parameter& parameter, RadarConfig config) {
   return load(parameter.key, parameter.slot(config));
+}
+
+std::vector<FieldError> validate(const RadarSettings& settings) {
+  std::vector<FieldError> errors;
+  check_limits({"", settings, {}}, WireMessage::radar_settings, errors);
+  check_together(settings, errors);
+  check_scan(settings, errors);
+  return errors;
+}
+
+std::vector<FieldError> validate(const PoseSettings& pose) {
+  std::vector<FieldError> errors;
+  check_limits({"", {}, pose}, WireMessage::pose, errors);
+  return errors;
+}
+
+std::vector<FieldError> validate(const RadarConfig& config) {
+  std::vector<FieldError> errors = validate(config.settings);
+  for (FieldError& error : validate(config.pose)) errors.push_back(std::move(error));
+  return errors;
 }
 
 }  // namespace obliq

@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "server/control/key.h"
-#include "server/control/radar_config.h"
+#include "server/control/sections/radar.h"
 
 namespace obliq {
-
-enum class Change {
-  live,    ///< a running server takes it with the next frame
-  restart  ///< read once, at start
-};
 
 enum class WireMessage { radar_settings, pose };
 

@@ -51,11 +51,13 @@ const QualityPreset* find_quality(std::string_view name) {
   return found != kPresets.end() ? &*found : nullptr;
 }
 
-std::string quality_names() {
-  std::string names;
-  for (const QualityPreset& preset : kPresets)
-    names += (names.empty() ? "\"" : " | \"") + std::string(preset.name) + "\"";
-  return names;
+std::span<const Choice> quality_choices() {
+  static const auto choices = [] {
+    std::array<Choice, kPresets.size()> names;
+    std::ranges::transform(kPresets, names.begin(), [](const QualityPreset& p) { return Choice{p.name}; });
+    return names;
+  }();
+  return choices;
 }
 
 std::vector<ConfigNode> quality_nodes(const QualityPreset& preset, const ConfigNode& quality) {

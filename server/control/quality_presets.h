@@ -30,8 +30,8 @@ constexpr std::string_view kDefaultQuality = "standard";
 /// The preset of that name, or null.
 const QualityPreset* find_quality(std::string_view name);
 
-/// `"paper" | "draft" | ...`, for messages.
-std::string quality_names();
+/// The names of all presets.
+std::span<const Choice> quality_choices();
 
 /// The keys of [frustum] that the preset stands for. A number of pixels that depends on the bins is a node
 /// with per_bin set and no value yet: settle_pixels() gives it one.

@@ -1,7 +1,8 @@
 #include "server/control/scene_file.h"
 
 #include "server/control/overrides.h"
-#include "server/control/scene_sections.h"
+#include "server/control/sections/materials.h"
+#include "server/control/sections/section.h"
 #include "server/control/terrain_reach.h"
 #include "terrain/world.h"
 
@@ -32,13 +33,13 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   apply_overrides(root, options.set, complaints, config.notes);
 
   SectionReader top(root, "", complaints);
-  SceneReading reading{config, top, complaints, std::filesystem::absolute(path).parent_path()};
-  read_scene_entries(reading);
-  read_materials(reading);
-  read_buildings(reading);
-  read_prisms(reading);
-  read_surfaces(reading);
-  const std::vector<MissingPosition> missing = read_radars(reading);
+  SceneReading scene{config, top, complaints, std::filesystem::absolute(path).parent_path()};
+  read_sections(scene);
+  read_materials(scene);
+  read_list(scene, kBuildings);
+  read_list(scene, kPrisms);
+  read_list(scene, kSurfaces);
+  const std::vector<MissingPosition> missing = read_radars(scene);
   top.finish();
   complaints.throw_if_any();
 

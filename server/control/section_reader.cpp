@@ -29,7 +29,7 @@ std::string SectionReader::full_name(std::string_view name) const {
 }
 
 const ConfigNode* SectionReader::take(std::string_view name) {
-  known_.emplace_back(name);
+  if (std::ranges::find(known_, name) == known_.end()) known_.emplace_back(name);
   return table_.find(name);
 }
 

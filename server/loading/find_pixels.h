@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "server/control/radar_config.h"
+#include "server/control/sections/radar.h"
 #include "server/scene/scene.h"
 #include "terrain/base/progress.h"
 

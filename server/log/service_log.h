@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "server/control/log_config.h"
+#include "server/control/sections/log.h"
 
 namespace obliq {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "server/control/modbus_config.h"
+#include "server/control/sections/modbus.h"
 #include "server/net/panel.h"
 #include "server/net/reserved_port.h"
 

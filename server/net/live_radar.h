@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/control/radar_config.h"
+#include "server/control/sections/radar.h"
 #include "server/control/settings_store.h"
 #include "server/net/peer.h"
 #include "server/rendering/demand.h"

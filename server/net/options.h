@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "proto/limits.h"
-#include "server/control/server_config.h"
-#include "server/control/stream_config.h"
+#include "server/control/sections/server.h"
+#include "server/control/sections/stream.h"
 #include "server/flight/keeper_state.h"
 #include "server/net/statistics.h"
 #include "server/radar/settings.h"

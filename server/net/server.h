@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/control/radar_config.h"
+#include "server/control/sections/radar.h"
 #include "server/net/options.h"
 #include "server/net/reserved_port.h"
 #include "server/net/statistics.h"

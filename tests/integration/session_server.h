@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/control/radar_config.h"
+#include "server/control/sections/radar.h"
 #include "server/net/options.h"
 #include "server/scene/scene.h"
 #include "tests/integration/net_fixture.h"

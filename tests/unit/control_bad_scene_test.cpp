@@ -7,7 +7,7 @@
 
 #include "server/control/parameters.h"
 #include "server/control/print_config.h"
-#include "server/control/scene_keys.h"
+#include "server/control/sections/section.h"
 #include "tests/unit/scene_file_fixture.h"
 
 namespace obliq {
@@ -156,7 +156,7 @@ TEST_F(BadSceneFile, NaNAndInfinityAreRefusedInEveryNumber) {
     ++numbers;
   }
   SceneConfig scene;
-  for (const auto& [key, slot] : scene_entries()) {
+  for (const auto& [key, slot, change] : scene_rows()) {
     if (!std::holds_alternative<double*>(slot(scene))) continue;
     for (const std::string bad : {"nan", "-nan", "inf", "-inf"}) {
       if (key.name == "earth.radius_factor" && bad == "inf") continue;          // means a flat earth

@@ -6,11 +6,11 @@
 #include <fstream>
 #include <random>
 
-#include "server/control/material_library.h"
 #include "server/control/parameters.h"
 #include "server/control/print_config.h"
 #include "server/control/scene_file.h"
-#include "server/control/scene_keys.h"
+#include "server/control/sections/materials.h"
+#include "server/control/sections/section.h"
 
 namespace obliq {
 namespace {
@@ -24,8 +24,8 @@ std::filesystem::path write(const std::string& text, const std::string& folder) 
 }
 
 template <class T>
-void expect_same(std::span<const Row<T>> entries, T a, T b) {
-  for (const auto& [key, slot] : entries) EXPECT_EQ(load(key, slot(a)), load(key, slot(b))) << key.name;
+void expect_same(std::span<const Row<T>> rows, T a, T b) {
+  for (const auto& [key, slot, change] : rows) EXPECT_EQ(load(key, slot(a)), load(key, slot(b))) << key.name;
 }
 
 bool same_place(const LonLat& a, const LonLat& b) {
@@ -33,18 +33,17 @@ bool same_place(const LonLat& a, const LonLat& b) {
 }
 
 void expect_same(const SceneConfig& a, const SceneConfig& b) {
-  expect_same(scene_entries(), a, b);
+  expect_same(scene_rows(), a, b);
   const TerrainSpec& s = a.world.terrain;
   const TerrainSpec& t = b.world.terrain;
   EXPECT_EQ(s.dem, t.dem);
   EXPECT_EQ(s.unit, t.unit);
   EXPECT_EQ(s.crs, t.crs);
-  EXPECT_EQ(s.cell_m, t.cell_m);
   EXPECT_EQ(s.water_material, t.water_material);
   EXPECT_TRUE(std::ranges::equal(s.area, t.area, same_place));
   ASSERT_EQ(a.world.buildings.size(), b.world.buildings.size());
   for (std::size_t i = 0; i < a.world.buildings.size(); ++i) {
-    expect_same(building_entries(), a.world.buildings[i], b.world.buildings[i]);
+    expect_same(kBuildings.keys.rows, a.world.buildings[i], b.world.buildings[i]);
     EXPECT_EQ(a.world.buildings[i].source, b.world.buildings[i].source);
     EXPECT_EQ(a.world.buildings[i].unit, b.world.buildings[i].unit);
     EXPECT_EQ(a.world.buildings[i].material, b.world.buildings[i].material);
@@ -53,7 +52,7 @@ void expect_same(const SceneConfig& a, const SceneConfig& b) {
   for (std::size_t i = 0; i < a.world.prisms.size(); ++i) {
     const PrismSpec& p = a.world.prisms[i];
     const PrismSpec& q = b.world.prisms[i];
-    expect_same(prism_entries(), p, q);
+    expect_same(kPrisms.keys.rows, p, q);
     EXPECT_EQ(p.within, q.within);
     EXPECT_TRUE(std::ranges::equal(p.within_polygon, q.within_polygon, same_place));
     EXPECT_EQ(p.width_m, q.width_m);
@@ -63,8 +62,9 @@ void expect_same(const SceneConfig& a, const SceneConfig& b) {
   }
   ASSERT_EQ(a.world.surfaces.size(), b.world.surfaces.size());
   for (std::size_t i = 0; i < a.world.surfaces.size(); ++i) {
-    expect_same(surface_entries(), a.world.surfaces[i], b.world.surfaces[i]);
     EXPECT_EQ(a.world.surfaces[i].source, b.world.surfaces[i].source);
+    EXPECT_EQ(a.world.surfaces[i].layer, b.world.surfaces[i].layer);
+    EXPECT_EQ(a.world.surfaces[i].where, b.world.surfaces[i].where);
     EXPECT_EQ(a.world.surfaces[i].classes, b.world.surfaces[i].classes);
     EXPECT_EQ(a.world.surfaces[i].material, b.world.surfaces[i].material);
     EXPECT_EQ(a.world.surfaces[i].scheme_materials, b.world.surfaces[i].scheme_materials);
@@ -73,7 +73,7 @@ void expect_same(const SceneConfig& a, const SceneConfig& b) {
   for (std::size_t i = 0; i < a.materials.size(); ++i) {
     EXPECT_EQ(a.materials[i].name, b.materials[i].name);
     EXPECT_EQ(a.materials[i].gamma, b.materials[i].gamma) << a.materials[i].name;
-    expect_same(material_entries(), MaterialKeys{a.materials[i], 0}, MaterialKeys{b.materials[i], 0});
+    expect_same(material_rows(), MaterialKeys{a.materials[i], 0}, MaterialKeys{b.materials[i], 0});
   }
   ASSERT_EQ(a.radars.size(), b.radars.size());
   for (std::size_t i = 0; i < a.radars.size(); ++i) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "server/control/material_library.h"
 #include "server/control/scene_file.h"
+#include "server/control/sections/materials.h"
 #include "terrain/cache/ground_cache.h"
 #include "tests/unit/scene_file_fixture.h"
 #include "tests/unit/terrain_files.h"

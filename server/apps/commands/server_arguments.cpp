@@ -14,9 +14,9 @@
 #include "server/apps/commands/number_option.h"
 #include "server/control/complaints.h"
 #include "server/control/config_tree.h"
+#include "server/control/key_list.h"
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
-#include "server/control/scene_keys.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/regular_file.h"
@@ -40,11 +40,12 @@ bool may_come_up(client::Outcome outcome) {
 /// What a key is that is no radar parameter.
 std::string why_no_parameter(const std::string& name) {
   constexpr auto kList = "`obliq parameters` lists them";
-  std::vector<std::string> names{"frustum.quality", "frustum.pixels"};
-  for (const Parameter& known : parameters()) names.emplace_back(known.key.name);
+  std::vector<std::string> names;
   std::vector<std::string> of_scene;
-  for (const auto& entry : scene_entries()) of_scene.emplace_back(entry.key.name);
-  for (const SpecialKey& key : special_keys()) of_scene.emplace_back(key.name);
+  for (const KeyText& key : all_keys()) {
+    const bool of_radar = key.group == KeyGroup::radar || key.group == KeyGroup::short_form;
+    (of_radar ? names : of_scene).push_back(key.name);
+  }
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(
                "belongs to the scene, which obliqd reads when it starts and at SIGHUP; allowed: a "
@@ -201,7 +202,7 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       const auto* text = std::get_if<std::string>(&node.value);
       const QualityPreset* preset = text != nullptr ? find_quality(*text) : nullptr;
       if (preset == nullptr) {
-        complaints.add(rules.where, {name, node.found_text(), quality_names()});
+        complaints.add(rules.where, {name, node.found_text(), choices_text(quality_choices())});
         continue;
       }
       if (preset->searched) {

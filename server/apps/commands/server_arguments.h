@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/client.h"
-#include "server/control/radar_config.h"
+#include "server/control/sections/radar.h"
 
 namespace CLI {
 class App;

@@ -2,23 +2,13 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
-#include <string_view>
 
 #include "server/control/print_config.h"
-#include "server/control/scene_keys.h"
+#include "server/control/sections/section.h"
 
 namespace obliq {
 namespace {
-
-/// Sections that a scene is built from, or that its keeper reads.
-constexpr std::array<std::string_view, 4> kSceneSections{"terrain.", "earth.", "accuracy.", "flight."};
-
-bool is_of_scene(std::string_view key) {
-  return std::ranges::any_of(kSceneSections, [&](std::string_view part) { return key.starts_with(part); });
-}
 
 /// The configuration with nothing in it but what a scene is built from, as text. Of the radars that is how
 /// far they look, for so much ground is loaded.
@@ -47,16 +37,13 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
   std::vector<std::string> keys;
   SceneConfig one = running;
   SceneConfig other = wanted;
-  // What is taken over makes no difference.
-  one.log = wanted.log;
-  static_cast<ServerLimits&>(one.server) = wanted.server;
-  for (const auto& [key, slot] : scene_entries()) {
-    if (is_of_scene(key.name)) continue;
-    if (load(key, slot(one)) != load(key, slot(other))) keys.emplace_back(key.name);
-  }
+  for (const auto& [key, slot, change] : scene_rows())
+    if (change == Change::restart && load(key, slot(one)) != load(key, slot(other)))
+      keys.emplace_back(key.name);
   if (running.modbus.allow != wanted.modbus.allow) keys.emplace_back("modbus.allow");
-  if (radar_names(one) != radar_names(other))
-    keys.push_back(fmt::format("the radars (running: {}; wanted: {})", radar_names(one), radar_names(other)));
+  if (radar_names(running) != radar_names(wanted))
+    keys.push_back(
+        fmt::format("the radars (running: {}; wanted: {})", radar_names(running), radar_names(wanted)));
   return keys;
 }
 

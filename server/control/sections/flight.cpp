@@ -1,12 +1,14 @@
-#include "server/control/flight_keys.h"
+#include "server/control/sections/flight.h"
 
 #include <array>
+
+#include "server/control/sections/section.h"
 
 namespace obliq {
 namespace {
 
-using Flight = RowsOf<&SceneConfig::flight>;
-const std::array kFlight{
+using Flight = RowsOf<Change::reload, &SceneConfig::flight>;
+constexpr std::array kRows{
     Flight::row<&FlightConfig::enabled>(
         "flight.enabled", "Load more terrain in the background when radars fly out of what is loaded."),
     Flight::row<&FlightConfig::reorigin_km>(
@@ -24,6 +26,6 @@ const std::array kFlight{
 
 }  // namespace
 
-std::span<const Row<SceneConfig>> flight_entries() { return kFlight; }
+const Section kFlightSection{"flight", {kRows}, nullptr, true};
 
 }  // namespace obliq

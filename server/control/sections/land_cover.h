@@ -1,7 +1,10 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <string_view>
 #include <vector>
+
+#include "server/control/key.h"
 
 namespace obliq {
 
@@ -15,7 +18,6 @@ struct LandCoverClass {
 /// names.
 std::optional<std::vector<LandCoverClass>> land_cover(std::string_view scheme);
 
-/// "nlcd" | "worldcover", for messages.
-constexpr std::string_view kLandCoverSchemes = "\"nlcd\" | \"worldcover\"";
+inline constexpr std::array kLandCoverSchemes{Choice{"nlcd"}, Choice{"worldcover"}};
 
 }  // namespace obliq

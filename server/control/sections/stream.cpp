@@ -1,12 +1,14 @@
-#include "server/control/stream_keys.h"
+#include "server/control/sections/stream.h"
 
 #include <array>
+
+#include "server/control/sections/section.h"
 
 namespace obliq {
 namespace {
 
-using Stream = RowsOf<&SceneConfig::stream>;
-const std::array kStream{
+using Stream = RowsOf<Change::restart, &SceneConfig::stream>;
+constexpr std::array kRows{
     Stream::row<&StreamConfig::live_frames>(
         "stream.live_frames", closed(1, 100),
         "Most frames of one radar in memory at a time; the next waits until all clients have "
@@ -22,6 +24,6 @@ const std::array kStream{
 
 }  // namespace
 
-std::span<const Row<SceneConfig>> stream_entries() { return kStream; }
+const Section kStreamSection{"stream", {kRows}, nullptr, true};
 
 }  // namespace obliq

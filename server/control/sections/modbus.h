@@ -1,8 +1,11 @@
 #pragma once
+// [modbus]: the operator's console.
 #include <string>
 #include <vector>
 
 namespace obliq {
+
+struct Section;
 
 /// The operator's console: where the daemon listens for Modbus/TCP masters, and which.
 struct ModbusConfig {
@@ -15,5 +18,7 @@ struct ModbusConfig {
   bool unprotected = false;        ///< said by an operator who knows that Modbus has no protection of its own
   std::vector<std::string> allow;  ///< networks ("10.0.0.0/24") or addresses; empty: anybody who gets here
 };
+
+extern const Section kModbusSection;
 
 }  // namespace obliq

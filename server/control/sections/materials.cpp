@@ -1,9 +1,12 @@
-#include "server/control/material_library.h"
+#include "server/control/sections/materials.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+
+#include "server/control/sections/section.h"
 
 namespace obliq {
 
@@ -42,7 +45,26 @@ Material building() {
   return material;
 }
 
+constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"}};
+
+constexpr std::array kRows{
+    row<&MaterialKeys::material, &Material::model>("model", kModels, "Scattering model."),
+    row<&MaterialKeys::gamma_db>(
+        "gamma_db", "dB", closed(-200, 60),
+        "Constant gamma; with geometric optics the floor away from the specular direction."),
+    row<&MaterialKeys::material, &Material::reflectivity>(
+        "reflectivity", closed(0, 1), "Geometric optics: power reflectivity at normal incidence."),
+    row<&MaterialKeys::material, &Material::rms_slope>("rms_slope", closed(0.001, 10),
+                                                       "Geometric optics: rms slope along one axis."),
+    row<&MaterialKeys::material, &Material::plate_tau>("plate_tau", closed(0, 1e6),
+                                                       "Flat plate: tau at normal incidence."),
+    row<&MaterialKeys::material, &Material::plate_exponent>(
+        "plate_exponent", closed(0, 1000), "Flat plate: tau falls as this power of cos(incidence)."),
+};
+
 }  // namespace
+
+std::span<const Row<MaterialKeys>> material_rows() { return kRows; }
 
 std::vector<Material> shipped_materials() {
   return {diffuse("terrain", kFarmland_db),   building(),
@@ -57,6 +79,46 @@ std::optional<std::size_t> find_material(const std::vector<Material>& materials,
   const auto found = std::ranges::find(materials, name, &Material::name);
   if (found == materials.end()) return std::nullopt;
   return static_cast<std::size_t>(found - materials.begin());
+}
+
+void read_materials(SceneReading& scene) {
+  constexpr std::size_t kMost = 256;  // ids are bytes
+  std::vector<Material>& materials = scene.config.materials;
+  materials = shipped_materials();
+  scene.top.one_table("materials", [&](const ConfigNode& all) {
+    // By name, so that ids do not depend on whether a file or a flag named a material first.
+    std::vector<ConfigNode> tables = all.items;
+    std::ranges::sort(tables, {}, &ConfigNode::key);
+    for (const ConfigNode& table : tables) {
+      const std::string full_name = "materials." + toml_key(table.key);
+      if (table.kind != ConfigNode::Kind::table || table.key.empty() || table.key.size() > 64 ||
+          materials.size() >= kMost) {
+        scene.complaints.add(table.where,
+                             {full_name, table.found_text(), "a table [materials.NAME], 256 at most"});
+        continue;
+      }
+      auto id = find_material(materials, table.key);
+      if (!id) {
+        id = materials.size();
+        materials.push_back({});
+        materials.back().name = table.key;
+      }
+      MaterialKeys keys{materials[*id], to_db(materials[*id].gamma)};
+      SectionReader reader(table, full_name, scene.complaints);
+      read_keys(scene, reader, {kRows}, "", keys);
+      reader.finish();
+      if (table.find("gamma_db") != nullptr) keys.material.gamma = from_db(keys.gamma_db);
+      materials[*id] = keys.material;
+    }
+  });
+}
+
+std::string printed_materials(const SceneConfig& config) {
+  std::string text;
+  for (const Material& m : config.materials)
+    text += "\n[materials." + toml_key(m.name) + "]\n" +
+            printed_keys<MaterialKeys>({kRows}, "", {m, to_db(m.gamma)}, config);
+  return text;
 }
 
 double from_db(double decibel) { return std::pow(10.0, decibel / 10); }

@@ -1,8 +1,11 @@
 #pragma once
+// [server]: where the daemon listens and what it lets a peer ask of it.
 #include <cstdint>
 #include <string>
 
 namespace obliq {
+
+struct Section;
 
 /// What the daemon lets a peer ask of it. A daemon that runs takes over all of this when it reads its file
 /// anew; times in seconds.
@@ -38,5 +41,7 @@ struct ServerConfig : ServerLimits {
   double dead_after_s = 60;
   int max_radars = 16;
 };
+
+extern const Section kServerSection;
 
 }  // namespace obliq

@@ -1,8 +1,11 @@
 #pragma once
+// [accuracy] and [run]: how good the frames shall be and how they are rendered.
 #include <cmath>
 #include <limits>
 
 namespace obliq {
+
+struct Section;
 
 /// [accuracy] of a scene file: how wrong the user's frames may be. Cell size and pixels then follow from it.
 struct AccuracyWish {
@@ -14,5 +17,8 @@ struct AccuracyWish {
 
   bool asks() const { return std::isfinite(max_power_error_db) || max_gap_fraction < 1; }
 };
+
+extern const Section kAccuracySection;
+extern const Section kRunSection;
 
 }  // namespace obliq

@@ -1,6 +1,9 @@
 #pragma once
+// [stream]: what a radar does for clients that cannot keep up with it.
 
 namespace obliq {
+
+struct Section;
 
 /// What a radar does for clients that cannot keep up with it.
 struct StreamConfig {
@@ -9,5 +12,7 @@ struct StreamConfig {
   double abort_after_s = 1;
   double lossless_limit_s = 10;  ///< a lossless client that holds its radar up and takes nothing is dropped
 };
+
+extern const Section kStreamSection;
 
 }  // namespace obliq

@@ -1,11 +1,18 @@
 #pragma once
+// [materials.NAME], and the materials that ship.
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "server/control/row.h"
 #include "server/scene/materials.h"
 
 namespace obliq {
+
+struct SceneConfig;
+struct SceneReading;
 
 /// The materials that ship, by id: 0 "terrain" (ground that nothing else claims: farmland), 1 "building",
 /// then "ground", "water", "urban", "forest", "suburb", "shrubs", "grass", "marsh" and "barren". A scene file
@@ -14,6 +21,17 @@ std::vector<Material> shipped_materials();
 
 /// The id of a name in a list of materials.
 std::optional<std::size_t> find_material(const std::vector<Material>& materials, std::string_view name);
+
+/// What [materials.NAME] sets of a material; gamma in decibel.
+struct MaterialKeys {
+  Material material;
+  double gamma_db = 0;
+};
+std::span<const Row<MaterialKeys>> material_rows();
+
+/// [materials.*]; before the sections that name materials.
+void read_materials(SceneReading& scene);
+std::string printed_materials(const SceneConfig& config);
 
 double from_db(double decibel);
 

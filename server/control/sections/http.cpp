@@ -1,17 +1,14 @@
-#include "server/control/operation_keys.h"
+#include "server/control/sections/http.h"
 
 #include <array>
+
+#include "server/control/sections/section.h"
 
 namespace obliq {
 namespace {
 
-// The lists follow their enumerations.
-constexpr std::array kFormats{Choice{"text"}, Choice{"json"}};
-constexpr std::array kLevels{Choice{"debug"}, Choice{"info"}, Choice{"warning"}, Choice{"error"}};
-
-using Http = RowsOf<&SceneConfig::http>;
-using Log = RowsOf<&SceneConfig::log>;
-const std::array kOperation{
+using Http = RowsOf<Change::restart, &SceneConfig::http>;
+constexpr std::array kRows{
     Http::row<&HttpConfig::enabled>("http.enabled", "Answer /healthz, /readyz and /metrics over HTTP."),
     Http::row<&HttpConfig::address>("http.address", "Address for HTTP to bind to."),
     Http::row<&HttpConfig::port>("http.port", closed(0, 65535), "TCP port for HTTP; 0: any free one."),
@@ -23,12 +20,10 @@ const std::array kOperation{
     Http::row<&HttpConfig::timeout_s>(
         "http.timeout_s", "s", closed(0.01, 3600),
         "Timeout for a request's header to arrive, for a response to be read, and between two requests."),
-    Log::row<&LogConfig::format>("log.format", kFormats, "Log lines as text or as JSON objects."),
-    Log::row<&LogConfig::level>("log.level", kLevels, "Lowest level that is logged."),
 };
 
 }  // namespace
 
-std::span<const Row<SceneConfig>> operation_entries() { return kOperation; }
+const Section kHttpSection{"http", {kRows}, nullptr, true};
 
 }  // namespace obliq

@@ -1,7 +1,10 @@
 #pragma once
+// [http]: where the daemon answers /healthz, /readyz and /metrics.
 #include <string>
 
 namespace obliq {
+
+struct Section;
 
 /// Where the daemon answers /healthz, /readyz and /metrics.
 struct HttpConfig {
@@ -12,5 +15,7 @@ struct HttpConfig {
   int max_connections_per_address = 16;
   double timeout_s = 10;  ///< for a request's header to arrive, for an answer to be taken, between requests
 };
+
+extern const Section kHttpSection;
 
 }  // namespace obliq

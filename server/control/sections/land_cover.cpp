@@ -1,4 +1,4 @@
-#include "server/control/land_cover.h"
+#include "server/control/sections/land_cover.h"
 
 namespace obliq {
 
@@ -50,8 +50,8 @@ const std::vector<LandCoverClass> kWorldCover = {
 }  // namespace
 
 std::optional<std::vector<LandCoverClass>> land_cover(std::string_view scheme) {
-  if (scheme == "nlcd") return kNlcd;
-  if (scheme == "worldcover") return kWorldCover;
+  if (scheme == kLandCoverSchemes[0].name) return kNlcd;
+  if (scheme == kLandCoverSchemes[1].name) return kWorldCover;
   return std::nullopt;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
+// [log]: what the daemon writes on stderr.
 
 namespace obliq {
+
+struct Section;
 
 enum class LogFormat { text, json };
 enum class LogLevel { debug, info, warning, error };
@@ -10,5 +13,7 @@ struct LogConfig {
   LogFormat format = LogFormat::text;
   LogLevel level = LogLevel::info;  ///< the least that is written
 };
+
+extern const Section kLogSection;
 
 }  // namespace obliq

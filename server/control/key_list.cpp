@@ -1,0 +1,58 @@
+#include "server/control/key_list.h"
+
+#include "server/control/parameters.h"
+#include "server/control/sections/materials.h"
+#include "server/control/sections/section.h"
+
+namespace obliq {
+namespace {
+
+template <class T>
+void add(std::vector<KeyText>& list, KeyGroup group, const std::string& prefix, const Keys<T>& keys) {
+  T defaults;
+  SceneConfig scene;
+  scene.materials = shipped_materials();
+  for (const auto& [key, form, read, print, default_text, change] : keys.special) {
+    const std::string value = default_text.empty() ? print(defaults, scene) : std::string(default_text);
+    list.push_back(
+        {group, prefix + std::string(key.name), key, "special", value, allowed_text(key, form), change});
+  }
+  for (const auto& [key, slot, change] : keys.rows)
+    list.push_back({group, prefix + std::string(key.name), key, std::string(type_name(slot(defaults))),
+                    toml_text(load(key, slot(defaults))), allowed_text(key, slot(defaults)), change});
+}
+
+template <class T>
+void add(std::vector<KeyText>& list, const ListSection<T>& section) {
+  add(list, KeyGroup::list, std::string(section.name) + ".", section.keys);
+}
+
+}  // namespace
+
+std::vector<KeyText> all_keys() {
+  std::vector<KeyText> list;
+  RadarConfig radar;
+  for (const Parameter& p : parameters()) {
+    const Slot slot = p.slot(radar);
+    const std::string message = p.message == WireMessage::pose ? "Pose." : "RadarSettings.";
+    list.push_back({KeyGroup::radar, std::string(p.key.name), p.key, std::string(type_name(slot)),
+                    toml_text(load(p.key, slot)), allowed_text(p.key, slot), p.change,
+                    message + std::string(p.wire_field), p.modbus.address});
+  }
+  add<RadarConfig>(list, KeyGroup::short_form, "", {{}, radar_special_keys()});
+  for (const Section* section : sections()) add(list, KeyGroup::section, "", section->keys);
+  add(list, kBuildings);
+  add(list, kPrisms);
+  add(list, kSurfaces);
+  add<MaterialKeys>(list, KeyGroup::material, "materials.NAME.", {material_rows()});
+  return list;
+}
+
+std::vector<std::string> names_of_flags() {
+  std::vector<std::string> names;
+  for (const KeyText& key : all_keys())
+    if (key.group != KeyGroup::list && key.group != KeyGroup::material) names.push_back(key.name);
+  return names;
+}
+
+}  // namespace obliq

@@ -1,0 +1,276 @@
+#include "server/control/sections/radar.h"
+
+#include <algorithm>
+#include <map>
+#include <type_traits>
+
+#include "server/control/parameters.h"
+#include "server/control/quality_presets.h"
+#include "server/control/sections/section.h"
+
+namespace obliq {
+
+namespace {
+
+// The lists follow their enumerations.
+constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
+                                   Choice{"polar", "POLAR"}, Choice{"sweep", "SWEEP"}};
+constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
+constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
+                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}};
+constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
+                                Choice{"circular", "CIRCULAR_SCAN"}};
+constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
+                                       Choice{"ellipsoid", "ELLIPSOID"}};
+
+using enum ModbusWords;
+
+/// The row of a member of RadarSettings or PoseSettings: what it accepts, the field of its message, its place
+/// in the Modbus map, its sentence.
+template <auto member>
+Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
+              ModbusColumn modbus, std::string_view summary) {
+  constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
+  return {{name, unit, accepts.limits, accepts.choices, summary},
+          Change::live,
+          of_pose ? WireMessage::pose : WireMessage::radar_settings,
+          field,
+          modbus,
+          [](RadarConfig& radar) -> Slot {
+            if constexpr (of_pose)
+              return &(radar.pose.*member);
+            else
+              return &(radar.settings.*member);
+          }};
+}
+
+// Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
+// 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
+// 8192 x 8192 takes 1.4 GB. Undulation: the geoid lies -107 to +86 m from the ellipsoid (EGM2008).
+//
+// Modbus: an integer's count is the finest round one that fits the limits into 32 bits: 1e-7 deg of longitude
+// is 1 cm, 1e-6 deg of bearing 2 mm at 100 km. Addresses never change their meaning: new parameters go into
+// the gaps.
+const std::array kParameters{
+    row<&PoseSettings::latitude_deg>(
+        "antenna.latitude_deg", "deg", closed(-90, 90), "latitude_deg", {200, i32, 1e7},
+        "Geodetic latitude of the antenna; a scene file that names none gets the terrain's centre."),
+    row<&PoseSettings::longitude_deg>(
+        "antenna.longitude_deg", "deg", closed(-180, 180), "longitude_deg", {202, i32, 1e7},
+        "Longitude of the antenna, east positive; a scene file that names none gets the terrain's centre."),
+    row<&PoseSettings::height_m>("antenna.height_m", "m", closed(-1000, 100000), "height_m", {204, i32, 1e3},
+                                 "Height of the antenna above antenna.height_reference."),
+    row<&PoseSettings::height_reference>(
+        "antenna.height_reference", "", kHeightReferences, "height_reference", {206, u16},
+        "Zero of antenna.height_m: the terrain's datum, the ground below, or the WGS84 ellipsoid."),
+    row<&PoseSettings::geoid_undulation_m>(
+        "antenna.geoid_undulation_m", "m", closed(-120, 120), "geoid_undulation_m", {207, i32, 1e3},
+        "Height of the datum above the ellipsoid at the antenna; used with \"ellipsoid\" only."),
+    row<&PoseSettings::bearing_deg>("antenna.bearing_deg", "deg", closed(-360, 360), "bearing_deg",
+                                    {210, i32, 1e6},
+                                    "Centre of the sector, clockwise from true north at the antenna."),
+    row<&PoseSettings::sim_time_ns>(
+        "antenna.sim_time_ns", "ns", closed(-4e18, 4e18), "sim_time_ns", {212, i64},
+        "Time of the pose by the controller's clock; the server interpolates between poses that have one."),
+    row<&PoseSettings::pose_id>("antenna.pose_id", "", kAny, "pose_id", {216, u64},
+                                "The controller's number for the pose; echoed, not used."),
+    row<&PoseSettings::valid_s>(
+        "antenna.valid_s", "s", closed(0, 86400), "valid_s", {220, i32, 1e3},
+        "A pose is marked stale this long after it arrived if no other has arrived since; 0: never."),
+    row<&RadarSettings::frequency_ghz>("radar.frequency_ghz", "GHz", closed(0.03, 300), "frequency_ghz",
+                                       {232, wavelength}, "Carrier frequency."),
+    row<&RadarSettings::sector_deg>(
+        "radar.sector_deg", "deg", above(0, 360), "sector_deg", {234, i32, 1e6},
+        "Width of the sector in azimuth; the symmetric frustum needs less than 180."),
+    row<&RadarSettings::r_min_m>("radar.r_min_m", "m", closed(0, 500e3), "r_min_m", {236, i32, 1e3},
+                                 "Slant range of the near edge of the first range bin."),
+    row<&RadarSettings::r_max_m>("radar.r_max_m", "m", above(0, 500e3), "r_max_m", {238, i32, 1e3},
+                                 "Slant range of the far edge of the last range bin."),
+    row<&RadarSettings::power_w>("radar.power_w", "W", closed(0, 1e12), "power_w", {240, f32},
+                                 "Transmitted power; 0: a silent radar."),
+    row<&RadarSettings::gain_db>("radar.gain_db", "dB", closed(-100, 100), "gain_db", {242, i32, 1e3},
+                                 "One-way antenna gain, the same in all directions."),
+    row<&RadarSettings::range_normalisation>("radar.range_normalisation", "", kAny, "range_normalisation",
+                                             {244, u16},
+                                             "Multiply amplitudes by range squared; phases stay."),
+    row<&RadarSettings::speckle>(
+        "radar.speckle", "", kSpeckleKinds, "speckle", {245, u16},
+        "Speckle fixed to the ground, or the paper's, from the ranges of the samples."),
+    row<&RadarSettings::speckle_seed>("radar.speckle_seed", "", kAny, "speckle_seed", {246, i64},
+                                      "Each seed gives another speckle pattern on the same ground."),
+    row<&RadarSettings::frustum>(
+        "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
+        "How the ground is sampled: rays through pixels in one of three layouts, or vertical planes "
+        "without rays."),
+    row<&RadarSettings::plates>(
+        "frustum.plates", "", kPlateKinds, "plates", {251, u16},
+        "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "
+        "hit, as the paper does."),
+    row<&RadarSettings::pixel_columns>(
+        "frustum.pixel_columns", "", closed(1, 16384), "pixel_columns", {252, u16},
+        "Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth "
+        "bin. frustum.pixels sets columns and rows."),
+    row<&RadarSettings::pixel_rows>(
+        "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
+        "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
+    row<&RadarSettings::azimuth_bins>("bins.azimuth", "", closed(1, 8192), "azimuth_bins", {254, u16},
+                                      "Azimuth bins in the sector."),
+    row<&RadarSettings::range_bins>("bins.range", "", closed(1, 8192), "range_bins", {255, u16},
+                                    "Range bins between r_min and r_max."),
+    row<&RadarSettings::scan_mode>(
+        "scan.mode", "", kScanModes, "scan_mode", {256, u16},
+        "How a live radar scans: whole frames, back and forth across the sector, or round and round."),
+    row<&RadarSettings::scan_rate_deg_s>("scan.rate_deg_s", "deg/s", closed(0.1, 7200), "scan_rate_deg_s",
+                                         {257, i32, 1e3},
+                                         "Turning rate of the antenna; 36 is 6 turns per minute."),
+    row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
+                                         {259, u16},
+                                         "Azimuth bins rendered together from one pose; a multiple of 8."),
+};
+
+using Kind = ConfigNode::Kind;
+
+const std::array kShortForms{
+    special<RadarConfig>(
+        "frustum.quality", "", quality_choices(), "",
+        "Sets kind, plates, pixel_columns and pixel_rows; the default where [frustum] is empty.", nullptr,
+        nullptr, "\"standard\"", Change::live),
+    special<RadarConfig>("frustum.pixels", "", closed(1, 16384),
+                         "[columns, rows], or one integer; not beside pixel_columns and pixel_rows;",
+                         "Sets pixel_columns and pixel_rows.", nullptr, nullptr, "2048", Change::live),
+};
+
+/// One radar while it is read: its values, and where each was set.
+struct RadarReading {
+  RadarConfig config;
+  std::map<std::string, std::string> set_at;
+};
+
+/// Reads the parameters of one section from a table that holds them.
+void read_parameters(SectionReader& reader, const std::string& section, RadarReading& radar) {
+  for (const Parameter& parameter : parameters()) {
+    const std::string name(parameter.key.name);
+    if (!name.starts_with(section + ".")) continue;
+    const std::string local = name.substr(section.size() + 1);
+    if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
+      radar.set_at[name] = reader.table().find(local)->where;
+  }
+  if (section == "frustum") {
+    // What a radar names itself beats what all share.
+    bool any = false;
+    bool searched = true;
+    for (const char* side : {"pixel_columns", "pixel_rows"})
+      if (const ConfigNode* node = reader.table().find(side)) {
+        any = true;
+        searched &= node->searched;
+      }
+    if (any) radar.config.finds_pixels = searched;
+    // Good ones have become other keys before (overrides.h).
+    for (const auto& [key, form, read, print, default_text, change] : kShortForms)
+      if (const ConfigNode* node = reader.take(name_in("frustum", key.name)))
+        reader.complain(*node, name_in("frustum", key.name), allowed_text(key, form));
+  }
+}
+
+void read_sub_sections(SectionReader& holder, Complaints& complaints, RadarReading& radar) {
+  for (const std::string_view section : kRadarTables) {
+    const ConfigNode* table = holder.take(section);
+    if (table == nullptr) continue;
+    if (table->kind != Kind::table) {
+      holder.complain(*table, section, "a table");
+      continue;
+    }
+    SectionReader reader(*table, std::string(section), complaints);
+    read_parameters(reader, std::string(section), radar);
+    reader.finish();
+  }
+}
+
+void read_name(SectionReader& reader, std::string& name) {
+  constexpr std::string_view kCharacters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  if (!reader.read("name", Key{"radar.name", ""}, &name)) return;
+  if (name.empty() || name.size() > 64 || name.find_first_not_of(kCharacters) != std::string::npos)
+    reader.complain(*reader.table().find("name"), "name", "1 to 64 letters, digits, _ - .");
+}
+
+RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
+  RadarReading radar;
+  read_sub_sections(scene.top, scene.complaints, radar);
+  SectionReader reader(table, "radar", scene.complaints);
+  read_name(reader, radar.config.name);
+  read_parameters(reader, "radar", radar);
+  read_sub_sections(reader, scene.complaints, radar);
+  reader.finish();
+
+  radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
+  for (const FieldError& error : validate(radar.config)) {
+    const auto at = radar.set_at.find(error.field);
+    scene.complaints.add(at != radar.set_at.end() ? at->second : table.where, error);
+  }
+  if (radar.config.pose.height_reference == HeightReference::ellipsoid &&
+      !radar.set_at.contains("antenna.geoid_undulation_m"))
+    scene.complaints.add(radar.set_at.at("antenna.height_reference"),
+                         {"antenna.geoid_undulation_m", "nothing with height_reference = \"ellipsoid\"",
+                          "the geoid's height above the ellipsoid there, m"});
+  return radar;
+}
+
+std::string printed_parameters(std::string_view table, RadarConfig radar) {
+  std::string text;
+  if (radar.finds_pixels && table == "frustum")
+    text +=
+        printed_line("quality", "\"oblique\"", "Finds pixel_columns and pixel_rows when the scene is loaded.",
+                     choices_text(quality_choices()), Change::reload);
+  for (const Parameter& p : parameters()) {
+    const auto name = name_in(table, p.key.name);
+    if (!name.empty() && !(radar.finds_pixels && name.starts_with("pixel_")))
+      text += printed_line(name, toml_text(load(p.key, p.slot(radar))), p.key.summary,
+                           allowed_text(p.key, p.slot(radar)), p.change);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::span<const Parameter> parameters() { return kParameters; }
+
+std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortForms; }
+
+std::vector<MissingPosition> read_radars(SceneReading& scene) {
+  std::vector<MissingPosition> missing;
+  const auto read_one = [&](const ConfigNode& table) {
+    const RadarReading radar = read_radar(scene, table);
+    std::vector<RadarConfig>& radars = scene.config.radars;
+    if (std::ranges::find(radars, radar.config.name, &RadarConfig::name) != radars.end())
+      scene.complaints.add(table.where, {"radar.name", "a second " + toml_string(radar.config.name),
+                                         "a name of its own for each [[radar]]"});
+    const bool no_latitude = !radar.set_at.contains("antenna.latitude_deg");
+    const bool no_longitude = !radar.set_at.contains("antenna.longitude_deg");
+    if (no_latitude || no_longitude) missing.push_back({radars.size(), no_latitude, no_longitude});
+    radars.push_back(radar.config);
+  };
+  // apply_overrides has made a [radar] where there was none, but `radar = []` remains possible.
+  scene.top.each_table("radar", read_one);
+  if (scene.config.radars.empty() && scene.complaints.empty())
+    scene.complaints.add(scene.config.path.string(), {"radar", "an empty list", "at least one [[radar]]"});
+  const int most = scene.config.server.max_radars;
+  if (scene.config.radars.size() > static_cast<std::size_t>(most)) {
+    scene.complaints.add(scene.config.path.string(),
+                         {"radar", std::to_string(scene.config.radars.size()) + " radars",
+                          "at most " + std::to_string(most) + " (server.max_radars)"});
+  }
+  return missing;
+}
+
+std::string printed_radars(const SceneConfig& config) {
+  std::string text;
+  for (const RadarConfig& radar : config.radars) {
+    text += "\n[[radar]]\nname = " + toml_string(radar.name) + "\n" + printed_parameters("radar", radar);
+    for (const std::string_view table : kRadarTables)
+      text += "\n[radar." + std::string(table) + "]\n" + printed_parameters(table, radar);
+  }
+  return text;
+}
+
+}  // namespace obliq

@@ -1,0 +1,41 @@
+#pragma once
+// [radar] or [[radar]] with [antenna], [frustum], [bins] and [scan].
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/radar/settings.h"
+
+namespace obliq {
+
+struct SceneConfig;
+struct SceneReading;
+template <class T>
+struct SpecialKey;
+
+/// One named radar as it is configured: how it looks and where it stands.
+struct RadarConfig {
+  std::string name = "main";
+  RadarSettings settings;
+  PoseSettings pose;
+  bool finds_pixels = false;  ///< pixel_columns and pixel_rows are to be found (server/loading/find_pixels.h)
+};
+
+/// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.
+inline constexpr std::array<std::string_view, 4> kRadarTables{"antenna", "frustum", "bins", "scan"};
+
+/// The short forms frustum.quality and frustum.pixels.
+std::span<const SpecialKey<RadarConfig>> radar_special_keys();
+
+/// Which radars name no position of their own (by index): they get the terrain's centre.
+struct MissingPosition {
+  std::size_t radar;
+  bool latitude;
+  bool longitude;
+};
+std::vector<MissingPosition> read_radars(SceneReading& scene);
+std::string printed_radars(const SceneConfig& config);
+
+}  // namespace obliq

@@ -1,0 +1,93 @@
+#include "server/control/sections/server.h"
+
+#include <array>
+#include <utility>
+
+#include "server/control/sections/section.h"
+#include "server/control/sections/special_values.h"
+
+namespace obliq {
+namespace {
+
+using Server = RowsOf<Change::restart, &SceneConfig::server>;
+using Limit = RowsOf<Change::reload, &SceneConfig::server>;
+constexpr std::array kRows{
+    Server::row<&ServerConfig::address>("server.address", "Address to bind to."),
+    Server::row<&ServerConfig::port>("server.port", closed(0, 65535), "TCP port; 0: any free one."),
+    Server::row<&ServerConfig::tokens>(
+        "server.tokens",
+        "File of tokens, mode 600, one per line: ROLE TOKEN [NAME]; empty: any client on this "
+        "machine may do everything."),
+    Server::row<&ServerConfig::tls_certificate>(
+        "server.tls_certificate",
+        "PEM file with the certificate and its issuers; with it, all ports speak TLS only."),
+    Server::row<&ServerConfig::tls_key>("server.tls_key", "PEM file with the certificate's private key."),
+    Server::row<&ServerConfig::unprotected>(
+        "server.unprotected",
+        "Serve other machines without TLS and tokens: any client that reaches the port may do everything."),
+    Limit::row<&ServerLimits::max_clients>("server.max_clients", closed(1, 10000), "Most clients at a time."),
+    Limit::row<&ServerLimits::max_clients_per_address>(
+        "server.max_clients_per_address", closed(1, 10000),
+        "Most clients at a time from one IPv4 address or one IPv6 /64 network."),
+    Limit::row<&ServerLimits::max_waiting>(
+        "server.max_waiting", closed(1, 10000),
+        "Most connections that have not yet sent Hello with a valid token, besides the clients; "
+        "one more closes the oldest from the address that has the most."),
+    Limit::row<&ServerLimits::max_request_bytes>("server.max_request_bytes", closed(1024, 64 << 20),
+                                                 "Longest message that a client may send."),
+    Limit::row<&ServerLimits::handshake_timeout_s>("server.handshake_timeout_s", "s", closed(0.01, 3600),
+                                                   "A connection that has not sent Hello by then is closed."),
+    Limit::row<&ServerLimits::message_timeout_s>(
+        "server.message_timeout_s", "s", closed(0.01, 3600),
+        "Time for a message to arrive completely once it has begun."),
+    Limit::row<&ServerLimits::stall_timeout_s>("server.stall_timeout_s", "s", closed(0.01, 3600),
+                                               "A client that reads nothing for this long is dropped."),
+    Limit::row<&ServerLimits::heartbeat_s>("server.heartbeat_s", "s", closed(0.01, 3600),
+                                           "The server sends something at least this often."),
+    Limit::row<&ServerLimits::idle_timeout_s>(
+        "server.idle_timeout_s", "s", closed(0, 86400),
+        "A client that sends nothing for this long is dropped; 0: never. The client library "
+        "answers heartbeats."),
+    Server::row<&ServerConfig::dead_after_s>(
+        "server.dead_after_s", "s", closed(4, 3600),
+        "A client whose machine does not respond for this long is dropped."),
+    Limit::row<&ServerLimits::max_bins>("server.max_bins", closed(1, 8192.0 * 8192.0),
+                                        "Most bins per frame that a client may ask for."),
+    Limit::row<&ServerLimits::stop_limit_s>(
+        "server.stop_limit_s", "s", closed(0, 3600),
+        "At shutdown, frames in progress and queues get this long to finish; then they are cut off."),
+    Limit::row<&ServerLimits::max_pixels>(
+        "server.max_pixels", closed(1, 16384.0 * 16384.0),
+        "Most pixels per frame that a client may ask for; for the sweep, planes times range bins."),
+    Limit::row<&ServerLimits::max_work_queued>(
+        "server.max_work_queued", closed(1, 1e15),
+        "Most pixels and bins in the unfinished RenderOnce requests of all clients together."),
+    Limit::row<&ServerLimits::max_memory_mb>(
+        "server.max_memory_mb", "MB", closed(0, 1e9),
+        "A request is refused if the memory in use plus the request's estimated need exceeds this; "
+        "0: no limit."),
+    Server::row<&ServerConfig::max_radars>("server.max_radars", closed(1, 256),
+                                           "Most radars in a scene file."),
+    Limit::row<&ServerLimits::max_renders_queued>("server.max_renders_queued", closed(1, 1000),
+                                                  "Most unfinished RenderOnce requests per client."),
+    Limit::row<&ServerLimits::max_subscriptions>("server.max_subscriptions", closed(1, 1000),
+                                                 "Most radars that one client may watch."),
+    Limit::row<&ServerLimits::queue_frames>("server.queue_frames", closed(1, 1000),
+                                            "Most frames that wait for a slow client."),
+};
+
+void resolve_paths(SceneReading& scene, SectionReader& reader) {
+  ServerConfig& server = scene.config.server;
+  const std::pair<const char*, std::string*> paths[] = {
+      {"tokens", &server.tokens}, {"tls_certificate", &server.tls_certificate}, {"tls_key", &server.tls_key}};
+  for (const auto& [name, path] : paths) {
+    const ConfigNode* node = reader.table().find(name);
+    if (node != nullptr && !path->empty()) *path = resolved_path(*node, scene.folder);
+  }
+}
+
+}  // namespace
+
+const Section kServerSection{"server", {kRows}, resolve_paths, true};
+
+}  // namespace obliq

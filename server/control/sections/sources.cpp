@@ -1,0 +1,148 @@
+#include "server/control/sections/sources.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/control/sections/land_cover.h"
+#include "server/control/sections/materials.h"
+#include "server/control/sections/special_values.h"
+
+namespace obliq {
+namespace {
+
+constexpr std::string_view kPath = "a path in quotes";
+constexpr std::string_view kMaterial = "a material's name in quotes";
+constexpr std::string_view kSpan = "[least, most], or one number,";
+
+// --- [[buildings]] ---
+
+using Houses = BuildingSourceSpec;
+constexpr std::array kBuildingUnits{Choice{"m"}, Choice{"ft"}};
+
+void read_building_unit(const FoundKey& found, Houses& houses) {
+  if (found.reader.read(found.name, Key{"buildings.unit", ""}, &houses.unit) && !houses.unit.empty() &&
+      std::ranges::find(kBuildingUnits, std::string_view(houses.unit), &Choice::name) == kBuildingUnits.end())
+    found.refuse();
+}
+
+const std::array kSpecialOfBuildings{
+    special<Houses>("source", "", kAny, kPath, "Building outlines, any OGR path.", read_path<&Houses::source>,
+                    printed_text<&Houses::source>, "required"),
+    special<Houses>("unit", "", kBuildingUnits, "",
+                    "Unit of heights without a unit of their own in the height field.", read_building_unit,
+                    printed_text<&Houses::unit>, "\"m\""),
+    special<Houses>("material", "", kAny, kMaterial, "Material of roofs and walls.", read_material<Houses>,
+                    printed_material<Houses>),
+};
+constexpr std::array kRowsOfBuildings{
+    row<&Houses::layer>("layer", "Layer of the source; empty: the first."),
+    row<&Houses::height_field>("height_field", "Field with the building's height."),
+    row<&Houses::default_height_m>("default_height_m", "m", above(0, 2000),
+                                   "Height of buildings without one."),
+};
+
+void finish_buildings(SceneReading& scene, SectionReader& reader, Houses&) {
+  require(scene, reader, "source", std::string(kPath));
+}
+
+// --- [[prisms]] ---
+
+constexpr Limits kSide = closed(0.5, 1000);
+
+void read_within(const FoundKey& found, PrismSpec& prisms) {
+  if (found.node.kind != ConfigNode::Kind::array) return read_path<&PrismSpec::within>(found, prisms);
+  prisms.within_polygon = polygon_of(found.node);
+  if (prisms.within_polygon.empty()) found.refuse();
+}
+
+std::string printed_within(const PrismSpec& prisms, const SceneConfig&) {
+  if (!prisms.within.empty()) return toml_string(prisms.within);
+  return prisms.within_polygon.empty() ? "" : printed_polygon(prisms.within_polygon);
+}
+
+const std::array kSpecialOfPrisms{
+    special<PrismSpec>(
+        "within", "", kAny, "a path in quotes, or a polygon [[longitude, latitude], ...] in degrees",
+        "Polygons to scatter the prisms in.", read_within, printed_within, "all that is loaded"),
+    special<PrismSpec>("width_m", "m", kSide, kSpan, "Shorter side.", read_span<&PrismSpec::width_m>,
+                       printed_span<&PrismSpec::width_m>),
+    special<PrismSpec>("length_m", "m", kSide, kSpan, "Longer side.", read_span<&PrismSpec::length_m>,
+                       printed_span<&PrismSpec::length_m>),
+    special<PrismSpec>("height_m", "m", kSide, kSpan, "Height.", read_span<&PrismSpec::height_m>,
+                       printed_span<&PrismSpec::height_m>),
+    special<PrismSpec>("material", "", kAny, kMaterial, "Material of roofs and walls.",
+                       read_material<PrismSpec>, printed_material<PrismSpec>),
+};
+constexpr std::array kRowsOfPrisms{
+    row<&PrismSpec::per_km2>("per_km2", "1/km2", closed(0, 100000), "Prisms per square kilometre; 0: none."),
+    row<&PrismSpec::seed>("seed", "Each seed gives other prisms."),
+};
+
+// --- [[surfaces]] ---
+
+void read_classes(const FoundKey& found, SurfaceSpec& surface) {
+  for (const double value : found.reader.numbers(found.name, closed(-1e9, 1e9), 1, 4096)) {
+    if (value != std::floor(value)) found.refuse();
+    surface.classes.push_back(static_cast<int>(value));
+  }
+}
+
+std::string printed_classes(const SurfaceSpec& surface, const SceneConfig&) {
+  if (surface.classes.empty()) return "";
+  return toml_list(surface.classes, [](int value) { return std::to_string(value); });
+}
+
+/// A class raster whose legend is known: its classes have their materials from that.
+void read_scheme(const FoundKey& found, SurfaceSpec& surface) {
+  if (!found.reader.read(found.name, Key{"surfaces.scheme", ""}, &surface.scheme)) return;
+  const auto classes = land_cover(surface.scheme);
+  if (!classes) return found.refuse();
+  for (const std::string_view other : {"classes", "material", "where", "layer"}) {
+    if (const ConfigNode* both = found.reader.table().find(other))
+      found.reader.complain(*both, other, "nothing beside scheme, which says what each class is made of");
+  }
+  for (const LandCoverClass& each : *classes) {
+    if (each.material.empty()) continue;
+    const auto material = find_material(found.scene.config.materials, each.material);
+    surface.scheme_materials.emplace_back(each.value, static_cast<std::uint8_t>(material.value()));
+  }
+}
+
+std::string printed_surface_material(const SurfaceSpec& surface, const SceneConfig& config) {
+  return surface.scheme.empty() ? printed_material(surface, config) : "";
+}
+
+const std::array kSpecialOfSurfaces{
+    special<SurfaceSpec>("source", "", kAny, kPath, "OGR polygons or a GDAL class raster.",
+                         read_path<&SurfaceSpec::source>, printed_text<&SurfaceSpec::source>, "required"),
+    special<SurfaceSpec>("classes", "", kAny, "a list of whole numbers",
+                         "For a class raster: the values of this material.", read_classes, printed_classes,
+                         "[]"),
+    special<SurfaceSpec>("material", "", kAny, kMaterial, "Material of the ground there.",
+                         read_material<SurfaceSpec>, printed_surface_material, "required"),
+    special<SurfaceSpec>(
+        "scheme", "", kLandCoverSchemes, "",
+        "For a class raster with a known legend, instead of classes and material: each class gets a "
+        "material from clutter tables.",
+        read_scheme, printed_text<&SurfaceSpec::scheme>),
+    special<SurfaceSpec>("layer", "", kAny, "a text in quotes", "Layer of the source; empty: the first.",
+                         read_text<&SurfaceSpec::layer>, printed_text<&SurfaceSpec::layer>, "\"\""),
+    special<SurfaceSpec>("where", "", kAny, "a text in quotes", "OGR attribute filter; empty: every feature.",
+                         read_text<&SurfaceSpec::where>, printed_text<&SurfaceSpec::where>, "\"\""),
+};
+
+void finish_surfaces(SceneReading& scene, SectionReader& reader, SurfaceSpec& surface) {
+  require(scene, reader, "source", std::string(kPath));
+  if (surface.scheme.empty()) require(scene, reader, "material", std::string(kMaterial));
+}
+
+}  // namespace
+
+const ListSection<BuildingSourceSpec> kBuildings{
+    "buildings", {kRowsOfBuildings, kSpecialOfBuildings}, &WorldSpec::buildings, finish_buildings};
+const ListSection<PrismSpec> kPrisms{"prisms", {kRowsOfPrisms, kSpecialOfPrisms}, &WorldSpec::prisms};
+const ListSection<SurfaceSpec> kSurfaces{
+    "surfaces", {{}, kSpecialOfSurfaces}, &WorldSpec::surfaces, finish_surfaces};
+
+}  // namespace obliq
