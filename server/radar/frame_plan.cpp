@@ -89,7 +89,7 @@ void FramePlan::sort_buildings_by_azimuth() {
   const Buildings& all = scene_->world().buildings;
   const double reach_m = building_reach_m();
   for (std::uint32_t b = 0; b < all.list.size(); ++b) {
-    const RoughBearings seen = rough_bearings_of(all, sector_, b);
+    const BuildingBounds seen = bounds_of(all, sector_, b);
     if (seen.near_m > reach_m) continue;
     // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
     const double last = bins_.n_azimuth - 1;

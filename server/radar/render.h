@@ -27,14 +27,14 @@ struct Wedge {
 /// Wedges that are begun and not finished (server/radar/wedge_threads.cpp).
 class BegunWedges;
 
-/// Lets a rendering pause in the middle of its wedges, so that others get their turn. The bits stay the same.
+/// Lets a rendering pause in the middle of its wedges, so that others get their turn. Bits do not change.
 struct RenderPause {
-  /// Of at most kBatch rays or samples, or the buildings of one column of the sweep; for all threads
-  /// together, at least one each.
+  /// A batch has at most kBatch rays or samples, or the buildings of one column of the sweep. Shared by all
+  /// threads, at least one each.
   int batches = std::numeric_limits<int>::max();
   /// Asked after each batch, from any thread; true: pause now. May be empty.
   std::function<bool()> is_due{};
-  /// Not null: it has paused, and the same call goes on. Not to outlive the plan.
+  /// Not null: the rendering has paused, and the same call resumes it. Must not outlive the plan.
   std::shared_ptr<BegunWedges> begun;
 };
 

@@ -145,13 +145,13 @@ TEST_F(Pieces, OfAWallAslantAreSharedAmongTheRangeBinsThatItRunsThrough) {
   EXPECT_GE(shared, 2);
 }
 
-TEST(RoughBearings, HoldTheSilhouette) {
+TEST(BuildingBounds, HoldTheSilhouette) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const test::RandomScene random = test::random_scene(seed);
     const Sector sector(random.settings, random.pose);
     for (std::uint32_t b = 0; b < random.world.buildings.list.size(); ++b) {
       const Silhouette exact = silhouette_of(random.world.buildings, sector, b);
-      const RoughBearings rough = rough_bearings_of(random.world.buildings, sector, b);
+      const BuildingBounds rough = bounds_of(random.world.buildings, sector, b);
       EXPECT_LE(rough.near_m, exact.near_m) << random.text;
       EXPECT_GE(rough.far_m, exact.far_m) << random.text;
       // Either may be a turn further on.

@@ -56,8 +56,8 @@ void ScattererSums::merge() {
   n_ = lists.n;
 }
 
-/// One bin with many samples: they are sorted, since looking through the scatterers found so far costs their
-/// number each time.
+/// One bin with many samples: these are sorted, since a search through the scatterers found so far would cost
+/// their number each time.
 void ScattererSums::merge_large(ScattererLists& lists, std::uint32_t bin) {
   ScattererArrays& sorted = scratch_->sorted;
   std::vector<std::uint32_t>& order = scratch_->order;

@@ -3,7 +3,7 @@
 
 namespace obliq {
 
-/// Whether a ray of some elevation can meet anything of the sector's box between r_min and r_max.
+/// Whether a ray of some elevation can hit anything of the sector's box between r_min and r_max.
 struct SwathTest {
   double below_bottom_m;
   double below_top_m;

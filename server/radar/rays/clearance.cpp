@@ -41,8 +41,7 @@ GroundClearance::GroundClearance(const HeightGrid& grid, const glm::dvec3& anten
                                          : std::clamp(std::ceil(start_), 1.0, lines_ - 1.0));
 }
 
-/// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it
-/// need.
+/// The greatest height in one line of posts, of those that the strips on both sides of it need.
 float GroundClearance::highest_of(int line) const {
   const double middle = (rising_ ? 1 : -1) * (line - start_);
   const double near = std::max(0.0, middle - 1);
@@ -122,10 +121,8 @@ double GroundClearance::free_range_m(const glm::dvec3& direction, double from_m)
 RoofClearance::RoofClearance(const Buildings& all, const Sector& sector,
                              std::span<const std::uint32_t> buildings) {
   for (const std::uint32_t b : buildings) {
-    const RoughBearings bounds = rough_bearings_of(all, sector, b);
-    const double near_m = std::max(0.0, bounds.near_m);
-    const double above_m = static_cast<double>(all.list[b].roof_y_m) - sector.antenna_m.y;
-    roofs_.push_back({near_m, above_m == 0 ? 0 : above_m / (above_m > 0 ? near_m : bounds.far_m)});
+    const BuildingBounds bounds = bounds_of(all, sector, b);
+    roofs_.push_back({bounds.near_m, bounds.top_slope});
   }
   std::sort(roofs_.begin(), roofs_.end(), [](const Roof& a, const Roof& b) { return a.near_m < b.near_m; });
   double slope = -kInfinity;

@@ -25,12 +25,12 @@ void SegmentSampler::put(const Sample& sample) {
   }
 }
 
-void SegmentSampler::visible(const VisiblePiece& piece) {
+void SegmentSampler::visible(const VisiblePiece& segment) {
   if (!(share_.width_rad > 0)) return;
-  if (piece.wall) {
-    aslant(piece);
+  if (segment.wall) {
+    aslant(segment);
   } else {
-    straight(piece);
+    straight(segment);
   }
 }
 
@@ -104,25 +104,25 @@ void SegmentSampler::aslant(const VisiblePiece& wall) {
   share_ = whole;
 }
 
-void SegmentSampler::straight(const VisiblePiece& piece) {
-  const At from = at(piece, piece.t0);
-  const At to = at(piece, piece.t1);
+void SegmentSampler::straight(const VisiblePiece& segment) {
+  const At from = at(segment, segment.t0);
+  const At to = at(segment, segment.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.
   if (from.r_m < bins_.r_min_m && to.r_m < bins_.r_min_m) return;
   // Between t0 and t1 lies the foot of the perpendicular from the antenna, where range turns, when range
   // falls at t0 and rises at t1.
-  const double rate2 = piece.rate_d * piece.rate_d + piece.rate_h * piece.rate_h;
-  const double along = piece.d_m * piece.rate_d + piece.h_m * piece.rate_h;
-  if (along + rate2 * piece.t0 < 0 && along + rate2 * piece.t1 > 0) {
-    const At turn = at(piece, std::clamp(-along / rate2, piece.t0, piece.t1));
-    cut_at_bins(piece, from, turn);
-    cut_at_bins(piece, turn, to);
+  const double rate2 = segment.rate_d * segment.rate_d + segment.rate_h * segment.rate_h;
+  const double along = segment.d_m * segment.rate_d + segment.h_m * segment.rate_h;
+  if (along + rate2 * segment.t0 < 0 && along + rate2 * segment.t1 > 0) {
+    const At turn = at(segment, std::clamp(-along / rate2, segment.t0, segment.t1));
+    cut_at_bins(segment, from, turn);
+    cut_at_bins(segment, turn, to);
   } else {
-    cut_at_bins(piece, from, to);
+    cut_at_bins(segment, from, to);
   }
 }
 
-void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
+void SegmentSampler::cut_at_bins(const VisiblePiece& segment, At from, At to) {
   const double least = std::min(from.r_m, to.r_m);
   const double most = std::max(from.r_m, to.r_m);
   if (most < bins_.r_min_m || least >= bins_.r_max_m) return;
@@ -131,15 +131,15 @@ void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   const int first = least < bins_.r_min_m ? -1 : bin_of(least);
   const int last = most >= bins_.r_max_m ? bins_.n_range : bin_of(most);
   if (first == last) {
-    part(piece, from, to, 0);
+    part(segment, from, to, 0);
     return;
   }
   // |A + t D|^2 = edge^2: t = (-A.D +- sqrt(D.D edge^2 - (A x D)^2)) / D.D, by Lagrange's identity without
   // the cancellation of the usual discriminant. Range grows with t beyond the foot and falls before it.
   const bool outwards = to.r_m > from.r_m;
-  const double rate2 = piece.rate_d * piece.rate_d + piece.rate_h * piece.rate_h;
-  const double along = piece.d_m * piece.rate_d + piece.h_m * piece.rate_h;
-  const double cross = piece.d_m * piece.rate_h - piece.h_m * piece.rate_d;
+  const double rate2 = segment.rate_d * segment.rate_d + segment.rate_h * segment.rate_h;
+  const double along = segment.d_m * segment.rate_d + segment.h_m * segment.rate_h;
+  const double cross = segment.d_m * segment.rate_h - segment.h_m * segment.rate_d;
   const int steps = last - first;
   At previous = from;
   for (int k = 1; k <= steps; ++k) {
@@ -150,28 +150,28 @@ void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
     const double t = std::clamp((outwards ? root - along : -root - along) / rate2, previous.t, to.t);
     const At here{t, edge};
     const int bin = outwards ? edge_index - 1 : edge_index;
-    if (bin >= 0 && bin < bins_.n_range) part(piece, previous, here, 0);
+    if (bin >= 0 && bin < bins_.n_range) part(segment, previous, here, 0);
     previous = here;
   }
   const int bin = outwards ? last : first;
-  if (bin >= 0 && bin < bins_.n_range) part(piece, previous, to, 0);
+  if (bin >= 0 && bin < bins_.n_range) part(segment, previous, to, 0);
 }
 
-void SegmentSampler::part(const VisiblePiece& piece, At from, At to, int depth) {
-  const double d0 = piece.ground_range_m(from.t);
-  const double h0 = piece.height_m(from.t);
-  const double d1 = piece.ground_range_m(to.t);
-  const double h1 = piece.height_m(to.t);
+void SegmentSampler::part(const VisiblePiece& segment, At from, At to, int depth) {
+  const double d0 = segment.ground_range_m(from.t);
+  const double h0 = segment.height_m(from.t);
+  const double d1 = segment.ground_range_m(to.t);
+  const double h1 = segment.height_m(to.t);
   // r0 r1 sin and cos of the angle between the ends; the cross product of points of one line is that of the
-  // line times the step, so that a tiny piece loses no digits.
-  const double cross = (piece.d_m * piece.rate_h - piece.h_m * piece.rate_d) * (to.t - from.t);
+  // line times the step, so that a tiny segment loses no digits.
+  const double cross = (segment.d_m * segment.rate_h - segment.h_m * segment.rate_d) * (to.t - from.t);
   const double dot = d0 * d1 + h0 * h1;
   if (!(cross > 0)) return;
   if (cross > kTurn_rad * dot && depth < 40) {
-    const At middle = at(piece, (from.t + to.t) / 2);
+    const At middle = at(segment, (from.t + to.t) / 2);
     if (middle.t > from.t && middle.t < to.t) {
-      part(piece, from, middle, depth + 1);
-      part(piece, middle, to, depth + 1);
+      part(segment, from, middle, depth + 1);
+      part(segment, middle, to, depth + 1);
       return;
     }
   }
@@ -181,9 +181,9 @@ void SegmentSampler::part(const VisiblePiece& piece, At from, At to, int depth) 
   const double r = mean_power_range_m(from.r_m, to.r_m);
   const double over_r = 1 / r;
   const double d = (d0 + d1) / 2;
-  put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, piece.plane_distance_m * over_r),
+  put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, segment.plane_distance_m * over_r),
        share_.azimuth_offset_rad, (h0 + h1) / 2 * over_r, antenna_m_.x + d * share_.bearing.sin,
-       antenna_m_.z + d * share_.bearing.cos, piece.face, piece.material});
+       antenna_m_.z + d * share_.bearing.cos, segment.face, segment.material});
 }
 
 }  // namespace obliq

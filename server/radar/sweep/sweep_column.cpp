@@ -70,9 +70,7 @@ void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
       obstacle.building = s.building;
       obstacle.near_m = s.near_m;
       obstacle.far_m = s.far_m;
-      const double roof_m = static_cast<double>(plan_.scene().world().buildings.list[s.building].roof_y_m) -
-                            plan_.sector().antenna_m.y;
-      obstacle.slope = roof_m / (roof_m > 0 ? s.near_m : s.far_m);
+      obstacle.slope = s.top_slope;
       obstacle.ticks = {std::max<std::int64_t>(0, tick(s.from_rad)), std::min(kTicks, tick(s.to_rad))};
       if (!(tick(s.to_rad) >= 0 && obstacle.ticks.from < kTicks)) continue;
       obstacle.ticks.to = std::max(obstacle.ticks.to, obstacle.ticks.from + 1);
@@ -239,7 +237,7 @@ void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, Segm
   struct Sink {
     SegmentSampler& sampler;
     const SweepPlane& plane;
-    void visible(const VisiblePiece& piece) { sampler.visible(piece); }
+    void visible(const VisiblePiece& segment) { sampler.visible(segment); }
     bool full() const { return plane.out_of_shadow(); }
   } sink{sampler, strand.plane};
   sampler.set(share_of(strand.ticks, strand.plane.bearing()));

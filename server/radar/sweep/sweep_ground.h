@@ -39,8 +39,8 @@ class SweepGround {
   PieceBins bins_;
   std::vector<GroundShare> shares_;
   GroundLanes lanes_;
-  GroundPieces pieces_;
-  int cut_ = 0;  // rows of pieces that are samples already
+  GroundPieces segments_;
+  int cut_ = 0;  // rows of segments that are samples already
   bool marching_ = false;
 };
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
+#include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/local_surface.h"
 
 namespace obliq {
@@ -24,19 +25,12 @@ class BuildingsByBearing {
   }
 
  private:
-  /// A building as the distances between which a plane can meet it.
-  struct Standing {
-    double near_m = 0;
-    double far_m = 0;
-    std::uint32_t building = 0;
-  };
   /// A stretch of bearings.
   struct Cell {
-    std::vector<Standing> buildings;  // by near_m
+    std::vector<BuildingBounds> buildings;  // by near_m
     double longest_m = 0;
   };
 
-  Standing standing(std::uint32_t building) const;
   double cell_number(double offset_rad) const;
   const Cell& cell(double sin_bearing, double cos_bearing) const;
 

@@ -24,7 +24,7 @@ class ColumnPlates : public PlateSource {
     Plate plate;
   };
   struct Column {
-    bool aimed = false;
+    bool begun = false;
     int azimuth_bin = 0;
     double sin_bearing = 0;
     double cos_bearing = 1;
@@ -37,7 +37,8 @@ class ColumnPlates : public PlateSource {
   void fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope);
   void walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,
                     double edge_slope, Plate& below, Plate& above);
-  void share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below, Plate& above) const;
+  void share_out(const PlanePiece& segment, double weight, double edge_slope, Plate& below,
+                 Plate& above) const;
   void close_upwards(Column& column, std::vector<Sample>& samples);
   void close(Column& column, std::vector<Sample>& samples);
 
@@ -49,8 +50,8 @@ class ColumnPlates : public PlateSource {
   int first_column_ = 0;
   Pixel next_;  // its buffers go round
   std::vector<PlanePiece> visible_;
-  std::vector<SubColumn> strands_;
-  std::vector<RoofStretch> strand_roofs_;
+  std::vector<SubColumn> sub_columns_;
+  std::vector<RoofStretch> sub_column_roofs_;
 };
 
 }  // namespace obliq
