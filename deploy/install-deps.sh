@@ -13,7 +13,7 @@ build_packages=(
   libboost-dev libprotobuf-dev protobuf-compiler libisal-dev   # the wire
   libssl-dev libzstd-dev libmodbus-dev                         # TLS, compression, the operator's console
   prometheus-cpp-dev libsystemd-dev                            # metrics, readiness
-  libtomlplusplus-dev libcli11-dev libspdlog-dev nlohmann-json3-dev
+  libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libxxhash-dev
 )
 test_packages=(
   libgtest-dev libbenchmark-dev

@@ -1,5 +1,7 @@
 #include "terrain/grid_area.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -22,9 +24,9 @@ void require_position(const LonLat& p, const char* field) {
       std::abs(p.longitude_deg) <= 540) {
     return;
   }
-  throw InputError(FieldError{
-      field, "longitude " + std::to_string(p.longitude_deg) + ", latitude " + std::to_string(p.latitude_deg),
-      "a longitude in -180..180 and a latitude in -90..90 degrees"}
+  throw InputError(FieldError{field,
+                              fmt::format("longitude {}, latitude {}", p.longitude_deg, p.latitude_deg),
+                              "a longitude in -180..180 and a latitude in -90..90 degrees"}
                        .text());
 }
 
@@ -66,8 +68,8 @@ WantedArea wanted_area(const WorldSpec& spec, const WorldFrame& frame) {
   if (!spec.terrain.area.empty()) {
     for (const LonLat& p : spec.terrain.area) require_position(p, "[terrain] area");
     if (spec.terrain.area.size() < 3) {
-      throw InputError("[terrain] area: found " + std::to_string(spec.terrain.area.size()) +
-                       " points; allowed: a polygon of at least 3");
+      throw InputError(fmt::format("[terrain] area: found {} points; allowed: a polygon of at least 3",
+                                   spec.terrain.area.size()));
     }
     wanted.polygon.rings.push_back(area_ring(spec.terrain.area, frame));
     wanted.rect = bounds(wanted.polygon);
@@ -80,7 +82,7 @@ WantedArea wanted_area(const WorldSpec& spec, const WorldFrame& frame) {
     require_position(reach.centre, "antenna position");
     if (!(reach.radius_m > 0) || !std::isfinite(reach.radius_m)) {
       throw InputError(
-          FieldError{"radar reach", std::to_string(reach.radius_m) + " m", "a positive number of metres"}
+          FieldError{"radar reach", fmt::format("{} m", reach.radius_m), "a positive number of metres"}
               .text());
     }
     const glm::dvec2 c = world_xz_m(frame, reach.centre);
@@ -97,15 +99,16 @@ double round_to_quantum_m(double length_m) {
 
 HeightGrid empty_grid(const Rect& rect, double cell_m) {
   if (!(cell_m > 0) || !std::isfinite(cell_m)) {
-    throw InputError("[terrain] cell_m: found " + std::to_string(cell_m) +
-                     "; allowed: a positive number of metres or \"auto\"");
+    throw InputError(
+        fmt::format("[terrain] cell_m: found {}; allowed: a positive number of metres or \"auto\"", cell_m));
   }
   const double furthest_m =
       std::max({-rect.x0_m, -rect.z0_m, rect.x1_m, rect.z1_m, std::abs(rect.x0_m), std::abs(rect.z0_m)});
   if (!(furthest_m <= kFurthest_m)) {
-    throw InputError(
-        "[terrain] area: found ground " + std::to_string(furthest_m / 1000) +
-        " km from the scene's origin; allowed: at most 524 km, so give an area or a shorter range");
+    throw InputError(fmt::format(
+        "[terrain] area: found ground {:.1f} km from the scene's origin; allowed: at most 524 km, so "
+        "give an area or a shorter range",
+        furthest_m / 1000));
   }
   // Nodes are multiples of the cell, so that another window has the same nodes where the two overlap.
   const double i0 = std::ceil(rect.x0_m / cell_m);
@@ -113,13 +116,16 @@ HeightGrid empty_grid(const Rect& rect, double cell_m) {
   const double nx = std::floor(rect.x1_m / cell_m) - i0 + 1;
   const double nz = std::floor(rect.z1_m / cell_m) - j0 + 1;
   if (!(nx * nz <= kMaxNodes) || nx > 0x1p30 || nz > 0x1p30) {
-    throw InputError("[terrain] cell_m and area: found " + std::to_string(nx * nz / 1e6) +
-                     " million nodes of " + std::to_string(cell_m) +
-                     " m; allowed: at most 268 million, so make cell_m larger or the area smaller");
+    throw InputError(
+        fmt::format("[terrain] cell_m and area: found {:.1f} million nodes of {} m; allowed: at most 268 "
+                    "million, so make cell_m larger or the area smaller",
+                    nx * nz / 1e6, cell_m));
   }
   if (nx < 2 || nz < 2) {
-    throw InputError("[terrain] cell_m and area: found fewer than 2 x 2 nodes of " + std::to_string(cell_m) +
-                     " m in the area that is covered; allowed: a smaller cell_m or a larger area");
+    throw InputError(
+        fmt::format("[terrain] cell_m and area: found fewer than 2 x 2 nodes of {} m in the area that is "
+                    "covered; allowed: a smaller cell_m or a larger area",
+                    cell_m));
   }
   HeightGrid grid;
   grid.x0_m = i0 * cell_m;

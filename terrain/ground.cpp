@@ -1,9 +1,10 @@
 #include "terrain/ground.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -35,8 +36,8 @@ double cell_size_m(const WorldSpec& spec, double auto_m) {
   if (!spec.terrain.cell_m) return round_to_quantum_m(auto_m);
   const double cell_m = *spec.terrain.cell_m;
   if (!(cell_m >= kGridQuantum_m) || !std::isfinite(cell_m)) {
-    throw InputError("[terrain] cell_m: found " + std::to_string(cell_m) +
-                     "; allowed: \"auto\" or a number of metres from 0.03125");
+    throw InputError(fmt::format(
+        "[terrain] cell_m: found {}; allowed: \"auto\" or a number of metres from 0.03125", cell_m));
   }
   return round_to_quantum_m(cell_m);
 }
@@ -107,13 +108,11 @@ void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted
   if (wanted.rect.empty()) return;
   const double covered = covered_fraction(world.grid, wanted);
   if (covered > 0.9995) return;
-  char note[200];
-  std::snprintf(note, sizeof note, "elevation covers %.1f %% of %s; %.1f %% of it has no known ground",
-                100 * covered,
-                spec.terrain.area.empty() ? "the discs that the radars reach in all directions, plus 25 %"
-                                          : "[terrain] area",
-                100 * (1 - covered));
-  world.report.notes.emplace_back(note);
+  world.report.notes.push_back(
+      fmt::format("elevation covers {:.1f} % of {}; {:.1f} % of it has no known ground", 100 * covered,
+                  spec.terrain.area.empty() ? "the discs that the radars reach in all directions, plus 25 %"
+                                            : "[terrain] area",
+                  100 * (1 - covered)));
 }
 
 /// To be raised when the same elevation models give other heights than before: the sum in
@@ -183,17 +182,12 @@ class DemLoader {
       facts = make(cell_m);
     }
     if (cell_m == limits.coarsest_m && left.empty()) return facts;
-    char text[300];
-    std::snprintf(
-        text, sizeof text,
-        "terrain.cell_m = \"auto\": over cells of %.4g m 95 %% of the elevation model's posts lie within "
-        "%.3g m of the grid; wanted: %.3g m (%s)",
-        cell_m, facts.source_error.p95_m, allowed_error_m(limits.accuracy), limits.accuracy.product.c_str());
-    std::string note = text;
-    if (cell_m < limits.coarsest_m) {
-      std::snprintf(text, sizeof text, "; over cells of %.4g m it was %.3g m", limits.coarsest_m, before_m);
-      note += text;
-    }
+    std::string note = fmt::format(
+        "terrain.cell_m = \"auto\": over cells of {:.4g} m 95 % of the elevation model's posts lie within "
+        "{:.3g} m of the grid; wanted: {:.3g} m ({})",
+        cell_m, facts.source_error.p95_m, allowed_error_m(limits.accuracy), limits.accuracy.product);
+    if (cell_m < limits.coarsest_m)
+      note += fmt::format("; over cells of {:.4g} m it was {:.3g} m", limits.coarsest_m, before_m);
     if (!left.empty()) note += "; half the size would take " + left + ", so name cell_m to have it";
     world_.report.notes.push_back(note);
     return facts;
@@ -249,12 +243,12 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
   const TerrainSpec& terrain = spec.terrain;
   const std::optional<double>& fill_m = terrain.fill_void_m;
   if (fill_m && (!(*fill_m >= 0) || !std::isfinite(*fill_m))) {
-    throw InputError("[terrain] fill_void_m: found " + std::to_string(*fill_m) +
-                     "; allowed: \"auto\" or a number of metres from 0");
+    throw InputError(fmt::format(
+        "[terrain] fill_void_m: found {}; allowed: \"auto\" or a number of metres from 0", *fill_m));
   }
   if (!std::isfinite(spec.sampling_footprint_m)) {
-    throw InputError("sampling footprint: found " + std::to_string(spec.sampling_footprint_m) +
-                     "; allowed: a number of metres");
+    throw InputError(
+        fmt::format("sampling footprint: found {}; allowed: a number of metres", spec.sampling_footprint_m));
   }
   const WantedArea wanted = wanted_area(spec, world.frame);
   GroundCache::Facts facts;

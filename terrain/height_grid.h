@@ -10,6 +10,16 @@ namespace obliq {
 /// Origin and cell size are multiples of this, so that node coordinates are exact in float32 up to 2^19 m.
 constexpr double kGridQuantum_m = 1.0 / 32;
 
+/// Height at (s, t), each 0..1, of a cell with these heights at its nodes (i, j), (i + 1, j), (i, j + 1) and
+/// (i + 1, j + 1). Of one place, or of eight (server/radar/simd/lanes.h says why it is always inlined).
+template <typename Real>
+[[gnu::always_inline]] inline Real height_on_triangles(Real y00, Real y10, Real y01, Real y11, Real s,
+                                                       Real t) {
+  const Real lower = y00 + s * (y10 - y00) + t * (y01 - y00);
+  const Real upper = y11 + (1.0 - s) * (y01 - y11) + (1.0 - t) * (y10 - y11);
+  return s + t <= 1.0 ? lower : upper;
+}
+
 /// The ground as every part of the program sees it: one height per node of a regular grid in world (x, z),
 /// curvature and lift inside y. The surface is two triangles a cell, split along the diagonal from node
 /// (i+1, j) to node (i, j+1), as Embree's GRID does it. Immutable once loaded.
@@ -48,14 +58,8 @@ struct HeightGrid {
     if (i > nx - 2) i = nx - 2;
     if (j > nz - 2) j = nz - 2;
     if (!cell_known(i, j)) return kNone;
-    const double s = u - i;
-    const double t = v - j;
-    if (s + t <= 1) {
-      const double base = node_y_m(i, j);
-      return base + s * (node_y_m(i + 1, j) - base) + t * (node_y_m(i, j + 1) - base);
-    }
-    const double base = node_y_m(i + 1, j + 1);
-    return base + (1 - s) * (node_y_m(i, j + 1) - base) + (1 - t) * (node_y_m(i + 1, j) - base);
+    return height_on_triangles(node_y_m(i, j), node_y_m(i + 1, j), node_y_m(i, j + 1), node_y_m(i + 1, j + 1),
+                               u - i, v - j);
   }
 };
 

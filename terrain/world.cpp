@@ -1,5 +1,7 @@
 #include "terrain/world.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "terrain/base/constants.h"
@@ -19,12 +21,14 @@ namespace {
 WorldFrame frame_of(const WorldSpec& spec) {
   const LonLat& o = spec.origin;
   if (!(std::abs(o.latitude_deg) <= 90) || !(std::abs(o.longitude_deg) <= 540)) {
-    throw InputError("[antenna] latitude_deg, longitude_deg: found " + std::to_string(o.latitude_deg) + ", " +
-                     std::to_string(o.longitude_deg) + "; allowed: a position on the earth, in degrees");
+    throw InputError(fmt::format(
+        "[antenna] latitude_deg, longitude_deg: found {}, {}; allowed: a position on the earth, in degrees",
+        o.latitude_deg, o.longitude_deg));
   }
   if (!(spec.radius_factor > 0)) {
-    throw InputError("[earth] radius_factor: found " + std::to_string(spec.radius_factor) +
-                     "; allowed: a positive number, or inf for flat ground");
+    throw InputError(
+        fmt::format("[earth] radius_factor: found {}; allowed: a positive number, or inf for flat ground",
+                    spec.radius_factor));
   }
   return WorldFrame(o.latitude_deg * kDegree_rad, o.longitude_deg * kDegree_rad, spec.radius_factor);
 }

@@ -1,5 +1,7 @@
 #include "server/accuracy/bin_errors.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -28,9 +30,8 @@ double quantile(std::vector<double>& values, double fraction) {
 void require_planes(std::span<const double> power_w, std::span<const double> truth_w, int n_range) {
   if (n_range < 1 || power_w.size() != truth_w.size() ||
       power_w.size() % static_cast<std::size_t>(n_range) != 0)
-    throw std::logic_error("bin_errors: planes of " + std::to_string(power_w.size()) + " and " +
-                           std::to_string(truth_w.size()) + " bins with " + std::to_string(n_range) +
-                           " ranges");
+    throw std::logic_error(fmt::format("bin_errors: planes of {} and {} bins with {} ranges", power_w.size(),
+                                       truth_w.size(), n_range));
   const auto unfit = [](double w) { return !(w >= 0) || std::isinf(w); };
   if (std::any_of(power_w.begin(), power_w.end(), unfit) ||
       std::any_of(truth_w.begin(), truth_w.end(), unfit))

@@ -1,5 +1,7 @@
 #include "server/accuracy/sampling_case.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -81,9 +83,8 @@ RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling
 }
 
 std::string sampling_text(const SamplingCase& c) {
-  if (c.kind == FrustumKind::sweep) return "sweep " + std::to_string(c.columns);
-  return frustum_name(c.kind) + " " + std::to_string(c.columns) + " x " + std::to_string(c.rows) + " " +
-         plates_name(c.plates);
+  if (c.kind == FrustumKind::sweep) return fmt::format("sweep {}", c.columns);
+  return fmt::format("{} {} x {} {}", frustum_name(c.kind), c.columns, c.rows, plates_name(c.plates));
 }
 
 std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const FrontierRange& range) {

@@ -1,5 +1,7 @@
 #include "server/apps/parse_failure.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <vector>
@@ -42,15 +44,14 @@ std::string unknown_option(const CLI::App& command, const std::string& word) {
   std::string near = nearest_name(name, names);
   // Clients name the place in one word; the daemon's port has an option of its own.
   if (name == "port" && std::ranges::find(names, "server") != names.end()) near = "server HOST:PORT";
-  return word + ": an unknown option of `" + program_of(command) + "`" +
-         (near.empty() ? " (`" : "; did you mean --" + near + "? (`") + program_of(command) +
-         " --help` lists them)";
+  return fmt::format("{}: an unknown option of `{}`{}{} --help` lists them)", word, program_of(command),
+                     near.empty() ? " (`" : "; did you mean --" + near + "? (`", program_of(command));
 }
 
 std::string unknown_command(const CLI::App& app, const std::string& word) {
   const std::string near = nearest_name(word, command_names(app));
-  return word + ": an unknown command" + (near.empty() ? " (`" : "; did you mean " + near + "? (`") +
-         program_of(app) + " --help` lists them)";
+  return fmt::format("{}: an unknown command{}{} --help` lists them)", word,
+                     near.empty() ? " (`" : "; did you mean " + near + "? (`", program_of(app));
 }
 
 /// The first word of the line that nobody took.
@@ -71,8 +72,8 @@ std::string explain_parse_failure(const CLI::App& app, const CLI::ParseError& er
   if (left_over && word.starts_with('-')) return unknown_option(command, word);
   if (left_over && &command == &app && !command_names(app).empty()) return unknown_command(app, word);
   if (left_over)
-    return "found \"" + word + "\" where nothing more is expected (`" + program_of(command) +
-           " --help` says what is)";
+    return fmt::format("found \"{}\" where nothing more is expected (`{} --help` says what is)", word,
+                       program_of(command));
   return std::string(error.what()) + " (`" + program_of(command) + " --help` lists what there is)";
 }
 

@@ -1,5 +1,7 @@
 #include "server/explain/advice.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +10,7 @@
 #include "server/explain/verdict.h"
 #include "server/radar/echo/scattering.h"
 #include "terrain/base/constants.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -16,12 +19,12 @@ constexpr double kTenth_db = 0.1;
 constexpr double kFurthestCell_m = 1e5;
 constexpr double kFullContrast = 0.98;  ///< as near to 1 as a measured frame can tell
 
-std::string k_text(double curvature) { return plain_number(1 / curvature, 4); }
+std::string k_text(double curvature) { return short_number(1 / curvature, 4); }
 
 std::string within_swath(double range_m, double horizon, const SceneFacts& f) {
-  if (range_m >= horizon) return format("anywhere this side of the horizon (%.1f km)", horizon / 1000);
-  return format(range_m > f.settings.r_max_m ? "up to %.1f km, beyond this swath" : "only up to %.1f km",
-                range_m / 1000);
+  if (range_m >= horizon) return fmt::format("anywhere this side of the horizon ({:.1f} km)", horizon / 1000);
+  return range_m > f.settings.r_max_m ? fmt::format("up to {:.1f} km, beyond this swath", range_m / 1000)
+                                      : fmt::format("only up to {:.1f} km", range_m / 1000);
 }
 
 /// Curvature and refraction: one earth against another.
@@ -32,27 +35,25 @@ std::string earth_threshold(const Comparison& c, const SceneFacts& f) {
   const double h = f.height_m;
   std::string text;
   if (c.ingredient == Ingredient::curvature) {
-    text = format(
-        "drop r^2/(2kR), R = 6371 km: %.1f m at %s km with k = %s, %.1f m with k = 1 (parabola through "
-        "the "
-        "sphere). ",
-        earth_drop_m(r, with), plain_number(r / 1000, 4).c_str(), k_text(with).c_str(), earth_drop_m(r, 1));
+    text = fmt::format(
+        "drop r^2/(2kR), R = 6371 km: {:.1f} m at {} km with k = {}, {:.1f} m with k = 1 (parabola through "
+        "the sphere). ",
+        earth_drop_m(r, with), short_number(r / 1000, 4), k_text(with), earth_drop_m(r, 1));
   } else {
-    text = format("drop r^2/(2kR) differs by %.1f m at %s km between k = %s and k = %s. ",
-                  std::abs(earth_drop_m(r, with) - earth_drop_m(r, without)),
-                  plain_number(r / 1000, 4).c_str(), k_text(with).c_str(), k_text(without).c_str());
+    text = fmt::format("drop r^2/(2kR) differs by {:.1f} m at {} km between k = {} and k = {}. ",
+                       std::abs(earth_drop_m(r, with) - earth_drop_m(r, without)), short_number(r / 1000, 4),
+                       k_text(with), k_text(without));
   }
   if (!(h > 0)) return text + "The antenna is not above its median ground: no level-ground threshold.";
   const double horizon = horizon_m(h, std::max(with, without));
-  text += format(
-      "Over level ground %.0f m below, a bin's power goes with 1 - r^2/(2kRh) (law of cosines; 0 at the "
-      "horizon): "
-      "below 0.1 dB %s; half a range bin (%s m) of slant range ",
-      h, within_swath(range_of_power_change_m(h, with, without, kTenth_db), horizon, f).c_str(),
-      plain_number(f.range_spacing_m / 2, 3).c_str());
+  text += fmt::format(
+      "Over level ground {:.0f} m below, a bin's power goes with 1 - r^2/(2kRh) (law of cosines; 0 at the "
+      "horizon): below 0.1 dB {}; half a range bin ({} m) of slant range ",
+      h, within_swath(range_of_power_change_m(h, with, without, kTenth_db), horizon, f),
+      short_number(f.range_spacing_m / 2));
   const double moved = range_of_slant_shift_m(h, with, without, f.range_spacing_m / 2);
   return text + (moved >= horizon || moved > r ? "is never reached in this swath."
-                                               : format("is reached at %.1f km.", moved / 1000));
+                                               : fmt::format("is reached at {:.1f} km.", moved / 1000));
 }
 
 double depression_rad(double height_m, double slant_m) {
@@ -62,19 +63,19 @@ double depression_rad(double height_m, double slant_m) {
 std::string cell_threshold(const Comparison& c, const SceneFacts& f) {
   std::string text;
   if (f.source_error.posts > 0) {
-    text = format("cells of %s m lie %s m (95 %%) off their source", plain_number(f.cell_m, 4).c_str(),
-                  plain_number(f.source_error.p95_m, 3).c_str());
+    text = fmt::format("cells of {} m lie {} m (95 %) off their source", short_number(f.cell_m, 4),
+                       short_number(f.source_error.p95_m));
     if (c.source_error && c.source_error->posts > 0)
-      text += format(", cells of %s m %s m", plain_number(c.value, 4).c_str(),
-                     plain_number(c.source_error->p95_m, 3).c_str());
+      text +=
+          fmt::format(", cells of {} m {} m", short_number(c.value, 4), short_number(c.source_error->p95_m));
     text += ". ";
   }
   if (!(f.height_m > 0) || c.value < f.cell_m) return text;
   const double steepest = depression_rad(f.height_m, f.settings.r_min_m);
   const double allowed = vertical_tolerance_m(f.range_spacing_m / 2, steepest);
-  text +=
-      format("An error of %s m moves ground at r_min by half a range bin (bin/2 / sin depression, %.1f deg)",
-             plain_number(allowed, 3).c_str(), steepest / kDegree_rad);
+  text += fmt::format(
+      "An error of {} m moves ground at r_min by half a range bin (bin/2 / sin depression, {:.1f} deg)",
+      short_number(allowed), steepest / kDegree_rad);
   if (f.source_error.p95_m > 0 && c.source_error && c.source_error->p95_m > 0 && c.value > f.cell_m &&
       c.source_error->p95_m > f.source_error.p95_m) {
     const double order =
@@ -82,8 +83,8 @@ std::string cell_threshold(const Comparison& c, const SceneFacts& f) {
     const double reached_m = cell_of_error_m(f.cell_m, f.source_error.p95_m, order, allowed);
     // An error that hardly grows reaches it nowhere on this earth.
     if (reached_m < kFurthestCell_m)
-      text += format("; the error grows as cell^%.1f here: reached by cells of %s m. ", order,
-                     plain_number(reached_m, 2).c_str());
+      text += fmt::format("; the error grows as cell^{:.1f} here: reached by cells of {} m. ", order,
+                          short_number(reached_m, 2));
     else
       text += "; larger cells do not reach it. ";
     return text + (c.power_counts ? "Slopes, and so single bins, suffer sooner: see the dB." : "");
@@ -103,20 +104,18 @@ std::string wall_threshold(const SceneFacts& f) {
     const double roof = table.cross_section_m2(f.building_material, 1, std::sin(e));
     return 10 * std::log10(wall / roof);
   };
-  std::string text = format(
-      "a building of median size (%s m high, %s m wide) shows H cos e / (H cos e + W sin e) of itself as "
-      "wall: "
-      "%.0f %% at "
-      "r_min (e = %.1f deg), %.0f %% at r_max (%.1f deg). Walls give less than 0.1 dB only above e = %.1f "
-      "deg%s. ",
-      plain_number(f.sizes.height_m, 3).c_str(), plain_number(f.sizes.side_m, 3).c_str(),
+  std::string text = fmt::format(
+      "a building of median size ({} m high, {} m wide) shows H cos e / (H cos e + W sin e) of itself as "
+      "wall: {:.0f} % at r_min (e = {:.1f} deg), {:.0f} % at r_max ({:.1f} deg). Walls give less than 0.1 dB "
+      "only above e = {:.1f} deg{}. ",
+      short_number(f.sizes.height_m), short_number(f.sizes.side_m),
       100 * wall_share(f.sizes.height_m, f.sizes.side_m, near), near / kDegree_rad,
       100 * wall_share(f.sizes.height_m, f.sizes.side_m, far), far / kDegree_rad, steep / kDegree_rad,
       steep > near ? ", steeper than this swath" : "");
   const double at_near = facing_db(near), at_far = facing_db(far);
   if (std::isfinite(at_near) && std::isfinite(at_far))
-    text += format(
-        "By its material a facing wall returns %+.1f dB at r_min and %+.1f dB at r_max against the roof, "
+    text += fmt::format(
+        "By its material a facing wall returns {:+.1f} dB at r_min and {:+.1f} dB at r_max against the roof, "
         "area for area.",
         at_near, at_far);
   return text;
@@ -140,8 +139,8 @@ std::string material_threshold(const Comparison& c, const SceneFacts& f) {
   for (const double value : {level_near, level_far, wall_near, wall_far})
     if (!std::isfinite(value)) return {};
   const auto pair = [](double at_near, double at_far) {
-    return format("%+.1f dB at r_min and %+.1f dB at r_max", without_sign_of_zero(at_near, kTenth_db),
-                  without_sign_of_zero(at_far, kTenth_db));
+    return fmt::format("{:+.1f} dB at r_min and {:+.1f} dB at r_max",
+                       without_sign_of_zero(at_near, kTenth_db), without_sign_of_zero(at_far, kTenth_db));
   };
   std::string text = "level pieces of it return " + pair(level_near, level_far);
   if (c.on_buildings) text += ", facing walls " + pair(wall_near, wall_far) + ",";
@@ -159,10 +158,10 @@ std::string material_threshold(const Comparison& c, const SceneFacts& f) {
 std::string speckle_threshold(const Explanation& all) {
   const SpeckleMeasure& geometric = all.geometric_speckle;
   if (geometric.median_samples == 0) return "nothing sampled by this frustum: no contrast to measure.";
-  return format(
-      "contrast |v|^2/P: ground %.2f, geometric %.2f (fully developed: 1). Geometric speckle of n like "
-      "samples "
-      "has sqrt(1 - 1/n) (Goodman 2007, 3.2): %.2f from %.0f samples a bin on; here the median bin has %.0f.",
+  return fmt::format(
+      "contrast |v|^2/P: ground {:.2f}, geometric {:.2f} (fully developed: 1). Geometric speckle of n like "
+      "samples has sqrt(1 - 1/n) (Goodman 2007, 3.2): {:.2f} from {:.0f} samples a bin on; here the median "
+      "bin has {:.0f}.",
       all.ground_speckle.contrast, geometric.contrast, kFullContrast, 1 / (1 - kFullContrast * kFullContrast),
       geometric.median_samples);
 }
@@ -194,9 +193,9 @@ std::string saving(const Comparison& c, const Explanation& all) {
   const auto add = [](std::string& to, const std::string& what) { to += (to.empty() ? "" : ", ") + what; };
   // Roofs without walls exist for this comparison alone, as triangles with gaps: nobody can have that frame.
   if (c.ingredient != Ingredient::walls && std::abs(saved_s) > frame_repeats_within_s(all))
-    add(saved_s > 0 ? saves : costs, format("%.0f ms a frame", 1000 * std::abs(saved_s)));
+    add(saved_s > 0 ? saves : costs, fmt::format("{:.0f} ms a frame", 1000 * std::abs(saved_s)));
   if (std::abs(mb) >= std::max(0.5, 1e-8 * static_cast<double>(all.costs.bytes())))
-    add(mb > 0 ? saves : costs, format("%.0f MB", std::abs(mb)));
+    add(mb > 0 ? saves : costs, fmt::format("{:.0f} MB", std::abs(mb)));
   if (saves.empty() && costs.empty()) return "saves nothing";
   return (saves.empty() ? "" : "saves " + saves) + (saves.empty() || costs.empty() ? "" : " and ") +
          (costs.empty() ? "" : "costs " + costs);
@@ -211,10 +210,10 @@ std::string change_text(const Comparison& c) {
   else if (p.nothing_left())
     text = "no power is left";
   else
-    text = format("95 %% of bins within %s dB, %s %% of them off by more than 1 dB, total %+.2f dB",
-                  plain_number(std::max(0.01, p.percentile95_db), 2).c_str(),
-                  plain_number(100 * p.over_1_db, 2).c_str(), without_sign_of_zero(p.total_db(), 0.01));
-  if (c.shift) text += format(", ground within %.2f m of slant range", c.shift->slant_m);
+    text = fmt::format("95 % of bins within {} dB, {} % of them off by more than 1 dB, total {:+.2f} dB",
+                       short_number(std::max(0.01, p.percentile95_db), 2), short_number(100 * p.over_1_db, 2),
+                       without_sign_of_zero(p.total_db(), 0.01));
+  if (c.shift) text += fmt::format(", ground within {:.2f} m of slant range", c.shift->slant_m);
   return text;
 }
 
@@ -222,22 +221,23 @@ std::string words(const Comparison& c, const Explanation& all) {
   if (!c.reason.empty()) return "not measured: " + c.reason + ".";
   if (c.ingredient == Ingredient::speckle) {
     const bool ground = all.facts.settings.speckle == SpeckleKind::ground;
-    return std::string(ground ? "ground speckle is needed"
-                              : "the scene has geometric speckle; ground is needed") +
-           " where I&Q is used from pulse to pulse, since geometric follows the sampling; powers are the "
-           "same: " +
-           c.change + " " + saving(c, all) + ".";
+    return fmt::format(
+        "{} where I&Q is used from pulse to pulse, since geometric follows the sampling; powers are the "
+        "same: {} {}.",
+        ground ? "ground speckle is needed" : "the scene has geometric speckle; ground is needed", c.change,
+        saving(c, all));
   }
   const bool cell = c.ingredient == Ingredient::cell_size;
   const bool finer = cell && c.value < all.facts.cell_m;
-  const std::string change = " (" + c.change + ": " + change_text(c) + ")";
+  const std::string change = fmt::format(" ({}: {})", c.change, change_text(c));
   const std::string price = saving(c, all) + ".";
   const std::string mark = c.below_frustum_noise ? "*" : "";
   switch (c.verdict) {
     case Verdict::needed:
-      if (finer) return "finer cells would show" + mark + change + "; halving them " + price;
-      if (c.adds) return "needed" + mark + ", but this scene leaves it out" + change + ".";
-      return "needed" + mark + change + (cell ? "; doubling the cells " : "; leaving it out ") + price;
+      if (finer) return fmt::format("finer cells would show{}{}; halving them {}", mark, change, price);
+      if (c.adds) return fmt::format("needed{}, but this scene leaves it out{}.", mark, change);
+      return fmt::format("needed{}{}{}{}", mark, change, cell ? "; doubling the cells " : "; leaving it out ",
+                         price);
     case Verdict::not_needed:
       if (!c.power_counts)
         return "ground moves by less than half a range bin" + change + "; the change " + price;
@@ -245,8 +245,8 @@ std::string words(const Comparison& c, const Explanation& all) {
       if (c.adds) return "may stay left out" + change + ".";
       return (cell ? "cells may be doubled" : "may be left out") + change + "; that " + price;
     case Verdict::beyond_measure:
-      return "below the sampling noise of this measurement" + change + "; " +
-             (cell ? "the change " : "leaving it out ") + price;
+      return fmt::format("below the sampling noise of this measurement{}; {}{}", change,
+                         cell ? "the change " : "leaving it out ", price);
     case Verdict::not_measured:
       break;
   }

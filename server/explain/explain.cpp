@@ -1,5 +1,7 @@
 #include "server/explain/explain.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,6 +16,7 @@
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 #include "terrain/grid_area.h"
 
 namespace obliq {
@@ -71,7 +74,7 @@ class Experiment {
     if (progress_) progress_(what, fraction);
   }
   void begin(const std::string& what) {
-    step_ = "[" + std::to_string(steps_ + 1) + "/" + std::to_string(all_steps_) + "] " + what;
+    step_ = fmt::format("[{}/{}] {}", steps_ + 1, all_steps_, what);
     tell(step_, static_cast<double>(steps_++) / all_steps_);
   }
 
@@ -312,14 +315,14 @@ class Experiment {
     Comparison curvature = named(Ingredient::curvature, "earth curvature", "");
     curvature.adds = flat;
     curvature.value = spec.radius_factor = flat ? kStandardEarth : kFlat;
-    curvature.change = flat ? "with k = " + plain_number(spec.radius_factor, 4) : "flat earth";
+    curvature.change = flat ? "with k = " + short_number(spec.radius_factor, 4) : "flat earth";
     Stage curved;
     compare_world(curvature, spec, power_w_, *probes_, flat ? &curved : nullptr);
 
     Comparison refraction = named(Ingredient::refraction, "refraction", "");
     refraction.adds = flat || facts.radius_factor == 1;
     refraction.value = spec.radius_factor = facts.radius_factor == 1 ? kStandardEarth : 1;
-    const std::string k = "k = " + plain_number(spec.radius_factor, 4);
+    const std::string k = "k = " + short_number(spec.radius_factor, 4);
     refraction.change = flat ? k + ", not 4/3" : (facts.radius_factor == 1 ? "with " : "vacuum, ") + k;
     if (!flat) {
       compare_world(refraction, spec, power_w_, *probes_);
@@ -342,17 +345,17 @@ class Experiment {
       const double cell_m = round_to_quantum_m(factor * facts.cell_m);
       spec.terrain.cell_m = cell_m;
       Comparison c = named(Ingredient::cell_size, factor > 1 ? "cell size x 2" : "cell size x 1/2",
-                           "cells of " + plain_number(cell_m, 4) + " m");
+                           "cells of " + short_number(cell_m, 4) + " m");
       c.value = cell_m;
       c.power_counts = facts.flat_plates.empty();
       const double growth = facts.cell_m * facts.cell_m / (cell_m * cell_m);
       const double needed = growth * static_cast<double>(result_.costs.bytes());
       const auto free = static_cast<double>(available_bytes());
       if (factor < 1 && growth * static_cast<double>(facts.nodes) > kMostFineNodes) {
-        c.reason = format("%.0f million nodes are more than the %.0f that are tried",
-                          growth * static_cast<double>(facts.nodes) / 1e6, kMostFineNodes / 1e6);
+        c.reason = fmt::format("{:.0f} million nodes are more than the {:.0f} that are tried",
+                               growth * static_cast<double>(facts.nodes) / 1e6, kMostFineNodes / 1e6);
       } else if (factor < 1 && free > 0 && needed > free / 2) {
-        c.reason = format("needs about %.0f MB of memory, %.0f are free", needed / 1e6, free / 1e6);
+        c.reason = fmt::format("needs about {:.0f} MB of memory, {:.0f} are free", needed / 1e6, free / 1e6);
       } else {
         compare_world(c, spec, power_w_, *probes_);
       }

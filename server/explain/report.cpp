@@ -1,9 +1,12 @@
 #include "server/explain/report.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "server/explain/advice.h"
 #include "server/explain/table.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -26,7 +29,7 @@ const char* verdict_word(const Comparison& c) {
 
 std::string number(double value, int digits) {
   value = without_sign_of_zero(value, std::pow(10.0, -digits));
-  return std::isfinite(value) ? format("%.*f", digits, value) : "-";
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
 }
 
 std::string percent(double share) { return number(100 * share, 2); }
@@ -37,26 +40,24 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   const SceneFacts& f = all.facts;
   const RadarSettings& s = f.settings;
   std::vector<std::string> lines;
-  lines.push_back(
-      format("%s, radar %s: %s frustum of %d x %d pixels, sector of %s degrees, %s to %s km, "
-             "%d x %d bins.",
-             f.scene.c_str(), f.radar.c_str(), frustum_name(s.frustum).c_str(), s.pixel_columns, s.pixel_rows,
-             plain_number(s.sector_deg, 4).c_str(), plain_number(s.r_min_m / 1000, 4).c_str(),
-             plain_number(s.r_max_m / 1000, 4).c_str(), s.azimuth_bins, s.range_bins));
+  lines.push_back(fmt::format(
+      "{}, radar {}: {} frustum of {} x {} pixels, sector of {} degrees, {} to {} km, {} x {} bins.", f.scene,
+      f.radar, frustum_name(s.frustum), s.pixel_columns, s.pixel_rows, short_number(s.sector_deg, 4),
+      short_number(s.r_min_m / 1000, 4), short_number(s.r_max_m / 1000, 4), s.azimuth_bins, s.range_bins));
   const std::string earth =
-      std::isfinite(f.radius_factor) ? "k = " + plain_number(f.radius_factor, 4) : "flat earth";
-  lines.push_back(format("The antenna is %.0f m above its median ground; %s; cells of %s m; %llu buildings.",
-                         f.height_m, earth.c_str(), plain_number(f.cell_m, 4).c_str(),
-                         static_cast<unsigned long long>(f.buildings)));
+      std::isfinite(f.radius_factor) ? "k = " + short_number(f.radius_factor, 4) : "flat earth";
+  lines.push_back(
+      fmt::format("The antenna is {:.0f} m above its median ground; {}; cells of {} m; {} buildings.",
+                  f.height_m, earth, short_number(f.cell_m, 4), f.buildings));
   std::string density =
       kComparisonSource.frustum == FrustumKind::sweep
-          ? format("the sweep, %d planes an azimuth bin", f.columns)
-          : format("rays of the polar frustum, %d x %.0f a bin", f.columns, kComparisonDensity.rows);
+          ? fmt::format("the sweep, {} planes an azimuth bin", f.columns)
+          : fmt::format("rays of the polar frustum, {} x {:.0f} a bin", f.columns, kComparisonDensity.rows);
   if (f.buildings > 0)
-    density += format(" (walls with rays, %d x %.0f a bin)", f.columns, kComparisonDensity.rows);
+    density += fmt::format(" (walls with rays, {} x {:.0f} a bin)", f.columns, kComparisonDensity.rows);
   lines.push_back(
-      format("Measured in %d of %d azimuth bins, even wedges, with %s; shifts at %zu ground points.",
-             f.measured_azimuth_bins, s.azimuth_bins, density.c_str(), f.ground_points));
+      fmt::format("Measured in {} of {} azimuth bins, even wedges, with {}; shifts at {} ground points.",
+                  f.measured_azimuth_bins, s.azimuth_bins, density, f.ground_points));
   if (!f.flat_plates.empty()) {
     std::string names;
     for (const std::string& name : f.flat_plates) names += (names.empty() ? "" : ", ") + name;
@@ -94,9 +95,9 @@ Table change_table(const Explanation& all) {
 
 std::string noise_text(const PowerChange& p) {
   if (p.nothing_left()) return "nothing sampled, every lit bin is without a sample";
-  return format(
-      "median %.2f dB, 95 %% of bins within %.2f dB, %.1f %% of them off by more than 1 dB; %.1f %% of lit "
-      "bins without a sample; total %+.3f dB",
+  return fmt::format(
+      "median {:.2f} dB, 95 % of bins within {:.2f} dB, {:.1f} % of them off by more than 1 dB; {:.1f} % of "
+      "lit bins without a sample; total {:+.3f} dB",
       p.median_db, p.percentile95_db, 100 * p.over_1_db, 100 * p.vanished,
       without_sign_of_zero(p.total_db(), 0.001));
 }
@@ -139,9 +140,9 @@ Table cost_table(const Explanation& all) {
 }
 
 std::string times_text(const Explanation& all) {
-  return format(
-      "Frame: the scene's own frustum on these wedges, processor time scaled to all azimuth bins and %d "
-      "threads. Differences within %.0f ms are not told from repetitions. Load and build as the clock saw "
+  return fmt::format(
+      "Frame: the scene's own frustum on these wedges, processor time scaled to all azimuth bins and {} "
+      "threads. Differences within {:.0f} ms are not told from repetitions. Load and build as the clock saw "
       "them.",
       all.facts.threads, 1000 * frame_repeats_within_s(all));
 }
@@ -155,9 +156,9 @@ std::string star_text(const Explanation& all) {
     if (c.verdict == Verdict::needed && c.below_frustum_noise && c.ingredient != Ingredient::speckle)
       return all.frustum_noise.nothing_left()
                  ? "* Not in this frustum, which samples nothing: a finer one shows it."
-                 : format(
-                       "* In single bins below the sampling noise of this frustum (median %.2f dB): a finer "
-                       "one shows it.",
+                 : fmt::format(
+                       "* In single bins below the sampling noise of this frustum (median {:.2f} dB): a "
+                       "finer one shows it.",
                        all.frustum_noise.median_db);
   }
   return {};
@@ -195,10 +196,10 @@ std::string markdown_report(const Explanation& all) {
       "greatest shift of a ground point.\n\n";
   text += markdown_table(change_table(all)) + "\n";
   const auto item = [&](const std::string& name, const std::string& what) {
-    if (!what.empty()) text += "- **" + name + "**: " + what + "\n";
+    if (!what.empty()) text += fmt::format("- **{}**: {}\n", name, what);
   };
   for (const NamedText& noise : noises(all)) item(noise.name, noise.text + ".");
-  text += "\n## What it costs\n\n" + markdown_table(cost_table(all)) + "\n" + times_text(all) + "\n";
+  text += fmt::format("\n## What it costs\n\n{}\n{}\n", markdown_table(cost_table(all)), times_text(all));
   text += "\n## From where on it matters\n\n";
   for (const Comparison& c : all.comparisons) item(title(c), c.threshold);
   text += "\n## Verdict\n\n";
@@ -215,7 +216,7 @@ std::string csv_report(const Explanation& all) {
       "height_shift_m,frame_ms,load_s,build_s,grid_mb,buildings_mb,embree_mb,source_error_p95_m,threshold,"
       "advice\n";
   const auto exact = [](double value) {
-    return std::isfinite(value) ? format("%.9g", value) : std::string();
+    return std::isfinite(value) ? fmt::format("{:.9g}", value) : std::string();
   };
   const auto line = [&](const std::vector<std::string>& fields) {
     for (std::size_t n = 0; n < fields.size(); ++n) text += (n > 0 ? "," : "") + csv_field(fields[n]);

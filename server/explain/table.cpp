@@ -1,7 +1,6 @@
 #include "server/explain/table.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace obliq {
 namespace {
@@ -20,18 +19,6 @@ std::string cut(const std::string& text) {
 }
 
 }  // namespace
-
-std::string plain_number(double value, int digits) {
-  if (!std::isfinite(value)) return "-";
-  if (value == 0) return "0";
-  constexpr int kMostDecimals = 9;
-  const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
-  std::string text = format("%.*f", std::clamp(digits - before_point, 0, kMostDecimals), value);
-  if (text.find('.') == std::string::npos) return text;
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
 
 std::string plain_table(const Table& table) {
   std::vector<std::vector<std::string>> lines = table.head;

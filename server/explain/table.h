@@ -1,27 +1,14 @@
 #pragma once
 // Tables and paragraphs of plain text.
-#include <cstdio>
 #include <string>
 #include <vector>
 
 namespace obliq {
 
-/// printf into a string.
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
 /// A number that rounds to zero is zero: no "-0.00".
 inline double without_sign_of_zero(double value, double step) {
   return value < step / 2 && value > -step / 2 ? 0 : value;
 }
-
-/// A number as one reads it, with about so many digits that count and never an exponent: "3000", "4.52",
-/// "0.149"; "-" for none.
-std::string plain_number(double value, int digits);
 
 /// Cells of text. The first two columns are words, the rest numbers.
 struct Table {

@@ -1,9 +1,9 @@
 #include "server/flight/scene_keeper.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <utility>
 
@@ -41,10 +41,10 @@ void check_size(const SceneConfig& config, const SceneWindow& window) {
   const double megaposts = window_posts(window, *config.world.terrain.cell_m) / 1e6;
   if (megaposts <= config.flight.max_megaposts) return;
   throw InputError(FieldError{
-      "flight.max_megaposts", "terrain of " + std::to_string(megaposts) + " million posts around the radars",
-      "at most " + std::to_string(config.flight.max_megaposts) +
-          " million, so raise it, make terrain.cell_m larger, or keep the radars closer "
-          "together"}
+      "flight.max_megaposts", fmt::format("terrain of {} million posts around the radars", megaposts),
+      fmt::format(
+          "at most {} million, so raise it, make terrain.cell_m larger, or keep the radars closer together",
+          config.flight.max_megaposts)}
                        .text());
 }
 
@@ -125,10 +125,9 @@ GroundThere SceneKeeper::ground_at(const LonLat& place, double r_max_m) const {
   const std::lock_guard lock(mutex_);
   GroundThere there{extents_.share(place, r_max_m), {}};
   if (extents_.covers(place)) return there;
-  char found[160];
-  std::snprintf(
-      found, sizeof found,
-      "no file has ground at latitude %.4f, longitude %.4f, and for %.0f %% of what lies within %.1f km: ",
+  const std::string found = fmt::format(
+      "no file has ground at latitude {:.4f}, longitude {:.4f}, and for {:.0f} % of what lies within {:.1f} "
+      "km: ",
       place.latitude_deg, place.longitude_deg, 100 * (1 - there.coverage), r_max_m / 1000);
   there.warning = found + extents_.text();
   return there;

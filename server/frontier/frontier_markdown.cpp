@@ -1,8 +1,9 @@
 #include "server/frontier/frontier_markdown.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "server/frontier/frontier_comparison.h"
@@ -11,17 +12,9 @@
 namespace obliq {
 namespace {
 
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-std::string whole(double value) { return formatted("%.0f", value); }
-
 std::string missed_text(const FrontierRow& row) {
   if (row.buildings_visible == 0) return "";
-  return whole(row.buildings_missed) + " of " + whole(row.buildings_visible);
+  return fmt::format("{:.0f} of {:.0f}", row.buildings_missed, row.buildings_visible);
 }
 
 std::string sampling_cell(const FrontierRow& row) {
@@ -43,11 +36,11 @@ std::string comparison_rows(const std::vector<FrontierRow>& rows, double scene_c
       "|\n"
       "|---|---|---|---|---|---|---|---|---|\n";
   for (const PaperComparison& c : table)
-    text += "| " + sampling_cell(c.row) + " | " + formatted("%.1f", c.row.frame_ms) + " | " +
-            ratio_text(paper.frame_ms, c.row.frame_ms) + " | " + short_number(c.row.power_error) + " | " +
-            ratio_text(paper.power_error, c.row.power_error) + " | " + percent_text(c.row.gap_fraction) +
-            " | " + ratio_text(paper.gap_fraction, c.row.gap_fraction) + " | " +
-            percent_text(c.row.false_light_fraction) + " | " + missed_text(c.row) + " |\n";
+    text += fmt::format("| {} | {:.1f} | {} | {} | {} | {} | {} | {} | {} |\n", sampling_cell(c.row),
+                        c.row.frame_ms, ratio_text(paper.frame_ms, c.row.frame_ms),
+                        short_number(c.row.power_error), ratio_text(paper.power_error, c.row.power_error),
+                        percent_text(c.row.gap_fraction), ratio_text(paper.gap_fraction, c.row.gap_fraction),
+                        percent_text(c.row.false_light_fraction), missed_text(c.row));
   return text;
 }
 
@@ -76,15 +69,15 @@ std::string error_table(const std::vector<FrontierRow>& rows, Returns returns) {
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const FrontierRow& row : rows) {
     if (row.returns != returns || !row.possible()) continue;
-    text += "| " + sampling_cell(row) + " | " + short_number(row.sampling.cell_m) + " | " +
-            formatted("%.1f", row.frame_ms) + " | " + formatted("%.1f", row.bare_ms) + " | " +
-            whole(row.processor_ms) + " | " + short_number(row.power_error) + " | " +
-            (row.has_decibels() ? short_number(row.median_db) + " | " + short_number(row.percentile95_db)
-                                : std::string("- | -")) +
-            " | " + percent_text(row.mean_relative) + " | " + formatted("%+.2f %%", 100 * row.energy_error) +
-            " | " + percent_text(row.gap_fraction) + " | " + percent_text(row.false_light_fraction) + " | " +
-            percent_text(row.false_light_energy) + " | " +
-            (returns == Returns::terrain ? "" : missed_text(row)) + " |\n";
+    text += fmt::format(
+        "| {} | {} | {:.1f} | {:.1f} | {:.0f} | {} | {} | {} | {:+.2f} % | {} | {} | {} | {} |\n",
+        sampling_cell(row), short_number(row.sampling.cell_m), row.frame_ms, row.bare_ms, row.processor_ms,
+        short_number(row.power_error),
+        row.has_decibels() ? short_number(row.median_db) + " | " + short_number(row.percentile95_db)
+                           : std::string("- | -"),
+        percent_text(row.mean_relative), 100 * row.energy_error, percent_text(row.gap_fraction),
+        percent_text(row.false_light_fraction), percent_text(row.false_light_energy),
+        returns == Returns::terrain ? "" : missed_text(row));
   }
   return text;
 }
@@ -93,8 +86,8 @@ std::string bin_counts(const std::vector<FrontierRow>& rows, Returns returns) {
   const auto row =
       std::ranges::find_if(rows, [&](const FrontierRow& r) { return r.returns == returns && r.possible(); });
   if (row == rows.end()) return "";
-  return whole(row->lit) + " bins are lit, " + whole(row->dark) + " dark, " + whole(row->dont_care) +
-         " neither.\n\n";
+  return fmt::format("{:.0f} bins are lit, {:.0f} dark, {:.0f} neither.\n\n", row->lit, row->dark,
+                     row->dont_care);
 }
 
 /// The check against what the table shows; before it was measured, the finest frames stood for it.
@@ -117,17 +110,17 @@ TruthCheck against_rows(TruthCheck check, const std::vector<FrontierRow>& rows) 
 }
 
 std::string truth_text(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
-  std::string text = "Truth: " + whole(h.truth.planes_per_bin) + " planes in each azimuth bin, steps of " +
-                     short_number(h.truth.step_m) + " m, on the grid of " + short_number(h.truth_cell_m) +
-                     " m, compared on " + whole(h.azimuths_compared) + " of " + whole(h.azimuth_bins) +
-                     " azimuth bins.\nIts own error (against twice the planes and half the step, " +
-                     whole(h.truth_check_azimuths) +
-                     " azimuth bins), to be at most a tenth of the smallest "
-                     "error shown:\n\n| measure | truth's own | smallest shown | |\n|---|---|---|---|\n";
+  std::string text = fmt::format(
+      "Truth: {} planes in each azimuth bin, steps of {} m, on the grid of {} m, compared on {} of {} "
+      "azimuth bins.\nIts own error (against twice the planes and half the step, {} azimuth bins), to be at "
+      "most a tenth of the smallest error shown:\n\n| measure | truth's own | smallest shown | "
+      "|\n|---|---|---|---|\n",
+      h.truth.planes_per_bin, short_number(h.truth.step_m), short_number(h.truth_cell_m), h.azimuths_compared,
+      h.azimuth_bins, h.truth_check_azimuths);
   for (const TruthCheck& expected : h.truth_checks) {
     const TruthCheck check = against_rows(expected, rows);
-    text += "| " + check.measure + " | " + short_number(check.own) + " | " + short_number(check.smallest) +
-            " | " + (check.holds() ? "held" : "NOT held") + " |\n";
+    text += fmt::format("| {} | {} | {} | {} |\n", check.measure, short_number(check.own),
+                        short_number(check.smallest), check.holds() ? "held" : "NOT held");
   }
   return text;
 }
@@ -142,28 +135,27 @@ std::string load_text(const std::vector<FrontierRow>& rows, int threads) {
     most = std::max(most, row.load);
   }
   if (!(least <= most)) return "";
-  return " The machine's load before the frames was " + short_number(least) + " to " + short_number(most) +
-         "; this run alone makes up to " + std::to_string(threads) + ".";
+  return fmt::format(" The machine's load before the frames was {} to {}; this run alone makes up to {}.",
+                     short_number(least), short_number(most), threads);
 }
 
 std::string impossible_list(const std::vector<FrontierRow>& rows) {
   std::string text;
   for (const FrontierRow& row : rows)
     if (!row.possible())
-      text += "- " + sampling_text(row.sampling) + ", cell " + short_number(row.sampling.cell_m) +
-              " m: " + row.not_possible + "\n";
+      text += fmt::format("- {}, cell {} m: {}\n", sampling_text(row.sampling),
+                          short_number(row.sampling.cell_m), row.not_possible);
   return text.empty() ? text : "\n## Not possible here\n\n" + text;
 }
 
 }  // namespace
 
 std::string frontier_markdown(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
-  std::string text = "# Speed against error: " + h.scene + "\n\n" + h.view + "; " +
-                     std::to_string(h.buildings) + " buildings.\n" + machine_text(h) + "." +
-                     load_text(rows, h.threads) +
-                     "\n\n![Frame time against error](frontier.svg)\n\n## Against the paper's setting\n\n" +
-                     comparison_tables(h, rows) + "\n## All returns\n\n" + bin_counts(rows, Returns::all) +
-                     error_table(rows, Returns::all);
+  std::string text = fmt::format(
+      "# Speed against error: {}\n\n{}; {} buildings.\n{}.{}\n\n![Frame time against "
+      "error](frontier.svg)\n\n## Against the paper's setting\n\n{}\n## All returns\n\n{}{}",
+      h.scene, h.view, h.buildings, machine_text(h), load_text(rows, h.threads), comparison_tables(h, rows),
+      bin_counts(rows, Returns::all), error_table(rows, Returns::all));
   if (h.buildings > 0) {
     text += "\n## Returns of the terrain alone\n\n" + bin_counts(rows, Returns::terrain) +
             error_table(rows, Returns::terrain);
@@ -191,8 +183,8 @@ std::string frontier_markdown(const FrontierHeader& h, const std::vector<Frontie
 }
 
 std::string machine_text(const FrontierHeader& h) {
-  return h.cpu + ", " + std::to_string(h.threads) + (h.threads == 1 ? " thread, " : " threads, ") + h.tracer +
-         ", obliq " + h.version + "; least of " + std::to_string(h.repeats) + " frames after one unmeasured";
+  return fmt::format("{}, {}{}{}, obliq {}; least of {} frames after one unmeasured", h.cpu, h.threads,
+                     h.threads == 1 ? " thread, " : " threads, ", h.tracer, h.version, h.repeats);
 }
 
 }  // namespace obliq

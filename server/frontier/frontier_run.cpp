@@ -1,5 +1,7 @@
 #include "server/frontier/frontier_run.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -41,8 +43,8 @@ struct Ground {
 
 std::string duration_text(double seconds) {
   const int whole = static_cast<int>(std::ceil(seconds));
-  if (whole < 100) return std::to_string(whole) + " s";
-  return std::to_string((whole + 59) / 60) + " min";
+  if (whole < 100) return fmt::format("{} s", whole);
+  return fmt::format("{} min", (whole + 59) / 60);
 }
 
 std::uint64_t hash_bytes(std::uint64_t hash, const void* data, std::size_t n) {
@@ -139,13 +141,12 @@ class FrontierRun {
   void find_cases() {
     cases_ = frontier_cases(radar_.settings, range_);
     const RadarSettings& s = radar_.settings;
-    char view[200];
-    std::snprintf(view, sizeof view, "%.4g to %.4g km, %.4g degrees, %d x %d bins", s.r_min_m / 1000,
-                  s.r_max_m / 1000, s.sector_deg, s.azimuth_bins, s.range_bins);
+    header_.view = fmt::format("{:.4g} to {:.4g} km, {:.4g} degrees, {} x {} bins", s.r_min_m / 1000,
+                               s.r_max_m / 1000, s.sector_deg, s.azimuth_bins, s.range_bins);
     header_.version = OBLIQ_VERSION;
     header_.scene = config_.name;
     header_.radar = radar_.name;
-    header_.view = view;
+
     header_.cpu = processor_name();
     header_.threads = threads_;
     header_.tracer = EmbreeTracer::version();
@@ -159,15 +160,13 @@ class FrontierRun {
     header_.truth_cell_m = finest_.cell_m();
 
     std::string text = print_config(what_counts(config_)) + header_.version + header_.cpu + header_.tracer;
-    for (const SamplingCase& c : cases_) text += sampling_text(c) + " " + std::to_string(c.cell_m) + "\n";
+    for (const SamplingCase& c : cases_) text += fmt::format("{} {}\n", sampling_text(c), c.cell_m);
     for (const double number :
          {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,
           1.0 * options_.truth_planes, options_.truth_step_m, 1.0 * options_.most_truth_planes})
-      text += std::to_string(number) + " ";
+      text += fmt::format("{} ", number);
     key_ = world_hash(finest_.world(), hash_text(1, text + radar_.name));
-    char key[20];
-    std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(key_));
-    header_.key = key;
+    header_.key = fmt::format("{:016x}", key_);
   }
 
   void open_table() {
@@ -188,7 +187,7 @@ class FrontierRun {
     if (has_table) rows_ = read_frontier_csv(table);
     drop_half_done();
     if (!rows_.empty())
-      say_on_terminal("going on after " + std::to_string(rows_.size()) + " lines of " + table.string());
+      say_on_terminal(fmt::format("going on after {} lines of {}", rows_.size(), table.string()));
   }
 
   /// A sampling whose lines were not all written is measured again.
@@ -255,13 +254,14 @@ class FrontierRun {
   }
 
   void print_truth() const {
-    say_on_terminal("truth: " + std::to_string(header_.truth.planes_per_bin) +
-                    " planes in each azimuth bin, steps of " + short_number(header_.truth.step_m) +
-                    " m, grid of " + short_number(header_.truth_cell_m) +
-                    " m; its own error, to be a tenth of the smallest shown:");
+    say_on_terminal(
+        fmt::format("truth: {} planes in each azimuth bin, steps of {} m, grid of {} m; its own error, to be "
+                    "a tenth of the smallest shown:",
+                    header_.truth.planes_per_bin, short_number(header_.truth.step_m),
+                    short_number(header_.truth_cell_m)));
     for (const TruthCheck& check : header_.truth_checks)
-      say_on_terminal("  " + check.measure + ": " + short_number(check.own) + ", smallest shown " +
-                      short_number(check.smallest) + (check.holds() ? "" : "  NOT HELD"));
+      say_on_terminal(fmt::format("  {}: {}, smallest shown {}{}", check.measure, short_number(check.own),
+                                  short_number(check.smallest), check.holds() ? "" : "  NOT HELD"));
   }
 
   bool measure_all() {
@@ -276,7 +276,7 @@ class FrontierRun {
     for (std::size_t k = 0; k < cases_.size(); ++k) {
       if (is_done(cases_[k])) continue;
       if (options_.stop_after > 0 && measured == options_.stop_after) {
-        say_on_terminal("stopped after " + std::to_string(measured) + "; the same command goes on from here");
+        say_on_terminal(fmt::format("stopped after {}; the same command goes on from here", measured));
         return false;
       }
       const std::vector<FrontierRow> rows = measure(cases_[k]);
@@ -287,9 +287,9 @@ class FrontierRun {
       ++measured;
       done += weight(cases_[k]);
       const double spent_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      say_on_terminal("[" + std::to_string(k + 1) + "/" + std::to_string(cases_.size()) + "] " +
-                      row_text(rows.front()) +
-                      (done < work ? "; " + duration_text(spent_s / done * (work - done)) + " left" : ""));
+      say_on_terminal(
+          fmt::format("[{}/{}] {}{}", k + 1, cases_.size(), row_text(rows.front()),
+                      done < work ? "; " + duration_text(spent_s / done * (work - done)) + " left" : ""));
     }
     return true;
   }
@@ -306,8 +306,9 @@ class FrontierRun {
     const std::string text =
         sampling_text(row.sampling) + ", cell " + short_number(row.sampling.cell_m) + " m: ";
     if (!row.possible()) return text + "not possible here: " + row.not_possible;
-    return text + short_number(row.frame_ms) + " ms, E " + short_number(row.power_error) + ", gaps " +
-           percent_text(row.gap_fraction) + ", false light " + percent_text(row.false_light_fraction);
+    return fmt::format("{}{} ms, E {}, gaps {}, false light {}", text, short_number(row.frame_ms),
+                       short_number(row.power_error), percent_text(row.gap_fraction),
+                       percent_text(row.false_light_fraction));
   }
 
   std::vector<FrontierRow> measure(const SamplingCase& c) {

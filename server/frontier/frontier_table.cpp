@@ -1,5 +1,7 @@
 #include "server/frontier/frontier_table.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -187,9 +189,8 @@ std::string csv_header() {
 
 std::string csv_line(const FrontierRow& row) {
   const SamplingCase& c = row.sampling;
-  std::string text = frustum_name(c.kind) + "," + std::to_string(c.columns) + "," + std::to_string(c.rows) +
-                     "," + plates_name(c.plates) + "," + number_text(c.cell_m) + "," +
-                     returns_name(row.returns);
+  std::string text = fmt::format("{},{},{},{},{},{}", frustum_name(c.kind), c.columns, c.rows,
+                                 plates_name(c.plates), number_text(c.cell_m), returns_name(row.returns));
   for (const Column& column : kColumns) text += "," + number_text(row.*column.value);
   return text + "," + quoted(row.not_possible) + "\n";
 }
@@ -207,9 +208,9 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
     const auto row = row_of(line);
     if (!row)
       throw InputError(
-          path.string() + ":" + std::to_string(number) +
-          ": found a line that is none of this table's; allowed: what `obliq frontier` wrote, or "
-          "--restart to begin anew");
+          fmt::format("{}:{}: found a line that is none of this table's; allowed: what `obliq frontier` "
+                      "wrote, or --restart to begin anew",
+                      path.string(), number));
     rows.push_back(*row);
   }
   return rows;

@@ -1,8 +1,9 @@
 #include "server/frontier/log_axis.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "server/frontier/frontier_markdown.h"
 #include "terrain/base/text.h"
@@ -14,10 +15,8 @@ constexpr double kAir = 1.18;  // factor between the outermost values and the ax
 /// "0.01", "2e-5": an axis has room for few signs.
 std::string label_of(double value) {
   if (value > 9.5e-4) return short_number(value);
-  char text[32];
   const int exponent = static_cast<int>(std::floor(std::log10(value) + 1e-9));
-  std::snprintf(text, sizeof text, "%.0fe%d", value / std::pow(10, exponent), exponent);
-  return text;
+  return fmt::format("{:.0f}e{}", value / std::pow(10, exponent), exponent);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "server/http/http_server.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -114,9 +115,10 @@ void HttpServer::State::listen() {
     acceptor.assign(reserved.is_v6() ? tcp::v6() : tcp::v4(), reserved.release());
     acceptor.listen(asio::socket_base::max_listen_connections);
   } catch (const std::exception& e) {
-    throw InputError("http.port " + std::to_string(options.port) + ", http.address " + options.address +
-                     ": " + e.what() +
-                     "; another port, http.port=0 (any free one) or http.enabled=false would do");
+    throw InputError(
+        fmt::format("http.port {}, http.address {}: {}; another port, http.port=0 (any free one) or "
+                    "http.enabled=false would do",
+                    options.port, options.address, e.what()));
   }
 }
 
@@ -189,9 +191,10 @@ void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) 
   const std::string body = limit + " reached";
   // By then connections that ask nothing have made room.
   const auto later_s = static_cast<long>(std::ceil(options.timeout_s));
-  const std::string answer =
-      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nRetry-After: " +
-      std::to_string(later_s) + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+  const std::string answer = fmt::format(
+      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nRetry-After: "
+      "{}\r\nContent-Length: {}\r\n\r\n{}",
+      later_s, body.size(), body);
   error_code ignored;
   socket.non_blocking(true, ignored);
   socket.write_some(asio::buffer(answer), ignored);

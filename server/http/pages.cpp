@@ -1,5 +1,7 @@
 #include "server/http/pages.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +14,7 @@ Page readiness_page(const Readiness::State& state) {
   switch (state.phase) {
     case Readiness::Phase::loading: {
       const int percent = static_cast<int>(100 * std::clamp(state.fraction, 0.0, 1.0));
-      page.body = "loading: " + state.stage + ", " + std::to_string(percent) + " %\n";
+      page.body = fmt::format("loading: {}, {} %\n", state.stage, percent);
       break;
     }
     case Readiness::Phase::ready:

@@ -1,7 +1,8 @@
 #include "server/loading/find_pixels.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <vector>
 
 #include "server/loading/scene_loading.h"
@@ -93,14 +94,11 @@ class PixelSearch {
   }
 
   [[noreturn]] void refuse(const Pixels& tried) const {
-    char text[400];
-    std::snprintf(
-        text, sizeof text,
-        "radar \"%s\": frustum.quality: found \"oblique\", but %d x %d pixels, the most that %s, leave %.1f "
-        "%% "
-        "of the lit bins without a sample; allowed: a scene where they leave at most %.0f %% (fewer bins, a "
-        "larger radar.r_min_m), or frustum.quality = \"standard\", the sweep",
-        radar_.name.c_str(), tried.columns, tried.rows,
+    const std::string text = fmt::format(
+        "radar \"{}\": frustum.quality: found \"oblique\", but {} x {} pixels, the most that {}, leave "
+        "{:.1f} % of the lit bins without a sample; allowed: a scene where they leave at most {:.0f} % "
+        "(fewer bins, a larger radar.r_min_m), or frustum.quality = \"standard\", the sweep",
+        radar_.name, tried.columns, tried.rows,
         tried.columns == kMostSide ? "frustum.pixels may be" : "server.max_pixels allows", 100 * share_,
         100 * kMostUnsampled);
     throw InputError(text);
@@ -125,11 +123,10 @@ void find_pixels(const std::shared_ptr<const Scene>& scene, RadarConfig& radar, 
   const Pixels found = search.run();
   radar.settings.pixel_columns = found.columns;
   radar.settings.pixel_rows = found.rows;
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "radar \"%s\": frustum.quality \"oblique\": %d x %d pixels leave %.1f %% of the lit bins "
-                "without a sample",
-                radar.name.c_str(), found.columns, found.rows, 100 * search.share());
+  const std::string text = fmt::format(
+      "radar \"{}\": frustum.quality \"oblique\": {} x {} pixels leave {:.1f} % of the lit bins without a "
+      "sample",
+      radar.name, found.columns, found.rows, 100 * search.share());
   say(text);
 }
 

@@ -1,5 +1,7 @@
 #include "server/loading/meet_accuracy.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -70,9 +72,9 @@ class AccuracySearch {
     if (given) cell_m = std::min(cell_m, *given);
     const double least_m = std::sqrt(source.area_m2 / kMostProbeNodes);
     if (cell_m < least_m) {
-      say_("accuracy: measured against ground of " + short_number(least_m) + " m cells, since " +
-           short_number(cell_m) + " m would take more than " + short_number(kMostProbeNodes / 1e6) +
-           " million posts");
+      say_(fmt::format(
+          "accuracy: measured against ground of {} m cells, since {} m would take more than {} million posts",
+          short_number(least_m), short_number(cell_m), short_number(kMostProbeNodes / 1e6)));
       cell_m = least_m;
     }
     finest_ = load(round_to_quantum_m(cell_m));
@@ -154,11 +156,13 @@ class AccuracySearch {
                                     ? "not one lit bin with a return"
                                     : "a median error of " + short_number(b.errors.median_db) +
                                           " dB and gaps of " + short_number(b.errors.gap_fraction());
-      best = "at best " + error + ", by " + sampling_text(b.sampling) + " over cells of " +
-             short_number(b.sampling.cell_m) + " m";
+      best = fmt::format("at best {}, by {} over cells of {} m", error, sampling_text(b.sampling),
+                         short_number(b.sampling.cell_m));
     }
-    throw InputError("accuracy: radar \"" + radar.name + "\": found " + asked_text() + "; allowed: " + best +
-                     ", so ask for a larger error or take another frustum.kind");
+    throw InputError(
+        fmt::format("accuracy: radar \"{}\": found {}; allowed: {}, so ask for a larger error or take "
+                    "another frustum.kind",
+                    radar.name, asked_text(), best));
   }
 
   std::string asked_text() const {
@@ -198,24 +202,24 @@ class AccuracySearch {
     const bool sweep = chosen.kind == FrustumKind::sweep;
     if (named.pixel_columns == chosen.columns && (sweep || named.pixel_rows == chosen.rows)) return;
     const auto sides = [&](int columns, int rows) {
-      return std::to_string(columns) + (sweep ? "" : " x " + std::to_string(rows));
+      return std::to_string(columns) + (sweep ? "" : fmt::format(" x {}", rows));
     };
-    say_((sweep ? "frustum.pixel_columns " : "frustum.pixels ") +
-         sides(named.pixel_columns, named.pixel_rows) + " -> " + sides(chosen.columns, chosen.rows) +
-         " (chosen by [accuracy])");
+    say_(fmt::format("{}{} -> {} (chosen by [accuracy])",
+                     sweep ? "frustum.pixel_columns " : "frustum.pixels ",
+                     sides(named.pixel_columns, named.pixel_rows), sides(chosen.columns, chosen.rows)));
   }
 
   void report(const ProbedRadar& p, double cell_m) const {
-    say_("accuracy: radar \"" + p.radar->name + "\": " + sampling_text(p.chosen) + " over cells of " +
-         short_number(cell_m) + " m: median error " + short_number(p.errors.median_db) + " dB, gaps " +
-         percent_text(p.errors.gap_fraction()) + " of the lit bins (asked: " + asked_text() +
-         "), measured on " + std::to_string(azimuth_count(p.truth.runs)) + " of " +
-         std::to_string(p.radar->settings.azimuth_bins) + " azimuth bins against the truth of " +
-         short_number(truth_cell_m_) + " m cells" +
-         (source_error_.posts > 0
-              ? "; the ground grid lies a median of " + short_number(source_error_.median_m) +
-                    " m from its source, 95 % within " + short_number(source_error_.p95_m) + " m"
-              : ""));
+    say_(fmt::format(
+        "accuracy: radar \"{}\": {} over cells of {} m: median error {} dB, gaps {} of the lit bins (asked: "
+        "{}), measured on {} of {} azimuth bins against the truth of {} m cells{}",
+        p.radar->name, sampling_text(p.chosen), short_number(cell_m), short_number(p.errors.median_db),
+        percent_text(p.errors.gap_fraction()), asked_text(), azimuth_count(p.truth.runs),
+        p.radar->settings.azimuth_bins, short_number(truth_cell_m_),
+        source_error_.posts > 0
+            ? fmt::format("; the ground grid lies a median of {} m from its source, 95 % within {} m",
+                          short_number(source_error_.median_m), short_number(source_error_.p95_m))
+            : ""));
   }
 
   SceneConfig& config_;

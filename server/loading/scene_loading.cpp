@@ -1,5 +1,7 @@
 #include "server/loading/scene_loading.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -13,44 +15,35 @@ namespace obliq {
 namespace {
 
 std::string source_error_line(const SourceError& error) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "grid against its source, vertically, at %llu posts: median %.3g m, 95 %% within %.3g m, rms "
-                "%.3g m, greatest %.3g m",
-                static_cast<unsigned long long>(error.posts), error.median_m, error.p95_m, error.rms_m,
-                error.greatest_m);
-  return text;
+  return fmt::format(
+      "grid against its source, vertically, at {} posts: median {:.3g} m, 95 % within {:.3g} m, rms {:.3g} "
+      "m, greatest {:.3g} m",
+      error.posts, error.median_m, error.p95_m, error.rms_m, error.greatest_m);
 }
 
 /// Where the heights come from, in what unit, and how far they reach.
 std::string elevation_line(const LoadReport& report) {
-  char text[160];
-  std::snprintf(text, sizeof text, "elevation: %.5g to %.5g m above the datum", report.lowest_m,
-                report.highest_m);
-  std::string line = text;
+  std::string line =
+      fmt::format("elevation: {:.5g} to {:.5g} m above the datum", report.lowest_m, report.highest_m);
   constexpr std::size_t kMost = 4;
   for (std::size_t n = 0; n < std::min(kMost, report.elevation.size()); ++n) {
     const ElevationSource& source = report.elevation[n];
-    line += (n == 0 ? ", from " : ", ") + source.file + " in " + source.unit +
-            (source.unit_assumed ? " (assumed, the file names no unit; terrain.unit does)" : "");
+    line += fmt::format("{}{} in {}{}", n == 0 ? ", from " : ", ", source.file, source.unit,
+                        source.unit_assumed ? " (assumed, the file names no unit; terrain.unit does)" : "");
   }
-  if (report.elevation.size() > kMost)
-    line += " and " + std::to_string(report.elevation.size() - kMost) + " more";
+  if (report.elevation.size() > kMost) line += fmt::format(" and {} more", report.elevation.size() - kMost);
   return line;
 }
 
 std::string heights_line(const BuildingHeights& heights) {
-  char text[200];
   std::string line = "buildings of " + heights.file + ":";
   if (heights.found > 0) {
-    std::snprintf(text, sizeof text, " heights %.3g to %.4g m, median %.3g m, from ", heights.least_m,
-                  heights.most_m, heights.median_m);
-    line += text + heights.field + " in " + heights.unit;
+    line += fmt::format(" heights {:.3g} to {:.4g} m, median {:.3g} m, from {} in {}", heights.least_m,
+                        heights.most_m, heights.median_m, heights.field, heights.unit);
   }
   if (heights.by_default > 0) {
-    std::snprintf(text, sizeof text, "%s %llu with the default height of %g m", heights.found > 0 ? "," : "",
-                  static_cast<unsigned long long>(heights.by_default), heights.default_m);
-    line += text;
+    line += fmt::format("{} {} with the default height of {:g} m", heights.found > 0 ? "," : "",
+                        heights.by_default, heights.default_m);
   }
   return line;
 }
@@ -90,34 +83,32 @@ void say_accuracy_is_ignored(const SceneConfig& config, const std::string& progr
   for (const RadarConfig& radar : config.radars)
     if (radar.finds_pixels)
       say_on_terminal(
-          program + ": radar \"" + radar.name +
-          "\": the pixels of frustum.quality = \"oblique\" are found by render and obliqd; here it has " +
-          std::to_string(radar.settings.pixel_columns) + " x " + std::to_string(radar.settings.pixel_rows));
+          fmt::format("{}: radar \"{}\": the pixels of frustum.quality = \"oblique\" are found by render and "
+                      "obliqd; here it has {} x {}",
+                      program, radar.name, radar.settings.pixel_columns, radar.settings.pixel_rows));
 }
 
 std::vector<std::string> world_report_lines(const World& world) {
   const HeightGrid& grid = world.grid;
   const LoadReport& report = world.report;
-  char text[256];
   std::vector<std::string> lines;
-  std::snprintf(text, sizeof text, "terrain: %d x %d posts of %.5g m (%.1f x %.1f km)", grid.nx, grid.nz,
-                grid.cell_m, (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
-  std::string line = text;
+  std::string line =
+      fmt::format("terrain: {} x {} posts of {:.5g} m ({:.1f} x {:.1f} km)", grid.nx, grid.nz, grid.cell_m,
+                  (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
   const auto count = [&](std::uint64_t n, const char* what) {
-    if (n > 0) line += ", " + std::to_string(n) + " " + what;
+    if (n > 0) line += fmt::format(", {} {}", n, what);
   };
   count(report.posts_filled, "void posts filled by interpolation");
   count(report.posts_absent, "without known ground");
   lines.push_back(line);
   if (!report.elevation.empty()) lines.push_back(elevation_line(report));
   if (report.water_m2 > 0) {
-    std::snprintf(text, sizeof text, "water: %.3g km2 found in the elevation models (terrain.sea)",
-                  report.water_m2 / 1e6);
-    lines.emplace_back(text);
+    lines.push_back(
+        fmt::format("water: {:.3g} km2 found in the elevation models (terrain.sea)", report.water_m2 / 1e6));
   }
   if (report.source_error.posts > 0) lines.push_back(source_error_line(report.source_error));
   if (report.buildings_read > 0 || report.prisms_placed > 0) {
-    line = "buildings: " + std::to_string(world.buildings.list.size()) + " in the scene";
+    line = fmt::format("buildings: {} in the scene", world.buildings.list.size());
     count(report.buildings_read, "outlines read");
     count(report.buildings_repaired, "repaired");
     count(report.buildings_zero_area, "skipped without area");
@@ -144,10 +135,9 @@ void print_world_report(const World& world) {
 }
 
 std::string scene_memory_line(const Scene& scene) {
-  char text[120];
-  std::snprintf(text, sizeof text, "; process %.0f MB, %.0f MB at its most",
-                static_cast<double>(resident_bytes()) / 1e6,
-                static_cast<double>(peak_resident_bytes()) / 1e6);
+  const std::string text =
+      fmt::format("; process {:.0f} MB, {:.0f} MB at its most", static_cast<double>(resident_bytes()) / 1e6,
+                  static_cast<double>(peak_resident_bytes()) / 1e6);
   return memory_line(scene) + text;
 }
 

@@ -1,5 +1,6 @@
 #include "server/loading/terminal_progress.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -43,14 +44,11 @@ class ProgressLines {
   }
 
   std::string text(std::string_view stage, Clock::time_point now) const {
-    char numbers[64];
-    std::snprintf(numbers, sizeof numbers, " %3.0f %%", 100 * fraction_);
-    std::string line = std::string(stage) + numbers;
+    const std::string line = fmt::format("{} {:3.0f} %", stage, 100 * fraction_);
     const double spent_s = seconds(start_, now);
     const double done = fraction_ - start_fraction_;
     if (spent_s < kQuick_s || done < kLeastShare) return line;
-    std::snprintf(numbers, sizeof numbers, ", %.0f s left", spent_s / done * (1 - fraction_));
-    return line + numbers;
+    return line + fmt::format(", {:.0f} s left", spent_s / done * (1 - fraction_));
   }
 
   void write_over(std::string_view stage, Clock::time_point now) const {

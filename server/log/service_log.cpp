@@ -1,5 +1,6 @@
 #include "server/log/service_log.h"
 
+#include <fmt/core.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -104,10 +105,10 @@ class ServiceSink : public spdlog::sinks::base_sink<std::mutex> {
     for (auto& [level, budget] : budgets_) {
       const Budget over = std::exchange(budget, {});
       if (over.suppressed == 0) continue;
-      const std::string text = std::to_string(over.suppressed) + " more lines (" + level_name(level) +
-                               ") about clients were left out: if they do not end, find who connects with a "
-                               "packet filter's log or "
-                               "`ss -tn`, and bar the address";
+      const std::string text = fmt::format(
+          "{} more lines ({}) about clients were left out: if they do not end, find who connects with a "
+          "packet filter's log or `ss -tn`, and bar the address",
+          over.suppressed, level_name(level));
       write(spdlog::details::log_msg("", spdlog::level::warn, text));
     }
   }

@@ -1,5 +1,7 @@
 #include "server/modbus/register_reference.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "server/modbus/encoding.h"
@@ -36,7 +38,7 @@ std::string words_text(ModbusWords words) {
 std::string count_text(double counts_per_unit, std::string_view unit) {
   if (counts_per_unit == 1) return std::string(unit);
   const int exponent = static_cast<int>(std::lround(std::log10(counts_per_unit)));
-  return "1e-" + std::to_string(exponent) + (unit.empty() ? "" : " " + std::string(unit));
+  return fmt::format("1e-{}{}", exponent, (unit.empty() ? "" : " " + std::string(unit)));
 }
 
 std::string name_text(const Setpoint& setpoint) {
@@ -45,13 +47,12 @@ std::string name_text(const Setpoint& setpoint) {
 }
 
 std::string allowed(const Setpoint& setpoint) {
-  if (setpoint.parameter == nullptr)
-    return "number 0 to " + std::to_string(std::lround(kMostRate_hz)) + " Hz";
+  if (setpoint.parameter == nullptr) return fmt::format("number 0 to {} Hz", std::lround(kMostRate_hz));
   const Key& key = setpoint.parameter->key;
   if (!key.choices.empty()) {
     std::string text;
     for (std::size_t i = 0; i < key.choices.size(); ++i)
-      text += (i == 0 ? "" : ", ") + std::to_string(i) + " " + std::string(key.choices[i].name);
+      text += fmt::format("{}{} {}", (i == 0 ? "" : ", "), i, key.choices[i].name);
     return text;
   }
   RadarConfig any;
@@ -63,8 +64,8 @@ std::string allowed(const Setpoint& setpoint) {
 std::string row(int address, int n, const std::string& type, const std::string& count,
                 const std::string& name, const std::string& last) {
   const std::string registers =
-      n == 1 ? std::to_string(address) : std::to_string(address) + " to " + std::to_string(address + n - 1);
-  return "|" + cell(registers) + cell(type) + cell(count) + cell(name) + cell(last) + "\n";
+      n == 1 ? std::to_string(address) : fmt::format("{} to {}", address, address + n - 1);
+  return fmt::format("|{}{}{}{}{}\n", cell(registers), cell(type), cell(count), cell(name), cell(last));
 }
 
 std::string status_rows(int from, int to) {
@@ -79,14 +80,15 @@ std::string status_rows(int from, int to) {
 std::string setpoint_rows() {
   std::string text;
   for (const Setpoint& s : setpoints())
-    text += "|" + cell(std::to_string(s.address)) + cell(words_text(s.words)) +
-            cell(count_text(s.counts_per_unit, s.unit)) + cell(name_text(s)) + cell(allowed(s)) +
-            cell(std::string(s.summary)) + "\n";
+    text += fmt::format("|{}{}{}{}{}{}\n", cell(std::to_string(s.address)), cell(words_text(s.words)),
+                        cell(count_text(s.counts_per_unit, s.unit)), cell(name_text(s)), cell(allowed(s)),
+                        cell(std::string(s.summary)));
   return text;
 }
 
 std::string bit_row(std::size_t address, const BitText& bit) {
-  return "|" + cell(std::to_string(address)) + cell(code(bit.name)) + cell(std::string(bit.summary)) + "\n";
+  return fmt::format("|{}{}{}\n", cell(std::to_string(address)), cell(code(bit.name)),
+                     cell(std::string(bit.summary)));
 }
 
 std::string bits() {

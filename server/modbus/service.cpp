@@ -1,6 +1,7 @@
 #include "server/modbus/service.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <netdb.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
@@ -144,7 +145,7 @@ struct Service::State {
     if (!config.allow.empty() && !is_within(host, config.allow))
       return "modbus.allow does not list its address";
     if (masters.size() >= static_cast<std::size_t>(config.max_masters))
-      return "modbus.max_masters is " + std::to_string(config.max_masters);
+      return fmt::format("modbus.max_masters is {}", config.max_masters);
     if (!is_fit_for_libmodbus(fd)) return "the process has too many files and connections open";
     return {};
   }

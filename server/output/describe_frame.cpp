@@ -1,8 +1,9 @@
 #include "server/output/describe_frame.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
@@ -35,13 +36,6 @@ const char* model_name(ScatteringModel model) {
       return "flat_plate";
   }
   return "";
-}
-
-template <typename... Values>
-std::string sentence(const char* format, Values... values) {
-  char text[320];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
 }
 
 /// The lift y -= (1 - 1/k) y0(x, z) tilts by (1 - 1/k) rho / R at distance rho from the origin: y changes by
@@ -81,10 +75,10 @@ std::string refraction_warning(const FramePlan& plan) {
   const double change_db = std::abs(10 * std::log10(curved_ground_power_ratio(range_m, above_m, standard) /
                                                     curved_ground_power_ratio(range_m, above_m, 1 / k)));
   if (moved_m <= plan.bins().range_spacing_m / 2 && change_db <= kNoticeable_db) return {};
-  return sentence(
-      "antenna %.0f m above the ground: earth.radius_factor = %.4g is a rule for below %.0f m; by the "
-      "standard atmosphere it would be %.4g here, which moves level ground at %.0f km by %.2g m and "
-      "changes its power by %.2g dB",
+  return fmt::format(
+      "antenna {:.0f} m above the ground: earth.radius_factor = {:.4g} is a rule for below {:.0f} m; by the "
+      "standard atmosphere it would be {:.4g} here, which moves level ground at {:.0f} km by {:.2g} m and "
+      "changes its power by {:.2g} dB",
       above_m, k, kLowAltitude_m, 1 / standard, range_m / 1000, moved_m, change_db);
 }
 
@@ -94,17 +88,16 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
     descriptor.add_warnings(warning);
   const bool far = off_origin_m > kFarFromOrigin_m;
   if (!plan.extent().any)
-    descriptor.add_warnings(
-        far ? sentence("no known ground in the sector: the antenna is %.0f km from the scene's "
-                       "origin, and bins and picture are empty",
-                       off_origin_m / 1000)
-            : "no known ground in the sector");
+    descriptor.add_warnings(far ? fmt::format("no known ground in the sector: the antenna is {:.0f} km from "
+                                              "the scene's origin, and bins and picture are empty",
+                                              off_origin_m / 1000)
+                                : "no known ground in the sector");
   if (far && plan.extent().any && std::isfinite(frame.radius_factor()))
     descriptor.add_warnings(
-        sentence("antenna %.1f km from the scene origin: azimuths are off by up to %.3g degrees, slant "
-                 "ranges by %.3g m",
-                 off_origin_m / 1000, descriptor.azimuth_error_bound_rad() / kDegree_rad,
-                 shear_bound_m(plan, off_origin_m)));
+        fmt::format("antenna {:.1f} km from the scene origin: azimuths are off by up to {:.3g} degrees, "
+                    "slant ranges by {:.3g} m",
+                    off_origin_m / 1000, descriptor.azimuth_error_bound_rad() / kDegree_rad,
+                    shear_bound_m(plan, off_origin_m)));
 }
 
 /// tan|elevation| of the steepest line of sight into the sector's box, down or up; at most 70.7.
@@ -201,9 +194,9 @@ std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
   warnings.insert(warnings.end(), summary.warnings().begin(), summary.warnings().end());
   if (summary.coverage() < 1) {
     const double percent = 100 * (1 - summary.coverage());
-    warnings.push_back(sentence(percent < 10 ? "%.2g %% of the sector has no known ground"
-                                             : "%.0f %% of the sector has no known ground",
-                                percent));
+    warnings.push_back(
+        fmt::format("{} % of the sector has no known ground",
+                    percent < 10 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent)));
   }
   return warnings;
 }

@@ -1,5 +1,7 @@
 #include "server/output/frame_files.h"
 
+#include <fmt/core.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -48,10 +50,10 @@ std::optional<DbRange> add_maps(NewFiles& files, const wire::FrameDescriptor& de
     wish.least_pixel_m = placed.range_spacing_m();
     wish.ground = options.ground;
     const GroundMap map = map_to_ground(MapProjection(placed), bins.n_azimuth, bins.n_range, wish);
-    char how[128] = "slant ranges placed by the heights of the ground";
-    if (!options.ground)
-      std::snprintf(how, sizeof how, "slant ranges placed as if all ground lay %.0f m above the datum",
-                    placed.map_reference_height_m());
+    const std::string how =
+        options.ground ? "slant ranges placed by the heights of the ground"
+                       : fmt::format("slant ranges placed as if all ground lay {:.0f} m above the datum",
+                                     placed.map_reference_height_m());
     write_ground_map_tif(path, map, bins, bin_levels(placed, bins), placed, how);
   });
   std::optional<DbRange> range;

@@ -1,5 +1,7 @@
 #include "server/output/frame_json.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -77,7 +79,7 @@ std::string edges_text(const std::string& axis, const std::string& unit, const w
                        double start, double width) {
   constexpr std::size_t kLine = 100;
   const bool touch = run.step == 1;
-  std::string text = " \"" + axis + (touch ? "_edges_" : "_intervals_") + unit + "\": [";
+  std::string text = fmt::format(" \"{}{}{}\": [", axis, touch ? "_edges_" : "_intervals_", unit);
   std::string line;
   const auto add = [&](const std::string& item, bool last) {
     if (line.size() + item.size() > kLine) {
@@ -94,7 +96,7 @@ std::string edges_text(const std::string& axis, const std::string& unit, const w
       add(edge(bin), false);
       if (last) add(edge(bin + 1), true);
     } else {
-      add("[" + edge(bin) + ", " + edge(bin + 1) + "]", last);
+      add(fmt::format("[{}, {}]", edge(bin), edge(bin + 1)), last);
     }
   }
   return text + "\n  " + line + "]";
@@ -162,12 +164,11 @@ std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::Fram
   // Last, so that they do not stand between a reader and the rest.
   std::string text = root.dump(1);
   text.resize(text.rfind('\n'));
-  return text + ",\n" +
-         edges_text("azimuth", "deg", window.azimuth, descriptor.azimuth_start_deg(),
-                    descriptor.azimuth_width_deg()) +
-         ",\n" +
-         edges_text("range", "m", window.range, descriptor.range_start_m(), descriptor.range_spacing_m()) +
-         "\n}\n";
+  return fmt::format(
+      "{},\n{},\n{}\n}}\n", text,
+      edges_text("azimuth", "deg", window.azimuth, descriptor.azimuth_start_deg(),
+                 descriptor.azimuth_width_deg()),
+      edges_text("range", "m", window.range, descriptor.range_start_m(), descriptor.range_spacing_m()));
 }
 
 }  // namespace obliq

@@ -2,10 +2,10 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <fmt/core.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -52,12 +52,11 @@ void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& ma
   std::unique_ptr<GDALDataset, Closer> file(
       driver->Create(path.c_str(), map.width, map.height, 2, GDT_Float32, options));
   if (!file) fail();
-  char definition[256];
-  std::snprintf(definition, sizeof definition,
-                "+proj=aeqd +lat_0=%.12f +lon_0=%.12f +datum=WGS84 +units=m +no_defs",
-                descriptor.pose().latitude_deg(), descriptor.pose().longitude_deg());
+  const std::string definition =
+      fmt::format("+proj=aeqd +lat_0={:.12f} +lon_0={:.12f} +datum=WGS84 +units=m +no_defs",
+                  descriptor.pose().latitude_deg(), descriptor.pose().longitude_deg());
   OGRSpatialReference crs;
-  if (crs.importFromProj4(definition) != OGRERR_NONE) fail();
+  if (crs.importFromProj4(definition.c_str()) != OGRERR_NONE) fail();
   double transform[6] = {map.left_m, map.pixel_m, 0, map.top_m, 0, -map.pixel_m};
   if (file->SetSpatialRef(&crs) != CE_None || file->SetGeoTransform(transform) != CE_None) fail();
   file->SetMetadataItem("TIFFTAG_IMAGEDESCRIPTION", placed.c_str());

@@ -1,5 +1,7 @@
 #include "server/output/map_projection.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -15,8 +17,7 @@ constexpr double kMostRange_m = 2e7;  // half way round the earth
 
 void check_described(const wire::FrameDescriptor& d) {
   const auto refuse = [](const std::string& field, double value, const char* allowed) {
-    throw InputError("frame descriptor: " + field + ": found " + std::to_string(value) +
-                     "; allowed: " + allowed);
+    throw InputError(fmt::format("frame descriptor: {}: found {}; allowed: {}", field, value, allowed));
   };
   const auto positive = [&](const char* field, double value) {
     if (!(value > 0) || !std::isfinite(value)) refuse(field, value, "a positive number");
@@ -30,8 +31,9 @@ void check_described(const wire::FrameDescriptor& d) {
   const bool stepped = d.has_window() && d.window().azimuth_step() > 1 && d.settings().azimuth_bins() > 1;
   const double past_the_last_deg = stepped ? d.azimuth_width_deg() : 0;
   if (!(sector_deg - past_the_last_deg < 360.001) || !(std::abs(d.azimuth_start_deg()) <= 3600))
-    throw InputError("frame descriptor: found a sector of " + std::to_string(sector_deg) + " degrees from " +
-                     std::to_string(d.azimuth_start_deg()) + "; allowed: at most 360 degrees from a bearing");
+    throw InputError(fmt::format(
+        "frame descriptor: found a sector of {} degrees from {}; allowed: at most 360 degrees from a bearing",
+        sector_deg, d.azimuth_start_deg()));
   for (const double value :
        {d.antenna_x_m(), d.antenna_y_m(), d.antenna_z_m(), d.north_rad(), d.map_reference_height_m(),
         d.azimuth_start_deg(), d.origin_latitude_deg(), d.origin_longitude_deg(), d.pose().latitude_deg(),

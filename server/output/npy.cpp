@@ -1,5 +1,7 @@
 #include "server/output/npy.h"
 
+#include <fmt/core.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -12,8 +14,8 @@ namespace {
 
 void write(const std::filesystem::path& path, const char* type, const void* data, std::size_t bytes, int rows,
            int columns) {
-  std::string dictionary = std::string("{'descr': '") + type + "', 'fortran_order': False, 'shape': (" +
-                           std::to_string(rows) + ", " + std::to_string(columns) + "), }";
+  std::string dictionary =
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}), }}", type, rows, columns);
   // Magic, version and length take 10 bytes; the header is padded so that data starts at a multiple of 64.
   while ((10 + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
   dictionary += '\n';

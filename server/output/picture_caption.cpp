@@ -1,10 +1,10 @@
 #include "server/output/picture_caption.h"
 
 #include <cairo.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 
 #include "proto/obliq.pb.h"
@@ -22,13 +22,6 @@ constexpr double kNorth = 62;   // width that the arrow takes
 constexpr double kLegend = 72;  // height of the last row
 constexpr double kBar = 230;
 constexpr std::size_t kMostWarnings = 4;
-
-template <typename... Values>
-std::string format(const char* text, Values... values) {
-  char buffer[192];
-  std::snprintf(buffer, sizeof buffer, text, values...);
-  return buffer;
-}
 
 /// Items in lines of at most `width`, a dot between them.
 std::vector<std::string> flow(const std::vector<std::string>& items, double width) {
@@ -63,23 +56,23 @@ std::vector<std::string> wrap(const std::string& sentence, double width) {
 }
 
 std::string degrees_text(double value, char positive, char negative) {
-  return format("%.5f° %c", std::abs(value), value < 0 ? negative : positive);
+  return fmt::format("{:.5f}° {}", std::abs(value), value < 0 ? negative : positive);
 }
 
 /// The pose's own time: a date where it can be one, else seconds of its controller's clock.
 std::string time_text(std::int64_t sim_time_ns) {
   if (sim_time_ns == 0) return {};
   constexpr std::int64_t kYear2000_ns = 946684800000000000;
-  if (sim_time_ns < kYear2000_ns) return format("t = %.3f s", static_cast<double>(sim_time_ns) * 1e-9);
+  if (sim_time_ns < kYear2000_ns) return fmt::format("t = {:.3f} s", static_cast<double>(sim_time_ns) * 1e-9);
   return utc_text(sim_time_ns);
 }
 
 std::string sampling_text(const wire::FrameDescriptor& d, const wire::FrameSummary& s) {
   const std::string kind = enum_word(wire::FrustumKind_Name(d.settings().frustum()));
   const auto looks = static_cast<double>(s.rays());
-  if (d.settings().frustum() == wire::SWEEP) return format("sweep of %.0f planes", looks);
-  return format("%s frustum, %d x %d px, %.1f M rays", kind.c_str(), d.settings().pixel_columns(),
-                d.settings().pixel_rows(), looks / 1e6);
+  if (d.settings().frustum() == wire::SWEEP) return fmt::format("sweep of {:.0f} planes", looks);
+  return fmt::format("{} frustum, {} x {} px, {:.1f} M rays", kind, d.settings().pixel_columns(),
+                     d.settings().pixel_rows(), looks / 1e6);
 }
 
 }  // namespace
@@ -95,7 +88,7 @@ std::string utc_text(std::int64_t utc_ns) {
   gmtime_r(&seconds, &parts);
   char text[48];
   const std::size_t n = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts);
-  return std::string(text, n) + format(".%lld UTC", static_cast<long long>(utc_ns / 100000000 % 10));
+  return std::string(text, n) + fmt::format(".{} UTC", utc_ns / 100000000 % 10);
 }
 
 PictureCaption::PictureCaption(const Facts& facts, double width) : facts_(facts), width_(width) {
@@ -105,23 +98,24 @@ PictureCaption::PictureCaption(const Facts& facts, double width) : facts_(facts)
   const std::string reference = enum_word(wire::HeightReference_Name(d.pose().height_reference()));
   const double r_min_km = d.range_start_m() / 1000;
   const double r_max_km = r_min_km + d.range_spacing_m() * d.settings().range_bins() / 1000;
-  lines_ = flow({"antenna " + degrees_text(d.pose().latitude_deg(), 'N', 'S') + ", " +
-                     degrees_text(d.pose().longitude_deg(), 'E', 'W'),
-                 format("%.0f m above the ", d.pose().height_m()) + reference,
-                 format("bearing %05.1f°", std::fmod(std::fmod(d.pose().bearing_deg(), 360) + 360, 360)),
-                 facts.time.empty() ? time_text(d.pose().sim_time_ns()) : facts.time,
-                 format("slant ranges %.4g to %.4g km", r_min_km, r_max_km),
-                 format("%d x %d bins", d.settings().azimuth_bins(), d.settings().range_bins()),
-                 format("%.4g GHz", d.settings().frequency_ghz()), sampling_text(d, s),
-                 facts.up_rad == 0 ? "north is up" : "the bearing is up"},
-                width - kNorth);
+  lines_ =
+      flow({"antenna " + degrees_text(d.pose().latitude_deg(), 'N', 'S') + ", " +
+                degrees_text(d.pose().longitude_deg(), 'E', 'W'),
+            fmt::format("{:.0f} m above the ", d.pose().height_m()) + reference,
+            fmt::format("bearing {:05.1f}°", std::fmod(std::fmod(d.pose().bearing_deg(), 360) + 360, 360)),
+            facts.time.empty() ? time_text(d.pose().sim_time_ns()) : facts.time,
+            fmt::format("slant ranges {:.4g} to {:.4g} km", r_min_km, r_max_km),
+            fmt::format("{} x {} bins", d.settings().azimuth_bins(), d.settings().range_bins()),
+            fmt::format("{:.4g} GHz", d.settings().frequency_ghz()), sampling_text(d, s),
+            facts.up_rad == 0 ? "north is up" : "the bearing is up"},
+           width - kNorth);
   // The frame's own first, and of what loading had to say as much as there is room for.
   std::vector<std::string> warnings = frame_warnings(d, s);
   std::ranges::reverse(warnings);
   for (std::size_t i = 0; i < warnings.size() && i < kMostWarnings; ++i)
     for (const std::string& line : wrap(warnings[i], width - kNorth)) warnings_.push_back(line);
   if (warnings.size() > kMostWarnings)
-    warnings_.push_back(format("and %zu more warnings", warnings.size() - kMostWarnings));
+    warnings_.push_back(fmt::format("and {} more warnings", warnings.size() - kMostWarnings));
 }
 
 double PictureCaption::height() const {
@@ -152,9 +146,10 @@ void PictureCaption::draw_legend(PictureCanvas& canvas, double left, double top)
       canvas.fill_box(x + k, top + 17, 1.5, 14);
     }
     canvas.ink(kInk);
-    canvas.text(x, top + 44, format("%.4g dB", facts_.range.low), 11);
-    canvas.text(x + kBar / 2, top + 44, format("%.4g", (facts_.range.low + facts_.range.high) / 2), 11, 0.5);
-    canvas.text(x + kBar, top + 44, format("%.4g dB", facts_.range.high), 11, 1);
+    canvas.text(x, top + 44, fmt::format("{:.4g} dB", facts_.range.low), 11);
+    canvas.text(x + kBar / 2, top + 44, fmt::format("{:.4g}", (facts_.range.low + facts_.range.high) / 2), 11,
+                0.5);
+    canvas.text(x + kBar, top + 44, fmt::format("{:.4g} dB", facts_.range.high), 11, 1);
     x += kBar + 26;
   }
   const auto swatch = [&](const Colour& colour, const std::string& words) {

@@ -1,10 +1,10 @@
 #include "server/output/picture_overlay.h"
 
 #include <cairo.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -132,8 +132,7 @@ class Overlay {
       cairo_line_to(canvas_.cairo(), outer.x, outer.y);
       canvas_.stroke(kGrid, 0.8, 0.4);
       const Point out = direction(on_picture({0, 0}), outer);
-      char words[16];
-      std::snprintf(words, sizeof words, "%03.0f°", std::fmod(std::fmod(b, 360) + 360, 360));
+      const std::string words = fmt::format("{:03.0f}°", std::fmod(std::fmod(b, 360) + 360, 360));
       canvas_.label(outer.x + 20 * out.x, outer.y + 14 * out.y, words, kFont, kInk);
     }
   }
@@ -195,14 +194,7 @@ double round_step(double most) {
 }
 
 std::string distance_text(double metres) {
-  char text[32];
-  constexpr double kKilometres_m = 1000;
-  if (metres >= kKilometres_m) {
-    std::snprintf(text, sizeof text, "%.4g km", metres / 1000);
-  } else {
-    std::snprintf(text, sizeof text, "%.4g m", metres);
-  }
-  return text;
+  return metres >= 1000 ? fmt::format("{:.4g} km", metres / 1000) : fmt::format("{:.4g} m", metres);
 }
 
 }  // namespace obliq

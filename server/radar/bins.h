@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/radar/simd/range_axis.h"
+
 namespace obliq {
 
 /// What a bin without samples means; decided by the terrain profile, never by the number of rays.
@@ -36,21 +38,11 @@ constexpr int kWedgeAzimuthBins = 8;
 int wedge_count(int azimuth_bins);
 
 /// Edges of the bins. Azimuth offsets are clockwise from the sector's centre.
-struct BinGrid {
+struct BinGrid : RangeAxis {
   int n_azimuth = 0;
-  int n_range = 0;
   double azimuth_start_rad = 0;  ///< -S/2
   double azimuth_width_rad = 0;
-  double r_min_m = 0;
-  double r_max_m = 0;
-  double range_spacing_m = 0;
 
-  /// Range bin of a slant range: floor((r - r_min) / spacing), or -1 outside the swath.
-  int range_bin(double slant_range_m) const {
-    if (!(slant_range_m >= r_min_m && slant_range_m < r_max_m)) return -1;
-    const int bin = static_cast<int>((slant_range_m - r_min_m) / range_spacing_m);
-    return bin < n_range ? bin : n_range - 1;
-  }
   double azimuth_edge_rad(double k) const { return azimuth_start_rad + k * azimuth_width_rad; }
 };
 

@@ -62,13 +62,13 @@ class FrameSum {
   std::vector<FrameStats> wedges_;
 };
 
-class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
 /// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks.
 /// `observer` may be null, and so may `profile`, the visibility of the same azimuth bins: a caller that has
 /// one hands it in, so that nothing is marched twice. All of them must outlive the source.
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
-                                                 HitObserver* observer, WedgeProfile* profile = nullptr);
+                                                 HitObserver* observer, WedgeVisibility* profile = nullptr);
 
 /// Renders every wedge that overlaps `azimuths`, on several threads, and hands each to on_wedge
 /// (server/radar/wedge_threads.cpp). Returns false when stopped early; options.pause tells whether there is

@@ -5,74 +5,48 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "server/scene/ground_triangle.h"
+
 namespace obliq {
 namespace {
 
-/// How far outside its ground triangle, in x or z, a double point still counts as inside: a point on a shared
-/// edge must be inside at least one of its two triangles, whatever the rounding (2^-52 of coordinates up to
-/// 2^20 m, over a descent of a few thousandths, is below it). Not relative to the cell: beyond the edge the
-/// range is the wrong plane's, by this length times the change of slope over the descent.
-constexpr double kEdgeSlack_m = 1e-7;
+GroundTriangle<double> triangle_of(const HeightGrid& grid, int i, int j, bool upper) {
+  return {grid,
+          static_cast<double>(i),
+          static_cast<double>(j),
+          upper,
+          grid.node_y_m(i, j),
+          grid.node_y_m(i + 1, j),
+          grid.node_y_m(i, j + 1),
+          grid.node_y_m(i + 1, j + 1)};
+}
+double descent(const GroundTriangle<double>& triangle, const glm::dvec3& direction) {
+  return triangle.descent(direction.x, direction.y, direction.z);
+}
+/// Where a ray that descends to the triangle's plane meets it.
+double distance_to(const GroundTriangle<double>& triangle, const glm::dvec3& origin, double descent) {
+  return -triangle.height_above(origin.x, origin.y, origin.z) / descent;
+}
 
-/// The same for building triangles, in barycentric units; beyond an edge between two triangles of one face
-/// the plane is the same.
-constexpr double kFaceSlack = 1e-7;
-
-/// One of the two triangles of a grid cell, as the plane y = y0 + slope_x (x - x0) + slope_z (z - z0).
-struct GroundPlane {
-  double x0, z0, y0, slope_x, slope_z;
-
-  GroundPlane(const HeightGrid& grid, int i, int j, bool upper) {
-    const double y10 = grid.node_y_m(i + 1, j);
-    const double y01 = grid.node_y_m(i, j + 1);
-    if (upper) {
-      x0 = grid.node_x_m(i + 1);
-      z0 = grid.node_z_m(j + 1);
-      y0 = grid.node_y_m(i + 1, j + 1);
-      slope_x = (y0 - y01) / grid.cell_m;
-      slope_z = (y0 - y10) / grid.cell_m;
-    } else {
-      x0 = grid.node_x_m(i);
-      z0 = grid.node_z_m(j);
-      y0 = grid.node_y_m(i, j);
-      slope_x = (y10 - y0) / grid.cell_m;
-      slope_z = (y01 - y0) / grid.cell_m;
-    }
-  }
-
-  /// Rate at which the ray's height above the plane changes along its unit direction; negative from above.
-  double descent(const glm::dvec3& direction) const {
-    return direction.y - slope_x * direction.x - slope_z * direction.z;
-  }
-  double height_above(const glm::dvec3& p) const {
-    return p.y - y0 - slope_x * (p.x - x0) - slope_z * (p.z - z0);
-  }
-};
-
-ExactHit ground_hit(const World& world, const GroundPlane& plane, int i, int j, const glm::dvec3& origin,
-                    const glm::dvec3& direction, double distance) {
+ExactHit ground_hit(const World& world, const GroundTriangle<double>& triangle, int i, int j,
+                    const glm::dvec3& origin, const glm::dvec3& direction, double distance) {
   ExactHit hit;
   hit.slant_range_m = distance;
   hit.position_m = origin + distance * direction;
-  const double steepness = std::sqrt(1 + plane.slope_x * plane.slope_x + plane.slope_z * plane.slope_z);
-  hit.normal = glm::dvec3(-plane.slope_x, 1, -plane.slope_z) / steepness;
-  hit.cos_incidence = std::min(1.0, std::abs(plane.descent(direction)) / steepness);
+  const double steepness = std::sqrt(triangle.steepness2());
+  hit.normal = glm::dvec3(-triangle.slope_x, 1, -triangle.slope_z) / steepness;
+  hit.cos_incidence = std::min(1.0, std::abs(descent(triangle, direction)) / steepness);
   hit.material = world.material_of_cell(i, j);
   return hit;
 }
 
 /// Where the ray crosses the triangle from above, if it does so inside it (with edge slack).
-std::optional<double> cross_ground_triangle(const HeightGrid& grid, int i, int j, bool upper,
-                                            const glm::dvec3& origin, const glm::dvec3& direction) {
-  const GroundPlane plane(grid, i, j, upper);
-  const double descent = plane.descent(direction);
-  if (!(descent < 0)) return std::nullopt;
-  const double distance = -plane.height_above(origin) / descent;
-  const double s = (origin.x + distance * direction.x - grid.node_x_m(i)) / grid.cell_m;
-  const double t = (origin.z + distance * direction.z - grid.node_z_m(j)) / grid.cell_m;
-  const double slack = kEdgeSlack_m / grid.cell_m;
-  const bool inside = upper ? s <= 1 + slack && t <= 1 + slack && s + t >= 1 - slack
-                            : s >= -slack && t >= -slack && s + t <= 1 + slack;
+std::optional<double> cross_ground_triangle(const GroundTriangle<double>& triangle, const glm::dvec3& origin,
+                                            const glm::dvec3& direction) {
+  const double descends = descent(triangle, direction);
+  if (!(descends < 0)) return std::nullopt;
+  const double distance = distance_to(triangle, origin, descends);
+  const bool inside = triangle.holds(origin.x + distance * direction.x, origin.z + distance * direction.z);
   if (!inside || !(distance > 0)) return std::nullopt;
   return distance;
 }
@@ -90,15 +64,15 @@ std::optional<ExactHit> refine_ground(const World& world, const glm::dvec3& orig
     const int j = std::clamp(static_cast<int>(v), 0, grid.nz - 2);
     if (!grid.cell_known(i, j)) break;
     const bool upper = (u - i) + (v - j) > 1;
-    const GroundPlane plane(grid, i, j, upper);
-    const double descent = plane.descent(direction);
-    if (!(descent < 0)) {
+    const GroundTriangle<double> triangle = triangle_of(grid, i, j, upper);
+    const double descends = descent(triangle, direction);
+    if (!(descends < 0)) {
       if (step == 0) return std::nullopt;  // an underside
       break;
     }
-    if (const auto found = cross_ground_triangle(grid, i, j, upper, origin, direction))
-      return ground_hit(world, plane, i, j, origin, direction, *found);
-    distance = -plane.height_above(origin) / descent;
+    if (const auto found = cross_ground_triangle(triangle, origin, direction))
+      return ground_hit(world, triangle, i, j, origin, direction, *found);
+    distance = distance_to(triangle, origin, descends);
     if (!(std::abs(distance - rough_m) < 4 * grid.cell_m)) break;
   }
   // Near a silhouette the steps may wander: walk the neighbourhood of the rough hit instead.
@@ -129,7 +103,7 @@ std::optional<double> cross_building_triangle(const Buildings& buildings, std::u
   const double distance = glm::dot(outward, a) / approach;
   if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
   const glm::dvec3 p = distance * direction;
-  const double slack = -kFaceSlack * area2;
+  const double slack = -kFaceEdge * area2;
   const bool inside = glm::dot(glm::cross(b - a, p - a), outward) >= slack &&
                       glm::dot(glm::cross(c - b, p - b), outward) >= slack &&
                       glm::dot(glm::cross(a - c, p - c), outward) >= slack;
@@ -186,14 +160,14 @@ std::optional<ExactHit> walk_ground(const World& world, const glm::dvec3& origin
       std::optional<double> first;
       bool first_upper = false;
       for (const bool upper : {false, true}) {
-        const auto found = cross_ground_triangle(grid, i, j, upper, origin_m, direction);
+        const auto found = cross_ground_triangle(triangle_of(grid, i, j, upper), origin_m, direction);
         if (found && *found >= from_m && *found <= to_m && (!first || *found < *first)) {
           first = found;
           first_upper = upper;
         }
       }
       if (first)
-        return ground_hit(world, GroundPlane(grid, i, j, first_upper), i, j, origin_m, direction, *first);
+        return ground_hit(world, triangle_of(grid, i, j, first_upper), i, j, origin_m, direction, *first);
     }
     // On to the cell behind the nearer of the next two grid lines.
     const double edge_x = grid.node_x_m(step_i > 0 ? i + 1 : i);
@@ -246,19 +220,6 @@ std::optional<ExactHit> refine_near(const World& world, const glm::dvec3& origin
     case RoughHit::Kind::none:
       break;
   }
-  return std::nullopt;
-}
-
-std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
-                                   const glm::dvec3& direction, const RoughHit& rough) {
-  if (auto hit = refine_near(world, origin_m, direction, rough)) return hit;
-  const auto rough_m = static_cast<double>(rough.distance_m);
-  if (rough.kind == RoughHit::Kind::ground)
-    return walk_ground(world, origin_m, direction, 0, rough_m + refinement_reach_m(world, rough_m));
-  if (rough.kind == RoughHit::Kind::building)
-    return cross_building(world,
-                          world.buildings.faces[world.buildings.triangle_face[rough.triangle]].building,
-                          origin_m, direction);
   return std::nullopt;
 }
 

@@ -1,7 +1,8 @@
 #include "server/timing/timing_report.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace obliq {
@@ -9,22 +10,15 @@ namespace {
 
 constexpr int kBarOfWhole = 40;
 
-template <typename... Values>
-std::string line(const char* pattern, Values... values) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return std::string(text) + "\n";
-}
-
 std::string rows(const TimeParts& parts, const char* unit) {
-  std::string text = line("  %-10s %10s %8s", "stage", unit, "share");
+  std::string text = fmt::format("  {:<10} {:>10} {:>8}\n", "stage", unit, "share");
   for (const auto& [name, seconds] : parts.part_s) {
     const double share = parts.whole_s > 0 ? seconds / parts.whole_s : 0;
     const std::string bar(static_cast<std::size_t>(std::lround(kBarOfWhole * std::max(0.0, share))), '#');
-    text += line("  %-10s %10.2f %6.1f %%%s%s", name.c_str(), 1000 * seconds, 100 * share,
-                 bar.empty() ? "" : "  ", bar.c_str());
+    text += fmt::format("  {:<10} {:10.2f} {:6.1f} %{}{}\n", name, 1000 * seconds, 100 * share,
+                        bar.empty() ? "" : "  ", bar);
   }
-  return text + line("  %-10s %10.2f %6.1f %%", "sum", 1000 * parts.whole_s, 100.0);
+  return text + fmt::format("  {:<10} {:10.2f} {:6.1f} %\n", "sum", 1000 * parts.whole_s, 100.0);
 }
 
 nlohmann::ordered_json to_json(const TimeParts& parts) {
@@ -55,16 +49,19 @@ TimeParts time_parts(const StageTimes& times) {
 }
 
 std::string profile_text(const Profile& profile) {
-  std::string text = line("the scene, %.2f s, one stage after the other:", profile.scene.whole_s);
+  std::string text = fmt::format("the scene, {:.2f} s, one stage after the other:\n", profile.scene.whole_s);
   text += rows(profile.scene, "ms");
-  text += line("a frame, %.2f ms on %d threads, from plan to last byte at a reader on the loopback:",
-               1000 * profile.frame_s, profile.threads);
+  text +=
+      fmt::format("a frame, {:.2f} ms on {} threads, from plan to last byte at a reader on the loopback:\n",
+                  1000 * profile.frame_s, profile.threads);
   text += rows(profile.frame, "thread ms");
-  text += line("  = %d threads x %.2f ms; without a processor, which others had, for %.1f %% of the stages",
-               profile.threads, 1000 * profile.frame_s,
-               100 * std::max(0.0, 1 - profile.processor_s / measured_s(profile.frame)));
-  text += line(
-      "  probes: %+.1f %% processor time, %+.1f %% wall time (median of %d pairs of frames with and without)",
+  text += fmt::format(
+      "  = {} threads x {:.2f} ms; without a processor, which others had, for {:.1f} % of the stages\n",
+      profile.threads, 1000 * profile.frame_s,
+      100 * std::max(0.0, 1 - profile.processor_s / measured_s(profile.frame)));
+  text += fmt::format(
+      "  probes: {:+.1f} % processor time, {:+.1f} % wall time (median of {} pairs of frames with and "
+      "without)\n",
       100 * (profile.processor_ratio - 1), 100 * (profile.wall_ratio - 1), profile.pairs);
   return text;
 }

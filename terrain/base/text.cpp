@@ -1,30 +1,26 @@
 #include "terrain/base/text.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace obliq {
 
-std::string short_number(double value) {
+std::string short_number(double value, int digits) {
+  if (!std::isfinite(value)) return "-";
   if (value == 0) return "0";
-  const int digits = std::clamp(2 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  std::string out = text;
-  if (out.find('.') != std::string::npos) {
-    out.erase(out.find_last_not_of('0') + 1);
-    if (out.back() == '.') out.pop_back();
-  }
-  return out;
+  constexpr int kMostDecimals = 9;
+  const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
+  std::string text = fmt::format("{:.{}f}", value, std::clamp(digits - before_point, 0, kMostDecimals));
+  if (text.find('.') == std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
 }
 
 std::string percent_text(double fraction) { return short_number(100 * fraction) + " %"; }
 
-std::string metres_text(double value_m) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.2f m", value_m);
-  return text;
-}
+std::string metres_text(double value_m) { return fmt::format("{:.2f} m", value_m); }
 
 }  // namespace obliq

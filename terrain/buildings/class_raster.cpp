@@ -1,11 +1,11 @@
 #include "terrain/buildings/class_raster.h"
 
+#include <fmt/core.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 
@@ -49,8 +49,7 @@ class Legend {
   std::string without() const {
     std::string text;
     for (const double value : without_) {
-      char number[32];
-      std::snprintf(number, sizeof number, "%s%g", text.empty() ? "" : ", ", value);
+      const std::string number = fmt::format("{}{:g}", text.empty() ? "" : ", ", value);
       text += number;
     }
     return text.empty() ? "no value" : text;
@@ -109,7 +108,7 @@ ClassWindow read_classes(const Raster& raster, const PixelRect& rect, Legend& le
     const CPLErr error = raster.band().RasterIO(GF_Read, rect.column0, r, rect.columns(), 1, line.data(),
                                                 rect.columns(), 1, GDT_Float64, 0, 0, nullptr);
     if (error != CE_None || !messages.failure().empty()) {
-      raster.refuse("row " + std::to_string(r) + " cannot be read: " + messages.reason("the file is damaged"),
+      raster.refuse(fmt::format("row {} cannot be read: {}", r, messages.reason("the file is damaged")),
                     "a whole, readable raster");
     }
     for (const double value : line) window.code.push_back(legend.code(value));
@@ -147,12 +146,11 @@ void paint_classes(World& world, const SurfaceSpec& surface) {
   }
   if (without == 0) return;
   const double cells = static_cast<double>(grid.nx - 1) * (grid.nz - 1);
-  char count[120];
-  std::snprintf(count, sizeof count,
-                "%llu cells (%.2g %%) are of a class without a material in the scheme \"",
-                static_cast<unsigned long long>(without.load()), 100 * static_cast<double>(without) / cells);
-  world.report.notes.push_back("[[surfaces]] " + surface.source + ": " + count + surface.scheme + "\" (" +
-                               legend.without() + "); they stay what they are without it");
+  const std::string count =
+      fmt::format("{} cells ({:.2g} %) are of a class without a material in the scheme \"", without.load(),
+                  100 * static_cast<double>(without) / cells);
+  world.report.notes.push_back(fmt::format("[[surfaces]] {}: {}{}\" ({}); they stay what they are without it",
+                                           surface.source, count, surface.scheme, legend.without()));
 }
 
 }  // namespace obliq

@@ -1,8 +1,9 @@
 #include "terrain/buildings/footprint_heights.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 
 #include "terrain/buildings/height_text.h"
 
@@ -58,8 +59,7 @@ void SourceHeights::add(const FeatureHeight& height, std::int64_t feature) {
   }
   ++by_default_;
   if (height.refused.empty()) return;
-  if (refused_++ == 0)
-    first_refused_ = "\"" + shorter(height.refused) + "\" of feature " + std::to_string(feature);
+  if (refused_++ == 0) first_refused_ = fmt::format("\"{}\" of feature {}", shorter(height.refused), feature);
 }
 
 void SourceHeights::report(LoadReport& report) const {
@@ -75,12 +75,11 @@ void SourceHeights::report(LoadReport& report) const {
     found.most_m = sorted.back();
   }
   if (refused_ > 0) {
-    char became[80];
-    std::snprintf(became, sizeof became, " became %g m (default_height_m), the first is ",
-                  spec_.default_height_m);
-    report.warnings.push_back("[[buildings]] " + file_name(spec_.source) + ": " + std::to_string(refused_) +
-                              (refused_ == 1 ? " height was refused and" : " heights were refused and") +
-                              became + first_refused_ + "; allowed: more than 0, at most 2000 m");
+    const std::string became =
+        fmt::format(" became {:g} m (default_height_m), the first is ", spec_.default_height_m);
+    report.warnings.push_back(fmt::format(
+        "[[buildings]] {}: {}{}{}{}; allowed: more than 0, at most 2000 m", file_name(spec_.source), refused_,
+        refused_ == 1 ? " height was refused and" : " heights were refused and", became, first_refused_));
   }
   warn_of_feet(found, report);
   report.building_heights.push_back(std::move(found));
@@ -92,14 +91,13 @@ void SourceHeights::warn_of_feet(const BuildingHeights& found, LoadReport& repor
   // Who writes unit = "m" has looked.
   const bool by_size = spec_.unit.empty() && found.found >= kManyBuildings && found.median_m > kTallMedian_m;
   if (!by_name && !by_size) return;
-  char heights[120];
-  std::snprintf(heights, sizeof heights, "heights %.3g to %.4g m, median %.3g m", found.least_m, found.most_m,
-                found.median_m);
-  report.warnings.push_back(
-      "[[buildings]] " + file_name(spec_.source) + ": found " + heights + " in the field \"" + found.field +
-      "\", " + (by_name ? "whose name says feet" : "which is tall for a town") +
-      (spec_.unit.empty() ? ", taken as metres; if they are feet, set unit = \"ft\", else unit = \"m\""
-                          : ", and unit = \"m\"; if they are feet, set unit = \"ft\""));
+  const std::string heights =
+      fmt::format("heights {:.3g} to {:.4g} m, median {:.3g} m", found.least_m, found.most_m, found.median_m);
+  report.warnings.push_back(fmt::format(
+      "[[buildings]] {}: found {} in the field \"{}\", {}{}", file_name(spec_.source), heights, found.field,
+      by_name ? "whose name says feet" : "which is tall for a town",
+      spec_.unit.empty() ? ", taken as metres; if they are feet, set unit = \"ft\", else unit = \"m\""
+                         : ", and unit = \"m\"; if they are feet, set unit = \"ft\""));
 }
 
 }  // namespace obliq

@@ -1,5 +1,7 @@
 #include "terrain/buildings/footprints.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
@@ -38,8 +40,9 @@ GroundPlace first_ground(const World& world, const GeoPolygon& polygon) {
 
 void check(const BuildingSourceSpec& spec) {
   if (!(spec.default_height_m > 0) || spec.default_height_m > kTallest_m) {
-    throw InputError("[[buildings]] default_height_m: found " + std::to_string(spec.default_height_m) +
-                     "; allowed: more than 0, at most 2000 m");
+    throw InputError(
+        fmt::format("[[buildings]] default_height_m: found {}; allowed: more than 0, at most 2000 m",
+                    spec.default_height_m));
   }
   if (!spec.unit.empty() && spec.unit != "m" && spec.unit != "ft") {
     throw InputError("[[buildings]] unit: found \"" + spec.unit + "\"; allowed: \"m\" or \"ft\"");
@@ -77,8 +80,7 @@ class FootprintLoader {
       std::string excess;
       stands |= add_polygon(polygon, height_m, spec.material, excess);
       if (!excess.empty() && first_excess_.empty())
-        first_excess_ =
-            file_name(spec.source) + ", feature " + std::to_string(feature.id()) + ": found " + excess;
+        first_excess_ = fmt::format("{}, feature {}: found {}", file_name(spec.source), feature.id(), excess);
     }
     if (!stands) return;
     heights.add(height, feature.id());
@@ -88,9 +90,9 @@ class FootprintLoader {
   void warn_of_excess() const {
     if (first_excess_.empty()) return;
     const std::uint64_t n = world_.report.buildings_too_complex;
-    world_.report.warnings.push_back(
-        "[[buildings]] " + std::to_string(n) + (n == 1 ? " outline was" : " outlines were") +
-        " skipped as too complex, the first is " + first_excess_ + "; simplify them (ogr2ogr -simplify)");
+    world_.report.warnings.push_back(fmt::format(
+        "[[buildings]] {}{} skipped as too complex, the first is {}; simplify them (ogr2ogr -simplify)", n,
+        n == 1 ? " outline was" : " outlines were", first_excess_));
   }
 
  private:
@@ -135,9 +137,9 @@ class FootprintLoader {
 
 /// The source's own field is not there; the others may hold heights all the same.
 void warn_of_field(const BuildingSourceSpec& source, const VectorSummary& summary, LoadReport& report) {
-  report.warnings.push_back("[[buildings]] " + file_name(source.source) + ": none of its " +
-                            std::to_string(summary.visited) + " features has a height_field \"" +
-                            source.height_field + "\"; the fields there are: " + summary.fields);
+  report.warnings.push_back(fmt::format(
+      "[[buildings]] {}: none of its {} features has a height_field \"{}\"; the fields there are: {}",
+      file_name(source.source), summary.visited, source.height_field, summary.fields));
 }
 
 }  // namespace

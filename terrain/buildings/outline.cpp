@@ -1,5 +1,6 @@
 #include "terrain/buildings/outline.h"
 
+#include <fmt/core.h>
 #include <geos_c.h>
 
 #include <algorithm>
@@ -250,7 +251,7 @@ void fan(Outline& outline) {
 
 std::string excess_corners(std::size_t corners) {
   if (corners <= OutlineShaper::kMostCorners) return {};
-  return std::to_string(corners) + " corners; allowed: " + std::to_string(OutlineShaper::kMostCorners);
+  return fmt::format("{} corners; allowed: {}", corners, OutlineShaper::kMostCorners);
 }
 
 ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
@@ -278,8 +279,8 @@ ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
   bool failed = false;
   const std::vector<FloatRings> parts = geos_->valid_parts(rings, shaped.state);
   if (shaped.state == OutlineState::too_complex) {
-    shaped.excess = "more than " + std::to_string(kMostCrossings) +
-                    " places where its edges cross or touch; allowed: " + std::to_string(kMostCrossings);
+    shaped.excess = fmt::format("more than {} places where its edges cross or touch; allowed: {}",
+                                kMostCrossings, kMostCrossings);
     return shaped;
   }
   for (FloatRings part : parts) {

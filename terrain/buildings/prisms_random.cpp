@@ -1,5 +1,7 @@
 #include "terrain/buildings/prisms_random.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,14 +24,14 @@ constexpr double kMostPrisms = 8e6;
 
 void check(const PrismSpec& spec) {
   if (!(spec.per_km2 >= 0) || spec.per_km2 > 1e5) {
-    throw InputError("[[prisms]] per_km2: found " + std::to_string(spec.per_km2) +
-                     "; allowed: 0 (none) to 100000");
+    throw InputError(fmt::format("[[prisms]] per_km2: found {}; allowed: 0 (none) to 100000", spec.per_km2));
   }
   for (const auto& [key, range] : {std::pair{"width_m", spec.width_m}, std::pair{"length_m", spec.length_m},
                                    std::pair{"height_m", spec.height_m}}) {
     if (!(range[0] > 0) || !(range[0] <= range[1]) || !(range[1] <= 2000)) {
-      throw InputError("[[prisms]] " + std::string(key) + ": found [" + std::to_string(range[0]) + ", " +
-                       std::to_string(range[1]) + "]; allowed: [least, most] with 0 < least <= most <= 2000");
+      throw InputError(
+          fmt::format("[[prisms]] {}: found [{}, {}]; allowed: [least, most] with 0 < least <= most <= 2000",
+                      key, range[0], range[1]));
     }
   }
 }

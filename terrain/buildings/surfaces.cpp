@@ -1,5 +1,7 @@
 #include "terrain/buildings/surfaces.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -131,16 +133,14 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
   world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
   if (summary.visited == 0) world.report.notes.push_back(surface.source + ": no features in the loaded area");
   if (too_long > 0) {
-    world.report.warnings.push_back(
-        "[[surfaces]] " + file_name(surface.source) + ": " + std::to_string(too_long) +
-        " polygons were skipped, the first is feature " + std::to_string(first_too_long) +
-        ": found more than 4 million edges once they are cut to 0.01 degrees; allowed: 4 million, so "
-        "simplify it "
-        "(ogr2ogr -simplify)");
+    world.report.warnings.push_back(fmt::format(
+        "[[surfaces]] {}: {} polygons were skipped, the first is feature {}: found more than 4 million edges "
+        "once they are cut to 0.01 degrees; allowed: 4 million, so simplify it (ogr2ogr -simplify)",
+        file_name(surface.source), too_long, first_too_long));
   }
   if (unusable > 0) {
-    world.report.notes.push_back(surface.source + ": " + std::to_string(unusable) +
-                                 " polygons are not usable and were skipped");
+    world.report.notes.push_back(
+        fmt::format("{}: {} polygons are not usable and were skipped", surface.source, unusable));
   }
 }
 

@@ -1,5 +1,6 @@
 #include "terrain/buildings/vector_source.h"
 
+#include <fmt/core.h>
 #include <ogrsf_frmts.h>
 
 #include <algorithm>
@@ -16,8 +17,8 @@ namespace {
 using Dataset = std::unique_ptr<GDALDataset>;
 
 [[noreturn]] void refuse(const VectorQuery& query, const std::string& what, const std::string& allowed) {
-  throw InputError(query.key + ": found " + (query.path.empty() ? "an empty name" : query.path) + ": " +
-                   what + "; allowed: " + allowed);
+  throw InputError(fmt::format("{}: found {}: {}; allowed: {}", query.key,
+                               query.path.empty() ? "an empty name" : query.path, what, allowed));
 }
 
 Dataset opened(const VectorQuery& query) {

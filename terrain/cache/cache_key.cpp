@@ -1,10 +1,10 @@
 #include "terrain/cache/cache_key.h"
 
 #include <cpl_vsi.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include "terrain/base/checksum.h"
@@ -30,12 +30,6 @@ std::uint64_t contents(const std::string& path, std::int64_t size) {
   return sum;
 }
 
-std::string hex(std::uint64_t value) {
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
-
 }  // namespace
 
 void CacheKey::add(std::string_view name, std::string_view value) {
@@ -43,32 +37,32 @@ void CacheKey::add(std::string_view name, std::string_view value) {
 }
 
 void CacheKey::add(std::string_view name, double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%a (%.9g)", value, value);
+  const std::string text = fmt::format("{:a} ({:.9g})", value, value);
   add(name, text);
 }
 
 void CacheKey::add(std::string_view name, const std::vector<double>& values) {
   add(name,
-      std::to_string(values.size()) + " " + hex(checksum(values.data(), values.size() * sizeof(double))));
+      fmt::format("{} {:016x}", values.size(), checksum(values.data(), values.size() * sizeof(double))));
 }
 
 void CacheKey::add_file(const std::string& path) {
   struct stat local {};
   if (::stat(path.c_str(), &local) == 0 && S_ISREG(local.st_mode)) {
-    add(path, std::to_string(local.st_size) + " bytes of " + std::to_string(local.st_mtim.tv_sec) + "." +
-                  std::to_string(local.st_mtim.tv_nsec) + ", " + hex(contents(path, local.st_size)));
+    add(path, fmt::format("{} bytes of {}.{}, {:016x}", local.st_size, local.st_mtim.tv_sec,
+                          local.st_mtim.tv_nsec, contents(path, local.st_size)));
     newest_change_s_ = std::max(newest_change_s_, static_cast<double>(local.st_ctim.tv_sec) +
                                                       1e-9 * static_cast<double>(local.st_ctim.tv_nsec));
     return;
   }
   VSIStatBufL virtual_file;
   if (VSIStatL(path.c_str(), &virtual_file) != 0 || virtual_file.st_mtime == 0) return refuse();
-  add(path, std::to_string(virtual_file.st_size) + " bytes of " + std::to_string(virtual_file.st_mtime));
+  add(path, fmt::format("{} bytes of {}", virtual_file.st_size, virtual_file.st_mtime));
 }
 
 std::string CacheKey::name() const {
-  return hex(checksum(text_.data(), text_.size(), 1)) + hex(checksum(text_.data(), text_.size(), 2));
+  return fmt::format("{:016x}{:016x}", checksum(text_.data(), text_.size(), 1),
+                     checksum(text_.data(), text_.size(), 2));
 }
 
 }  // namespace obliq

@@ -1,6 +1,7 @@
 #include "terrain/cache/ground_cache.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -124,8 +125,7 @@ std::string read_whole(const File& file, const CacheKey& key, HeightGrid& grid, 
   const std::uint64_t size = file.size();
   const std::uint64_t with_water = water_at + (cells_of(grid) + 7) / 8;
   if (size != water_at && size != with_water)
-    return std::to_string(size) + " bytes instead of " + std::to_string(water_at) + " or " +
-           std::to_string(with_water);
+    return fmt::format("{} bytes instead of {} or {}", size, water_at, with_water);
   std::string text(key.text().size(), '\0');
   water.resize(size - water_at);
   if (!file.read(&head, sizeof head, 0) || !file.read(text.data(), text.size(), sizeof head) ||
@@ -214,7 +214,7 @@ std::optional<GroundCache::Facts> GroundCache::load(const CacheKey& key, HeightG
   std::vector<std::uint8_t> water;
   const std::string fault = read_whole(file, key, grid, head, water);
   if (!fault.empty()) {
-    notes_.push_back("terrain.cache: " + path + " is damaged (" + fault + ") and is made anew");
+    notes_.push_back(fmt::format("terrain.cache: {} is damaged ({}) and is made anew", path, fault));
     ::unlink(path.c_str());
     return std::nullopt;
   }
@@ -251,9 +251,9 @@ void GroundCache::store(const CacheKey& key, const HeightGrid& grid, const Facts
               file.write(facts.water.data(), facts.water.size()) && ::fsync(file.descriptor()) == 0 &&
               ::rename(half.c_str(), path.c_str()) == 0;
   if (!good) {
-    notes_.push_back("terrain.cache: nothing can be kept in " + folder_ + " (" +
-                     (made ? made.message() : std::strerror(errno)) +
-                     "); the next start reads the elevation models again");
+    notes_.push_back(fmt::format(
+        "terrain.cache: nothing can be kept in {} ({}); the next start reads the elevation models again",
+        folder_, made ? made.message() : std::strerror(errno)));
     if (file.good()) ::unlink(half.c_str());
     return;
   }

@@ -1,7 +1,8 @@
 #include "terrain/dem/auto_cell.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 
 #include "terrain/grid_area.h"
 
@@ -30,17 +31,14 @@ double finer_cell_m(const AutoCellLimits& limits, double cell_m, double posts, c
   if (!(limits.most_posts > 0) || error.posts == 0 || error.p95_m <= allowed_error_m(limits.accuracy))
     return 0;
   const double finer_m = round_to_quantum_m(cell_m / 2);
-  char reason[160] = {};
   if (4 * posts > limits.most_posts) {
-    std::snprintf(reason, sizeof reason,
-                  "%.3g million posts, of %.3g million (a quarter of flight.max_megaposts)", 4e-6 * posts,
-                  1e-6 * limits.most_posts);
+    left = fmt::format("{:.3g} million posts, of {:.3g} million (a quarter of flight.max_megaposts)",
+                       4e-6 * posts, 1e-6 * limits.most_posts);
   } else if (const double time = halving_time(cell_m, limits.footprint_m); time > kMostHalvingTime) {
-    std::snprintf(reason, sizeof reason, "%.3g times the frame time, of %.3g", time, kMostHalvingTime);
+    left = fmt::format("{:.3g} times the frame time, of {:.3g}", time, kMostHalvingTime);
   } else if (finer_m < cell_m) {
     return finer_m;
   }
-  left = reason;
   return 0;
 }
 

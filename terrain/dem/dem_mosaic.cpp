@@ -1,8 +1,9 @@
 #include "terrain/dem/dem_mosaic.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <optional>
 
@@ -35,10 +36,7 @@ struct DegreeBox {
   }
 
   std::string text() const {
-    char text[120];
-    std::snprintf(text, sizeof text, "longitude %.4f to %.4f, latitude %.4f to %.4f", west, east, south,
-                  north);
-    return text;
+    return fmt::format("longitude {:.4f} to {:.4f}, latitude {:.4f} to {:.4f}", west, east, south, north);
   }
 };
 
@@ -228,10 +226,11 @@ void DemMosaic::refuse_no_ground(const WorldFrame& frame, const Rect& wanted) co
     }
   }
   std::string names = files_[0].path();
-  if (files_.size() > 1) names += " and " + std::to_string(files_.size() - 1) + " more";
-  throw InputError("[terrain] dem: found no height in the wanted area (" + box.text() + "); " + names +
-                   " covers " + box_of(files_).text() +
-                   "; allowed: an antenna and area on known ground of the elevation model");
+  if (files_.size() > 1) names += fmt::format(" and {} more", files_.size() - 1);
+  throw InputError(
+      fmt::format("[terrain] dem: found no height in the wanted area ({}); {} covers {}; allowed: an antenna "
+                  "and area on known ground of the elevation model",
+                  box.text(), names, box_of(files_).text()));
 }
 
 }  // namespace obliq

@@ -1,5 +1,6 @@
 #include "terrain/dem/dem_window.h"
 
+#include <fmt/core.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
@@ -32,8 +33,7 @@ class Decoder {
     const double offset = band.GetOffset(&has);
     if (has) offset_ = offset;
     if (!std::isfinite(scale_) || scale_ == 0 || !std::isfinite(offset_)) {
-      raster.refuse("its band has a scale of " + std::to_string(scale_) + " and an offset of " +
-                        std::to_string(offset_),
+      raster.refuse(fmt::format("its band has a scale of {} and an offset of {}", scale_, offset_),
                     "finite numbers and a scale other than 0");
     }
   }
@@ -69,9 +69,9 @@ void require_whole_raw_file(const Raster& raster) {
   const double needed = static_cast<double>(raster.columns()) * raster.rows() * dataset->GetRasterCount() *
                         GDALGetDataTypeSizeBits(raster.band().GetRasterDataType()) / 8;
   if (static_cast<double>(status.st_size) < needed) {
-    raster.refuse("it is truncated: " + std::to_string(status.st_size) + " of " +
-                      std::to_string(static_cast<long long>(needed)) + " bytes",
-                  "a whole file");
+    raster.refuse(
+        fmt::format("it is truncated: {} of {} bytes", status.st_size, static_cast<long long>(needed)),
+        "a whole file");
   }
 }
 
@@ -96,8 +96,8 @@ class StripReader {
       }
     }
     if (!ok || !messages.failure().empty()) {
-      raster_.refuse("rows " + std::to_string(rect.row0) + " to " + std::to_string(rect.row1 - 1) +
-                         " cannot be read: " + messages.reason("the file is damaged or cut short"),
+      raster_.refuse(fmt::format("rows {} to {} cannot be read: {}", rect.row0, rect.row1 - 1,
+                                 messages.reason("the file is damaged or cut short")),
                      "a whole, readable raster");
     }
   }

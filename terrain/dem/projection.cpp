@@ -1,5 +1,6 @@
 #include "terrain/dem/projection.h"
 
+#include <fmt/core.h>
 #include <ogr_spatialref.h>
 
 #include <cmath>
@@ -68,9 +69,10 @@ Projection::Projection(const OGRSpatialReference& crs, const std::string& field,
   ways_->inverse.reset(OGRCreateCoordinateTransformation(&flat, &geographic));
   if (!ways_->forward || !ways_->inverse) {
     const char* name = flat.GetName();
-    throw InputError(field + ": found " + path + " in the coordinate system \"" + (name ? name : "") +
-                     "\", which does not lead to longitude and latitude (" +
-                     messages.reason("PROJ knows no way") + "); allowed: geographic or projected systems");
+    throw InputError(
+        fmt::format("{}: found {} in the coordinate system \"{}\", which does not lead to longitude and "
+                    "latitude ({}); allowed: geographic or projected systems",
+                    field, path, name ? name : "", messages.reason("PROJ knows no way")));
   }
   if (flat.IsGeographic()) turn_ = 2 * std::numbers::pi / flat.GetAngularUnits();
 }

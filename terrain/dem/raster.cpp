@@ -1,5 +1,6 @@
 #include "terrain/dem/raster.h"
 
+#include <fmt/core.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
@@ -57,8 +58,8 @@ Raster::Raster(const std::string& path, const std::string& field, const std::opt
 }
 
 void Raster::refuse(const std::string& what, const std::string& allowed) const {
-  throw InputError(field_ + ": found " + (path_.empty() ? "an empty name" : path_) + ": " + what +
-                   "; allowed: " + allowed);
+  throw InputError(fmt::format("{}: found {}: {}; allowed: {}", field_,
+                               path_.empty() ? "an empty name" : path_, what, allowed));
 }
 
 std::vector<std::string> Raster::files() const {
@@ -109,8 +110,10 @@ void Raster::place(const std::optional<std::string>& crs) {
   } else if (!crs) {
     refuse("it carries no coordinate system", "a raster with one, or name it in [terrain] crs");
   } else if (system.SetFromUserInput(crs->c_str(), kTextOnly) != OGRERR_NONE) {
-    throw InputError("[terrain] crs: found \"" + *crs + "\" (" + messages.reason("not understood") +
-                     "); allowed: any coordinate system that GDAL knows, such as \"EPSG:26911\"");
+    throw InputError(
+        fmt::format("[terrain] crs: found \"{}\" ({}); allowed: any coordinate system that GDAL knows, such "
+                    "as \"EPSG:26911\"",
+                    *crs, messages.reason("not understood")));
   }
   projection_.emplace(system, field_, path_);
 }

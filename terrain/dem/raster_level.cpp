@@ -1,10 +1,10 @@
 #include "terrain/dem/raster_level.h"
 
+#include <fmt/core.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace obliq {
 namespace {
@@ -24,7 +24,7 @@ void require_usual_blocks(const Raster& raster, GDALRasterBand& band) {
   const double bytes =
       static_cast<double>(columns) * rows * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
   if (bytes <= kMostBlock_bytes) return;
-  raster.refuse("its blocks are " + std::to_string(columns) + " x " + std::to_string(rows) + " pixels",
+  raster.refuse(fmt::format("its blocks are {} x {} pixels", columns, rows),
                 "blocks of at most 2 GB, so write it in tiles (gdal_translate -co TILED=YES)");
 }
 
@@ -42,9 +42,8 @@ RasterLevel level_to_read(const Raster& raster, const PixelRect& rect, int step)
     if (!own.empty() && pixels(own) <= kMostPixels) level = {overview, factor, own};
   }
   if (pixels(level.rect) > kMostPixels) {
-    char found[120];
-    std::snprintf(found, sizeof found, "the loaded area has %.3g of its pixels, %d x %d to a post",
-                  pixels(rect), step, step);
+    const std::string found =
+        fmt::format("the loaded area has {:.3g} of its pixels, {} x {} to a post", pixels(rect), step, step);
     raster.refuse(found,
                   "2.1e+09 of one file; give it overviews (gdaladdo -r average), or choose a smaller "
                   "[terrain] area or a shorter range");

@@ -1,9 +1,10 @@
 #include "terrain/dem/source_extents.h"
 
+#include <fmt/core.h>
+
 #include <GeographicLib/Geodesic.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "terrain/base/constants.h"
@@ -123,10 +124,8 @@ std::string SourceExtents::text() const {
     all.south_deg = std::min(all.south_deg, box.south_deg);
     all.north_deg = std::max(all.north_deg, box.north_deg);
   }
-  char text[200];
-  std::snprintf(text, sizeof text, "%s covers longitude %.4f to %.4f, latitude %.4f to %.4f", what_.c_str(),
-                all.middle_deg + west, all.middle_deg + east, all.south_deg, all.north_deg);
-  return text;
+  return fmt::format("{} covers longitude {:.4f} to {:.4f}, latitude {:.4f} to {:.4f}", what_,
+                     all.middle_deg + west, all.middle_deg + east, all.south_deg, all.north_deg);
 }
 
 }  // namespace obliq

@@ -9,6 +9,7 @@
 #include "server/explain/table.h"
 #include "server/explain/variants.h"
 #include "server/explain/verdict.h"
+#include "terrain/base/text.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -183,15 +184,15 @@ TEST(Table, AlignsWordsLeftAndNumbersRight) {
 }
 
 TEST(Table, NumbersAreWrittenWithoutExponents) {
-  EXPECT_EQ(plain_number(3000, 1), "3000");
-  EXPECT_EQ(plain_number(4521.3, 3), "4521");
-  EXPECT_EQ(plain_number(100, 2), "100");
-  EXPECT_EQ(plain_number(4.0 / 3, 4), "1.333");
-  EXPECT_EQ(plain_number(0.1494, 3), "0.149");
-  EXPECT_EQ(plain_number(0.00004, 2), "0.00004");
-  EXPECT_EQ(plain_number(-40, 4), "-40");
-  EXPECT_EQ(plain_number(0, 4), "0");
-  EXPECT_EQ(plain_number(INFINITY, 4), "-");
+  EXPECT_EQ(short_number(3000, 1), "3000");
+  EXPECT_EQ(short_number(4521.3, 3), "4521");
+  EXPECT_EQ(short_number(100, 2), "100");
+  EXPECT_EQ(short_number(4.0 / 3, 4), "1.333");
+  EXPECT_EQ(short_number(0.1494, 3), "0.149");
+  EXPECT_EQ(short_number(0.00004, 2), "0.00004");
+  EXPECT_EQ(short_number(-40, 4), "-40");
+  EXPECT_EQ(short_number(0, 4), "0");
+  EXPECT_EQ(short_number(INFINITY, 4), "-");
 }
 
 TEST(Table, ParagraphsBreakAtSpacesBesideTheirLabel) {

@@ -1,4 +1,6 @@
 // `obliq fly`: sends a live radar along a track, pose by pose, when each is due.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -65,9 +67,9 @@ class Flight {
       first_s_ = point.time_s;
     }
     if (elapsed_s(point) > kLongest_s)
-      throw InputError(where + ": time: found " + toml_number(point.time_s - first_s_) +
-                       " s after the first; allowed: at most " + toml_number(kLongest_s * arguments_.speed) +
-                       " s at this --speed");
+      throw InputError(
+          fmt::format("{}: time: found {} s after the first; allowed: at most {} s at this --speed", where,
+                      toml_number(point.time_s - first_s_), toml_number(kLongest_s * arguments_.speed)));
     if (sent_ > 0 && !fill_in(point, where)) return false;
     if (!wait_until(due(point))) return false;
     send(point, where);

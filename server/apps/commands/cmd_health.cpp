@@ -1,4 +1,6 @@
 // `obliq health`: asks a daemon of this machine over HTTP how it is; for health checks of containers.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
@@ -43,12 +45,12 @@ void run(const HealthArguments& arguments) {
   question.tls = !config.server.tls_certificate.empty();
   question.timeout_s = arguments.timeout_s;
   const http::Answer answer = http::ask(question);
-  const std::string where = (question.tls ? "https://" : "http://") + question.address + ":" +
-                            std::to_string(question.port) + question.path;
+  const std::string where = fmt::format("{}{}:{}{}", question.tls ? "https://" : "http://", question.address,
+                                        question.port, question.path);
   const std::string said = answer.body.substr(0, answer.body.find('\n'));
   if (answer.status == 0) throw InputError("not healthy: " + where + ": " + answer.error);
   if (answer.status != 200)
-    throw InputError("not healthy: " + where + " answered " + std::to_string(answer.status) + " " + said);
+    throw InputError(fmt::format("not healthy: {} answered {} {}", where, answer.status, said));
   std::printf("healthy: %s: %s\n", where.c_str(), said.c_str());
 }
 

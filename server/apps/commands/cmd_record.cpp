@@ -1,9 +1,9 @@
 // `obliq record`: what a server sends about a radar, byte for byte, into a file.
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cinttypes>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -90,11 +90,9 @@ class Recorder {
 
   bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
   std::string text(Clock::time_point start) const {
-    char text[128];
-    std::snprintf(text, sizeof text, "%" PRIu64 " frames, %" PRIu64 " left out on the way, %.1f MB, %.1f s",
-                  frames_, skipped_, static_cast<double>(writer_.bytes()) * 1e-6,
-                  std::chrono::duration<double>(Clock::now() - start).count());
-    return text;
+    return fmt::format("{} frames, {} left out on the way, {:.1f} MB, {:.1f} s", frames_, skipped_,
+                       static_cast<double>(writer_.bytes()) * 1e-6,
+                       std::chrono::duration<double>(Clock::now() - start).count());
   }
 
  private:

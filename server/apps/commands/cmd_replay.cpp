@@ -1,4 +1,6 @@
 // `obliq replay`: a recording as a line per frame, as files, or served to clients.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
@@ -94,9 +96,9 @@ void print_frame(const client::RecordedFrame& recorded, std::int64_t start_ns) {
 /// What the file held, in a line: also that nothing is missing is said.
 std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
   const client::RecordingReader& reader = frames.reader();
-  std::string line = std::to_string(shown) + " frames, " + std::to_string(reader.messages()) +
-                     " whole messages, " + std::to_string(reader.offset()) + " bytes";
-  if (frames.aborted() > 0) line += ", " + std::to_string(frames.aborted()) + " aborted";
+  std::string line =
+      fmt::format("{} frames, {} whole messages, {} bytes", shown, reader.messages(), reader.offset());
+  if (frames.aborted() > 0) line += fmt::format(", {} aborted", frames.aborted());
   if (frames.losses().any()) line += ", " + frames.losses().text();
   if (frames.cut()) line += ", the end is cut";
   if (!frames.cut() && !frames.losses().any()) line += ", nothing left over";
@@ -131,15 +133,15 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
     losses = client::more_of(losses, frames.losses());
     if (!enough) std::printf("%s: %s\n", arguments.file.c_str(), end_line(frames, shown).c_str());
     if (frames.frames_of_others() > 0 && !arguments.loop) {
-      warn(std::to_string(frames.frames_of_others()) + " frames of other radars than " + start.radar +
-           " were left out; --radar chooses");
+      warn(fmt::format("{} frames of other radars than {} were left out; --radar chooses",
+                       frames.frames_of_others(), start.radar));
     }
     if (shown == before) break;  // nothing to loop over
     clock.begin_again();
   } while (arguments.loop && !enough);
   if (shown == 0)
-    throw InputError(arguments.file + ": no frame of radar " + start.radar +
-                     " is whole, so nothing was replayed" + (losses.any() ? "; " + losses.text() : ""));
+    throw InputError(fmt::format("{}: no frame of radar {} is whole, so nothing was replayed{}",
+                                 arguments.file, start.radar, losses.any() ? "; " + losses.text() : ""));
   report(losses, arguments.file);
 }
 

@@ -1,4 +1,6 @@
 // `obliq status`: what a server is doing, and how each of its radars stands.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <cinttypes>
 #include <cmath>
@@ -26,8 +28,8 @@ std::string sampling_text(const wire::RadarSettings& settings) {
   const std::string kind = enum_word(wire::FrustumKind_Name(settings.frustum()));
   const std::string plates = enum_word(wire::PlateKind_Name(settings.plates()));
   const bool sweeps = settings.frustum() == wire::SWEEP;
-  std::string text = kind + ", " + std::to_string(settings.pixel_columns());
-  if (!sweeps) text += " x " + std::to_string(settings.pixel_rows());
+  std::string text = fmt::format("{}, {}", kind, settings.pixel_columns());
+  if (!sweeps) text += fmt::format(" x {}", settings.pixel_rows());
   text += sweeps ? " columns" : " pixels, " + plates + " plates";
   for (const QualityPreset& preset : quality_presets()) {
     const int columns = preset.columns > 0 ? preset.columns

@@ -1,5 +1,7 @@
 #include "server/apps/commands/frame_report.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -32,10 +34,6 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
   std::printf("\n");
 }
 
-std::string milliseconds_text(double seconds) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.0f ms", 1000 * seconds);
-  return text;
-}
+std::string milliseconds_text(double seconds) { return fmt::format("{:.0f} ms", 1000 * seconds); }
 
 }  // namespace obliq

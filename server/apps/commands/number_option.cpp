@@ -1,9 +1,10 @@
 #include "server/apps/commands/number_option.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <system_error>
 
@@ -15,11 +16,7 @@ constexpr std::uint64_t kMostCounted = 1'000'000'000'000;
 constexpr double kLeastRate_hz = 0.001;
 constexpr double kMostRate_hz = 10000;
 
-std::string text_of(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
+std::string text_of(double value) { return fmt::format("{:.10g}", value); }
 
 /// All of the text as a number between the limits; nan is between none.
 template <typename Number>
@@ -42,7 +39,7 @@ CLI::Validator check(Number least, Number most, const std::string& allowed) {
 }  // namespace
 
 CLI::Validator whole_number_from(std::uint64_t least, std::uint64_t most) {
-  return check(least, most, "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  return check(least, most, fmt::format("a whole number from {} to {}", least, most));
 }
 
 CLI::Validator number_from(double least, double most) {

@@ -1,5 +1,7 @@
 #include "server/apps/commands/plane_argument.h"
 
+#include <fmt/core.h>
+
 #include <sstream>
 
 #include "terrain/base/errors.h"
@@ -21,8 +23,8 @@ wire::PlaneSet planes_from_names(const std::string& names) {
     if (!known) break;
   }
   if (set != 0) return set;
-  throw InputError("--planes: found \"" + names + "\"; allowed: one or more of " +
-                   wire::plane_names(wire::kAllPlanes) + ", with commas between them");
+  throw InputError(fmt::format("--planes: found \"{}\"; allowed: one or more of {}, with commas between them",
+                               names, wire::plane_names(wire::kAllPlanes)));
 }
 
 }  // namespace obliq

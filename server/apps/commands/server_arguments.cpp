@@ -1,5 +1,6 @@
 #include "server/apps/commands/server_arguments.h"
 
+#include <fmt/core.h>
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
@@ -65,7 +66,8 @@ void set_parameter(const std::string& name, const ConfigNode& node, const FlagRu
   const bool is_value = node.kind == ConfigNode::Kind::value;
   auto error = is_value ? store(parameter->key, slot, node.value)
                         : FieldError{name, node.found_text(), allowed_text(parameter->key, slot)};
-  if (error) complaints.add(where + ": found " + node.found_text() + "; allowed: " + error->allowed);
+  if (error)
+    complaints.add(fmt::format("{}: found {}; allowed: {}", where, node.found_text(), error->allowed));
 }
 
 /// The first line that is neither empty nor a comment.
@@ -139,7 +141,7 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
     client::Status status = client.connect(*endpoint, options);
     if (status.ok()) return client;
     if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
-      if (waiting) status.text += " (waited " + std::to_string(arguments.wait_s) + " s)";
+      if (waiting) status.text += fmt::format(" (waited {} s)", arguments.wait_s);
       if (status.outcome == client::Outcome::timed_out)
         status.text += "; --server HOST:PORT says where obliqd listens, --wait SECONDS gives it longer";
       if (status.outcome == client::Outcome::cannot_connect)

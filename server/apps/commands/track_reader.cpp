@@ -1,6 +1,7 @@
 #include "server/apps/commands/track_reader.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -113,7 +114,7 @@ void TrackReader::rewind() {
   ended_ = begun_ = flying_ = false;
 }
 
-std::string TrackReader::where() const { return name_ + ":" + std::to_string(line_); }
+std::string TrackReader::where() const { return fmt::format("{}:{}", name_, line_); }
 
 TrackReader::Got TrackReader::next_line(std::string& line, std::chrono::milliseconds patience) {
   for (;;) {
@@ -128,8 +129,8 @@ TrackReader::Got TrackReader::next_line(std::string& line, std::chrono::millisec
     if (ended_) return Got::end;
     searched_ = read_.size();
     if (read_.size() > kLongestLine)
-      throw InputError(name_ + ":" + std::to_string(line_ + 1) + ": found a line of more than " +
-                       std::to_string(kLongestLine) + " characters; allowed: " + std::string(kWanted));
+      throw InputError(fmt::format("{}:{}: found a line of more than {} characters; allowed: {}", name_,
+                                   line_ + 1, kLongestLine, kWanted));
     pollfd entry{fd_, POLLIN, 0};
     const int ready = is_file_ ? 1 : ::poll(&entry, 1, static_cast<int>(patience.count()));
     if (ready <= 0) return Got::nothing_yet;
@@ -160,8 +161,8 @@ void TrackReader::check_header(std::string_view line) const {
   for (std::size_t i = 0; i < kColumns; ++i) {
     const std::string_view word = take_column(line);
     if (!is_heading(word, kTable[i]))
-      throw InputError(where() + ": column " + std::to_string(i + 1) + ": found " + shown(word) +
-                       "; allowed: a number, or a header of " + std::string(kWanted));
+      throw InputError(fmt::format("{}: column {}: found {}; allowed: a number, or a header of {}", where(),
+                                   i + 1, shown(word), kWanted));
   }
 }
 
@@ -179,16 +180,16 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
                                              &point.height_m, &point.bearing_deg};
   for (std::size_t i = 0; i < kColumns; ++i) {
     if (rest.empty())
-      throw InputError(where() + ": found " + std::to_string(i) + (i == 1 ? " column" : " columns") +
-                       "; allowed: " + std::string(kWanted) + " and whatever follows, with commas between");
+      throw InputError(fmt::format("{}: found {}{}; allowed: {} and whatever follows, with commas between",
+                                   where(), i, i == 1 ? " column" : " columns", kWanted));
     const std::string_view text = take_column(rest);
     if (!parse_number(text, *values[i]) || !within_limits(kTable[i], *values[i]))
-      throw InputError(where() + ": " + std::string(kTable[i].name) + ": found " + shown(text) +
-                       "; allowed: " + allowed(kTable[i]));
+      throw InputError(fmt::format("{}: {}: found {}; allowed: {}", where(), kTable[i].name, shown(text),
+                                   allowed(kTable[i])));
   }
   if (flying_ && point.time_s < last_time_s_)
-    throw InputError(where() + ": time: found " + toml_number(point.time_s) + " after " +
-                     toml_number(last_time_s_) + "; allowed: a time that does not go back");
+    throw InputError(fmt::format("{}: time: found {} after {}; allowed: a time that does not go back",
+                                 where(), toml_number(point.time_s), toml_number(last_time_s_)));
   flying_ = true;
   last_time_s_ = point.time_s;
   return true;

@@ -1,5 +1,6 @@
 #include "server/apps/daemon/daemon.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -217,7 +218,7 @@ Progress Daemon::progress() {
     if (stage == last->stage && quarter <= last->quarter) return;
     *last = {std::string(stage), quarter};
     spdlog::info("{}: {} %", stage, 25 * quarter);
-    service_manager::status("loading: " + last->stage + ", " + std::to_string(25 * quarter) + " %");
+    service_manager::status(fmt::format("loading: {}, {} %", last->stage, 25 * quarter));
   };
 }
 

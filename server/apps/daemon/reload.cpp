@@ -1,5 +1,7 @@
 #include "server/apps/daemon/reload.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -54,7 +56,7 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
   }
   if (running.modbus.allow != wanted.modbus.allow) keys.emplace_back("modbus.allow");
   if (radar_names(one) != radar_names(other))
-    keys.push_back("the radars (running: " + radar_names(one) + "; wanted: " + radar_names(other) + ")");
+    keys.push_back(fmt::format("the radars (running: {}; wanted: {})", radar_names(one), radar_names(other)));
   return keys;
 }
 
@@ -64,9 +66,7 @@ std::string scene_signature(const SceneConfig& config) {
     std::error_code absent;  // a URL, or a file that is on its way: then the name alone counts
     const auto size = std::filesystem::file_size(path, absent);
     const auto time = std::filesystem::last_write_time(path, absent);
-    if (!absent)
-      text +=
-          path + " " + std::to_string(size) + " " + std::to_string(time.time_since_epoch().count()) + "\n";
+    if (!absent) text += fmt::format("{} {} {}\n", path, size, time.time_since_epoch().count());
   };
   for (const std::string& path : config.world.terrain.dem) add(path);
   for (const BuildingSourceSpec& spec : config.world.buildings) add(spec.source);

@@ -1,5 +1,6 @@
 #include "server/apps/daemon/service_manager.h"
 
+#include <fmt/core.h>
 #include <systemd/sd-daemon.h>
 
 #include <ctime>
@@ -27,8 +28,8 @@ void reloading() {
   // systemd 253 and later want to know since when (Type=notify-reload).
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
-  tell("RELOADING=1\nSTATUS=reloading\nMONOTONIC_USEC=" +
-       std::to_string(now.tv_sec * 1'000'000LL + now.tv_nsec / 1000));
+  tell(fmt::format("RELOADING=1\nSTATUS=reloading\nMONOTONIC_USEC={}",
+                   now.tv_sec * 1'000'000LL + now.tv_nsec / 1000));
 }
 
 void stopping() { tell("STOPPING=1\nSTATUS=stopping"); }

@@ -24,11 +24,7 @@ EchoBins::EchoBins(const FramePlan& plan, const ScatteringTable& scattering, con
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
   range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
-  const BinGrid& bins = plan.bins();
-  cells_.n_range = bins.n_range;
-  cells_.r_min_m = bins.r_min_m;
-  cells_.r_max_m = bins.r_max_m;
-  cells_.range_spacing_m = bins.range_spacing_m;
+  cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
   factors_.range_normalisation = plan.settings().range_normalisation;
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
@@ -54,12 +50,12 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
-  lane_kernels().place(cells_, factors_, samples, placed_);
+  widest_kernels().bin_samples(cells_, factors_, samples, placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
     const int range_bin = placed_.range_bin[k];
-    if (range_bin == PlacedSamples::kOutside || r < kNearest_m) continue;
+    if (range_bin == BinnedSamples::kOutside || r < kNearest_m) continue;
     if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
       continue;
     double sigma = placed_.sigma_m2[k];

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "server/radar/profile/wall_edge.h"
+#include "server/radar/profile/roofs.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/hash.h"
@@ -22,12 +22,6 @@ constexpr double kMostCells = 0xfffff;
 /// 2^level.
 double side_of(const Scatterer& s) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
-}
-
-/// floor(log2 r), from the exponent bits.
-int octave_of(double slant_range_m) {
-  const auto exponent = static_cast<int>(std::bit_cast<std::uint64_t>(slant_range_m) >> 52) - 1023;
-  return std::clamp(exponent, 0, 63);
 }
 
 }  // namespace
@@ -50,7 +44,7 @@ Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, 
   Scatterer s;
   s.material = material;
   s.face = face;
-  const int octave = octave_of(slant_range_m);
+  const auto octave = static_cast<int>(octave_of(slant_range_m));
   const double cells_per_m = cells_per_m_[octave];
   s.level = level_of_octave_[octave];
   if (face == kNoFace) {
@@ -131,8 +125,7 @@ std::complex<double> SpeckleField::response(const Scatterer& s) const {
 }
 
 void SpeckleField::respond(const SpeckleBlock& block) const {
-  lane_kernels().speckle(
-      {lane_grid(world_.grid), antenna_m_.x, antenna_m_.y, antenna_m_.z, wavelength_m_, seed_}, block);
+  widest_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_}, block);
   for (int k = 0; k < block.n; ++k) {
     const ScattererKey key(block.place[k], block.kind[k]);
     if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;

@@ -28,17 +28,13 @@ PixelCamera pixel_camera(const FramePlan& plan) {
   const PerspectiveFrustum& camera = plan.camera();
   const double width = camera.pixel_width_m();
   const double height = camera.pixel_height_m();
-  const SwathTest swath(plan.box(), plan.sector());
   return {camera.left_m,
           width,
           plan.sector().sin_bearing,
           plan.sector().cos_bearing,
           width * height * camera.near_m,
           camera.wide_m2(),
-          swath.below_bottom_m,
-          swath.below_top_m,
-          swath.r_min_m,
-          swath.r_max_m,
+          swath_test(plan.box(), plan.sector()),
           plan.settings().plates == PlateKind::spread ? std::hypot(width, height) / 2 : 0.0};
 }
 
@@ -169,7 +165,7 @@ void PerspectiveRays::generate_waiting(RayBatch& batch) {
   std::array<std::int32_t, kBatch> from;
   std::array<std::int32_t, kBatch> ray_of;
   std::fill_n(ray_of.begin(), pixels_.n, -1);
-  batch.n = lane_kernels().aim(
+  batch.n = widest_kernels().pixel_rays(
       pixel_camera_, pixels_,
       {batch.dir_x.data(), batch.dir_y.data(), batch.dir_z.data(), batch.solid_angle_sr.data(), from.data()});
   for (std::size_t k = 0; k < static_cast<std::size_t>(batch.n); ++k) {

@@ -24,7 +24,7 @@ std::vector<PolarColumn> polar_columns(const FramePlan& plan, AzimuthRange range
 
 PolarRays::PolarRays(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
-      swath_(plan.box(), plan.sector()),
+      swath_(swath_test(plan.box(), plan.sector())),
       columns_(polar_columns(plan, range)),
       width_rad_(plan.bins().azimuth_width_rad * plan.bins().n_azimuth / plan.settings().pixel_columns) {}
 

@@ -2,13 +2,20 @@
 #include <cstdint>
 
 #include "server/radar/samples.h"
+#include "server/radar/simd/kernel.h"
+#include "server/radar/simd/range_axis.h"
 
 namespace obliq {
 
+/// floor(log2 r), from 0 to 63: by the exponent's bits.
+template <typename Real>
+OBLIQ_INLINE Real octave_of(Real r) {
+  return clamp(to_doubles((as_bits(r) >> 52) & 0x7ff) - 1023.0, Real{}, broadcast<Real>(63));
+}
+
 /// The swath's range bins and its ground cells by octave of range (SpeckleField).
 struct SwathCells {
-  int n_range;
-  double r_min_m, r_max_m, range_spacing_m;
+  RangeAxis axis;
   double cells_per_m[64];
   double level[64];
 };
@@ -20,7 +27,7 @@ struct EchoFactors {
 };
 
 /// Where samples fall, and what they scatter. Samples are read up to a multiple of 8.
-struct PlacedSamples {
+struct BinnedSamples {
   static constexpr std::int32_t kOutside = -1;
   std::int32_t range_bin[kBatch];  ///< kOutside: not in the swath
   double range2_m2[kBatch];
@@ -30,6 +37,6 @@ struct PlacedSamples {
   std::uint64_t level[kBatch];
 };
 
-using PlaceKernel = void (*)(const SwathCells&, const EchoFactors&, const SampleBatch&, PlacedSamples&);
+OBLIQ_KERNEL(void, bin_samples, const SwathCells&, const EchoFactors&, const SampleBatch&, BinnedSamples&);
 
 }  // namespace obliq

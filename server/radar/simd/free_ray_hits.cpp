@@ -7,8 +7,8 @@
 namespace obliq::OBLIQ_ISA {
 namespace {
 
-/// Rays on their way. A plane's bearing is a ray's whole direction here, so that it walks by slant range.
-struct Walkers : WalkingPlanes {
+/// Rays on their way. A profile's bearing is a ray's whole direction here, so that it walks by slant range.
+struct Walkers : WalkingProfiles {
   double dir_y[kLanes];
   int ray[kLanes];
 };
@@ -16,7 +16,7 @@ struct Walkers : WalkingPlanes {
 constexpr int kRefill = 5;  // idle lanes that are worth a stop
 
 /// Sets out rays in the lanes that are not in `busy`; returns those that are now.
-unsigned set_out(const GroundScene& scene, const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {
+unsigned set_out(const FreeRays& rays, int& next, unsigned busy, Walkers& walkers) {
   // A component that is all but 0 is none: its reciprocal would be infinite.
   const auto component = [](double c) { return c < 1e-200 && c > -1e-200 ? 0.0 : c; };
   for (int lane = 0; lane < kLanes && next < rays.n; ++lane) {
@@ -28,7 +28,7 @@ unsigned set_out(const GroundScene& scene, const CastRays& rays, int& next, unsi
     walkers.d_m[lane] = rays.from_m[ray];
     // Below all ground nothing is met from above. A metre more, for flat ground.
     const double to_m = (rays.lowest_m - 1) / rays.dir_y[ray];
-    walkers.end_m[lane] = rays.dir_y[ray] < 0 && to_m < scene.last_start_m ? to_m : scene.last_start_m;
+    walkers.end_m[lane] = rays.dir_y[ray] < 0 && to_m < rays.reach_m ? to_m : rays.reach_m;
     walkers.ray[lane] = ray;
     busy |= 1u << lane;
   }
@@ -37,22 +37,22 @@ unsigned set_out(const GroundScene& scene, const CastRays& rays, int& next, unsi
 
 }  // namespace
 
-void cast_ground(const GroundScene& scene, const CastRays& rays) {
-  const LaneGrid& grid = scene.grid;
+void first_hits_on_ground(const GroundView& scene, const FreeRays& rays) {
+  const GridView& grid = scene.grid;
   Walkers walkers{};
-  PlaneRates p{};
-  Cells cells{};
+  ProfileRates<f64x8> p{};
+  Cells<f64x8> cells{};
   f64x8 dir_y{};
   f64x8 end_m{};
   f64x8 cells_left{};
-  mask8 above{};  // over known ground at the end of the last piece of it
+  mask8 above{};  // over known ground at the end of the last segment of it
   unsigned busy = 0;
   for (int next = 0;;) {
     if (next < rays.n && __builtin_popcount(busy) <= kLanes - kRefill) {
       store_cells(walkers, cells);
       const mask8 before = mask_from(busy);
-      busy = set_out(scene, rays, next, busy, walkers);
-      p = plane_rates(scene, walkers);
+      busy = set_out(rays, next, busy, walkers);
+      p = rates_of(scene, walkers);
       cells = cells_of(walkers);
       dir_y = load(walkers.dir_y);
       end_m = load(walkers.end_m);
@@ -65,13 +65,13 @@ void cast_ground(const GroundScene& scene, const CastRays& rays) {
     }
     if (busy == 0) break;
     const mask8 active = mask_from(busy) & (cells.d < end_m) & cells.on(grid);
-    const CellEnds ends = cell_ends(scene, p, cells);
+    const CellEnds<f64x8> ends = ends_of(scene, p, cells);
     const f64x8 end = max(cells.d, min(ends.nearest, end_m));
-    const Corners y = corners(grid, to_u64(cells.number(grid, active)));
+    const Corners<f64x8> y = corners(grid, to_u64(number_of(grid, cells, active)));
     mask8 open = active;
     f64x8 range = broadcast(__builtin_nan(""));
     // Behind a void a ray may be below the ground: it goes on until it meets some from above.
-    const auto triangle = [&](mask8 where, const TriangleCut& cut, f64x8 d0, f64x8 d1)
+    const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
         __attribute__((always_inline)) {
       const f64x8 start = cut.start - scene.antenna_y_m;
       const mask8 below0 = dir_y * d0 < start + cut.rise * d0;
@@ -87,7 +87,7 @@ void cast_ground(const GroundScene& scene, const CastRays& rays) {
     move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
     cells_left -= 1.0;
     const mask8 tired = open & (cells_left <= 0.0);
-    range = select(tired, broadcast(CastRays::kTired), range);
+    range = select(tired, broadcast(FreeRays::kOutOfSteps), range);
     const unsigned left = movemask(open & ~tired);
     for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
       const int lane = __builtin_ctz(mask);

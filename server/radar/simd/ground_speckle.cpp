@@ -1,7 +1,6 @@
 // SpeckleField::response for eight ground cells at a time, to the bit.
 #include "server/radar/simd/ground_speckle.h"
 
-#include "server/radar/simd/cell_prefetch.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/grid_walk.h"
 #include "terrain/base/hash.h"
@@ -10,7 +9,7 @@ namespace obliq::OBLIQ_ISA {
 namespace {
 
 /// HeightGrid::height_at_m; NaN off the grid or over unknown ground.
-OBLIQ_INLINE f64x8 height_at(const LaneGrid& grid, f64x8 x, f64x8 z) {
+OBLIQ_INLINE f64x8 height_at(const GridView& grid, f64x8 x, f64x8 z) {
   const f64x8 u = (x - grid.x0_m) / grid.cell_m;
   const f64x8 v = (z - grid.z0_m) / grid.cell_m;
   const double last_u = grid.nx - 1;
@@ -23,9 +22,7 @@ OBLIQ_INLINE f64x8 height_at(const LaneGrid& grid, f64x8 x, f64x8 z) {
   const auto [y00, y10, y01, y11, known] = corners(grid, to_u64(j * static_cast<double>(grid.nx) + i));
   const f64x8 s = u - i;
   const f64x8 t = v - j;
-  const f64x8 lower = y00 + s * (y10 - y00) + t * (y01 - y00);
-  const f64x8 upper = y11 + (1.0 - s) * (y01 - y11) + (1.0 - t) * (y10 - y11);
-  return select(on_grid & known, select(s + t <= 1.0, lower, upper), broadcast(__builtin_nan("")));
+  return select(on_grid & known, height_on_triangles(y00, y10, y01, y11, s, t), broadcast(__builtin_nan("")));
 }
 
 /// The middle of a ground cell.
@@ -43,25 +40,26 @@ OBLIQ_INLINE Centre centre_of(u64x8 place, u64x8 kind) {
 }
 
 /// Asks for the heights under the cells of scatterers [k, k + 8), roughly.
-OBLIQ_INLINE void ask_for_heights(const LaneGrid& grid, const SpeckleBlock& block, int k, double per_cell) {
+OBLIQ_INLINE void ask_for_heights(const GridView& grid, const SpeckleBlock& block, int k, double per_cell) {
   const auto [x, z] = centre_of(load_u64(block.place + k), load_u64(block.kind + k));
   prefetch_cells(grid, (x - grid.x0_m) * per_cell, (z - grid.z0_m) * per_cell);
 }
 
 }  // namespace
 
-void speckle_lanes(const SpeckleGround& ground, const SpeckleBlock& block) {
+void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
   constexpr int kAhead = 4 * kLanes;
-  const double per_cell = 1 / ground.grid.cell_m;
-  for (int k = 0; k < kAhead && k < block.n; k += kLanes) ask_for_heights(ground.grid, block, k, per_cell);
+  const double per_cell = 1 / ground.view.grid.cell_m;
+  for (int k = 0; k < kAhead && k < block.n; k += kLanes)
+    ask_for_heights(ground.view.grid, block, k, per_cell);
   for (int k = 0; k < block.n; k += kLanes) {
-    if (k + kAhead < block.n) ask_for_heights(ground.grid, block, k + kAhead, per_cell);
+    if (k + kAhead < block.n) ask_for_heights(ground.view.grid, block, k + kAhead, per_cell);
     const u64x8 place = load_u64(block.place + k);
     const u64x8 kind = load_u64(block.kind + k) & 0xffffffffull;
     const auto [x, z] = centre_of(place, kind);
-    const f64x8 dx = x - ground.antenna_x_m;
-    const f64x8 dy = height_at(ground.grid, x, z) - ground.antenna_y_m;
-    const f64x8 dz = z - ground.antenna_z_m;
+    const f64x8 dx = x - ground.view.antenna_x_m;
+    const f64x8 dy = height_at(ground.view.grid, x, z) - ground.view.antenna_y_m;
+    const f64x8 dz = z - ground.view.antenna_z_m;
     const f64x8 range = sqrt(dx * dx + dy * dy + dz * dz);
 
     const u64x8 hash = mix_words(mix_words(place ^ ground.seed) ^ kind);

@@ -2,13 +2,13 @@
 #include <cstdint>
 
 #include "server/radar/simd/grid_view.h"
+#include "server/radar/simd/kernel.h"
 
 namespace obliq {
 
 /// What the response of ground cells follows from, besides the cells.
 struct SpeckleGround {
-  LaneGrid grid;
-  double antenna_x_m, antenna_y_m, antenna_z_m;
+  GroundView view;
   double wavelength_m;
   std::uint64_t seed;
 };
@@ -25,6 +25,6 @@ struct SpeckleBlock {
 };
 
 /// The same bits whatever the instruction set.
-using SpeckleKernel = void (*)(const SpeckleGround&, const SpeckleBlock&);
+OBLIQ_KERNEL(void, ground_speckle, const SpeckleGround&, const SpeckleBlock&);
 
 }  // namespace obliq

@@ -4,20 +4,7 @@
 #include "server/radar/simd/lanes.h"
 
 namespace obliq::OBLIQ_ISA {
-namespace {
-
-/// SwathTest::reaches.
-OBLIQ_INLINE mask8 reaches(const PixelCamera& camera, f64x8 sine) {
-  const mask8 below = sine < 0.0;
-  const mask8 ground =
-      (camera.below_bottom_m >= -sine * camera.r_min_m) & (camera.below_top_m <= -sine * camera.r_max_m);
-  const mask8 above = (broadcast(camera.below_top_m) <= 0.0) & (-camera.below_top_m >= sine * camera.r_min_m);
-  return (below & ground) | (~below & above);
-}
-
-}  // namespace
-
-int aim_pixels(const PixelCamera& camera, const PixelList& pixels, const AimedRays& rays) {
+int pixel_rays(const PixelCamera& camera, const PixelList& pixels, const PixelRays& rays) {
   const f64x8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
   const f64x8 lowest = broadcast(-1);
   int n = 0;
@@ -28,10 +15,10 @@ int aim_pixels(const PixelCamera& camera, const PixelList& pixels, const AimedRa
     const f64x8 length2 = x * x + y * y + z * z;
     const f64x8 length = sqrt(length2);
     const f64x8 up = y / length;
-    mask8 reached = reaches(camera, up);
+    mask8 reached = camera.swath.reaches(up);
     if (camera.half_pixel_m > 0)
-      reached |= reaches(camera, max(lowest, y / (length + camera.half_pixel_m))) |
-                 reaches(camera, max(lowest, y / max(f64x8{}, length - camera.half_pixel_m)));
+      reached |= camera.swath.reaches(max(lowest, y / (length + camera.half_pixel_m))) |
+                 camera.swath.reaches(max(lowest, y / max(f64x8{}, length - camera.half_pixel_m)));
     const f64x8 number = numbers + static_cast<double>(k);
     const unsigned mask = movemask(reached & (number < static_cast<double>(pixels.n)));
     const f64x8 right = x / length;

@@ -2,16 +2,35 @@
 #include <cstdint>
 
 #include "server/radar/samples.h"
+#include "server/radar/simd/kernel.h"
+#include "server/radar/simd/lanes.h"
 
 namespace obliq {
 
-/// A perspective frustum and the swath that its rays are to reach (PerspectiveFrustum, SwathTest, Sector).
+/// Whether a ray of some elevation can meet anything of the sector's box between r_min and r_max.
+struct SwathTest {
+  double below_bottom_m, below_top_m;  ///< of the box, the antenna's height above
+  double r_min_m, r_max_m;
+
+  template <typename Real>
+  OBLIQ_INLINE Mask<Real> reaches(Real sin_elevation) const {
+    const Mask<Real> below = sin_elevation < 0.0;
+    // The box's ground lies between these ranges along the ray.
+    const Mask<Real> ground =
+        (below_bottom_m >= -sin_elevation * r_min_m) & (below_top_m <= -sin_elevation * r_max_m);
+    const Mask<Real> above =
+        (broadcast<Real>(below_top_m) <= 0.0) & (-below_top_m >= sin_elevation * r_min_m);
+    return (below & ground) | (inverse(below) & above);
+  }
+};
+
+/// A perspective frustum and the swath that its rays are to reach (PerspectiveFrustum, Sector).
 struct PixelCamera {
   double left_m, pixel_width_m;
   double sin_bearing, cos_bearing;
   double solid_angle_m3;  ///< a pixel's, times the cube of its distance
   double wide_m2;         ///< below this square of its distance its solid angle is left to others
-  double below_bottom_m, below_top_m, r_min_m, r_max_m;
+  SwathTest swath;
   double half_pixel_m;  ///< a plate that is spread may reach into the swath from so far outside; 0: it is not
                         ///< spread
 };
@@ -28,7 +47,7 @@ struct PixelList {
 
 /// Rays of the pixels that reach the swath, in their order; `from` is the pixel's place in the list. All
 /// arrays are written up to a multiple of 8.
-struct AimedRays {
+struct PixelRays {
   double* dir_x;
   double* dir_y;
   double* dir_z;
@@ -37,6 +56,6 @@ struct AimedRays {
 };
 
 /// Returns the number of rays.
-using AimKernel = int (*)(const PixelCamera&, const PixelList&, const AimedRays&);
+OBLIQ_KERNEL(int, pixel_rays, const PixelCamera&, const PixelList&, const PixelRays&);
 
 }  // namespace obliq

@@ -1,7 +1,7 @@
-// First hits on bare ground of rays that lie in eight vertical planes. The planes walk side by side and note
-// the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a plane
-// come in rising order, and so do these slopes: a ray meets the first triangle that rises above it. Neither
-// step branches by where rays fall, which no processor foresees.
+// First hits on bare ground of rays that lie in eight vertical profiles. The profiles walk side by side and
+// note the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a
+// profile come in rising order, and so do these slopes: a ray meets the first triangle that rises above it.
+// Neither step branches by where rays fall, which no processor foresees.
 #include "server/radar/simd/profile_ray_hits.h"
 
 #include "server/radar/simd/grid_walk.h"
@@ -9,13 +9,13 @@
 namespace obliq::OBLIQ_ISA {
 namespace {
 
-/// Triangles that the planes have passed, a row for each that some plane sees.
+/// Triangles that the profiles have passed, a row for each that some profile sees.
 struct Rises {
   static constexpr int kMost = 128;
   static constexpr int kMostOfCells = 4;  // two triangles, each with what passes under it
   using Row = double[kLanes];
   int n = 0;
-  double slope[kLanes][kMost + kLanes];  // the greatest so far, of each plane by itself
+  double slope[kLanes][kMost + kLanes];  // the greatest so far, of each profile by itself
   Row start[kMost];                      // height over the antenna = start + rise d, d from `from` to `to`
   Row rise[kMost];
   Row from[kMost];
@@ -23,7 +23,7 @@ struct Rises {
   std::uint32_t surface[kMost][kLanes];
 };
 
-/// One plane's rays that lie below the last of its slopes.
+/// One profile's rays that lie below the last of its slopes.
 struct Answers {
   const Rises& rises;
   const RayRows& rows;
@@ -35,7 +35,7 @@ struct Answers {
   std::uint64_t ray;
   int k = 0;
 
-  OBLIQ_INLINE Answers(const Rises& noted, const RayRows& all, int of_lane, const RayLanes& lanes)
+  OBLIQ_INLINE Answers(const Rises& noted, const RayRows& all, int of_lane, const RayProfiles& lanes)
       : rises(noted),
         rows(all),
         lane(of_lane),
@@ -60,8 +60,8 @@ struct Answers {
   }
 };
 
-/// Four planes at a time: what one waits for, the others have time for.
-OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayLanes& lanes) {
+/// Four profiles at a time: what one waits for, the others have time for.
+OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayProfiles& lanes) {
   for (int lane = 0; lane < kLanes; lane += 4) {
     Answers a(rises, rows, lane, lanes);
     Answers b(rises, rows, lane + 1, lanes);
@@ -83,13 +83,13 @@ OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayLanes& lane
 
 }  // namespace
 
-unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& lanes) {
-  const LaneGrid& grid = scene.grid;
-  const PlaneRates p = plane_rates(scene, lanes);
+unsigned first_hits_in_profiles(const GroundView& scene, const RayRows& rows, RayProfiles& lanes) {
+  const GridView& grid = scene.grid;
+  const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const f64x8 end_m = load(lanes.end_m);
   const f64x8 roof_m = load(lanes.roof_m);
   const f64x8 infinite = broadcast(__builtin_inf());
-  Cells cells = cells_of(lanes);
+  Cells<f64x8> cells = cells_of(lanes);
   const u64x8 next = load_u64(lanes.next);
   const mask8 some = next > 0;
   // All that is nearer lies below the next ray; where there is none, nothing is left to look for.
@@ -113,7 +113,7 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
   while (true) {
     const mask8 active = (cells.d < end_m) & cells.on(grid) & (horizon <= highest);
     if (!any(active)) break;
-    const CellEnds ends = cell_ends(scene, p, cells);
+    const CellEnds<f64x8> ends = ends_of(scene, p, cells);
     const f64x8 end = max(cells.d, min(ends.nearest, end_m));
     at_roof = movemask(active & (roof_m <= end));
     if (at_roof != 0) break;
@@ -121,11 +121,11 @@ unsigned answer_rays(const GroundScene& scene, const RayRows& rows, RayLanes& la
       answer(rises, rows, lanes);
       rises.n = 0;
     }
-    const u64x8 at = to_u64(cells.number(grid, active));
-    const Corners y = corners(grid, at);
+    const u64x8 at = to_u64(number_of(grid, cells, active));
+    const Corners<f64x8> y = corners(grid, at);
     prefetch_ahead(grid, p, cells);
     const mask8 known = active & y.known;
-    const auto triangle = [&](mask8 where, const TriangleCut& cut, f64x8 d0, f64x8 d1)
+    const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
         __attribute__((always_inline)) {
       const f64x8 start = cut.start - scene.antenna_y_m;
       const auto slope_at = [&](f64x8 d) __attribute__((always_inline)) {

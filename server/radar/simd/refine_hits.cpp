@@ -1,13 +1,11 @@
 // refine_near of server/scene/exact_hit.h for eight rays at a time, to the bit.
 #include "server/radar/simd/refine_hits.h"
 
-#include "server/radar/simd/cell_prefetch.h"
 #include "server/radar/simd/grid_walk.h"
+#include "server/scene/ground_triangle.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
-
-constexpr double kEdgeSlack_m = 1e-7;  // as in exact_hit.cpp, which says why
 
 /// Eight rays while the triangles that they meet are looked for.
 struct Search {
@@ -19,10 +17,10 @@ struct Search {
 };
 
 /// Intersects the plane of the triangle under `distance`: found, or where to look next.
-OBLIQ_INLINE void step(const GroundRays& rays, f64x8 dx, f64x8 dy, f64x8 dz, Search& search) {
-  const LaneGrid& grid = rays.grid;
-  const f64x8 u = (rays.antenna_x_m + search.distance * dx - grid.x0_m) / grid.cell_m;
-  const f64x8 v = (rays.antenna_z_m + search.distance * dz - grid.z0_m) / grid.cell_m;
+OBLIQ_INLINE void step(const GroundView& view, f64x8 dx, f64x8 dy, f64x8 dz, Search& search) {
+  const GridView& grid = view.grid;
+  const f64x8 u = (view.antenna_x_m + search.distance * dx - grid.x0_m) / grid.cell_m;
+  const f64x8 v = (view.antenna_z_m + search.distance * dz - grid.z0_m) / grid.cell_m;
   const mask8 near = (u > -1.0) & (v > -1.0) & (u < static_cast<double>(grid.nx)) &
                      (v < static_cast<double>(grid.nz)) & search.open;
   const f64x8 i = clamp(floor(select(near, u, f64x8{})), f64x8{}, broadcast(grid.nx - 2));
@@ -30,30 +28,18 @@ OBLIQ_INLINE void step(const GroundRays& rays, f64x8 dx, f64x8 dy, f64x8 dz, Sea
   const auto [y00, y10, y01, y11, known] = corners(grid, to_u64(j * static_cast<double>(grid.nx) + i));
   const mask8 upper = (u - i) + (v - j) > 1.0;
 
-  const f64x8 west = grid.x0_m + i * grid.cell_m;
-  const f64x8 south = grid.z0_m + j * grid.cell_m;
-  const f64x8 x0 = select(upper, grid.x0_m + (i + 1.0) * grid.cell_m, west);
-  const f64x8 z0 = select(upper, grid.z0_m + (j + 1.0) * grid.cell_m, south);
-  const f64x8 y0 = select(upper, y11, y00);
-  const f64x8 slope_x = (select(upper, y11, y10) - select(upper, y01, y00)) / grid.cell_m;
-  const f64x8 slope_z = (select(upper, y11, y01) - select(upper, y10, y00)) / grid.cell_m;
-
-  const f64x8 descent = dy - slope_x * dx - slope_z * dz;
+  const GroundTriangle<f64x8> triangle(grid, i, j, upper, y00, y10, y01, y11);
+  const f64x8 descent = triangle.descent(dx, dy, dz);
   const mask8 lit = near & known & (descent < 0.0);
-  const f64x8 height =
-      rays.antenna_y_m - y0 - slope_x * (rays.antenna_x_m - x0) - slope_z * (rays.antenna_z_m - z0);
-  const f64x8 distance = -height / descent;
-  const f64x8 s = (rays.antenna_x_m + distance * dx - west) / grid.cell_m;
-  const f64x8 t = (rays.antenna_z_m + distance * dz - south) / grid.cell_m;
-  const double slack = kEdgeSlack_m / grid.cell_m;
-  const mask8 in_upper = (s <= 1 + slack) & (t <= 1 + slack) & (s + t >= 1 - slack);
-  const mask8 in_lower = (s >= -slack) & (t >= -slack) & (s + t <= 1 + slack);
-  const mask8 inside = ((upper & in_upper) | (~upper & in_lower)) & (distance > 0.0);
+  const f64x8 distance =
+      -triangle.height_above(view.antenna_x_m, view.antenna_y_m, view.antenna_z_m) / descent;
+  const mask8 inside =
+      triangle.holds(view.antenna_x_m + distance * dx, view.antenna_z_m + distance * dz) & (distance > 0.0);
 
   const mask8 found = lit & inside;
-  const f64x8 steepness = sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
   search.range = select(found, distance, search.range);
-  search.cos_incidence = select(found, min(broadcast(1), -descent / steepness), search.cos_incidence);
+  search.cos_incidence =
+      select(found, min(broadcast(1), -descent / sqrt(triangle.steepness2())), search.cos_incidence);
   search.i = select(found, i, search.i);
   search.j = select(found, j, search.j);
   search.open = lit & ~inside;
@@ -61,19 +47,21 @@ OBLIQ_INLINE void step(const GroundRays& rays, f64x8 dx, f64x8 dy, f64x8 dz, Sea
 }
 
 /// Asks for the heights under rays [k, k + 8), wherever exactly the tracer's distance leads.
-OBLIQ_INLINE void ask_for_heights(const GroundRays& rays, int k, double per_cell) {
-  const LaneGrid& grid = rays.grid;
+OBLIQ_INLINE void ask_for_heights(const RoughHits& rays, int k, double per_cell) {
+  const GroundView& view = rays.view;
+  const GridView& grid = view.grid;
   const f64x8 rough = load(rays.rough_m + k);
-  const f64x8 u = (rays.antenna_x_m - grid.x0_m + rough * load(rays.dir_x + k)) * per_cell;
-  const f64x8 v = (rays.antenna_z_m - grid.z0_m + rough * load(rays.dir_z + k)) * per_cell;
+  const f64x8 u = (view.antenna_x_m - grid.x0_m + rough * load(rays.dir_x + k)) * per_cell;
+  const f64x8 v = (view.antenna_z_m - grid.z0_m + rough * load(rays.dir_z + k)) * per_cell;
   prefetch_cells(grid, u, v);
 }
 
 }  // namespace
 
-void meet_ground(const GroundRays& rays, GroundHits& hits) {
+void refine_ground_hits(const RoughHits& rays, GroundHits& hits) {
   constexpr int kAhead = 8 * kLanes;
-  const double per_cell = 1 / rays.grid.cell_m;
+  const GroundView& view = rays.view;
+  const double per_cell = 1 / view.grid.cell_m;
   for (int k = 0; k < kAhead && k < rays.n; k += kLanes) ask_for_heights(rays, k, per_cell);
   const f64x8 none = broadcast(__builtin_nan(""));
   for (int k = 0; k < rays.n; k += kLanes) {
@@ -83,15 +71,15 @@ void meet_ground(const GroundRays& rays, GroundHits& hits) {
     const f64x8 dz = load(rays.dir_z + k);
     const f64x8 rough = load(rays.rough_m + k);
     Search search{rough, none, f64x8{}, f64x8{}, f64x8{}, rough == rough};
-    step(rays, dx, dy, dz, search);
+    step(view, dx, dy, dz, search);
     const f64x8 off = search.distance - rough;
-    const double reach = 4 * rays.grid.cell_m;
+    const double reach = 4 * view.grid.cell_m;
     search.open &= (off < reach) & (off > -reach);
-    if (any(search.open)) step(rays, dx, dy, dz, search);
+    if (any(search.open)) step(view, dx, dy, dz, search);
     store(hits.slant_range_m + k, search.range);
     store(hits.cos_incidence + k, search.cos_incidence);
-    store(hits.x_m + k, rays.antenna_x_m + search.range * dx);
-    store(hits.z_m + k, rays.antenna_z_m + search.range * dz);
+    store(hits.x_m + k, view.antenna_x_m + search.range * dx);
+    store(hits.z_m + k, view.antenna_z_m + search.range * dz);
     store_i32(hits.cell_x + k, search.i);
     store_i32(hits.cell_z + k, search.j);
   }

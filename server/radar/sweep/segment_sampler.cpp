@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/echo/mean_range.h"
+#include "server/radar/simd/range_run.h"
 
 namespace obliq {
 
@@ -25,7 +25,7 @@ void SegmentSampler::put(const Sample& sample) {
   }
 }
 
-void SegmentSampler::visible(const VisiblePiece& segment) {
+void SegmentSampler::visible(const VisibleSegment& segment) {
   if (!(share_.width_rad > 0)) return;
   if (segment.wall) {
     aslant(segment);
@@ -34,7 +34,7 @@ void SegmentSampler::visible(const VisiblePiece& segment) {
   }
 }
 
-void SegmentSampler::aslant(const VisiblePiece& wall) {
+void SegmentSampler::aslant(const VisibleSegment& wall) {
   // The wall is the line n.p = -distance from the antenna: at a bearing off the plane's by `off` it stands at
   // 1 / d = -n.direction / distance. That is a cosine of the bearing, as good as straight across a strand.
   const PlaneShare whole = share_;
@@ -87,12 +87,12 @@ void SegmentSampler::aslant(const VisiblePiece& wall) {
     share_.bearing = direction(off);
     share_.azimuth_offset_rad = whole.azimuth_offset_rad + off;
     share_.width_rad = (to - from) * whole.width_rad;
-    VisiblePiece part = wall;
+    VisibleSegment part = wall;
     part.d_m = 1 / over_d(share_.bearing);
     // The foot follows the roof or the ground that it stands on; where something in front hides it, that
     // one's shadow.
-    if (wall.foot == VisiblePiece::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
-    if (wall.foot == VisiblePiece::Foot::ground) {
+    if (wall.foot == VisibleSegment::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
+    if (wall.foot == VisibleSegment::Foot::ground) {
       const double ground_y_m = grid_.height_at_m(antenna_m_.x + part.d_m * share_.bearing.sin,
                                                   antenna_m_.z + part.d_m * share_.bearing.cos);
       if (!std::isnan(ground_y_m)) part.t0 = ground_y_m - antenna_m_.y;
@@ -104,7 +104,7 @@ void SegmentSampler::aslant(const VisiblePiece& wall) {
   share_ = whole;
 }
 
-void SegmentSampler::straight(const VisiblePiece& segment) {
+void SegmentSampler::straight(const VisibleSegment& segment) {
   const At from = at(segment, segment.t0);
   const At to = at(segment, segment.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.
@@ -122,7 +122,7 @@ void SegmentSampler::straight(const VisiblePiece& segment) {
   }
 }
 
-void SegmentSampler::cut_at_bins(const VisiblePiece& segment, At from, At to) {
+void SegmentSampler::cut_at_bins(const VisibleSegment& segment, At from, At to) {
   const double least = std::min(from.r_m, to.r_m);
   const double most = std::max(from.r_m, to.r_m);
   if (most < bins_.r_min_m || least >= bins_.r_max_m) return;
@@ -131,11 +131,9 @@ void SegmentSampler::cut_at_bins(const VisiblePiece& segment, At from, At to) {
   const int first = least < bins_.r_min_m ? -1 : bin_of(least);
   const int last = most >= bins_.r_max_m ? bins_.n_range : bin_of(most);
   if (first == last) {
-    part(segment, from, to, 0);
+    add_part(segment, from, to, 0);
     return;
   }
-  // |A + t D|^2 = edge^2: t = (-A.D +- sqrt(D.D edge^2 - (A x D)^2)) / D.D, by Lagrange's identity without
-  // the cancellation of the usual discriminant. Range grows with t beyond the foot and falls before it.
   const bool outwards = to.r_m > from.r_m;
   const double rate2 = segment.rate_d * segment.rate_d + segment.rate_h * segment.rate_h;
   const double along = segment.d_m * segment.rate_d + segment.h_m * segment.rate_h;
@@ -144,46 +142,37 @@ void SegmentSampler::cut_at_bins(const VisiblePiece& segment, At from, At to) {
   At previous = from;
   for (int k = 1; k <= steps; ++k) {
     const int edge_index = outwards ? first + k : last - k + 1;
-    const double edge =
-        edge_index == bins_.n_range ? bins_.r_max_m : bins_.r_min_m + edge_index * bins_.range_spacing_m;
-    const double root = std::sqrt(std::max(0.0, rate2 * edge * edge - cross * cross));
-    const double t = std::clamp((outwards ? root - along : -root - along) / rate2, previous.t, to.t);
-    const At here{t, edge};
+    const double edge = bins_.edge_m(static_cast<double>(edge_index));
+    const At here{edge_at(rate2, along, cross, outwards ? 1.0 : -1.0, edge, previous.t, to.t), edge};
     const int bin = outwards ? edge_index - 1 : edge_index;
-    if (bin >= 0 && bin < bins_.n_range) part(segment, previous, here, 0);
+    if (bin >= 0 && bin < bins_.n_range) add_part(segment, previous, here, 0);
     previous = here;
   }
   const int bin = outwards ? last : first;
-  if (bin >= 0 && bin < bins_.n_range) part(segment, previous, to, 0);
+  if (bin >= 0 && bin < bins_.n_range) add_part(segment, previous, to, 0);
 }
 
-void SegmentSampler::part(const VisiblePiece& segment, At from, At to, int depth) {
+void SegmentSampler::add_part(const VisibleSegment& segment, At from, At to, int depth) {
   const double d0 = segment.ground_range_m(from.t);
   const double h0 = segment.height_m(from.t);
   const double d1 = segment.ground_range_m(to.t);
   const double h1 = segment.height_m(to.t);
-  // r0 r1 sin and cos of the angle between the ends; the cross product of points of one line is that of the
-  // line times the step, so that a tiny segment loses no digits.
   const double cross = (segment.d_m * segment.rate_h - segment.h_m * segment.rate_d) * (to.t - from.t);
-  const double dot = d0 * d1 + h0 * h1;
   if (!(cross > 0)) return;
-  if (cross > kTurn_rad * dot && depth < 40) {
+  const auto part = part_of(cross, d0, h0, from.r_m, d1, h1, to.r_m);
+  if (part.turn_sin > kTurn_rad * part.turn_cos && depth < 40) {
     const At middle = at(segment, (from.t + to.t) / 2);
     if (middle.t > from.t && middle.t < to.t) {
-      part(segment, from, middle, depth + 1);
-      part(segment, middle, to, depth + 1);
+      add_part(segment, from, middle, depth + 1);
+      add_part(segment, middle, to, depth + 1);
       return;
     }
   }
-  // sin e1 - sin e0 = sin(e1 - e0) (cos e0 + cos e1) / (1 + cos(e1 - e0)).
-  const double r01 = from.r_m * to.r_m;
-  const double rise = cross * (d0 * to.r_m + d1 * from.r_m) / (r01 * (r01 + dot));
-  const double r = mean_power_range_m(from.r_m, to.r_m);
-  const double over_r = 1 / r;
-  const double d = (d0 + d1) / 2;
-  put({share_.azimuth_bin, r, share_.width_rad * rise, std::min(1.0, segment.plane_distance_m * over_r),
-       share_.azimuth_offset_rad, (h0 + h1) / 2 * over_r, antenna_m_.x + d * share_.bearing.sin,
-       antenna_m_.z + d * share_.bearing.cos, segment.face, segment.material});
+  const double over_r = 1 / part.range_m;
+  put({share_.azimuth_bin, part.range_m, share_.width_rad * part.share,
+       std::min(1.0, segment.plane_distance_m * over_r), share_.azimuth_offset_rad, part.height_m * over_r,
+       antenna_m_.x + part.distance_m * share_.bearing.sin,
+       antenna_m_.z + part.distance_m * share_.bearing.cos, segment.face, segment.material});
 }
 
 }  // namespace obliq

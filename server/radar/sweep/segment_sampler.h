@@ -38,7 +38,7 @@ class SegmentSampler {
   /// Cuts the segment at the edges of the range bins, by solving |A + t D| = edge, and where its direction
   /// from the antenna has turned by more than kTurn_rad. A wall that stands aslant runs through range across
   /// the plane's width: it is divided where it passes from one range bin to the next.
-  void visible(const VisiblePiece& segment);
+  void visible(const VisibleSegment& segment);
 
   /// Incidence and range are taken as constant over at most this angle. A lobe of rms slope s is then off by
   /// (kTurn / s)^2 / 24 at its flank, 0.1 % at s = 0.1; the radar equation's integrand by (kTurn / tan(
@@ -55,17 +55,17 @@ class SegmentSampler {
     double r_m;
   };
 
-  At at(const VisiblePiece& segment, double t) const {
+  At at(const VisibleSegment& segment, double t) const {
     const double d = segment.ground_range_m(t);
     const double h = segment.height_m(t);
     return {t, std::sqrt(d * d + h * h)};
   }
-  void straight(const VisiblePiece& segment);
-  void aslant(const VisiblePiece& segment);
+  void straight(const VisibleSegment& segment);
+  void aslant(const VisibleSegment& segment);
   /// Range rises or falls all the way.
-  void cut_at_bins(const VisiblePiece& segment, At from, At to);
+  void cut_at_bins(const VisibleSegment& segment, At from, At to);
   /// In one range bin.
-  void part(const VisiblePiece& segment, At from, At to, int depth);
+  void add_part(const VisibleSegment& segment, At from, At to, int depth);
   void put(const Sample& sample);
 
   const BinGrid& bins_;

@@ -2,33 +2,26 @@
 
 #include <algorithm>
 
-#include "server/radar/profile/walking_planes.h"
+#include "server/radar/profile/ground_walk.h"
 
 namespace obliq {
 
-SweepGround::SweepGround(const FramePlan& plan, const LaneKernels& kernels) : plan_(plan), kernels_(kernels) {
+SweepGround::SweepGround(const FramePlan& plan, const Kernels& kernels) : plan_(plan), kernels_(kernels) {
   const World& world = plan.scene().world();
-  const glm::dvec3& antenna = plan.sector().antenna_m;
-  const BinGrid& bins = plan.bins();
-  scene_ = {lane_grid(world.grid), antenna.x, antenna.y, antenna.z, plan.sector().r_max_m};
   bins_ = {};
-  bins_.n_range = bins.n_range;
-  bins_.r_min_m = bins.r_min_m;
-  bins_.r_max_m = bins.r_max_m;
-  bins_.range_spacing_m = bins.range_spacing_m;
+  bins_.axis = plan.bins();
+  bins_.ground = ground_view(world.grid, plan.sector().antenna_m);
   bins_.turn_rad = SegmentSampler::kTurn_rad;
-  bins_.antenna_x_m = antenna.x;
-  bins_.antenna_z_m = antenna.z;
   bins_.material = world.surface_material.empty() ? nullptr : world.surface_material.data();
-  bins_.nx = world.grid.nx;
 }
 
 void SweepGround::start(std::vector<GroundShare> shares) {
   shares_ = std::move(shares);
   lanes_ = {};
+  lanes_.last_start_m = plan_.sector().r_max_m;
   segments_.n = cut_ = 0;
   marching_ = true;
-  const PlaneHorizon nothing;
+  const Horizon<double> nothing;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMost); ++lane) {
     lanes_.end_m[lane] = -1;
     if (lane >= shares_.size()) continue;
@@ -55,11 +48,11 @@ bool SweepGround::next(SegmentSampler& sampler, SampleBatch& samples) {
     if (cut_ >= segments_.n) {
       if (!marching_) return false;
       segments_.n = cut_ = 0;
-      marching_ = kernels_.march_ground(scene_, lanes_, segments_);
+      marching_ = kernels_.visible_ground(bins_.ground, lanes_, segments_);
       continue;
     }
     bool rare = false;
-    cut_ = kernels_.cut_ground(bins_, segments_, cut_, samples, rare);
+    cut_ = kernels_.cut_at_range_bins(bins_, segments_, cut_, samples, rare);
     if (rare) {
       cut_rare(sampler);
     } else if (cut_ < segments_.n) {
@@ -76,7 +69,7 @@ void SweepGround::cut_rare(SegmentSampler& sampler) {
   for (std::size_t lane = 0; lane < shares_.size(); ++lane) {
     if ((segments_.seen[cut_] >> lane & 1) == 0) continue;
     const auto cell = static_cast<std::uint64_t>(segments_.cell[cut_][lane]);
-    VisiblePiece segment{};
+    VisibleSegment segment{};
     segment.h_m = segments_.start_m[cut_][lane];
     segment.rate_d = 1;
     segment.rate_h = segments_.rise[cut_][lane];

@@ -1,135 +1,133 @@
 #pragma once
-// One vertical profile, piece by piece: which range bins hold visible and which any known surface.
+// One vertical profile, segment by segment: which range bins hold visible and which any known surface.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "server/radar/profile/ground_walk.h"
+#include "server/radar/profile/roofs.h"
 #include "server/radar/simd/visible_ranges.h"
 #include "server/radar/visibility/range_visibility.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 
-/// Marks the range bins that a connected stretch of profile covers. Slant range is continuous along it, so
-/// its least and greatest range are enough, and they need one square root each for the whole stretch.
-class RangeRun {
+/// Carries the running horizon outwards. Heights are relative to the antenna.
+class RangeMarch {
  public:
-  RangeRun(double& least2, double& greatest2) : least2_(least2), greatest2_(greatest2) {}
+  RangeMarch(const BinGrid& bins, double antenna_y_m, ProfileState& state, BinMarks& result)
+      : bins_(bins), antenna_y_m_(antenna_y_m), state_(state), result_(result) {}
 
-  void add(double d, double h) {
-    const double r2 = d * d + h * h;
-    least2_ = std::min(least2_, r2);
-    greatest2_ = std::max(greatest2_, r2);
-  }
-  /// A straight piece; the foot of the perpendicular from the antenna may lie on it, nearer than both ends.
-  void add(double d0, double h0, double d1, double h1) {
-    add(d0, h0);
-    add(d1, h1);
-    const double dd = d1 - d0;
-    const double dh = h1 - h0;
-    const double along = -(d0 * dd + h0 * dh);
-    if (along <= 0) return;
-    const double length2 = dd * dd + dh * dh;
-    if (along >= length2) return;
-    const double cross = d0 * dh - h0 * dd;
-    least2_ = std::min(least2_, cross * cross / length2);
-  }
-  void close(const BinGrid& bins, std::vector<std::uint8_t>& plane) {
-    if (greatest2_ >= 0) {
-      const double low = std::sqrt(least2_);
-      const double high = std::sqrt(greatest2_);
-      if (high >= bins.r_min_m && low < bins.r_max_m) {
-        const int last = high >= bins.r_max_m ? bins.n_range - 1 : bins.range_bin(high);
-        for (int bin = low < bins.r_min_m ? 0 : bins.range_bin(low); bin <= last; ++bin)
-          plane[static_cast<std::size_t>(bin)] = 1;
-      }
-    }
-    least2_ = std::numeric_limits<double>::infinity();
-    greatest2_ = -1;
-  }
-
- private:
-  double& least2_;
-  double& greatest2_;  // negative: empty
-};
-
-/// Carries the running horizon outwards. Heights are relative to the antenna. The horizon is kept as the
-/// point (horizon_d, horizon_h) that set it: slopes are compared by cross products, without a division.
-class ProfileMarch {
- public:
-  ProfileMarch(const BinGrid& bins, double antenna_y_m, ProfileState& state, ProfileResult& result)
-      : bins_(bins),
-        antenna_y_m_(antenna_y_m),
-        state_(state),
-        visible_(state.visible_least2, state.visible_greatest2),
-        present_(state.present_least2, state.present_greatest2),
-        result_(result) {}
-
-  /// Surface from (d0, y0) to (d1, y1); a rise from where the last piece ended is a wall.
-  void piece(double d0, double y0, double d1, double y1) {
+  /// Surface from (d0, y0) to (d1, y1); a rise from where the last segment ended is a wall.
+  void segment(double d0, double y0, double d1, double y1) {
     const double h0 = y0 - antenna_y_m_;
     const double h1 = y1 - antenna_y_m_;
-    // Rounding leaves steps of 1e-9 m where pieces meet.
-    if (state_.joined != 0 && h0 > state_.last_h_m + 1e-6) wall(d0, state_.last_h_m, h0);
-    present_.add(d0, h0, d1, h1);
-    if (hidden(d1, h1)) {
-      end_visible();
-      if (!hidden(d0, h0)) set_horizon(d0, h0);
-    } else if (h1 * d0 > h0 * d1) {  // rising in elevation: its upper side faces the antenna
-      if (hidden(d0, h0)) {
-        // Where the piece comes out of the shadow: h(d) = horizon d.
-        end_visible();
-        const double rise = (h1 - h0) / (d1 - d0);
-        const double from =
-            std::clamp((h0 - rise * d0) / (state_.horizon_h_m / state_.horizon_d_m - rise), d0, d1);
-        visible_.add(from, h0 + rise * (from - d0), d1, h1);
-      } else {
-        visible_.add(d0, h0, d1, h1);
-      }
-      set_horizon(d1, h1);
-    } else {  // falls away: seen at its near edge only
-      end_visible();
-      set_horizon(d0, h0);
-    }
-    state_.joined = 1;
+    // Rounding leaves steps of 1e-9 m where segments meet.
+    if (state_.joined && h0 > state_.last_h_m + kTouching_m) wall(d0, state_.last_h_m, h0);
+    const RangeRun<double> ranges = ranges_of(true, d0, h0, d1, h1);
+    state_.present.add(true, ranges);
+    const auto [rises, emerges, from_d, from_h] = state_.horizon.pass_ends(true, d0, h0, d1, h1);
+    if (!rises || emerges) close(state_.visible, result_.visible);
+    if (rises) state_.visible.add(true, emerges ? ranges_of(true, from_d, from_h, d1, h1) : ranges);
+    state_.joined = true;
     state_.last_h_m = h1;
   }
 
-  /// No surface follows; the next piece starts without a wall.
+  /// No surface follows; the next segment starts without a wall.
   void gap() {
-    end_visible();
-    present_.close(bins_, result_.present);
-    state_.joined = 0;
+    close(state_.visible, result_.visible);
+    close(state_.present, result_.present);
+    state_.joined = false;
   }
 
  private:
-  /// Strictly below the horizon. At the start the horizon is straight down, (0, -1): nothing is below it.
-  bool hidden(double d, double h) const { return h * state_.horizon_d_m < state_.horizon_h_m * d; }
-
-  void set_horizon(double d, double h) {
-    if (!(d > 0)) return;
-    state_.horizon_d_m = d;
-    state_.horizon_h_m = h;
+  /// Marks the bins of a run and empties it.
+  void close(RangeRun<double>& run, std::vector<std::uint8_t>& marks) const {
+    if (run.greatest2 >= 0) mark_bins(bins_, std::sqrt(run.least2), std::sqrt(run.greatest2), marks.data());
+    run.clear(true);
   }
 
-  void end_visible() { visible_.close(bins_, result_.visible); }
-
   void wall(double d, double low, double high) {
-    present_.add(d, low);
-    if (hidden(d, high)) return;
-    end_visible();
-    visible_.add(d, state_.horizon_d_m > 0 ? std::max(low, state_.horizon_h_m / state_.horizon_d_m * d) : low,
-                 d, high);
-    set_horizon(d, high);
+    const Horizon<double>& horizon = state_.horizon;
+    state_.present.add(true, ranges_of(true, d, low, d, low));
+    if (horizon.hides(d, high)) return;
+    close(state_.visible, result_.visible);
+    const double foot = horizon.d_m > 0 ? std::max(low, horizon.h_m / horizon.d_m * d) : low;
+    state_.visible.add(true, ranges_of(true, d, foot, d, high));
+    state_.horizon.raise(d, high, false);
   }
 
   const BinGrid& bins_;
   double antenna_y_m_;
   ProfileState& state_;
-  RangeRun visible_;
-  RangeRun present_;
-  ProfileResult& result_;
+  BinMarks& result_;
+};
+
+/// One vertical profile: its roofs and how far it has come.
+struct Profile {
+  SinCos bearing;
+  std::vector<RoofSpan> roofs;
+  std::size_t roof = 0;
+  ProfileState state;
+};
+
+/// Hands the ground of one profile to the marcher, cut at footprint edges, with roofs on top.
+class ProfileSurface {
+ public:
+  /// Begins at from_m. to_end: on to the profile's end, else no farther than the roofs that have begun.
+  ProfileSurface(Profile& profile, RangeMarch& marcher, double from_m, bool to_end)
+      : profile_(profile), marcher_(marcher), to_end_(to_end), from_m_(from_m), at_m_(from_m) {}
+
+  void ground(const GroundSegment& segment) {
+    if (profile_.roof < profile_.roofs.size()) {
+      with_roofs(segment.d0_m, segment.d1_m, segment.start_m, segment.rise);
+    } else {
+      marcher_.segment(segment.d0_m, segment.start_m + segment.rise * segment.d0_m, segment.d1_m,
+                       segment.start_m + segment.rise * segment.d1_m);
+    }
+    at_m_ = segment.d1_m;
+  }
+  void gap(double /*d0*/, double d1) {
+    marcher_.gap();
+    at_m_ = d1;
+  }
+  bool enough() {
+    // The first cell may be one that ends where the walk begins.
+    if (to_end_ || !(at_m_ > from_m_)) return false;
+    while (profile_.roof < profile_.roofs.size() && profile_.roofs[profile_.roof].far_m <= at_m_)
+      ++profile_.roof;
+    return profile_.roof == profile_.roofs.size() || profile_.roofs[profile_.roof].near_m > at_m_;
+  }
+
+ private:
+  /// Ground y = start + rise d on [d0, d1], replaced by roofs that stand above it.
+  void with_roofs(double d0, double d1, double start, double rise) {
+    const std::vector<RoofSpan>& roofs = profile_.roofs;
+    std::size_t& at = profile_.roof;
+    double d = d0;
+    while (d < d1) {
+      while (at < roofs.size() && roofs[at].far_m <= d) ++at;
+      double end = d1;
+      bool roofed = false;
+      if (at < roofs.size()) {
+        roofed = roofs[at].near_m <= d;
+        end = std::min(end, roofed ? roofs[at].far_m : roofs[at].near_m);
+      }
+      const double y0 = start + rise * d;
+      const double y1 = start + rise * end;
+      const double roof = roofed ? roofs[at].roof_y_m : -std::numeric_limits<double>::infinity();
+      marcher_.segment(d, std::max(y0, roof), end, std::max(y1, roof));
+      d = end;
+    }
+  }
+
+  Profile& profile_;
+  RangeMarch& marcher_;
+  bool to_end_;
+  double from_m_;
+  double at_m_;
 };
 
 }  // namespace obliq

@@ -47,9 +47,8 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
     found.cos_bearing = ahead.z;
     const glm::dvec3& antenna = plan_.sector().antenna_m;
     for (const std::uint32_t b : plan_.buildings_in(found.azimuth_bin))
-      add_roof_stretches(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z,
-                         found.roofs);
-    make_disjoint(found.roofs);
+      add_roof_spans(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z, found.roofs);
+    found.roofs = disjoint_roofs(found.roofs);
     found.buildings = ColumnBuildings(plan_, found.azimuth_bin, ahead.x, ahead.z,
                                       plan_.sector().width_rad / plan_.settings().pixel_columns);
   }
@@ -83,7 +82,7 @@ void ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_
     if (next.hit) {
       visible_.clear();
       walk_in(surface_, next.point, edge, 0, visible_);
-      for (const PlanePiece& segment : visible_) next.plate.add(plan_.bins(), segment);
+      for (const SurfaceSegment& segment : visible_) next.plate.add(plan_.bins(), segment);
     }
   }
   std::swap(last, next);
@@ -103,9 +102,9 @@ void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above
   for (const SubColumn& sub_column : sub_columns_) {
     sub_column_roofs_.clear();
     for (const std::uint32_t b : column.buildings.between())
-      add_roof_stretches(all, b, antenna.x, antenna.z, sub_column.sin_bearing, sub_column.cos_bearing,
-                         sub_column_roofs_);
-    make_disjoint(sub_column_roofs_);
+      add_roof_spans(all, b, antenna.x, antenna.z, sub_column.sin_bearing, sub_column.cos_bearing,
+                     sub_column_roofs_);
+    sub_column_roofs_ = disjoint_roofs(sub_column_roofs_);
     surface_.aim(sub_column.sin_bearing, sub_column.cos_bearing, sub_column_roofs_);
     // The building may stand nearer than what the lower ray hit beside it.
     SightPoint from = below.point;
@@ -124,11 +123,11 @@ void ColumnPlates::walk_between(const SightPoint& from, const SightPoint& to, do
   visible_.clear();
   const double seen_to = walk_out(surface_, from, to.slope, to_d_m, visible_);
   if (seen_to < to.slope) walk_in(surface_, to, seen_to, from.d_m, visible_);
-  for (const PlanePiece& segment : visible_) share_out(segment, weight, edge_slope, below, above);
+  for (const SurfaceSegment& segment : visible_) share_out(segment, weight, edge_slope, below, above);
 }
 
 /// Splits a segment at the elevation between two pixels.
-void ColumnPlates::share_out(const PlanePiece& segment, double weight, double edge_slope, Plate& below,
+void ColumnPlates::share_out(const SurfaceSegment& segment, double weight, double edge_slope, Plate& below,
                              Plate& above) const {
   const double low = segment.near_slope;
   const double high = segment.far_slope;
@@ -148,7 +147,7 @@ void ColumnPlates::close_upwards(Column& column, std::vector<Sample>& samples) {
     visible_.clear();
     walk_out(surface_, column.last.point, edge_slope_[static_cast<std::size_t>(column.last.row) + 1],
              kInfinity, visible_);
-    for (const PlanePiece& segment : visible_) column.last.plate.add(plan_.bins(), segment);
+    for (const SurfaceSegment& segment : visible_) column.last.plate.add(plan_.bins(), segment);
   }
   close(column, samples);
 }

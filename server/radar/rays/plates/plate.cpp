@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/radar/echo/mean_range.h"
+#include "server/radar/simd/range_run.h"
 
 namespace obliq {
 namespace {
@@ -23,7 +23,7 @@ Plate::End Plate::end_at(const BinGrid& bins, double d_m, double h_m) const {
   return {d_m, h_m, r, h_m / r, bin_or_outside(bins, r)};
 }
 
-void Plate::add(const BinGrid& bins, const PlanePiece& segment, double weight) {
+void Plate::add(const BinGrid& bins, const SurfaceSegment& segment, double weight) {
   weight_ = weight;
   const double dd = segment.far_d_m - segment.near_d_m;
   const double dh = segment.far_h_m - segment.near_h_m;
@@ -44,7 +44,7 @@ void Plate::add(const BinGrid& bins, const PlanePiece& segment, double weight) {
   end_ = to;
 }
 
-void Plate::add_monotone(const BinGrid& bins, const PlanePiece& segment, const End& from, const End& to) {
+void Plate::add_monotone(const BinGrid& bins, const SurfaceSegment& segment, const End& from, const End& to) {
   End last = from;
   if (from.bin != to.bin) {
     // Where |A + t D| = R: t = foot +- sqrt(R^2 - |A|^2 + foot^2 |D|^2) / |D|.
@@ -67,7 +67,7 @@ void Plate::add_monotone(const BinGrid& bins, const PlanePiece& segment, const E
   add_part(to.bin, segment, last, to);
 }
 
-void Plate::add_part(int bin, const PlanePiece& segment, const End& from, const End& to) {
+void Plate::add_part(int bin, const SurfaceSegment& segment, const End& from, const End& to) {
   const double share = weight_ * (to.sine - from.sine);
   if (!(share > 0)) return;
   const double d = (from.d_m + to.d_m) / 2;
