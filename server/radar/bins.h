@@ -8,9 +8,9 @@
 
 namespace obliq {
 
-/// What a bin without samples means; decided by the terrain profile, never by how many rays were cast.
+/// What a bin without samples means; decided by the terrain profile, never by the number of rays.
 enum class BinState : std::uint8_t {
-  not_sampled = 0,  ///< a visible piece of surface lies in the bin, no ray hit it
+  not_sampled = 0,  ///< visible surface lies in the bin, but no ray hit it
   sampled = 1,
   shadow = 2,      ///< known surface there, all of it hidden
   no_surface = 3,  ///< void, or outside the elevation model
@@ -77,11 +77,11 @@ void copy_azimuths(const BinBlock& from, BinBlock& to);
 
 /// Counts of one wedge or, added up, of one frame.
 struct FrameStats {
-  std::uint64_t rays = 0;      ///< cast; of the sweep, vertical planes marched
-  std::uint64_t hits = 0;      ///< on any surface, at any range; of the sweep, visible pieces in the swath
+  std::uint64_t rays = 0;      ///< generated; of the sweep, vertical planes marched
+  std::uint64_t hits = 0;      ///< on any surface, at any range; of the sweep, samples
   std::uint64_t samples = 0;   ///< binned (inside sector and range swath)
-  std::uint64_t repaired = 0;  ///< rays that leaked through the mesh, answered anew in double; among the hits
-  std::uint64_t rejected = 0;  ///< leaked rays without an answer: not binned
+  std::uint64_t repaired = 0;  ///< rays that leaked through the mesh, found again in double; among the hits
+  std::uint64_t rejected = 0;  ///< leaked rays whose hit was not found: not binned
   double sector_area_m2 = 0;   ///< ground area of the sector between r_min and r_max
   double covered_area_m2 = 0;  ///< of that, over known ground
   std::uint64_t lit_bins =

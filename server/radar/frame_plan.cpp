@@ -89,7 +89,7 @@ void FramePlan::sort_buildings_by_azimuth() {
   const Buildings& all = scene_->world().buildings;
   const double reach_m = building_reach_m();
   for (std::uint32_t b = 0; b < all.list.size(); ++b) {
-    const RoughBearings seen = rough_bearings_of(all, sector_, b);
+    const BuildingBounds seen = bounds_of(all, sector_, b);
     if (seen.near_m > reach_m) continue;
     // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
     const double last = bins_.n_azimuth - 1;
@@ -143,8 +143,8 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& sna
                                   settings.pixel_rows);
         if (plan->scene_->rays() == RayMethod::march)
           plan->swept_rays_ =
-              std::make_shared<const SweptRays>(*plan->scene_, plan->sector_.antenna_m, plan->polar_.ray,
-                                                std::numeric_limits<double>::infinity());
+              std::make_shared<const ProfileRays>(*plan->scene_, plan->sector_.antenna_m, plan->polar_.ray,
+                                                  std::numeric_limits<double>::infinity());
         break;
       case FrustumKind::sweep:
         break;

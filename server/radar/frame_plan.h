@@ -24,8 +24,8 @@ struct PlanResult {
 };
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const Pose& pose);
 
-/// Whether frames may need scene.tracer(): all rays do, or those that come near buildings and do not lie in
-/// vertical planes, which are marched.
+/// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings and are not
+/// marched as vertical planes.
 bool needs_tracer(const Scene& scene, FrustumKind frustum);
 
 /// Columns that the sweep cuts an azimuth bin into.
@@ -37,7 +37,7 @@ class SeenBuildings {
   explicit SeenBuildings(std::size_t n_buildings) : flags_(n_buildings) {}
 
   void mark(std::uint32_t building) {
-    // Written once, so that threads do not take the line from each other for nothing.
+    // Written once, so that threads do not fight over the cache line.
     if (!has(building)) flags_[building].store(1, std::memory_order_relaxed);
   }
   void mark(const std::vector<std::uint32_t>& buildings) {
@@ -82,21 +82,21 @@ class FramePlan {
   const PerspectiveFrustum& camera() const { return camera_; }
   const PolarRows& polar() const { return polar_; }
   /// The polar frustum's rays in any column; where Embree traces them, there is none.
-  const SweptRays& swept_rays() const { return *swept_rays_; }
+  const ProfileRays& swept_rays() const { return *swept_rays_; }
   double wavelength_m() const { return wavelength_m_; }
   /// World angle of an azimuth position, in bins from the sector's left edge.
   double bearing_rad(double position) const { return sector_.bearing_rad + bins_.azimuth_edge_rad(position); }
 
-  /// All buildings whose bearings overlap an azimuth bin and that stand within building_reach_m(), by index,
-  /// rising, and some that only come close to that.
+  /// Indices, rising, of all buildings that overlap an azimuth bin within building_reach_m(), and of some
+  /// that only come close.
   const std::vector<std::uint32_t>& buildings_in(int azimuth_bin) const {
     return buildings_by_azimuth_[static_cast<std::size_t>(azimuth_bin)];
   }
   /// Those of several azimuth bins, each once, rising.
   std::vector<std::uint32_t> buildings_in(AzimuthRange range) const;
 
-  /// The sweep divides a bin for a building from up to a cell in front of it: a building just beyond the
-  /// swath counts, or nearer bins would depend on where the swath ends.
+  /// The sweep divides a bin from up to a cell in front of a building: buildings just beyond the swath count,
+  /// or nearer bins would depend on where the swath ends.
   double building_reach_m() const;
 
   /// By this frame's wedges.
@@ -116,7 +116,7 @@ class FramePlan {
   BinGrid bins_;
   PerspectiveFrustum camera_;
   PolarRows polar_;
-  std::shared_ptr<const SweptRays> swept_rays_;
+  std::shared_ptr<const ProfileRays> swept_rays_;
   double wavelength_m_;
   std::vector<std::vector<std::uint32_t>> buildings_by_azimuth_;
   std::shared_ptr<SeenBuildings> seen_;

@@ -24,7 +24,7 @@ void write_bins(EchoBins& echo, BinBlock& bins) {
   echo.write(bins);
 }
 
-void find_states(const FramePlan& plan, WedgeProfile& visibility, Wedge& wedge) {
+void find_states(const FramePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
   const StageProbe probe(Stage::states);
   decide_states(plan, visibility, wedge.bins);
   const auto of = [&](BinState state) {
@@ -60,7 +60,7 @@ bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may
 }
 
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
-                                                 HitObserver* observer, WedgeProfile* profile) {
+                                                 HitObserver* observer, WedgeVisibility* profile) {
   if (plan.settings().frustum == FrustumKind::sweep) return std::make_unique<SweepSamples>(plan, range);
   return std::make_unique<RaySamples>(plan, range, observer, profile);
 }

@@ -27,14 +27,14 @@ struct Wedge {
 /// Wedges that are begun and not finished (server/radar/wedge_threads.cpp).
 class BegunWedges;
 
-/// Lets a rendering pause in the middle of its wedges, so that others get their turn. The bits stay the same.
+/// Lets a rendering pause in the middle of its wedges, so that others get their turn. Bits do not change.
 struct RenderPause {
-  /// Of at most kBatch rays or samples, or the buildings of one column of the sweep; for all threads
-  /// together, at least one each.
+  /// A batch has at most kBatch rays or samples, or the buildings of one column of the sweep. Shared by all
+  /// threads, at least one each.
   int batches = std::numeric_limits<int>::max();
   /// Asked after each batch, from any thread; true: pause now. May be empty.
   std::function<bool()> is_due{};
-  /// Not null: it has paused, and the same call goes on. Not to outlive the plan.
+  /// Not null: the rendering has paused, and the same call resumes it. Must not outlive the plan.
   std::shared_ptr<BegunWedges> begun;
 };
 
@@ -62,13 +62,13 @@ class FrameSum {
   std::vector<FrameStats> wedges_;
 };
 
-class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
 /// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks.
 /// `observer` may be null, and so may `profile`, the visibility of the same azimuth bins: a caller that has
 /// one hands it in, so that nothing is marched twice. All of them must outlive the source.
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
-                                                 HitObserver* observer, WedgeProfile* profile = nullptr);
+                                                 HitObserver* observer, WedgeVisibility* profile = nullptr);
 
 /// Renders every wedge that overlaps `azimuths`, on several threads, and hands each to on_wedge
 /// (server/radar/wedge_threads.cpp). Returns false when stopped early; options.pause tells whether there is

@@ -3,10 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/radar/bins.h"
 #include "terrain/buildings/buildings.h"
 
 namespace obliq {
+
+struct FrameStats;  // server/radar/bins.h
 
 constexpr int kBatch = 1024;  ///< rays or samples a batch: 64 packets, which stay in the first-level caches
 

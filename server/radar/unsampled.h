@@ -6,14 +6,13 @@
 
 namespace obliq {
 
-/// More of a frame's lit bins without a sample than this are worth a warning, and no more than this is what
-/// frustum.quality = "oblique" looks for.
+/// A larger share of lit bins without a sample is worth a warning; frustum.quality = "oblique" looks for no
+/// larger one.
 constexpr double kMostUnsampled = 0.03;
 
 inline bool is_undersampled(const FrameStats& stats) { return stats.unsampled_share() > kMostUnsampled; }
 
-/// How many lit bins hold no sample, and what would mend it; empty where they are few, or where nobody asked
-/// for states.
+/// How many lit bins hold no sample, and the remedy; empty where they are few or the states are not known.
 std::string unsampled_warning(const FrameStats& stats, const RadarSettings& settings);
 
 }  // namespace obliq

@@ -10,7 +10,7 @@
 namespace obliq {
 namespace {
 
-/// Accumulators and block (49), and a visible and a present mark of up to 9 strands and of all together.
+/// Accumulators and block (49), and a visible and a present mark of up to 9 profiles and of all together.
 constexpr double kBytesABin = 49 + 2 * 10;
 /// A bin, a cell, a kind and a power, for each of the wedge's azimuth bins and for merging one of them, with
 /// room to grow into.
@@ -21,7 +21,7 @@ constexpr double kBytesOfBatches = 2.5e6;
 /// A column of the polar frustum with its newest plate, and a part of a plate.
 constexpr double kBytesAColumn = 600;
 constexpr double kBytesAPart = 2 * 80;
-/// A pixel of the perspective frusta that waits to be cast; they wait by squares of 8 rows.
+/// A pixel of the perspective frusta that waits for its ray; they wait by squares of 8 rows.
 constexpr double kBytesAPixel = 48;
 constexpr double kRowsOfSquares = 8;
 
@@ -57,9 +57,8 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
   }
   if (sweep) return std::llround(bytes);
   if (s.frustum == FrustumKind::polar) {
-    const double answers =
-        std::max<double>(PolarFirstHits::kMostAnswers, columns * PolarFirstHits::kLeastRows);
-    bytes += PolarFirstHits::kBytesAnAnswer * std::min(answers, columns * s.pixel_rows);
+    const double kept = std::max<double>(PolarFirstHits::kMostKept, columns * PolarFirstHits::kLeastRows);
+    bytes += PolarFirstHits::kBytesAHit * std::min(kept, columns * s.pixel_rows);
     const double parts = 4 + 2.0 * s.range_bins / s.pixel_rows;
     bytes += columns * (s.plates == PlateKind::spread ? kBytesAColumn + kBytesAPart * parts : 0);
   } else {

@@ -5,9 +5,8 @@
 
 namespace obliq {
 
-/// What a thread needs for the wedge in its hands, about, from above: bins, profiles, scatterers, samples
-/// that wait, and what a wedge's pixels meet. The scene, the frame's plan and planes that wait to be sent are
-/// not in it.
+/// An upper estimate of the memory that a thread needs for its wedge: bins, profiles, scatterers, samples
+/// that wait, and hits. It leaves out the scene, the frame's plan and planes that wait to be sent.
 std::int64_t wedge_bytes(const RadarSettings& settings);
 
 }  // namespace obliq

@@ -26,7 +26,7 @@ struct WedgeWork {
   EchoBins echo;
   SampleBatch samples;
   std::unique_ptr<SampleSource> source;  ///< null: no wedge in hand
-  std::optional<WedgeProfile> visibility;
+  std::optional<WedgeVisibility> visibility;
   Wedge wedge;
 
   WedgeWork(const FramePlan& frame_plan, const FrameTables& tables, Surfaces surfaces)

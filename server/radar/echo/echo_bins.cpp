@@ -50,12 +50,12 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
-  lane_kernels().place(cells_, factors_, samples, placed_);
+  widest_kernels().bin_samples(cells_, factors_, samples, placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
     const int range_bin = placed_.range_bin[k];
-    if (range_bin == PlacedSamples::kOutside || r < kNearest_m) continue;
+    if (range_bin == BinnedSamples::kOutside || r < kNearest_m) continue;
     if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
       continue;
     double sigma = placed_.sigma_m2[k];

@@ -25,8 +25,8 @@ class EchoBins {
   /// Scatters and bins samples; returns how many fell into the range swath.
   std::uint64_t add(const SampleBatch& samples);
 
-  /// Writes I&Q, power and count of all bins and the state of the sampled ones. Nothing is added after it,
-  /// but for a restart.
+  /// Writes I&Q, power and count of all bins and the state of the sampled ones. Add nothing after it before a
+  /// restart.
   void write(BinBlock& block);
 
  private:
@@ -45,7 +45,7 @@ class EchoBins {
   std::vector<ScattererSums> sums_;  // [range.count], ground speckle only
   SwathCells cells_;
   EchoFactors factors_;
-  PlacedSamples placed_;
+  BinnedSamples placed_;
 };
 
 }  // namespace obliq

@@ -50,14 +50,14 @@ void ScattererSums::merge() {
                        samples_.kind.data(),  samples_.power_w.data(), 0};
   const auto n_range = static_cast<std::uint32_t>(bin_end.size() - 1);
   for (std::uint32_t bin = 0; bin < n_range;) {
-    bin = lane_kernels().merge(lists, bin, n_range);
+    bin = widest_kernels().sum_scatterers(lists, bin, n_range);
     if (bin < n_range) merge_large(lists, bin++);
   }
   n_ = lists.n;
 }
 
-/// One bin with many samples: they are sorted, since looking through the scatterers found so far costs their
-/// number each time.
+/// One bin with many samples: these are sorted, since a search through the scatterers found so far would cost
+/// their number each time.
 void ScattererSums::merge_large(ScattererLists& lists, std::uint32_t bin) {
   ScattererArrays& sorted = scratch_->sorted;
   std::vector<std::uint32_t>& order = scratch_->order;

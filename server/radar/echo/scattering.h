@@ -7,7 +7,7 @@
 
 namespace obliq {
 
-/// Radar cross section of surface pieces, one row per material with its constants worked out (design section
+/// Radar cross section of the surface, one row per material with its constants worked out (design section
 /// 3). Immutable.
 ///
 /// Every model is written in the projected area A cos(theta) = solid_angle r^2, so that grazing stays finite:

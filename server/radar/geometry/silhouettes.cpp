@@ -7,14 +7,12 @@
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// Taken off the nearest distance and added to the farthest, so that rounding never puts a wall beyond them.
-constexpr double kSlack_m = 1e-3;
 
 /// Square of the distance from the origin to the segment a-b.
 double distance2(const glm::dvec2& a, const glm::dvec2& b) {
@@ -25,13 +23,20 @@ double distance2(const glm::dvec2& a, const glm::dvec2& b) {
   return p.x * p.x + p.y * p.y;
 }
 
+/// The slope that no part of a building between two ground distances stands above.
+double top_slope(const Buildings& all, const Sector& sector, std::uint32_t building, double near_m,
+                 double far_m) {
+  const double above_m = static_cast<double>(all.list[building].roof_y_m) - sector.antenna_m.y;
+  return above_m == 0 ? 0 : above_m / (above_m > 0 ? near_m : far_m);
+}
+
 }  // namespace
 
-RoughBearings rough_bearings_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
+BuildingBounds bounds_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
   const std::uint32_t ring = all.list[building].first_ring;
   const std::uint32_t begin = all.ring_start[ring];
   const std::uint32_t end = all.ring_start[ring + 1];
-  if (begin == end) return {HUGE_VAL, HUGE_VAL, 0, 0};
+  if (begin == end) return {building, HUGE_VAL, HUGE_VAL, 0, 0, 0};
   // The circle around the rectangle that bounds it.
   glm::vec2 low = all.ring_xz_m[begin];
   glm::vec2 high = low;
@@ -41,18 +46,22 @@ RoughBearings rough_bearings_of(const Buildings& all, const Sector& sector, std:
   }
   const glm::dvec2 middle = (glm::dvec2(low) + glm::dvec2(high)) / 2.0;
   const glm::dvec2 half = (glm::dvec2(high) - glm::dvec2(low)) / 2.0;
-  const double radius = std::sqrt(half.x * half.x + half.y * half.y) + kSlack_m;
+  const double radius = std::sqrt(half.x * half.x + half.y * half.y) + kMargin_m;
   const double right = sector.right_m(middle.x, middle.y);
   const double ahead = sector.ahead_m(middle.x, middle.y);
   const double distance = std::sqrt(right * right + ahead * ahead);
-  if (distance < 4 * radius) {
-    const Silhouette near = silhouette_of(all, sector, building);
-    return {near.near_m, near.far_m, near.from_rad, near.to_rad};
-  }
+  if (distance < 4 * radius) return silhouette_of(all, sector, building);
   // asin(x) < 1.02 x up to 1/4.
   const double to_side = 1.02 * radius / distance;
   const double bearing = std::atan2(right, ahead);
-  return {distance - radius, distance + radius, bearing - to_side, bearing + to_side};
+  const double near_m = distance - radius;
+  const double far_m = distance + radius;
+  return {building,
+          near_m,
+          far_m,
+          bearing - to_side,
+          bearing + to_side,
+          top_slope(all, sector, building, near_m, far_m)};
 }
 
 Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
@@ -94,8 +103,9 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
   const double closing = bearing + std::remainder(bearing_of(first.x, first.y) - bearing, 2 * kPi);
   const bool around =
       std::abs(closing - bearing_of(first.x, first.y)) > kPi || silhouette.to_rad - silhouette.from_rad > kPi;
-  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kSlack_m);
-  silhouette.far_m = std::sqrt(farthest2) + kSlack_m;
+  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kMargin_m);
+  silhouette.far_m = std::sqrt(farthest2) + kMargin_m;
+  silhouette.top_slope = top_slope(all, sector, building, silhouette.near_m, silhouette.far_m);
   if (around) {
     silhouette.from_rad = -kPi;
     silhouette.to_rad = kPi;

@@ -7,25 +7,25 @@
 
 namespace obliq {
 
-/// Bearings under which the antenna sees a building, offsets clockwise from the sector's centre.
-struct Silhouette {
+/// Where the antenna sees a building: it lies between these ground distances and bearings (offsets clockwise
+/// from the sector's centre), and no part of it stands above the slope.
+struct BuildingBounds {
   std::uint32_t building = 0;
-  double near_m = 0;  ///< nothing of the building is nearer (ground distance)
-  double far_m = 0;   ///< nor farther
+  double near_m = 0;
+  double far_m = 0;
   double from_rad = 0;
-  double to_rad = 0;  ///< from_rad < to_rad; may lie beyond half a turn, so that the two never wrap
+  double to_rad = 0;     ///< from_rad < to_rad; may lie beyond half a turn, so that the two never wrap
+  double top_slope = 0;  ///< height over ground distance
+};
+
+/// Bounds for a fraction of what the silhouette costs, as cheap as a look-up.
+BuildingBounds bounds_of(const Buildings& buildings, const Sector& sector, std::uint32_t building);
+
+/// The exact bounds of the outline, but for rounding, and its corners.
+struct Silhouette : BuildingBounds {
   std::vector<double> corners_rad;  ///< between walls of which at least one faces the antenna, rising;
                                     ///< all of a building around the antenna
 };
-
-/// Bounds of a building's bearings and of its distance, for a fraction of what the silhouette costs.
-struct RoughBearings {
-  double near_m;    ///< nothing is nearer
-  double far_m;     ///< nor farther
-  double from_rad;  ///< it lies between these, as in Silhouette
-  double to_rad;
-};
-RoughBearings rough_bearings_of(const Buildings& buildings, const Sector& sector, std::uint32_t building);
 
 /// The building's silhouette around the turn that its first corner is in. A building that surrounds the
 /// antenna or stands under it reaches from -pi to pi with near_m 0.

@@ -5,14 +5,12 @@
 #include <limits>
 
 #include "server/radar/geometry/silhouettes.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// More than what bearings and slopes are rounded by.
-constexpr double kSlack = 1e-9;
 
 }  // namespace
 
@@ -34,15 +32,14 @@ GroundClearance::GroundClearance(const HeightGrid& grid, const glm::dvec3& anten
   const auto aside = [&](SinCos bearing) {
     return along_z_ ? bearing.sin / std::abs(bearing.cos) : bearing.cos / std::abs(bearing.sin);
   };
-  left_ = std::min(aside(left), aside(right)) - kSlack;
-  right_ = std::max(aside(left), aside(right)) + kSlack;
+  left_ = std::min(aside(left), aside(right)) - kSlopeMargin;
+  right_ = std::max(aside(left), aside(right)) + kSlopeMargin;
   // The strip that the antenna stands over, or the first one ahead of it; beyond the grid's end its last one.
   first_line_ = static_cast<int>(rising_ ? std::clamp(std::floor(start_), 0.0, lines_ - 2.0)
                                          : std::clamp(std::ceil(start_), 1.0, lines_ - 1.0));
 }
 
-/// The greatest height of the beam's posts in one line, and of those that the strips on both sides of it
-/// need.
+/// The greatest height in one line of posts, of those that the strips on both sides of it need.
 float GroundClearance::highest_of(int line) const {
   const double middle = (rising_ ? 1 : -1) * (line - start_);
   const double near = std::max(0.0, middle - 1);
@@ -98,7 +95,7 @@ double GroundClearance::near_m(std::size_t strip) const {
 
 double GroundClearance::free_range_m(const glm::dvec3& direction, double from_m) {
   const double ahead = std::abs(along_z_ ? direction.z : direction.x);
-  const double slope = direction.y / ahead - kSlack;
+  const double slope = direction.y / ahead - kSlopeMargin;
   std::size_t k = last_;
   const std::vector<float>* reached = &slope_;
   if (from_m > 0) {
@@ -122,10 +119,8 @@ double GroundClearance::free_range_m(const glm::dvec3& direction, double from_m)
 RoofClearance::RoofClearance(const Buildings& all, const Sector& sector,
                              std::span<const std::uint32_t> buildings) {
   for (const std::uint32_t b : buildings) {
-    const RoughBearings bounds = rough_bearings_of(all, sector, b);
-    const double near_m = std::max(0.0, bounds.near_m);
-    const double above_m = static_cast<double>(all.list[b].roof_y_m) - sector.antenna_m.y;
-    roofs_.push_back({near_m, above_m == 0 ? 0 : above_m / (above_m > 0 ? near_m : bounds.far_m)});
+    const BuildingBounds bounds = bounds_of(all, sector, b);
+    roofs_.push_back({bounds.near_m, bounds.top_slope});
   }
   std::sort(roofs_.begin(), roofs_.end(), [](const Roof& a, const Roof& b) { return a.near_m < b.near_m; });
   double slope = -kInfinity;
@@ -135,7 +130,7 @@ RoofClearance::RoofClearance(const Buildings& all, const Sector& sector,
 double RoofClearance::free_range_m(const glm::dvec3& direction) const {
   if (roofs_.empty()) return kInfinity;
   const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
-  const double slope = direction.y / level - kSlack;
+  const double slope = direction.y / level - kSlopeMargin;
   const auto first = std::partition_point(roofs_.begin(), roofs_.end(),
                                           [&](const Roof& roof) { return roof.slope < slope; });
   if (first == roofs_.end()) return kInfinity;

@@ -11,16 +11,16 @@
 
 namespace obliq {
 
-/// A narrow stretch of bearings, and how high the ground in it stands at most, line of posts by line of
-/// posts: tells how far a ray goes before it can meet any. Distances are along the grid's axis that the beam
-/// goes along rather than across, so that a ray's height over them is a straight line.
+/// How far rays within a narrow stretch of bearings go before they can meet ground: a bound from the highest
+/// post in each line of posts. Distances are along the grid's axis nearest to the bearings, so that a ray's
+/// height over them is a straight line.
 class GroundClearance {
  public:
-  /// Between two bearings that are much less than a right angle apart. The grid outlives the beam.
+  /// Between two bearings that are much less than a right angle apart. The grid must outlive it.
   GroundClearance(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right);
 
-  /// Slant range from from_m on before which a ray of the beam (unit direction) meets no ground; infinite: it
-  /// meets none at all. Looks at the ground only as far as a ray has needed it.
+  /// Slant range, from from_m on, before which a ray (unit direction) meets no ground; infinite: it meets
+  /// none at all. Reads the ground only as far as a ray has needed it.
   double free_range_m(const glm::dvec3& direction, double from_m = 0);
 
  private:
@@ -45,8 +45,8 @@ class GroundClearance {
   std::size_t last_ = 0;  // where the last ray's look ended: the next is mostly near
 };
 
-/// How high some buildings reach at most, seen from the antenna: tells how far a ray goes before it can meet
-/// any of them, whichever way they and it stand.
+/// How far a ray in any direction goes before it can meet one of some buildings: a bound from their distances
+/// and heights.
 class RoofClearance {
  public:
   RoofClearance(const Buildings& all, const Sector& sector, std::span<const std::uint32_t> buildings);

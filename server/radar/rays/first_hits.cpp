@@ -8,14 +8,12 @@
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/rays/polar_rays.h"
 #include "server/scene/ray_answer.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
 
-constexpr auto kPlanes = static_cast<std::size_t>(SweptRays::kMostPlanes);
-
-/// Buildings are taken for wider by this, far more than bearings are rounded by.
-constexpr double kSlack_rad = 1e-9;
+constexpr auto kPlanes = static_cast<std::size_t>(ProfileRays::kMostProfiles);
 
 }  // namespace
 
@@ -50,25 +48,26 @@ void PolarFirstHits::begin() {
   }
   groups_.resize((bearings_.size() + kPlanes - 1) / kPlanes);
   share_out_buildings();
-  most_rows_ = std::min(rays_.rays(), std::max(kLeastRows, kMostAnswers / bearings_.size()));
+  most_rows_ = std::min(rays_.rays(), std::max(kLeastRows, kMostKept / bearings_.size()));
   slant_range_m_.resize(groups_.size() * kPlanes * most_rows_);
   surface_.resize(slant_range_m_.size());
 }
 
-/// In doubles until clamped, as FramePlan shares them out to azimuth bins.
+/// Gives each group its buildings. In doubles until clamped: a narrow column makes numbers that fit no
+/// integer.
 void PolarFirstHits::share_out_buildings() {
   const Buildings& all = plan_.scene().world().buildings;
   const double width_rad = plan_.sector().width_rad / plan_.settings().pixel_columns;
   const double start_rad = plan_.bins().azimuth_start_rad + first_column_ * width_rad;
   const double last = static_cast<double>(groups_.size()) - 1;
   for (const std::uint32_t b : plan_.buildings_in(range_)) {
-    const RoughBearings seen = rough_bearings_of(all, plan_.sector(), b);
+    const BuildingBounds seen = bounds_of(all, plan_.sector(), b);
     for (int turn = -1; turn <= 1; ++turn) {
       const auto group_at = [&](double offset_rad) {
         return std::floor((offset_rad + turn * 2 * std::numbers::pi - start_rad) / width_rad / kPlanes);
       };
-      const double from = group_at(seen.from_rad - kSlack_rad);
-      const double to = group_at(seen.to_rad + kSlack_rad);
+      const double from = group_at(seen.from_rad - kMargin_rad);
+      const double to = group_at(seen.to_rad + kMargin_rad);
       if (!(from <= last && to >= 0)) continue;
       const auto end = static_cast<std::size_t>(std::min(last, to));
       for (auto group = static_cast<std::size_t>(std::max(0.0, from)); group <= end; ++group) {
@@ -79,7 +78,7 @@ void PolarFirstHits::share_out_buildings() {
   }
 }
 
-/// Answers a group's rays of the stretch of rows that holds `row`.
+/// Finds the hits of a group's rays, of the run of rows that holds `row`.
 void PolarFirstHits::march(std::size_t number, std::size_t row) {
   Group& group = groups_[number];
   const std::size_t first = row / most_rows_ * most_rows_;
@@ -111,15 +110,16 @@ void PolarFirstHits::trace(const RayBatch& rays, RoughHit* hits) {
     const std::size_t at = column / kPlanes * kPlanes * most_rows_ + column % kPlanes * group.rows.count +
                            row - group.rows.first;
     const std::uint32_t surface = surface_[at];
-    hits[k] = surface == SweptRays::kUnder ? walk(rays, k) : RoughHit{};
-    if (surface == SweptRays::kUnder || surface == SweptRays::kNothing) continue;
+    hits[k] = surface == ProfileRays::kUnder ? walk(rays, k) : RoughHit{};
+    if (surface == ProfileRays::kUnder || surface == ProfileRays::kNothing) continue;
+    // As float, like Embree's: refinement then gives the same bits, whoever traced the ray.
     hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
-    hits[k].kind = surface < SweptRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-    if (surface >= SweptRays::kFace) hits[k].triangle = triangle_of(surface - SweptRays::kFace);
+    hits[k].kind = surface < ProfileRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
+    if (surface >= ProfileRays::kFace) hits[k].triangle = triangle_of(surface - ProfileRays::kFace);
   }
 }
 
-/// What a ray meets on its own walk.
+/// First hit of a ray by a walk of its own.
 RoughHit PolarFirstHits::walk(const RayBatch& rays, std::size_t k) const {
   const auto found = first_hit(plan_.scene(), plan_.sector().antenna_m,
                                glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]));

@@ -10,15 +10,15 @@
 
 namespace obliq {
 
-/// What the polar frustum's rays of one wedge meet first. Its columns are vertical planes, so that a march of
-/// each answers all its rays, ten times sooner than a ray tracer does one by one. Columns are marched when
-/// their rays come, some at a time, and no more rows of them than keep a wedge's memory small.
+/// First hits of the polar frustum's rays of one wedge. Its columns are vertical planes, so that one march
+/// finds the hits of all rays of a column, ten times sooner than a ray tracer does one by one. Columns are
+/// marched when their rays come, some at a time, and no more rows of them than keep a wedge's memory small.
 class PolarFirstHits {
  public:
-  /// Answers that are kept of a wedge, at most, as long as a column has more than kLeastRows.
-  static constexpr std::size_t kMostAnswers = std::size_t{1} << 19;
+  /// Hits that are kept of a wedge, at most, unless a column would have fewer than kLeastRows.
+  static constexpr std::size_t kMostKept = std::size_t{1} << 19;
   static constexpr std::size_t kLeastRows = 32;
-  static constexpr std::size_t kBytesAnAnswer = sizeof(double) + sizeof(std::uint32_t);
+  static constexpr std::size_t kBytesAHit = sizeof(double) + sizeof(std::uint32_t);
 
   PolarFirstHits(const FramePlan& plan, AzimuthRange range);
 
@@ -28,8 +28,8 @@ class PolarFirstHits {
  private:
   /// Neighbouring columns that are marched together.
   struct Group {
-    SweptRays::Run rows{0, 0};             // that are answered
-    std::vector<std::uint32_t> buildings;  // that its columns may meet
+    ProfileRays::Run rows{0, 0};           // whose hits are kept
+    std::vector<std::uint32_t> buildings;  // that its columns may hit
   };
 
   void begin();
@@ -40,28 +40,28 @@ class PolarFirstHits {
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  const SweptRays& rays_;
+  const ProfileRays& rays_;
   int first_column_ = 0;
   std::vector<SinCos> bearings_;  // [columns]
-  std::vector<Group> groups_;     // of kMostPlanes columns each
+  std::vector<Group> groups_;     // of kMostProfiles columns each
   std::size_t most_rows_ = 0;
-  std::vector<double> slant_range_m_;   // [groups][kMostPlanes][rows]
+  std::vector<double> slant_range_m_;   // [groups][kMostProfiles][rows]
   std::vector<std::uint32_t> surface_;  // the same
 };
 
-/// What the rays of one wedge meet first, found as the scene's RayMethod says. With a march, the columns of
-/// the polar frustum are marched as the vertical planes that they are, rays of the others walk the ground one
-/// by one, and Embree traces those that come near buildings.
+/// First hits of the rays of one wedge, found as the scene's RayMethod says: by Embree, or by marching. A
+/// march takes the polar frustum's columns as the vertical planes that they are; rays of the other frusta
+/// walk the ground one by one, and Embree traces those that come near buildings.
 class FirstHits {
  public:
-  /// beyond_swath: for textures, which show what no bin holds (of the polar frustum still without buildings).
+  /// beyond_swath: finds hits there too, for textures (of the polar frustum on the ground alone).
   FirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath = false);
 
   /// As EmbreeTracer::trace, of rays that the plan's RaySource made for the wedge.
   void trace(const RayBatch& rays, RoughHit* hits);
 
-  /// Whether Embree traced ray k of the last batch: it may have leaked through the mesh. A march lets no ray
-  /// through; beyond the swath, where nothing is binned, it leaves buildings out.
+  /// Whether Embree traced ray k of the last batch: such a ray may have leaked through the mesh. A marched
+  /// ray never leaks; beyond the swath, where nothing is binned, a march ignores buildings.
   bool by_embree(std::size_t k) const { return by_embree_[k]; }
 
  private:

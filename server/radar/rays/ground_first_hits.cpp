@@ -14,11 +14,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A wider beam has less to look at, and its rays start sooner.
-constexpr double kMostCells = 8;     // across at the swath's end
-constexpr double kMost_rad = 0.125;  // so that a beam has one direction
-constexpr double kMostBeams = 64;    // of an azimuth bin
-/// After so many cells a ray asks again how far it is free: it has passed what it began for.
+/// A clearance of a wider stretch of bearings costs less, and its rays start sooner.
+constexpr double kMostCells = 8;        // across at the swath's end
+constexpr double kMost_rad = 0.125;     // so that the stretch has one direction
+constexpr double kMostClearances = 64;  // of an azimuth bin
+/// After so many cells a ray queries its clearance again: the obstacle that it started for is behind.
 constexpr int kStretch = 24;
 /// Beyond this a ray has left any grid.
 constexpr double kFar_m = 1e8;
@@ -26,10 +26,10 @@ constexpr double kFar_m = 1e8;
 constexpr std::ptrdiff_t kFloatsALine = 16;  // 64 bytes
 constexpr double kMostBytes = 1024 * 1024;
 
-/// Asks for the heights between two bearings (sin and cos of world angles, less than half a turn apart) and
-/// up to a ground distance, row by row, so that they are in the second-level cache when rays walk through
-/// them: a walk waits for each line of the cache, and rows can be waited for all at once. Does nothing for a
-/// wedge that such a cache would not hold. Planes that march side by side ask on their way (cell_lanes.h).
+/// Prefetches the heights between two bearings (sin and cos of world angles, less than half a turn apart) up
+/// to a ground distance into the second-level cache: a walk would wait for each cache line, here the waits
+/// overlap. Does nothing for a wedge that does not fit. Planes that march side by side prefetch on their way
+/// (simd/grid_walk.h).
 void prefetch_ground(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos left, SinCos right,
                      double reach_m) {
   const double cells_far = reach_m / grid.cell_m;
@@ -74,18 +74,18 @@ GroundFirstHits::GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool
   const BinGrid& bins = plan.bins();
   const auto edge = [&](double bin) { return sincos_turns(plan.bearing_rad(bin) / (2 * std::numbers::pi)); };
   const double cells = bins.azimuth_width_rad * sector.r_max_m / grid.cell_m;
-  beams_a_bin_ = static_cast<std::size_t>(std::clamp(
-      std::ceil(std::max(cells / kMostCells, bins.azimuth_width_rad / kMost_rad)), 1.0, kMostBeams));
+  clearances_a_bin_ = static_cast<std::size_t>(std::clamp(
+      std::ceil(std::max(cells / kMostCells, bins.azimuth_width_rad / kMost_rad)), 1.0, kMostClearances));
   bin_turns_ = bins.azimuth_width_rad / (2 * std::numbers::pi);
   wide_ = bin_turns_ > 0.1;
   edges_.push_back(edge(range.first));
   for (int bin = range.first; bin < range.first + range.count; ++bin) {
     middle_rad_.push_back(plan.bearing_rad(bin + 0.5));
-    last_beam_.push_back(beams_.size());
-    for (std::size_t k = 1; k <= beams_a_bin_; ++k) {
+    last_clearance_.push_back(clearances_.size());
+    for (std::size_t k = 1; k <= clearances_a_bin_; ++k) {
       const SinCos left = edges_.back();
-      edges_.push_back(edge(bin + static_cast<double>(k) / static_cast<double>(beams_a_bin_)));
-      beams_.emplace_back(grid, sector.antenna_m, left, edges_.back());
+      edges_.push_back(edge(bin + static_cast<double>(k) / static_cast<double>(clearances_a_bin_)));
+      clearances_.emplace_back(grid, sector.antenna_m, left, edges_.back());
     }
   }
   if (!plan.scene().world().buildings.list.empty())
@@ -94,37 +94,35 @@ GroundFirstHits::GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool
   prefetch_ground(grid, sector.antenna_m, edges_.front(), edges_.back(), sector.r_max_m);
 }
 
-/// The beam of a ray in the wedge's azimuth bin number `bin`.
-GroundClearance* GroundFirstHits::beam_of(std::size_t bin, const glm::dvec3& direction) {
-  if (beams_a_bin_ == 1) return &beams_[bin];
-  const std::size_t first = bin * beams_a_bin_;
-  const std::size_t last = first + beams_a_bin_ - 1;
-  std::size_t& beam = last_beam_[bin];
+/// The clearance of a ray in the wedge's azimuth bin number `bin`.
+GroundClearance* GroundFirstHits::clearance_of(std::size_t bin, const glm::dvec3& direction) {
+  if (clearances_a_bin_ == 1) return &clearances_[bin];
+  const std::size_t first = bin * clearances_a_bin_;
+  const std::size_t last = first + clearances_a_bin_ - 1;
+  std::size_t& at = last_clearance_[bin];
   if (wide_) {
     const double turns = (bearing_of(direction.x, direction.z) - middle_rad_[bin]) / (2 * std::numbers::pi);
-    const double at = 0.5 + (turns - nearest_integer(turns)) / bin_turns_;  // of the bin
-    const auto n = static_cast<double>(beams_a_bin_);
-    beam = first + static_cast<std::size_t>(std::clamp(std::floor(at * n), 0.0, n - 1));
+    const double part = 0.5 + (turns - nearest_integer(turns)) / bin_turns_;  // of the bin
+    const auto n = static_cast<double>(clearances_a_bin_);
+    at = first + static_cast<std::size_t>(std::clamp(std::floor(part * n), 0.0, n - 1));
   } else {
-    // The last ray's beam or one beside it. Edge k is the left one of beam k.
+    // The last ray's or one beside it. Edge k is the left one of clearance k.
     const auto right_of = [&](std::size_t k) {
       return direction.x * edges_[k].cos - direction.z * edges_[k].sin >= 0;
     };
-    while (beam < last && right_of(beam + 1)) ++beam;
-    while (beam > first && !right_of(beam)) --beam;
+    while (at < last && right_of(at + 1)) ++at;
+    while (at > first && !right_of(at)) --at;
   }
-  return &beams_[beam];
+  return &clearances_[at];
 }
 
-/// Slant range from which on a ray may meet buildings that are not in the plan's lists; infinite: there are
-/// none.
+/// Slant range beyond which a ray may meet buildings that the plan does not list; infinite: none.
 double GroundFirstHits::unknown_from_m(const glm::dvec3& direction) const {
   if (!beyond_swath_ || plan_.scene().world().buildings.list.empty()) return kInfinity;
   return plan_.building_reach_m() / std::sqrt(direction.x * direction.x + direction.z * direction.z);
 }
 
-/// From where on a ray that meets nothing before `from_m` is to be walked: where it comes over the grid, if
-/// it is not there yet; infinite: nowhere.
+/// Where the walk of a ray that meets nothing before `from_m` starts: on the grid; infinite: nowhere.
 double GroundFirstHits::on_grid_m(double from_m, const glm::dvec3& direction) const {
   const HeightGrid& grid = plan_.scene().world().grid;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
@@ -154,32 +152,33 @@ std::span<const std::uint16_t> GroundFirstHits::trace(const RayBatch& rays, Roug
   std::size_t walking = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const auto bin = static_cast<std::size_t>(rays.azimuth_bin[k] - first_bin_);
-    beam_[k] = beam_of(bin, direction(k));
-    const double free_m = beam_[k]->free_range_m(direction(k));
+    clearance_[k] = clearance_of(bin, direction(k));
+    const double free_m = clearance_[k]->free_range_m(direction(k));
     roof_m_[k] = std::min(unknown_from_m(direction(k)),
                           roofs_.empty() ? kInfinity : roofs_[bin].free_range_m(direction(k)));
     range_m_[k] = kNone;
-    // Not walked where a roof comes first.
+    // No walk where a roof comes first.
     from_m_[k] = roof_m_[k] < free_m ? kInfinity : on_grid_m(free_m, direction(k));
     if (from_m_[k] < kInfinity) walking_[walking++] = static_cast<std::uint16_t>(k);
   }
   while (walking > 0) {
-    lane_kernels().cast_ground(ground_view(plan_.scene().world().grid, antenna),
-                               {walking_.data(), static_cast<int>(walking), kStretch, kFar_m,
-                                plan_.scene().tiles().lowest_m() - antenna.y, rays.dir_x.data(),
-                                rays.dir_y.data(), rays.dir_z.data(), from_m_.data(), range_m_.data()});
-    std::size_t tired = 0;
+    widest_kernels().first_hits_on_ground(
+        ground_view(plan_.scene().world().grid, antenna),
+        {walking_.data(), static_cast<int>(walking), kStretch, kFar_m,
+         plan_.scene().tiles().lowest_m() - antenna.y, rays.dir_x.data(), rays.dir_y.data(),
+         rays.dir_z.data(), from_m_.data(), range_m_.data()});
+    std::size_t unfinished = 0;
     for (std::size_t at = 0; at < walking; ++at) {
       const std::size_t k = walking_[at];
-      if (range_m_[k] != CastRays::kTired) continue;
+      if (range_m_[k] != FreeRays::kOutOfSteps) continue;
       range_m_[k] = kNone;
-      const double free_m = beam_[k]->free_range_m(direction(k), from_m_[k]);
+      const double free_m = clearance_[k]->free_range_m(direction(k), from_m_[k]);
       if (!(free_m < kInfinity)) continue;
-      // Where it is not free of anything it steps back, so as to come to the next edge from above.
+      // A ray without clearance steps back, so as to reach the next edge from above.
       from_m_[k] = free_m > from_m_[k] ? free_m : from_m_[k] - plan_.scene().world().grid.cell_m / 2;
-      walking_[tired++] = static_cast<std::uint16_t>(k);
+      walking_[unfinished++] = static_cast<std::uint16_t>(k);
     }
-    walking = tired;
+    walking = unfinished;
   }
   std::size_t left = 0;
   for (std::size_t at = 0; at < n; ++at) {
@@ -187,6 +186,7 @@ std::span<const std::uint16_t> GroundFirstHits::trace(const RayBatch& rays, Roug
     hits[k] = {};
     if (range_m_[k] <= roof_m_[k]) {
       hits[k].kind = RoughHit::Kind::ground;
+      // As float, like Embree's: refinement then gives the same bits, whoever traced the ray.
       hits[k].distance_m = static_cast<float>(range_m_[k]);
     } else if (roof_m_[k] < kInfinity) {
       left_[left++] = static_cast<std::uint16_t>(k);

@@ -10,37 +10,36 @@
 
 namespace obliq {
 
-/// What rays of one wedge meet first, whatever way they lie, as far as that is ground. Each walks the grid by
-/// itself, but only from where the highest ground around its bearing first reaches up to it: a few cells.
-/// Rays that might meet a building before are left to a ray tracer.
+/// First hits on the ground of a wedge's rays in any direction. Each ray walks the grid by itself, but starts
+/// where its clearance ends: a few cells. Rays that might meet a building first are left to a ray tracer.
 class GroundFirstHits {
  public:
-  /// beyond_swath: buildings there count too, though nothing of them is binned.
+  /// beyond_swath: looks for buildings there too, though none is binned.
   GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath);
 
-  /// As EmbreeTracer::trace, of rays of the wedge, each in the azimuth bin that the batch says, but for the
-  /// rays that it returns: those are left, in the batch's packet order. Valid until the next call.
+  /// As EmbreeTracer::trace, of rays of the wedge, but for the rays that it returns: those are left, in the
+  /// batch's packet order. Valid until the next call.
   std::span<const std::uint16_t> trace(const RayBatch& rays, RoughHit* hits);
 
  private:
-  GroundClearance* beam_of(std::size_t bin, const glm::dvec3& direction);
+  GroundClearance* clearance_of(std::size_t bin, const glm::dvec3& direction);
   double unknown_from_m(const glm::dvec3& direction) const;
   double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
   const FramePlan& plan_;
   int first_bin_;
   bool beyond_swath_;
-  std::size_t beams_a_bin_;
+  std::size_t clearances_a_bin_;
   double bin_turns_;  // an azimuth bin's width
   bool wide_;         // much of a turn
   // Of the azimuth bins:
   std::vector<double> middle_rad_;
-  std::vector<std::size_t> last_beam_;  // that a ray lay in
-  std::vector<SinCos> edges_;           // of the beams, from the left one of the first on
-  std::vector<GroundClearance> beams_;
+  std::vector<std::size_t> last_clearance_;  // that a ray lay in
+  std::vector<SinCos> edges_;                // between clearances, from the left edge of the first
+  std::vector<GroundClearance> clearances_;
   std::vector<RoofClearance> roofs_;  // of the azimuth bins; empty where there are no buildings
   // Of the batch's rays:
-  std::array<GroundClearance*, kBatch> beam_;
+  std::array<GroundClearance*, kBatch> clearance_;
   std::array<double, kBatch> from_m_;
   std::array<double, kBatch> roof_m_;
   std::array<double, kBatch> range_m_;

@@ -5,8 +5,8 @@
 
 namespace obliq {
 
-/// Receives every hit of the ray sources with its pixel, for the perspective textures. Called from any
-/// thread, each pixel at most once.
+/// Receives every hit with its pixel, for the perspective textures. Called from any thread, for each pixel at
+/// most once.
 class HitObserver {
  public:
   virtual ~HitObserver() = default;

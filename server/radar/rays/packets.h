@@ -1,6 +1,6 @@
 #pragma once
-// Which pixels are traced together. Embree follows the rays of a packet together as far as they go the same
-// way: sixteen in a square part later than sixteen in a row (tests/bench/README.md).
+// Which pixels are traced together. Embree traces the rays of a packet together while they go the same way:
+// sixteen in a square part later than sixteen in a row (tests/bench/README.md).
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -16,8 +16,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Tangent of a bearing offset as the start or the end of a piece. Ahead of the antenna tangents rise from
-/// -infinity to infinity, and so they do on each side behind it.
+/// Tangent of a bearing offset as the start or the end of an interval. Ahead of the antenna tangents rise
+/// from -infinity to infinity, and so they do on each side behind it.
 double tangent(double offset, bool start) {
   if (std::abs(std::abs(offset) - kPi / 2) < 1e-12) return start ? -kInfinity : kInfinity;
   const SinCos at = sincos_turns(offset / (2 * kPi));
@@ -41,9 +41,9 @@ PixelCamera pixel_camera(const FramePlan& plan) {
 }  // namespace
 
 PerspectiveRays::PerspectiveRays(const FramePlan& plan, AzimuthRange range)
-    : camera_(plan.camera()), aim_(pixel_camera(plan)) {
+    : camera_(plan.camera()), pixel_camera_(pixel_camera(plan)) {
   for (int bin = range.first; bin < range.first + range.count; ++bin)
-    add_pieces(bin, plan.bins().azimuth_edge_rad(bin), plan.bins().azimuth_edge_rad(bin + 1));
+    add_intervals(bin, plan.bins().azimuth_edge_rad(bin), plan.bins().azimuth_edge_rad(bin + 1));
 }
 
 bool PerspectiveRays::generate(RayBatch& batch) {
@@ -59,7 +59,7 @@ bool PerspectiveRays::generate(RayBatch& batch) {
     if (n > room && pixels_.n > 0) break;
     take(std::min(n, room));
   }
-  cast(batch);
+  generate_waiting(batch);
   return pixels_.n > 0;
 }
 
@@ -81,13 +81,13 @@ void PerspectiveRays::take(std::size_t n) {
   pixels_.n += static_cast<int>(n);
 }
 
-void PerspectiveRays::add_pieces(int bin, double from, double to) {
+void PerspectiveRays::add_intervals(int bin, double from, double to) {
   double start = from;
   for (const double cut : {-kPi / 2, kPi / 2, kInfinity}) {
     const double end = std::min(cut, to);
     if (end > start) {
       const double middle = (start + end) / 2;
-      pieces_.push_back({bin, std::abs(middle) < kPi / 2, tangent(start, true), tangent(end, false)});
+      intervals_.push_back({bin, std::abs(middle) < kPi / 2, tangent(start, true), tangent(end, false)});
       start = end;
     }
     if (cut >= to) break;
@@ -122,19 +122,19 @@ void PerspectiveRays::begin_rows() {
 /// Adds the row's pixels; returns the columns that they span.
 PixelSpan PerspectiveRays::add_row(int row) {
   const glm::dvec3 direction = camera_.direction(0, row);
-  // A row exactly abeam would divide the plane at +-90 degrees; it is treated as lying a hair ahead.
+  // A row exactly abeam is treated as a hair ahead: the tangents need a side.
   const double ahead = direction.z == 0 ? std::numeric_limits<double>::min() : direction.z;
   runs_.clear();
   double last_tan = 0;
-  int last_column = -1;  // of last_tan: mostly the next piece begins there
-  for (const Piece& piece : pieces_) {
-    if (piece.ahead != (ahead > 0)) continue;
-    const bool joined = last_column >= 0 && piece.tan_from == last_tan;
-    const int a = joined ? last_column : column_at(ahead * piece.tan_from);
-    const int b = column_at(ahead * piece.tan_to);
-    last_tan = piece.tan_to;
+  int last_column = -1;  // of last_tan: mostly the next interval begins there
+  for (const BearingInterval& interval : intervals_) {
+    if (interval.ahead != (ahead > 0)) continue;
+    const bool joined = last_column >= 0 && interval.tan_from == last_tan;
+    const int a = joined ? last_column : column_at(ahead * interval.tan_from);
+    const int b = column_at(ahead * interval.tan_to);
+    last_tan = interval.tan_to;
     last_column = b;
-    if (a != b) runs_.push_back({piece.bin, {std::min(a, b), std::max(a, b)}});
+    if (a != b) runs_.push_back({interval.bin, {std::min(a, b), std::max(a, b)}});
   }
   if (runs_.empty()) return {};
   const auto by_column = [](const Run& a, const Run& b) { return a.columns.from < b.columns.from; };
@@ -156,8 +156,8 @@ PixelSpan PerspectiveRays::add_row(int row) {
 }
 
 /// The rays of the pixels at hand that reach the swath.
-void PerspectiveRays::cast(RayBatch& batch) {
-  // What is read behind the last pixel is a number, whatever it means.
+void PerspectiveRays::generate_waiting(RayBatch& batch) {
+  // Padded to a multiple of 8; the values are ignored.
   for (auto k = static_cast<std::size_t>(pixels_.n); k % 8 != 0; ++k) {
     pixels_.column[k] = 0;
     pixels_.up_m[k] = pixels_.ahead_m[k] = 1;
@@ -165,8 +165,8 @@ void PerspectiveRays::cast(RayBatch& batch) {
   std::array<std::int32_t, kBatch> from;
   std::array<std::int32_t, kBatch> ray_of;
   std::fill_n(ray_of.begin(), pixels_.n, -1);
-  batch.n = lane_kernels().aim(
-      aim_, pixels_,
+  batch.n = widest_kernels().pixel_rays(
+      pixel_camera_, pixels_,
       {batch.dir_x.data(), batch.dir_y.data(), batch.dir_z.data(), batch.solid_angle_sr.data(), from.data()});
   for (std::size_t k = 0; k < static_cast<std::size_t>(batch.n); ++k) {
     const auto at = static_cast<std::size_t>(from[k]);

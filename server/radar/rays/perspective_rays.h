@@ -17,8 +17,8 @@ class PerspectiveRays : public RaySource {
   bool generate(RayBatch& batch) override;
 
  private:
-  /// Part of an azimuth bin that stays in front of or behind the antenna.
-  struct Piece {
+  /// Part of an azimuth bin, all of it ahead of the antenna or all behind.
+  struct BearingInterval {
     int bin;
     bool ahead;               // between -90 and 90 degrees
     double tan_from, tan_to;  // of the bearing offsets at its ends; infinite at +-90 degrees
@@ -32,16 +32,16 @@ class PerspectiveRays : public RaySource {
     double up_m, ahead_m;
   };
 
-  void add_pieces(int bin, double from, double to);
+  void add_intervals(int bin, double from, double to);
   int column_at(double x_m) const;
   void begin_rows();
   PixelSpan add_row(int row);
   void take(std::size_t n);
-  void cast(RayBatch& batch);
+  void generate_waiting(RayBatch& batch);
 
   const PerspectiveFrustum& camera_;
-  PixelCamera aim_;
-  std::vector<Piece> pieces_;
+  PixelCamera pixel_camera_;
+  std::vector<BearingInterval> intervals_;
   int next_row_ = 0;
   std::vector<Run> runs_;        // of a row, by column
   std::vector<Pixel> waiting_;   // pixels of some rows, from taken_ on

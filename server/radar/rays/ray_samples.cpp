@@ -22,7 +22,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostHandedOut = 8 * kBatch;
 
 std::unique_ptr<PlateSource> make_plate_source(const FramePlan& plan, AzimuthRange range,
-                                               WedgeProfile& profile) {
+                                               WedgeVisibility& profile) {
   if (plan.settings().frustum == FrustumKind::polar) return std::make_unique<ColumnPlates>(plan);
   return std::make_unique<PixelPlates>(plan, range, profile);
 }
@@ -36,13 +36,13 @@ std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange r
 }
 
 RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, HitObserver* observer,
-                       WedgeProfile* profile)
+                       WedgeVisibility* profile)
     : plan_(plan),
       observer_(observer),
       source_(make_ray_source(plan, range)),
       first_hits_(plan, range, observer != nullptr) {
   if (plan.settings().plates == PlateKind::nearest) return;
-  if (!profile) own_profile_ = std::make_unique<WedgeProfile>(plan, range);
+  if (!profile) own_profile_ = std::make_unique<WedgeVisibility>(plan, range);
   plates_ = make_plate_source(plan, range, profile ? *profile : *own_profile_);
 }
 
@@ -110,9 +110,10 @@ void RaySamples::refine_ground() {
   for (std::size_t k = 0; k < n; ++k)
     rough_m[k] = rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNone;
   for (std::size_t k = n; k % 8 != 0; ++k) rough_m[k] = kNone;
-  lane_kernels().meet_ground({ground_view(plan_.scene().world().grid, plan_.sector().antenna_m), rays_.n,
-                              rays_.dir_x.data(), rays_.dir_y.data(), rays_.dir_z.data(), rough_m},
-                             hits_);
+  widest_kernels().refine_ground_hits(
+      {ground_view(plan_.scene().world().grid, plan_.sector().antenna_m), rays_.n, rays_.dir_x.data(),
+       rays_.dir_y.data(), rays_.dir_z.data(), rough_m},
+      hits_);
 }
 
 /// Whether refine_ground has found the hit, and the hit does not prove that the ray leaked through the mesh.

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "server/radar/samples.h"
+#include "server/radar/simd/kernel.h"
 #include "server/radar/simd/range_axis.h"
 
 namespace obliq {
@@ -26,7 +27,7 @@ struct EchoFactors {
 };
 
 /// Where samples fall, and what they scatter. Samples are read up to a multiple of 8.
-struct PlacedSamples {
+struct BinnedSamples {
   static constexpr std::int32_t kOutside = -1;
   std::int32_t range_bin[kBatch];  ///< kOutside: not in the swath
   double range2_m2[kBatch];
@@ -36,6 +37,6 @@ struct PlacedSamples {
   std::uint64_t level[kBatch];
 };
 
-using PlaceKernel = void (*)(const SwathCells&, const EchoFactors&, const SampleBatch&, PlacedSamples&);
+OBLIQ_KERNEL(void, bin_samples, const SwathCells&, const EchoFactors&, const SampleBatch&, BinnedSamples&);
 
 }  // namespace obliq

@@ -25,16 +25,16 @@ void SegmentSampler::put(const Sample& sample) {
   }
 }
 
-void SegmentSampler::visible(const VisiblePiece& piece) {
+void SegmentSampler::visible(const VisibleSegment& segment) {
   if (!(share_.width_rad > 0)) return;
-  if (piece.wall) {
-    aslant(piece);
+  if (segment.wall) {
+    aslant(segment);
   } else {
-    straight(piece);
+    straight(segment);
   }
 }
 
-void SegmentSampler::aslant(const VisiblePiece& wall) {
+void SegmentSampler::aslant(const VisibleSegment& wall) {
   // The wall is the line n.p = -distance from the antenna: at a bearing off the plane's by `off` it stands at
   // 1 / d = -n.direction / distance. That is a cosine of the bearing, as good as straight across a strand.
   const PlaneShare whole = share_;
@@ -87,12 +87,12 @@ void SegmentSampler::aslant(const VisiblePiece& wall) {
     share_.bearing = direction(off);
     share_.azimuth_offset_rad = whole.azimuth_offset_rad + off;
     share_.width_rad = (to - from) * whole.width_rad;
-    VisiblePiece part = wall;
+    VisibleSegment part = wall;
     part.d_m = 1 / over_d(share_.bearing);
     // The foot follows the roof or the ground that it stands on; where something in front hides it, that
     // one's shadow.
-    if (wall.foot == VisiblePiece::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
-    if (wall.foot == VisiblePiece::Foot::ground) {
+    if (wall.foot == VisibleSegment::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
+    if (wall.foot == VisibleSegment::Foot::ground) {
       const double ground_y_m = grid_.height_at_m(antenna_m_.x + part.d_m * share_.bearing.sin,
                                                   antenna_m_.z + part.d_m * share_.bearing.cos);
       if (!std::isnan(ground_y_m)) part.t0 = ground_y_m - antenna_m_.y;
@@ -104,25 +104,25 @@ void SegmentSampler::aslant(const VisiblePiece& wall) {
   share_ = whole;
 }
 
-void SegmentSampler::straight(const VisiblePiece& piece) {
-  const At from = at(piece, piece.t0);
-  const At to = at(piece, piece.t1);
+void SegmentSampler::straight(const VisibleSegment& segment) {
+  const At from = at(segment, segment.t0);
+  const At to = at(segment, segment.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.
   if (from.r_m < bins_.r_min_m && to.r_m < bins_.r_min_m) return;
   // Between t0 and t1 lies the foot of the perpendicular from the antenna, where range turns, when range
   // falls at t0 and rises at t1.
-  const double rate2 = piece.rate_d * piece.rate_d + piece.rate_h * piece.rate_h;
-  const double along = piece.d_m * piece.rate_d + piece.h_m * piece.rate_h;
-  if (along + rate2 * piece.t0 < 0 && along + rate2 * piece.t1 > 0) {
-    const At turn = at(piece, std::clamp(-along / rate2, piece.t0, piece.t1));
-    cut_at_bins(piece, from, turn);
-    cut_at_bins(piece, turn, to);
+  const double rate2 = segment.rate_d * segment.rate_d + segment.rate_h * segment.rate_h;
+  const double along = segment.d_m * segment.rate_d + segment.h_m * segment.rate_h;
+  if (along + rate2 * segment.t0 < 0 && along + rate2 * segment.t1 > 0) {
+    const At turn = at(segment, std::clamp(-along / rate2, segment.t0, segment.t1));
+    cut_at_bins(segment, from, turn);
+    cut_at_bins(segment, turn, to);
   } else {
-    cut_at_bins(piece, from, to);
+    cut_at_bins(segment, from, to);
   }
 }
 
-void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
+void SegmentSampler::cut_at_bins(const VisibleSegment& segment, At from, At to) {
   const double least = std::min(from.r_m, to.r_m);
   const double most = std::max(from.r_m, to.r_m);
   if (most < bins_.r_min_m || least >= bins_.r_max_m) return;
@@ -131,13 +131,13 @@ void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   const int first = least < bins_.r_min_m ? -1 : bin_of(least);
   const int last = most >= bins_.r_max_m ? bins_.n_range : bin_of(most);
   if (first == last) {
-    add_part(piece, from, to, 0);
+    add_part(segment, from, to, 0);
     return;
   }
   const bool outwards = to.r_m > from.r_m;
-  const double rate2 = piece.rate_d * piece.rate_d + piece.rate_h * piece.rate_h;
-  const double along = piece.d_m * piece.rate_d + piece.h_m * piece.rate_h;
-  const double cross = piece.d_m * piece.rate_h - piece.h_m * piece.rate_d;
+  const double rate2 = segment.rate_d * segment.rate_d + segment.rate_h * segment.rate_h;
+  const double along = segment.d_m * segment.rate_d + segment.h_m * segment.rate_h;
+  const double cross = segment.d_m * segment.rate_h - segment.h_m * segment.rate_d;
   const int steps = last - first;
   At previous = from;
   for (int k = 1; k <= steps; ++k) {
@@ -145,34 +145,34 @@ void SegmentSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
     const double edge = bins_.edge_m(static_cast<double>(edge_index));
     const At here{edge_at(rate2, along, cross, outwards ? 1.0 : -1.0, edge, previous.t, to.t), edge};
     const int bin = outwards ? edge_index - 1 : edge_index;
-    if (bin >= 0 && bin < bins_.n_range) add_part(piece, previous, here, 0);
+    if (bin >= 0 && bin < bins_.n_range) add_part(segment, previous, here, 0);
     previous = here;
   }
   const int bin = outwards ? last : first;
-  if (bin >= 0 && bin < bins_.n_range) add_part(piece, previous, to, 0);
+  if (bin >= 0 && bin < bins_.n_range) add_part(segment, previous, to, 0);
 }
 
-void SegmentSampler::add_part(const VisiblePiece& piece, At from, At to, int depth) {
-  const double d0 = piece.ground_range_m(from.t);
-  const double h0 = piece.height_m(from.t);
-  const double d1 = piece.ground_range_m(to.t);
-  const double h1 = piece.height_m(to.t);
-  const double cross = (piece.d_m * piece.rate_h - piece.h_m * piece.rate_d) * (to.t - from.t);
+void SegmentSampler::add_part(const VisibleSegment& segment, At from, At to, int depth) {
+  const double d0 = segment.ground_range_m(from.t);
+  const double h0 = segment.height_m(from.t);
+  const double d1 = segment.ground_range_m(to.t);
+  const double h1 = segment.height_m(to.t);
+  const double cross = (segment.d_m * segment.rate_h - segment.h_m * segment.rate_d) * (to.t - from.t);
   if (!(cross > 0)) return;
   const auto part = part_of(cross, d0, h0, from.r_m, d1, h1, to.r_m);
   if (part.turn_sin > kTurn_rad * part.turn_cos && depth < 40) {
-    const At middle = at(piece, (from.t + to.t) / 2);
+    const At middle = at(segment, (from.t + to.t) / 2);
     if (middle.t > from.t && middle.t < to.t) {
-      add_part(piece, from, middle, depth + 1);
-      add_part(piece, middle, to, depth + 1);
+      add_part(segment, from, middle, depth + 1);
+      add_part(segment, middle, to, depth + 1);
       return;
     }
   }
   const double over_r = 1 / part.range_m;
   put({share_.azimuth_bin, part.range_m, share_.width_rad * part.share,
-       std::min(1.0, piece.plane_distance_m * over_r), share_.azimuth_offset_rad, part.height_m * over_r,
+       std::min(1.0, segment.plane_distance_m * over_r), share_.azimuth_offset_rad, part.height_m * over_r,
        antenna_m_.x + part.distance_m * share_.bearing.sin,
-       antenna_m_.z + part.distance_m * share_.bearing.cos, piece.face, piece.material});
+       antenna_m_.z + part.distance_m * share_.bearing.cos, segment.face, segment.material});
 }
 
 }  // namespace obliq

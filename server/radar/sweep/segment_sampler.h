@@ -1,5 +1,5 @@
 #pragma once
-// Cuts visible pieces of surface into samples: one range bin each, exact in range and solid angle.
+// Cuts visible segments of surface into samples: one range bin each, exact in range and solid angle.
 #include <vector>
 
 #include "server/radar/bins.h"
@@ -9,7 +9,7 @@
 
 namespace obliq {
 
-/// A vertical plane's share of the azimuth: what each piece in it stands for.
+/// A vertical plane's share of the azimuth: what each segment in it stands for.
 struct PlaneShare {
   std::int32_t azimuth_bin = 0;
   double azimuth_offset_rad = 0;  ///< of the plane, clockwise from the sector's centre
@@ -28,18 +28,17 @@ class SegmentSampler {
 
   /// Samples go here from now on, those that were left over first.
   void begin(SampleBatch& batch);
-  /// No more than a few pieces should be added.
+  /// No more than a few segments should be added.
   bool full() const { return batch_->n > kBatch - kSpare || !waiting_.empty(); }
   bool anything_waiting() const { return !waiting_.empty(); }
 
   void set(const PlaneShare& share) { share_ = share; }
   void set_width(double width_rad) { share_.width_rad = width_rad; }
 
-  /// Cuts the piece at the edges of the range bins, by solving |A + t D| = edge, and where its direction from
-  /// the antenna has turned by more than kTurn_rad.
-  /// A wall that stands aslant runs through range across the plane's width: it is divided where it passes
-  /// from one range bin to the next.
-  void visible(const VisiblePiece& piece);
+  /// Cuts the segment at the edges of the range bins, by solving |A + t D| = edge, and where its direction
+  /// from the antenna has turned by more than kTurn_rad. A wall that stands aslant runs through range across
+  /// the plane's width: it is divided where it passes from one range bin to the next.
+  void visible(const VisibleSegment& segment);
 
   /// Incidence and range are taken as constant over at most this angle. A lobe of rms slope s is then off by
   /// (kTurn / s)^2 / 24 at its flank, 0.1 % at s = 0.1; the radar equation's integrand by (kTurn / tan(
@@ -50,23 +49,23 @@ class SegmentSampler {
   static constexpr int kSpare = 32;
   static constexpr int kMostEdges = 64;  // that an aslant wall is divided at; more are left to even parts
 
-  /// A point of the piece.
+  /// A point of the segment.
   struct At {
     double t;
     double r_m;
   };
 
-  At at(const VisiblePiece& piece, double t) const {
-    const double d = piece.ground_range_m(t);
-    const double h = piece.height_m(t);
+  At at(const VisibleSegment& segment, double t) const {
+    const double d = segment.ground_range_m(t);
+    const double h = segment.height_m(t);
     return {t, std::sqrt(d * d + h * h)};
   }
-  void straight(const VisiblePiece& piece);
-  void aslant(const VisiblePiece& piece);
+  void straight(const VisibleSegment& segment);
+  void aslant(const VisibleSegment& segment);
   /// Range rises or falls all the way.
-  void cut_at_bins(const VisiblePiece& piece, At from, At to);
+  void cut_at_bins(const VisibleSegment& segment, At from, At to);
   /// In one range bin.
-  void add_part(const VisiblePiece& piece, At from, At to, int depth);
+  void add_part(const VisibleSegment& segment, At from, At to, int depth);
   void put(const Sample& sample);
 
   const BinGrid& bins_;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "server/radar/profile/walking_planes.h"
+#include "server/radar/profile/ground_walk.h"
 
 namespace obliq {
 
-SweepGround::SweepGround(const FramePlan& plan, const LaneKernels& kernels) : plan_(plan), kernels_(kernels) {
+SweepGround::SweepGround(const FramePlan& plan, const Kernels& kernels) : plan_(plan), kernels_(kernels) {
   const World& world = plan.scene().world();
   bins_ = {};
   bins_.axis = plan.bins();
@@ -19,7 +19,7 @@ void SweepGround::start(std::vector<GroundShare> shares) {
   shares_ = std::move(shares);
   lanes_ = {};
   lanes_.last_start_m = plan_.sector().r_max_m;
-  pieces_.n = cut_ = 0;
+  segments_.n = cut_ = 0;
   marching_ = true;
   const Horizon<double> nothing;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMost); ++lane) {
@@ -45,42 +45,42 @@ void SweepGround::start(std::vector<GroundShare> shares) {
 
 bool SweepGround::next(SegmentSampler& sampler, SampleBatch& samples) {
   while (!sampler.full()) {
-    if (cut_ >= pieces_.n) {
+    if (cut_ >= segments_.n) {
       if (!marching_) return false;
-      pieces_.n = cut_ = 0;
-      marching_ = kernels_.march_ground(bins_.ground, lanes_, pieces_);
+      segments_.n = cut_ = 0;
+      marching_ = kernels_.visible_ground(bins_.ground, lanes_, segments_);
       continue;
     }
     bool rare = false;
-    cut_ = kernels_.cut_ground(bins_, pieces_, cut_, samples, rare);
+    cut_ = kernels_.cut_at_range_bins(bins_, segments_, cut_, samples, rare);
     if (rare) {
       cut_rare(sampler);
-    } else if (cut_ < pieces_.n) {
+    } else if (cut_ < segments_.n) {
       return true;
     }
   }
   return true;
 }
 
-/// The next row of pieces, one at a time.
+/// The next row of segments, one at a time.
 void SweepGround::cut_rare(SegmentSampler& sampler) {
   const World& world = plan_.scene().world();
   const auto nx = static_cast<std::uint64_t>(world.grid.nx);
   for (std::size_t lane = 0; lane < shares_.size(); ++lane) {
-    if ((pieces_.seen[cut_] >> lane & 1) == 0) continue;
-    const auto cell = static_cast<std::uint64_t>(pieces_.cell[cut_][lane]);
-    VisiblePiece piece{};
-    piece.h_m = pieces_.start_m[cut_][lane];
-    piece.rate_d = 1;
-    piece.rate_h = pieces_.rise[cut_][lane];
-    piece.t0 = pieces_.from_m[cut_][lane];
-    piece.t1 = pieces_.to_m[cut_][lane];
-    piece.plane_distance_m = pieces_.plane_distance_m[cut_][lane];
-    piece.face = kNoFace;
-    piece.material = world.material_of_cell(static_cast<int>(cell % nx), static_cast<int>(cell / nx));
+    if ((segments_.seen[cut_] >> lane & 1) == 0) continue;
+    const auto cell = static_cast<std::uint64_t>(segments_.cell[cut_][lane]);
+    VisibleSegment segment{};
+    segment.h_m = segments_.start_m[cut_][lane];
+    segment.rate_d = 1;
+    segment.rate_h = segments_.rise[cut_][lane];
+    segment.t0 = segments_.from_m[cut_][lane];
+    segment.t1 = segments_.to_m[cut_][lane];
+    segment.plane_distance_m = segments_.plane_distance_m[cut_][lane];
+    segment.face = kNoFace;
+    segment.material = world.material_of_cell(static_cast<int>(cell % nx), static_cast<int>(cell / nx));
     sampler.set(shares_[lane].plane);
-    sampler.set_width(pieces_.width_rad[cut_][lane]);
-    sampler.visible(piece);
+    sampler.set_width(segments_.width_rad[cut_][lane]);
+    sampler.visible(segment);
   }
   ++cut_;
 }

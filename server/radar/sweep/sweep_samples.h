@@ -7,8 +7,8 @@
 
 namespace obliq {
 
-/// The sweep: no rays; vertical planes marched outwards, each visible piece of surface one sample or more. An
-/// azimuth bin is divided into columns of equal width, as many as make at least `pixel_columns` in the
+/// The sweep: no rays; vertical planes marched outwards, each visible segment of surface one sample or more.
+/// An azimuth bin is divided into columns of equal width, as many as make at least `pixel_columns` in the
 /// sector; a column lies in one bin. Columns that stand at the same place in their bins go together: first
 /// the buildings of one after the other, then the ground of all of them side by side.
 class SweepSamples : public SampleSource {

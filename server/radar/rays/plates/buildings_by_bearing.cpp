@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/geometry/silhouettes.h"
 #include "server/radar/simd/exact_math.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
@@ -16,9 +16,6 @@ constexpr double kTurn_rad = 2 * std::numbers::pi;
 constexpr std::size_t kBuildingsACell = 4;
 constexpr std::size_t kMostCells = 1024;
 
-/// Silhouettes are widened by this, far more than bearings are rounded by.
-constexpr double kSlack_rad = 1e-9;
-
 }  // namespace
 
 BuildingsByBearing::BuildingsByBearing(const FramePlan& plan, int azimuth_bin)
@@ -28,18 +25,17 @@ BuildingsByBearing::BuildingsByBearing(const FramePlan& plan, int azimuth_bin)
   centre_rad_ = plan.bins().azimuth_edge_rad(azimuth_bin + 0.5);
   cells_a_rad_ = static_cast<double>(cells_.size()) / plan.bins().azimuth_width_rad;
 
-  std::vector<Standing> sorted;
-  for (const std::uint32_t b : buildings) sorted.push_back(standing(b));
-  std::sort(sorted.begin(), sorted.end(), [](const Standing& p, const Standing& q) {
+  std::vector<BuildingBounds> sorted;
+  for (const std::uint32_t b : buildings) sorted.push_back(silhouette_of(all_, sector_, b));
+  std::sort(sorted.begin(), sorted.end(), [](const BuildingBounds& p, const BuildingBounds& q) {
     return p.near_m != q.near_m ? p.near_m < q.near_m : p.building < q.building;
   });
   const double last = static_cast<double>(cells_.size()) - 1;
-  for (const Standing& here : sorted) {
-    const Silhouette seen = silhouette_of(all_, sector_, here.building);
-    // A silhouette may lie beyond half a turn, and the bin's centre elsewhere.
+  for (const BuildingBounds& here : sorted) {
+    // A building may lie beyond half a turn, and the bin's centre elsewhere.
     for (int turn = -1; turn <= 1; ++turn) {
-      const double from = cell_number(seen.from_rad - kSlack_rad + turn * kTurn_rad);
-      const double to = cell_number(seen.to_rad + kSlack_rad + turn * kTurn_rad);
+      const double from = cell_number(here.from_rad - kMargin_rad + turn * kTurn_rad);
+      const double to = cell_number(here.to_rad + kMargin_rad + turn * kTurn_rad);
       if (!(from <= last && to >= 0)) continue;
       const auto first_cell = static_cast<std::size_t>(std::max(0.0, from));
       const auto last_cell = static_cast<std::size_t>(std::min(last, to));
@@ -51,24 +47,6 @@ BuildingsByBearing::BuildingsByBearing(const FramePlan& plan, int azimuth_bin)
       }
     }
   }
-}
-
-/// The farthest corner bounds the outline; the nearest point of an edge may be nearer than its corners.
-BuildingsByBearing::Standing BuildingsByBearing::standing(std::uint32_t building) const {
-  const std::uint32_t ring = all_.list[building].first_ring;
-  double nearest = HUGE_VAL;
-  double farthest = 0;
-  double longest_edge = 0;
-  std::uint32_t last = all_.ring_start[ring + 1] - 1;
-  for (std::uint32_t k = all_.ring_start[ring]; k < all_.ring_start[ring + 1]; last = k++) {
-    const glm::dvec2 corner(all_.ring_xz_m[k]);
-    const double d = std::hypot(corner.x - sector_.antenna_m.x, corner.y - sector_.antenna_m.z);
-    nearest = std::min(nearest, d);
-    farthest = std::max(farthest, d);
-    const glm::dvec2 before(all_.ring_xz_m[last]);
-    longest_edge = std::max(longest_edge, std::hypot(corner.x - before.x, corner.y - before.y));
-  }
-  return {std::max(0.0, nearest - longest_edge / 2), farthest, building};
 }
 
 /// Not clamped: in doubles, a narrow bin makes numbers that fit no integer.
@@ -87,14 +65,14 @@ const BuildingsByBearing::Cell& BuildingsByBearing::cell(double sin_bearing, dou
 }
 
 void BuildingsByBearing::add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
-                                       std::vector<RoofStretch>& stretches) const {
+                                       std::vector<RoofSpan>& stretches) const {
   const Cell& here = cell(sin_bearing, cos_bearing);
   auto at = std::lower_bound(here.buildings.begin(), here.buildings.end(), from_m - here.longest_m,
-                             [](const Standing& standing, double d) { return standing.near_m < d; });
+                             [](const BuildingBounds& bounds, double d) { return bounds.near_m < d; });
   for (; at != here.buildings.end() && at->near_m <= to_m; ++at)
     if (at->far_m >= from_m)
-      add_roof_stretches(all_, at->building, sector_.antenna_m.x, sector_.antenna_m.z, sin_bearing,
-                         cos_bearing, stretches);
+      add_roof_spans(all_, at->building, sector_.antenna_m.x, sector_.antenna_m.z, sin_bearing, cos_bearing,
+                     stretches);
 }
 
 }  // namespace obliq

@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile/local_surface.h"
+#include "server/radar/geometry/silhouettes.h"
+#include "server/radar/profile/local_sight.h"
 
 namespace obliq {
 
@@ -16,7 +17,7 @@ class BuildingsByBearing {
   /// Appends the roof stretches of the plane along a world direction, those of all buildings that it can meet
   /// between two distances, the nearest building first.
   void add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
-                     std::vector<RoofStretch>& stretches) const;
+                     std::vector<RoofSpan>& stretches) const;
 
   /// How many buildings are looked at for a direction, whatever their distance.
   std::size_t candidates(double sin_bearing, double cos_bearing) const {
@@ -24,19 +25,12 @@ class BuildingsByBearing {
   }
 
  private:
-  /// A building as the distances between which a plane can meet it.
-  struct Standing {
-    double near_m = 0;
-    double far_m = 0;
-    std::uint32_t building = 0;
-  };
   /// A stretch of bearings.
   struct Cell {
-    std::vector<Standing> buildings;  // by near_m
+    std::vector<BuildingBounds> buildings;  // by near_m
     double longest_m = 0;
   };
 
-  Standing standing(std::uint32_t building) const;
   double cell_number(double offset_rad) const;
   const Cell& cell(double sin_bearing, double cos_bearing) const;
 

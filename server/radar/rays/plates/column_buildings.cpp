@@ -9,9 +9,9 @@ namespace {
 /// Wider columns than 5 degrees are not divided: tangents stand for angles here.
 constexpr double kWidest_rad = 0.0873;
 
-/// A strand is at most this many range bins wide on the ground, so that a wall across the line of sight falls
-/// into the right bins all along, and no strand is cut into more than kMostParts for it.
-constexpr double kStrand_bins = 0.5;
+/// A sub-column is at most this many range bins wide on the ground, so that a wall across the line of sight
+/// falls into the right bins all along, and no sub-column is cut into more than kMostParts for it.
+constexpr double kSubColumn_bins = 0.5;
 constexpr int kMostParts = 4;
 
 }  // namespace
@@ -54,9 +54,9 @@ ColumnBuildings::ColumnBuildings(const FramePlan& plan, int azimuth_bin, double 
   }
 }
 
-void ColumnBuildings::strands_between(double low_slope, double high_slope, double range_spacing_m,
-                                      std::vector<SubColumn>& strands) const {
-  strands.clear();
+void ColumnBuildings::sub_columns_between(double low_slope, double high_slope, double range_spacing_m,
+                                          std::vector<SubColumn>& sub_columns) const {
+  sub_columns.clear();
   between_.clear();
   cuts_.clear();
   nearest_between_m_ = HUGE_VAL;
@@ -75,13 +75,13 @@ void ColumnBuildings::strands_between(double low_slope, double high_slope, doubl
     if (!(width > 0)) continue;
     const double on_ground_m = width * width_rad_ * nearest_between_m_;
     const int parts = static_cast<int>(
-        std::clamp(std::ceil(on_ground_m / (kStrand_bins * range_spacing_m)), 1.0, double{kMostParts}));
+        std::clamp(std::ceil(on_ground_m / (kSubColumn_bins * range_spacing_m)), 1.0, double{kMostParts}));
     for (int part = 0; part < parts; ++part) {
       const double middle = cuts_[k] + width * (part + 0.5) / parts;
       const double across = (middle - 0.5) * width_rad_;
       const double over_length = 1 / std::sqrt(1 + across * across);
-      strands.push_back({(sin_bearing_ + across * cos_bearing_) * over_length,
-                         (cos_bearing_ - across * sin_bearing_) * over_length, width / parts});
+      sub_columns.push_back({(sin_bearing_ + across * cos_bearing_) * over_length,
+                             (cos_bearing_ - across * sin_bearing_) * over_length, width / parts});
     }
   }
 }

@@ -6,25 +6,25 @@
 
 namespace obliq {
 
-/// A stretch of a column's width in which no building has a corner, as the vertical plane at its middle.
+/// A part of a column's width in which no building has a corner, as the vertical plane at its middle.
 struct SubColumn {
   double sin_bearing = 0;
   double cos_bearing = 1;
-  double weight = 1;  ///< of the column's width; the strands' weights add up to 1
+  double weight = 1;  ///< of the column's width; all weights add up to 1
 };
 
 /// The buildings that reach into a column of pixels, by elevation. A building is often narrower than the
-/// column at its distance, and the plane in the column's middle meets all of it or nothing; cut at its
-/// corners, the column gives it the share of the light that it has.
+/// column at its distance, and the plane in the column's middle meets all of it or none; sub-columns, cut at
+/// its corners, give it its share of the light.
 class ColumnBuildings {
  public:
   ColumnBuildings() = default;
   ColumnBuildings(const FramePlan& plan, int azimuth_bin, double sin_bearing, double cos_bearing,
                   double width_rad);
 
-  /// The strands for elevations between two slopes; none where no building is. Kept until the next call.
-  void strands_between(double low_slope, double high_slope, double range_spacing_m,
-                       std::vector<SubColumn>& strands) const;
+  /// The sub-columns for elevations between two slopes; none where no building is. Kept until the next call.
+  void sub_columns_between(double low_slope, double high_slope, double range_spacing_m,
+                           std::vector<SubColumn>& sub_columns) const;
   /// The buildings of the last call, rising, and how near the nearest of them is.
   const std::vector<std::uint32_t>& between() const { return between_; }
   double nearest_between_m() const { return nearest_between_m_; }

@@ -36,8 +36,8 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
   const auto at = static_cast<std::size_t>(number - first_column_);
   while (columns_.size() <= at) columns_.emplace_back();
   Column& found = columns_[at];
-  if (!found.aimed) {
-    found.aimed = true;
+  if (!found.begun) {
+    found.begun = true;
     found.azimuth_bin = rays.azimuth_bin[k];
     const double offset = plan_.bins().azimuth_start_rad +
                           (number + 0.5) * plan_.sector().width_rad / plan_.settings().pixel_columns;
@@ -47,9 +47,8 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
     found.cos_bearing = ahead.z;
     const glm::dvec3& antenna = plan_.sector().antenna_m;
     for (const std::uint32_t b : plan_.buildings_in(found.azimuth_bin))
-      add_roof_stretches(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z,
-                         found.roofs);
-    make_disjoint(found.roofs);
+      add_roof_spans(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z, found.roofs);
+    found.roofs = disjoint_roofs(found.roofs);
     found.buildings = ColumnBuildings(plan_, found.azimuth_bin, ahead.x, ahead.z,
                                       plan_.sector().width_rad / plan_.settings().pixel_columns);
   }
@@ -83,7 +82,7 @@ void ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_
     if (next.hit) {
       visible_.clear();
       walk_in(surface_, next.point, edge, 0, visible_);
-      for (const PlanePiece& piece : visible_) next.plate.add(plan_.bins(), piece);
+      for (const SurfaceSegment& segment : visible_) next.plate.add(plan_.bins(), segment);
     }
   }
   std::swap(last, next);
@@ -92,28 +91,29 @@ void ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_
 /// What is visible between two neighbouring rays: in the column's own plane, or, where buildings stand, in a
 /// plane for each stretch of the column between their corners.
 void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope) {
-  column.buildings.strands_between(below.point.slope, above.point.slope, plan_.bins().range_spacing_m,
-                                   strands_);
-  if (strands_.empty()) {
+  column.buildings.sub_columns_between(below.point.slope, above.point.slope, plan_.bins().range_spacing_m,
+                                       sub_columns_);
+  if (sub_columns_.empty()) {
     walk_between(below.point, above.point, above.point.d_m, 1, edge_slope, below.plate, above.plate);
     return;
   }
   const Buildings& all = plan_.scene().world().buildings;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  for (const SubColumn& strand : strands_) {
-    strand_roofs_.clear();
+  for (const SubColumn& sub_column : sub_columns_) {
+    sub_column_roofs_.clear();
     for (const std::uint32_t b : column.buildings.between())
-      add_roof_stretches(all, b, antenna.x, antenna.z, strand.sin_bearing, strand.cos_bearing, strand_roofs_);
-    make_disjoint(strand_roofs_);
-    surface_.aim(strand.sin_bearing, strand.cos_bearing, strand_roofs_);
-    // The building may stand nearer than what the lower ray met beside it.
+      add_roof_spans(all, b, antenna.x, antenna.z, sub_column.sin_bearing, sub_column.cos_bearing,
+                     sub_column_roofs_);
+    sub_column_roofs_ = disjoint_roofs(sub_column_roofs_);
+    surface_.aim(sub_column.sin_bearing, sub_column.cos_bearing, sub_column_roofs_);
+    // The building may stand nearer than what the lower ray hit beside it.
     SightPoint from = below.point;
     if (column.buildings.nearest_between_m() < from.d_m) {
       from.d_m = column.buildings.nearest_between_m();
       from.h_m = from.slope * from.d_m;
     }
-    // What the upper ray met need not be there, so the walk may have to go beyond it.
-    walk_between(from, above.point, kInfinity, strand.weight, edge_slope, below.plate, above.plate);
+    // What the upper ray hit need not be there, so the walk may have to go beyond it.
+    walk_between(from, above.point, kInfinity, sub_column.weight, edge_slope, below.plate, above.plate);
   }
   surface_.aim(column.sin_bearing, column.cos_bearing, column.roofs);
 }
@@ -121,23 +121,23 @@ void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above
 void ColumnPlates::walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,
                                 double edge_slope, Plate& below, Plate& above) {
   visible_.clear();
-  const double answered = walk_out(surface_, from, to.slope, to_d_m, visible_);
-  if (answered < to.slope) walk_in(surface_, to, answered, from.d_m, visible_);
-  for (const PlanePiece& piece : visible_) share_out(piece, weight, edge_slope, below, above);
+  const double seen_to = walk_out(surface_, from, to.slope, to_d_m, visible_);
+  if (seen_to < to.slope) walk_in(surface_, to, seen_to, from.d_m, visible_);
+  for (const SurfaceSegment& segment : visible_) share_out(segment, weight, edge_slope, below, above);
 }
 
-/// Splits a piece at the elevation between two pixels.
-void ColumnPlates::share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below,
+/// Splits a segment at the elevation between two pixels.
+void ColumnPlates::share_out(const SurfaceSegment& segment, double weight, double edge_slope, Plate& below,
                              Plate& above) const {
-  const double low = piece.near_slope;
-  const double high = piece.far_slope;
+  const double low = segment.near_slope;
+  const double high = segment.far_slope;
   if (high <= edge_slope) {
-    below.add(plan_.bins(), piece, weight);
+    below.add(plan_.bins(), segment, weight);
   } else if (low >= edge_slope) {
-    above.add(plan_.bins(), piece, weight);
+    above.add(plan_.bins(), segment, weight);
   } else {
-    below.add(plan_.bins(), piece.between_slopes(low, edge_slope), weight);
-    above.add(plan_.bins(), piece.between_slopes(edge_slope, high), weight);
+    below.add(plan_.bins(), segment.between_slopes(low, edge_slope), weight);
+    above.add(plan_.bins(), segment.between_slopes(edge_slope, high), weight);
   }
 }
 
@@ -147,7 +147,7 @@ void ColumnPlates::close_upwards(Column& column, std::vector<Sample>& samples) {
     visible_.clear();
     walk_out(surface_, column.last.point, edge_slope_[static_cast<std::size_t>(column.last.row) + 1],
              kInfinity, visible_);
-    for (const PlanePiece& piece : visible_) column.last.plate.add(plan_.bins(), piece);
+    for (const SurfaceSegment& segment : visible_) column.last.plate.add(plan_.bins(), segment);
   }
   close(column, samples);
 }
@@ -161,7 +161,7 @@ void ColumnPlates::close(Column& column, std::vector<Sample>& samples) {
 
 void ColumnPlates::finish(std::vector<Sample>& samples) {
   for (Column& column : columns_) {
-    if (!column.aimed) continue;
+    if (!column.begun) continue;
     surface_.aim(column.sin_bearing, column.cos_bearing, column.roofs);
     close_upwards(column, samples);
   }

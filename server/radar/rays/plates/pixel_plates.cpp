@@ -13,13 +13,13 @@ constexpr double kReach_cells = 64;
 
 }  // namespace
 
-PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile)
+PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile)
     : plan_(plan), range_(range), profile_(profile), surface_(plan.scene().world(), plan.sector().antenna_m) {
   if (plan.camera().kind == FrustumKind::symmetric) {
     sin_pitch_ = std::sin(plan.camera().pitch_rad);
     cos_pitch_ = std::cos(plan.camera().pitch_rad);
   }
-  for (int bin = range.first; bin < range.first + range.count; ++bin) fans_.emplace_back(plan, bin);
+  for (int bin = range.first; bin < range.first + range.count; ++bin) buildings_.emplace_back(plan, bin);
 }
 
 /// Half of the pixel's extent in slope, up / sqrt(X^2 + ahead^2), in its own vertical plane: the root of the
@@ -55,14 +55,14 @@ void PixelPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_t
     const double half = half_extent(rays.pixel[k]);
     const double reach_m = kReach_cells * plan_.scene().world().grid.cell_m;
     roofs_.clear();
-    fans_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)].add_stretches(
+    buildings_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)].add_stretches(
         point.d_m - reach_m, point.d_m + reach_m, sin_bearing, cos_bearing, roofs_);
-    if (!roofs_.empty()) make_disjoint(roofs_);
+    if (!roofs_.empty()) roofs_ = disjoint_roofs(roofs_);
     surface_.aim(sin_bearing, cos_bearing, roofs_);
     visible_.clear();
     walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);
     walk_in(surface_, point, point.slope - half, point.d_m - reach_m, visible_);
-    for (const PlanePiece& piece : visible_) plate_.add(bins, piece);
+    for (const SurfaceSegment& segment : visible_) plate_.add(bins, segment);
     plate_.drop_hidden(profile_.whole_marks(rays.azimuth_bin[k]).visible, bins.range_bin(range_m));
   }
   emit_plate(plan_, plate_, sample_at_hit(bins, rays, hits, k), sin_bearing, cos_bearing, samples);

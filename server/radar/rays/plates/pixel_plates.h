@@ -5,15 +5,15 @@
 
 namespace obliq {
 
-class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
 /// Plates of the symmetric and the oblique frustum. Neighbouring pixels lie in different vertical planes, so
 /// each plate is walked on its own: from its hit outwards and inwards to the pixel's edges, as they lie in
-/// the ray's plane. What stands far in front is not met by so short a walk; no light goes to range bins that
-/// the profiles of the azimuth bin call hidden.
+/// the ray's plane. So short a walk misses what stands far in front: no light goes to range bins that the
+/// profiles of the azimuth bin call hidden.
 class PixelPlates : public PlateSource {
  public:
-  PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile);
+  PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile);
   void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
               std::vector<Sample>& samples) override;
   void finish(std::vector<Sample>&) override {}
@@ -23,11 +23,11 @@ class PixelPlates : public PlateSource {
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  WedgeProfile& profile_;
-  std::vector<BuildingsByBearing> fans_;  // [range.count]
-  PlaneSurface surface_;
-  std::vector<RoofStretch> roofs_;
-  std::vector<PlanePiece> visible_;
+  WedgeVisibility& profile_;
+  std::vector<BuildingsByBearing> buildings_;  // [range.count]
+  LocalSurface surface_;
+  std::vector<RoofSpan> roofs_;
+  std::vector<SurfaceSegment> visible_;
   Plate plate_;
   double sin_pitch_ = 1;
   double cos_pitch_ = 0;

@@ -23,28 +23,28 @@ Plate::End Plate::end_at(const BinGrid& bins, double d_m, double h_m) const {
   return {d_m, h_m, r, h_m / r, bin_or_outside(bins, r)};
 }
 
-void Plate::add(const BinGrid& bins, const PlanePiece& piece, double weight) {
+void Plate::add(const BinGrid& bins, const SurfaceSegment& segment, double weight) {
   weight_ = weight;
-  const double dd = piece.far_d_m - piece.near_d_m;
-  const double dh = piece.far_h_m - piece.near_h_m;
-  const double along = -(piece.near_d_m * dd + piece.near_h_m * dh);
+  const double dd = segment.far_d_m - segment.near_d_m;
+  const double dh = segment.far_h_m - segment.near_h_m;
+  const double along = -(segment.near_d_m * dd + segment.near_h_m * dh);
   const double length2 = dd * dd + dh * dh;
-  const End from = end_at(bins, piece.near_d_m, piece.near_h_m);
-  const End to = end_at(bins, piece.far_d_m, piece.far_h_m);
+  const End from = end_at(bins, segment.near_d_m, segment.near_h_m);
+  const End to = end_at(bins, segment.far_d_m, segment.far_h_m);
   if (!(from.range_m > 0 && to.range_m > 0)) return;
   if (along > 0 && along < length2) {
     const double t = along / length2;
-    const End foot = end_at(bins, piece.near_d_m + t * dd, piece.near_h_m + t * dh);
+    const End foot = end_at(bins, segment.near_d_m + t * dd, segment.near_h_m + t * dh);
     if (!(foot.range_m > 0)) return;
-    add_monotone(bins, piece, from, foot);
-    add_monotone(bins, piece, foot, to);
+    add_monotone(bins, segment, from, foot);
+    add_monotone(bins, segment, foot, to);
   } else {
-    add_monotone(bins, piece, from, to);
+    add_monotone(bins, segment, from, to);
   }
   end_ = to;
 }
 
-void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to) {
+void Plate::add_monotone(const BinGrid& bins, const SurfaceSegment& segment, const End& from, const End& to) {
   End last = from;
   if (from.bin != to.bin) {
     // Where |A + t D| = R: t = foot +- sqrt(R^2 - |A|^2 + foot^2 |D|^2) / |D|.
@@ -60,28 +60,28 @@ void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, const End
       const double t = std::clamp(foot + step * root, 0.0, 1.0);
       const double h_cut = from.h_m + t * dh;
       const End cut{from.d_m + t * dd, h_cut, edge_m, h_cut / edge_m, bin};
-      add_part(bin, piece, last, cut);
+      add_part(bin, segment, last, cut);
       last = cut;
     }
   }
-  add_part(to.bin, piece, last, to);
+  add_part(to.bin, segment, last, to);
 }
 
-void Plate::add_part(int bin, const PlanePiece& piece, const End& from, const End& to) {
+void Plate::add_part(int bin, const SurfaceSegment& segment, const End& from, const End& to) {
   const double share = weight_ * (to.sine - from.sine);
   if (!(share > 0)) return;
   const double d = (from.d_m + to.d_m) / 2;
   const double h = (from.h_m + to.h_m) / 2;
   const double r2 = d * d + h * h;
   const double r = std::sqrt(r2);
-  const double cos_incidence = std::min(
-      1.0, std::abs(piece.normal_along * d + piece.normal_up * h) / std::sqrt(r2 * piece.normal_length2));
-  if (parts_.empty() || parts_.back().range_bin != bin || parts_.back().face != piece.face ||
-      parts_.back().material != piece.material) {
+  const double cos_incidence = std::min(1.0, std::abs(segment.normal_along * d + segment.normal_up * h) /
+                                                 std::sqrt(r2 * segment.normal_length2));
+  if (parts_.empty() || parts_.back().range_bin != bin || parts_.back().face != segment.face ||
+      parts_.back().material != segment.material) {
     PlatePart& part = parts_.emplace_back();
     part.range_bin = bin;
-    part.face = piece.face;
-    part.material = piece.material;
+    part.face = segment.face;
+    part.material = segment.material;
   }
   PlatePart& part = parts_.back();
   part.share += share;
@@ -105,7 +105,7 @@ void Plate::drop_hidden(const std::vector<std::uint8_t>& visible, int kept_bin) 
 const std::vector<PlatePart>& Plate::finish(double solid_angle_sr) {
   double sum = 0;
   for (const PlatePart& part : parts_) sum += part.share;
-  // What is left of a piece that only touches a bin's edge would put light into it by rounding alone.
+  // What is left of a segment that only touches a bin's edge would put light into it by rounding alone.
   std::erase_if(parts_, [&](const PlatePart& part) { return part.share < 1e-9 * sum; });
   sum = 0;
   for (const PlatePart& part : parts_) sum += part.share;

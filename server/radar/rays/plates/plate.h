@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile/local_surface.h"
+#include "server/radar/profile/local_sight.h"
 #include "server/radar/rays/ray_batch.h"
 #include "server/radar/samples.h"
 
@@ -38,10 +38,10 @@ class Plate {
     end_ = {};
   }
 
-  /// Adds a visible piece of the pixel's plane, cut at the edges of the range bins. A piece's range need not
-  /// be monotone: it is cut at the foot of the antenna's perpendicular too. `weight`: of the piece's plane
-  /// among those of the pixel.
-  void add(const BinGrid& bins, const PlanePiece& piece, double weight = 1);
+  /// Adds a visible segment of the pixel's plane, cut at the edges of the range bins. A segment's range need
+  /// not be monotone: it is cut at the foot of the antenna's perpendicular too. `weight`: of the segment's
+  /// plane among those of the pixel.
+  void add(const BinGrid& bins, const SurfaceSegment& segment, double weight = 1);
 
   /// The parts, their shares scaled to add up to `solid_angle_sr`. Empty when nothing was added.
   const std::vector<PlatePart>& finish(double solid_angle_sr);
@@ -60,11 +60,11 @@ class Plate {
   };
 
   End end_at(const BinGrid& bins, double d_m, double h_m) const;
-  void add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to);
-  void add_part(int bin, const PlanePiece& piece, const End& from, const End& to);
+  void add_monotone(const BinGrid& bins, const SurfaceSegment& segment, const End& from, const End& to);
+  void add_part(int bin, const SurfaceSegment& segment, const End& from, const End& to);
 
   double weight_ = 1;
-  End end_;  // where the last piece ended: mostly the next one begins there
+  End end_;  // where the last segment ended: mostly the next one begins there
   std::vector<PlatePart> parts_;
 };
 
