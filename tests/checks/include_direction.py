@@ -60,7 +60,7 @@ ALLOWED = {
     "server/loading": SERVER_CORE + ["server/truth", "server/accuracy", "server/control"],
     "server/frontier": TO_OUTPUT + ["server/loading"],
     "server/timing": TO_STREAM + ["client"],
-    "server/log": ["server/control/log_config"],
+    "server/log": ["server/control/sections/log"],
     "server/stream": TO_STREAM,
     "server/rendering": TO_RENDERING,
     "server/net": TO_NET,
