@@ -143,8 +143,8 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& sna
                                   settings.pixel_rows);
         if (plan->scene_->rays() == RayMethod::march)
           plan->swept_rays_ =
-              std::make_shared<const SweptRays>(*plan->scene_, plan->sector_.antenna_m, plan->polar_.ray,
-                                                std::numeric_limits<double>::infinity());
+              std::make_shared<const ProfileRays>(*plan->scene_, plan->sector_.antenna_m, plan->polar_.ray,
+                                                  std::numeric_limits<double>::infinity());
         break;
       case FrustumKind::sweep:
         break;

@@ -51,7 +51,7 @@ class FramePlan {
   const PerspectiveFrustum& camera() const { return camera_; }
   const PolarRows& polar() const { return polar_; }
   /// The polar frustum's rays in any column; where Embree traces them, there is none.
-  const SweptRays& swept_rays() const { return *swept_rays_; }
+  const ProfileRays& swept_rays() const { return *swept_rays_; }
   double wavelength_m() const { return wavelength_m_; }
   /// World angle of an azimuth position, in bins from the sector's left edge.
   double bearing_rad(double position) const { return sector_.bearing_rad + bins_.azimuth_edge_rad(position); }
@@ -85,7 +85,7 @@ class FramePlan {
   BinGrid bins_;
   PerspectiveFrustum camera_;
   PolarRows polar_;
-  std::shared_ptr<const SweptRays> swept_rays_;
+  std::shared_ptr<const ProfileRays> swept_rays_;
   double wavelength_m_;
   std::vector<std::vector<std::uint32_t>> buildings_by_azimuth_;
   std::shared_ptr<SeenBuildings> seen_;

@@ -100,7 +100,7 @@ class WedgeWork {
   SampleBatch samples_;
   WedgeBins bins_;
   Wedge wedge_;
-  std::optional<WedgeProfile> profile_;
+  std::optional<WedgeVisibility> profile_;
   std::unique_ptr<SampleSource> source_;
 };
 
@@ -123,7 +123,7 @@ FrameStats FrameSum::total() const {
 }
 
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
-                                                 WedgeProfile* profile) {
+                                                 WedgeVisibility* profile) {
   if (plan.settings().frustum == FrustumKind::sweep) return std::make_unique<SweepSamples>(plan, range);
   return std::make_unique<RaySamples>(plan, range, tap, profile);
 }

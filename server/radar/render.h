@@ -63,13 +63,13 @@ class FrameSum {
   std::vector<FrameStats> wedges_;
 };
 
-class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
 /// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks. `tap`
 /// may be null. So may `profile`, of the same azimuth bins: whoever needs it too hands it in, so that nothing
 /// is marched twice. All of them must outlive the source.
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range, SampleTap* tap,
-                                                 WedgeProfile* profile = nullptr);
+                                                 WedgeVisibility* profile = nullptr);
 
 /// Renders every wedge that overlaps `azimuths` and hands each to on_wedge. Returns false when stopped early;
 /// options.pause tells whether there is more to come.

@@ -10,10 +10,6 @@
 namespace obliq {
 namespace {
 
-/// As kGroundEdgeSlack_m for building triangles, in barycentric units; beyond an edge between two triangles
-/// of one face the plane is the same.
-constexpr double kFaceSlack = 1e-7;
-
 GroundTriangle<double> triangle_of(const HeightGrid& grid, int i, int j, bool upper) {
   return {grid,
           static_cast<double>(i),
@@ -107,7 +103,7 @@ std::optional<double> cross_building_triangle(const Buildings& buildings, std::u
   const double distance = glm::dot(outward, a) / approach;
   if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
   const glm::dvec3 p = distance * direction;
-  const double slack = -kFaceSlack * area2;
+  const double slack = -kFaceEdge * area2;
   const bool inside = glm::dot(glm::cross(b - a, p - a), outward) >= slack &&
                       glm::dot(glm::cross(c - b, p - b), outward) >= slack &&
                       glm::dot(glm::cross(a - c, p - c), outward) >= slack;
@@ -224,19 +220,6 @@ std::optional<ExactHit> refine_near(const World& world, const glm::dvec3& origin
     case RoughHit::Kind::none:
       break;
   }
-  return std::nullopt;
-}
-
-std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
-                                   const glm::dvec3& direction, const RoughHit& rough) {
-  if (auto hit = refine_near(world, origin_m, direction, rough)) return hit;
-  const auto rough_m = static_cast<double>(rough.distance_m);
-  if (rough.kind == RoughHit::Kind::ground)
-    return walk_ground(world, origin_m, direction, 0, rough_m + refinement_reach_m(world, rough_m));
-  if (rough.kind == RoughHit::Kind::building)
-    return cross_building(world,
-                          world.buildings.faces[world.buildings.triangle_face[rough.triangle]].building,
-                          origin_m, direction);
   return std::nullopt;
 }
 

@@ -35,11 +35,6 @@ double refinement_reach_m(const World& world, double rough_m);
 std::optional<ExactHit> cross_building(const World& world, std::uint32_t building, const glm::dvec3& origin_m,
                                        const glm::dvec3& direction);
 
-/// refine_near, and where that has no answer the first ground up to the rough hit, or the same building's
-/// nearest face: for callers that have a world and no scene.
-std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& origin_m,
-                                   const glm::dvec3& direction, const RoughHit& rough);
-
 /// The first triangle of the ground that the ray meets from above with distance in [from_m, to_m], found by
 /// walking the grid's cells in double precision. Slow and sure.
 std::optional<ExactHit> walk_ground(const World& world, const glm::dvec3& origin_m,

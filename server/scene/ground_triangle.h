@@ -1,12 +1,7 @@
 #pragma once
+#include "server/scene/tolerances.h"
 
 namespace obliq {
-
-/// How far outside its ground triangle, in x or z, a double point still counts as inside: a point on a shared
-/// edge must be inside at least one of its two triangles, whatever the rounding (2^-52 of coordinates up to
-/// 2^20 m, over a descent of a few thousandths, is below it). Not relative to the cell: beyond the edge the
-/// range is the wrong plane's, by this length times the change of slope over the descent.
-constexpr double kGroundEdgeSlack_m = 1e-7;
 
 /// One of the two triangles of a grid cell, as the plane y = y0 + slope_x (x - x0) + slope_z (z - z0). Real:
 /// double, or eight of them (server/radar/simd/lanes.h says why all is inlined).
@@ -43,7 +38,7 @@ struct GroundTriangle {
   [[gnu::always_inline]] Mask holds(Real x, Real z) const {
     const Real s = (x - west) / cell_m;
     const Real t = (z - south) / cell_m;
-    const Real slack = kGroundEdgeSlack_m / cell_m;
+    const Real slack = kGroundEdge_m / cell_m;
     const Mask in_upper = (s <= 1.0 + slack) & (t <= 1.0 + slack) & (s + t >= 1.0 - slack);
     const Mask in_lower = (s >= -slack) & (t >= -slack) & (s + t <= 1.0 + slack);
     return upper ? in_upper : in_lower;

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "server/scene/tolerances.h"
+
 namespace obliq {
 namespace {
-
-/// How deep inside a solid a hit must lie to prove a leak. Hits on a wall's foot or where buildings touch are
-/// on both surfaces, to rounding.
-constexpr double kProof_m = 1e-3;
 
 /// Distances at which the ray is over the grid; empty when from > to.
 struct OverGrid {
@@ -42,10 +40,10 @@ bool ends_below_ground(const Scene& scene, const glm::dvec3& origin, const glm::
     const double x = std::clamp(origin.x + distance * direction.x, grid.x0_m, grid.x1_m());
     const double z = std::clamp(origin.z + distance * direction.z, grid.z0_m, grid.z1_m());
     // False over unknown ground.
-    return grid.height_at_m(x, z) > origin.y + distance * direction.y + kProof_m;
+    return grid.height_at_m(x, z) > origin.y + distance * direction.y + kLeakDepth_m;
   };
-  const double sunk_m = (scene.tiles().lowest_m() - kProof_m - origin.y) / direction.y;
-  if (sunk_m >= over.from_m && sunk_m <= over.to_m && below(sunk_m + 2 * kProof_m / -direction.y))
+  const double sunk_m = (scene.tiles().lowest_m() - kLeakDepth_m - origin.y) / direction.y;
+  if (sunk_m >= over.from_m && sunk_m <= over.to_m && below(sunk_m + 2 * kLeakDepth_m / -direction.y))
     return true;
   return std::isfinite(over.to_m) && below(over.to_m);
 }
@@ -54,7 +52,7 @@ bool ends_below_ground(const Scene& scene, const glm::dvec3& origin, const glm::
 bool in_building(const Scene& scene, const glm::dvec3& p, std::uint32_t owner) {
   for (const std::uint32_t building : scene.building_index().near(p.x, p.z)) {
     if (building == owner) continue;
-    if (inside_building(scene.world().buildings, building, p.x, p.y, p.z, kProof_m)) return true;
+    if (inside_building(scene.world().buildings, building, p.x, p.y, p.z, kLeakDepth_m)) return true;
   }
   return false;
 }
@@ -64,8 +62,8 @@ bool is_buried(const Scene& scene, const ExactHit& hit) {
   if (hit.face == kNoFace) return ground_is_buried(scene, hit.position_m);
   const World& world = scene.world();
   const glm::dvec3& p = hit.position_m;
-  if (p.y < world.grid.height_at_m(p.x, p.z) - kProof_m) return true;
-  return in_building(scene, p + 2 * kProof_m * hit.normal, world.buildings.faces[hit.face].building);
+  if (p.y < world.grid.height_at_m(p.x, p.z) - kLeakDepth_m) return true;
+  return in_building(scene, p + 2 * kLeakDepth_m * hit.normal, world.buildings.faces[hit.face].building);
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ TEST(Plates, NoLightFallsIntoBinsThatEveryProfileCallsHidden) {
       int dark = 0;
       for (const PlateKind plates : {PlateKind::spread, PlateKind::nearest}) {
         const auto plan = plan_of(scene, settings_of(kind, plates, 256, 192));
-        WedgeProfile profile(*plan, {0, 64});
+        WedgeVisibility profile(*plan, {0, 64});
         const Frame frame =
             render(scene, test::snapshot(plan->settings()), plan->pose(), {0, 64}, RenderOptions{});
         dark = 0;

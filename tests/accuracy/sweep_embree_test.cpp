@@ -23,11 +23,11 @@ namespace {
 struct Seen {
   double low_rad;
   double high_rad;
-  VisiblePiece piece;
+  VisibleSegment piece;
 
   bool same_surface(const Seen& other) const {
-    const VisiblePiece& a = piece;
-    const VisiblePiece& b = other.piece;
+    const VisibleSegment& a = piece;
+    const VisibleSegment& b = other.piece;
     if (a.face != kNoFace || b.face != kNoFace) return a.face == b.face;
     return a.i == b.i && a.j == b.j && a.upper == b.upper;
   }
@@ -37,14 +37,14 @@ class Plane {
  public:
   Plane(const World& world, const glm::dvec3& antenna_m, double bearing_rad) {
     const SinCos bearing = sincos_turns(bearing_rad / (2 * M_PI));
-    std::vector<FootprintSpan> spans;
+    std::vector<RoofSpan> spans;
     for (std::uint32_t b = 0; b < world.buildings.list.size(); ++b)
-      footprint_spans(world.buildings, b, antenna_m.x, antenna_m.z, bearing.sin, bearing.cos, spans);
-    SweepPlane plane(world, antenna_m, bearing, 0, HUGE_VAL, {}, spans);
+      add_roof_spans(world.buildings, b, antenna_m.x, antenna_m.z, bearing.sin, bearing.cos, spans);
+    LineOfSight plane(world, antenna_m, bearing, 0, HUGE_VAL, {}, spans);
     plane.advance(HUGE_VAL, *this);
   }
 
-  void visible(const VisiblePiece& piece) {
+  void visible(const VisibleSegment& piece) {
     const auto elevation = [&](double t) { return std::atan2(piece.height_m(t), piece.ground_range_m(t)); };
     seen.push_back({elevation(piece.t0), elevation(piece.t1), piece});
   }
@@ -63,7 +63,7 @@ class Plane {
 bool same(const Seen* a, const Seen* b) { return a && b ? a->same_surface(*b) : a == b; }
 
 /// Where the ray at an elevation meets the piece's line: (d, h) = (A + t D), h = d tan(e).
-double range_m(const VisiblePiece& p, double elevation_rad) {
+double range_m(const VisibleSegment& p, double elevation_rad) {
   const double s = std::sin(elevation_rad);
   const double c = std::cos(elevation_rad);
   const double t = (p.d_m * s - p.h_m * c) / (p.rate_h * c - p.rate_d * s);
@@ -71,7 +71,7 @@ double range_m(const VisiblePiece& p, double elevation_rad) {
 }
 
 /// Whether a hit lies on the piece's triangle.
-bool on_triangle(const World& world, const VisiblePiece& piece, const ExactHit& hit) {
+bool on_triangle(const World& world, const VisibleSegment& piece, const ExactHit& hit) {
   if (piece.face != kNoFace || hit.face != kNoFace) return piece.face == hit.face;
   const double s = (hit.position_m.x - world.grid.node_x_m(piece.i)) / world.grid.cell_m;
   const double t = (hit.position_m.z - world.grid.node_z_m(piece.j)) / world.grid.cell_m;
@@ -95,12 +95,12 @@ struct Tally {
   double worst_m = 0;
 };
 
-/// The ray's surface in SweptRays' terms.
+/// The ray's surface in ProfileRays' terms.
 std::uint32_t surface_of(const World& world, const Seen* seen) {
-  if (!seen) return SweptRays::kNothing;
-  const VisiblePiece& piece = seen->piece;
+  if (!seen) return ProfileRays::kNothing;
+  const VisibleSegment& piece = seen->piece;
   return piece.face != kNoFace
-             ? SweptRays::kFace + piece.face
+             ? ProfileRays::kFace + piece.face
              : 2 * static_cast<std::uint32_t>(world.grid.index(piece.i, piece.j)) + (piece.upper ? 1 : 0);
 }
 
@@ -117,7 +117,7 @@ struct Answers {
     const SinCos bearing = sincos_turns(bearing_rad / (2 * M_PI));
     std::vector<SinCos> elevation;
     for (const double angle_rad : elevation_rad) elevation.push_back(sincos_turns(angle_rad / (2 * M_PI)));
-    SweptRays(scene, antenna_m, elevation, HUGE_VAL)
+    ProfileRays(scene, antenna_m, elevation, HUGE_VAL)
         .answer(std::span(&bearing, 1), buildings, slant_range_m, surface);
   }
 };
@@ -174,7 +174,7 @@ void compare(const test::RandomScene& random, const Scene& scene, test::Dice& di
       }
       const double mine_m = mine ? range_m(mine->piece, elevation[k]) : 0;
       const std::uint32_t answered =
-          answers.surface[k] == SweptRays::kUnder ? SweptRays::kNothing : answers.surface[k];
+          answers.surface[k] == ProfileRays::kUnder ? ProfileRays::kNothing : answers.surface[k];
       if (answered != surface_of(world, mine) ||
           std::abs(answers.slant_range_m[k] - mine_m) > 1e-9 * (1 + mine_m)) {
         if (++tally.unlike_pieces <= 5)

@@ -14,6 +14,7 @@
 
 #include "server/scene/embree_tracer.h"
 #include "server/scene/exact_hit.h"
+#include "tests/support/refine_hit.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
@@ -88,7 +89,7 @@ std::vector<std::uint8_t> own_answer(const World& world, const Survey& s) {
   tracer.trace(antenna, x.data(), y.data(), z.data(), static_cast<int>(x.size()), rough.data());
   for (std::size_t k = 0; k < x.size(); ++k) {
     const glm::dvec3 direction(x[k], y[k], z[k]);
-    auto hit = refine_hit(world, antenna, direction, rough[k]);
+    auto hit = test::refine_hit(world, antenna, direction, rough[k]);
     // Rays aimed exactly at vertices may slip through the mesh there: ask the slow walk.
     if (!hit) hit = walk_ground(world, antenna, direction, 0, distance[k]);
     // The post itself lies on the surface: what stops the ray within a metre of it is its own slope.

@@ -135,16 +135,16 @@ void BareTrace(benchmark::State& state) {
 void MarchedRays(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::polar);
   const int columns = plan->settings().pixel_columns;
-  const SweptRays rays(plan->scene(), plan->sector().antenna_m, plan->polar().ray, plan->bins().r_max_m);
+  const ProfileRays rays(plan->scene(), plan->sector().antenna_m, plan->polar().ray, plan->bins().r_max_m);
   const auto n = static_cast<std::size_t>(columns) * rays.rays();
   std::vector<double> slant_range_m(n);
   std::vector<std::uint32_t> surface(n);
   for (auto _ : state) {
     std::atomic<int> next{0};
     const auto run = [&] {
-      for (int first = next.fetch_add(SweptRays::kMostPlanes); first < columns;
-           first = next.fetch_add(SweptRays::kMostPlanes)) {
-        const int end = std::min(first + SweptRays::kMostPlanes, columns);
+      for (int first = next.fetch_add(ProfileRays::kMostProfiles); first < columns;
+           first = next.fetch_add(ProfileRays::kMostProfiles)) {
+        const int end = std::min(first + ProfileRays::kMostProfiles, columns);
         const auto share = [&](int column) { return (column + 0.5) / columns; };
         const auto bin = [&](int column) {
           return static_cast<int>(share(column) * plan->settings().azimuth_bins);
@@ -302,7 +302,7 @@ void Profiles(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::polar);
   for (auto _ : state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
-      benchmark::DoNotOptimize(WedgeProfile(*plan, range).whole_marks(range.first).visible.data());
+      benchmark::DoNotOptimize(WedgeVisibility(*plan, range).whole_marks(range.first).visible.data());
     });
   }
 }

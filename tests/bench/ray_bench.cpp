@@ -27,6 +27,7 @@
 #include "server/radar/render.h"
 #include "server/radar/samples.h"
 #include "terrain/base/errors.h"
+#include "tests/support/refine_hit.h"
 
 namespace obliq {
 namespace {
@@ -155,7 +156,7 @@ class MeshNumbers {
     const HeightGrid& grid = world_.grid;
     if (hit.kind == RoughHit::Kind::none) return kNone;
     if (hit.kind == RoughHit::Kind::building) return 2 * known_cells_ + hit.triangle;
-    const auto exact = refine_hit(world_, antenna_m, direction, hit);
+    const auto exact = test::refine_hit(world_, antenna_m, direction, hit);
     if (!exact) return kNone;
     const double u = (exact->position_m.x - grid.x0_m) / grid.cell_m;
     const double v = (exact->position_m.z - grid.z0_m) / grid.cell_m;

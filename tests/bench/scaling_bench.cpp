@@ -237,19 +237,19 @@ Json limits(int repeats) {
     }
     // One ray above everything: the march goes through all cells and answers nothing.
     const SinCos up{std::sin(1.5), std::cos(1.5)};
-    const SweptRays march(*scene, sector.antenna_m, std::span(&up, 1), setup.range_m);
+    const ProfileRays march(*scene, sector.antenna_m, std::span(&up, 1), setup.range_m);
     const double march_s = least_seconds(repeats, [&] {
       on_threads(kThreads, [&](int t) {
-        double range_m[SweptRays::kMostPlanes];
-        std::uint32_t surface[SweptRays::kMostPlanes];
-        for (std::size_t k = SweptRays::kMostPlanes * static_cast<std::size_t>(t); k < bearings.size();
-             k += SweptRays::kMostPlanes * kThreads)
-          march.answer(std::span(bearings).subspan(k, SweptRays::kMostPlanes), {}, range_m, surface);
+        double range_m[ProfileRays::kMostProfiles];
+        std::uint32_t surface[ProfileRays::kMostProfiles];
+        for (std::size_t k = ProfileRays::kMostProfiles * static_cast<std::size_t>(t); k < bearings.size();
+             k += ProfileRays::kMostProfiles * kThreads)
+          march.answer(std::span(bearings).subspan(k, ProfileRays::kMostProfiles), {}, range_m, surface);
       });
     });
     struct Count {
       std::int64_t cells = 0;
-      void ground(const GroundPiece&) {}
+      void ground(const GroundSegment&) {}
       void gap(double, double) {}
       bool enough() {
         ++cells;

@@ -6,6 +6,7 @@
 
 #include "server/scene/exact_hit.h"
 #include "tests/support/made_worlds.h"
+#include "tests/support/refine_hit.h"
 #include "tests/support/samplings.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
@@ -84,7 +85,7 @@ TEST(HardGrazing, RangesAtAThousandthOfADegreeAreThoseOfThePlane) {
       const glm::dvec3 d(std::cos(e) * std::sin(b), std::sin(e), std::cos(e) * std::cos(b));
       RoughHit rough;
       scene->tracer().trace(antenna, &d.x, &d.y, &d.z, 1, &rough);
-      const auto hit = refine_hit(scene->world(), antenna, d, rough);
+      const auto hit = test::refine_hit(scene->world(), antenna, d, rough);
       if (!hit) continue;
       ++hits;
       const double exact_m = 0.5 / -std::sin(e);
@@ -146,7 +147,7 @@ TEST(HardGrazing, RaysTangentToTheSphereAreFiniteWhateverTheyMeet) {
     RoughHit rough;
     scene->tracer().trace(antenna, &d.x, &d.y, &d.z, 1, &rough);
     ++rays;
-    const auto hit = refine_hit(scene->world(), antenna, d, rough);
+    const auto hit = test::refine_hit(scene->world(), antenna, d, rough);
     if (off > 2e-5) {
       EXPECT_FALSE(hit) << "above the horizon by " << off;
     }
@@ -232,7 +233,7 @@ TEST(HardGrazing, IncidenceAlongTheNormalIsExactlyOneAndNeverAbove) {
     const glm::dvec3 d = -normal;
     RoughHit rough;
     scene->tracer().trace(antenna, &d.x, &d.y, &d.z, 1, &rough);
-    const auto hit = refine_hit(scene->world(), antenna, d, rough);
+    const auto hit = test::refine_hit(scene->world(), antenna, d, rough);
     ASSERT_TRUE(hit) << k;
     EXPECT_LE(hit->cos_incidence, 1);
     EXPECT_NEAR(hit->cos_incidence, 1, 4e-16);  // two roundings of a product and one of a root

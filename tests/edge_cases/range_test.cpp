@@ -12,6 +12,7 @@
 #include "server/radar/render.h"
 #include "server/scene/exact_hit.h"
 #include "tests/support/made_worlds.h"
+#include "tests/support/refine_hit.h"
 #include "tests/support/samplings.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
@@ -74,7 +75,7 @@ TEST(HardRange, AtFortyKilometresIsWithinAMicrometreOfTheClosedFormAndEmbreesFlo
     for (const Ray& ray : rays) {
       RoughHit rough;
       scene->tracer().trace(antenna, &ray.direction.x, &ray.direction.y, &ray.direction.z, 1, &rough);
-      const auto hit = refine_hit(scene->world(), antenna, ray.direction, rough);
+      const auto hit = test::refine_hit(scene->world(), antenna, ray.direction, rough);
       if (!hit) continue;
       ++hits;
       const Exact truth = exact_range_m(ray);

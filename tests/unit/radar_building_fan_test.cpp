@@ -47,10 +47,10 @@ std::shared_ptr<const FramePlan> plan_of(const std::shared_ptr<const Scene>& sce
 using Stretch = std::tuple<std::uint32_t, double, double, std::uint32_t>;
 
 /// The stretches that reach into the distances from..to, sorted.
-std::vector<Stretch> within(const std::vector<RoofStretch>& stretches, double from_m, double to_m) {
+std::vector<Stretch> within(const std::vector<RoofSpan>& stretches, double from_m, double to_m) {
   std::vector<Stretch> found;
-  for (const RoofStretch& s : stretches)
-    if (s.far_m >= from_m && s.near_m <= to_m) found.emplace_back(s.building, s.near_m, s.far_m, s.near_wall);
+  for (const RoofSpan& s : stretches)
+    if (s.far_m >= from_m && s.near_m <= to_m) found.emplace_back(s.building, s.near_m, s.far_m, s.wall);
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -73,11 +73,11 @@ TEST(BuildingFan, FindsWhatAllBuildingsOfTheBinHave) {
       for (int k = 0; k <= 400; ++k) {  // the bin's edges are among them
         const double offset = plan->bins().azimuth_edge_rad(bin + k / 400.0);
         const glm::dvec3 to = plan->sector().world_from_antenna(std::sin(offset), 0, std::cos(offset));
-        std::vector<RoofStretch> all;
+        std::vector<RoofSpan> all;
         for (const std::uint32_t b : plan->buildings_in(bin))
-          add_roof_stretches(scene->world().buildings, b, antenna.x, antenna.z, to.x, to.z, all);
+          add_roof_spans(scene->world().buildings, b, antenna.x, antenna.z, to.x, to.z, all);
         for (const double from_m : {0.0, 700.0, 2500.0}) {
-          std::vector<RoofStretch> found;
+          std::vector<RoofSpan> found;
           fan.add_stretches(from_m, from_m + 1000, to.x, to.z, found);
           EXPECT_EQ(within(found, from_m, from_m + 1000), within(all, from_m, from_m + 1000))
               << c.sector_deg << " degrees, bin " << bin << " of " << c.bins << ", offset " << offset;

@@ -119,13 +119,14 @@ struct Rays {
     from.push_back(0);
     range.push_back(0);
   }
-  void cast(const LaneKernels& kernels, const HeightGrid& grid, const glm::dvec3& antenna,
+  void cast(const Kernels& kernels, const HeightGrid& grid, const glm::dvec3& antenna,
             int most_cells = 1 << 20) {
     float lowest_m = HUGE_VALF;
     for (const float height : grid.y_m) lowest_m = height < lowest_m ? height : lowest_m;
-    kernels.cast_ground(ground_view(grid, antenna), {order.data(), static_cast<int>(order.size()), most_cells,
-                                                     1e8, static_cast<double>(lowest_m) - antenna.y, x.data(),
-                                                     y.data(), z.data(), from.data(), range.data()});
+    kernels.first_hits_on_ground(
+        ground_view(grid, antenna),
+        {order.data(), static_cast<int>(order.size()), most_cells, 1e8,
+         static_cast<double>(lowest_m) - antenna.y, x.data(), y.data(), z.data(), from.data(), range.data()});
   }
 };
 
@@ -138,7 +139,7 @@ TEST(CastGround, GivesTheSameBitsInAllInstructionSetsAndMeetsWhatTheWalkMeets) {
   rays.add({0, -1, 0});
   rays.add(glm::normalize(glm::dvec3(1e-312, -0.4, 0.5)));
   std::vector<double> first;
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     SCOPED_TRACE(kernels.name);
     std::fill(rays.from.begin(), rays.from.end(), 0.0);
     rays.cast(kernels, world.grid, antenna);
@@ -159,14 +160,14 @@ TEST(CastGround, GivesTheSameBitsInAllInstructionSetsAndMeetsWhatTheWalkMeets) {
 TEST(CastGround, ATiredRayGoesOnFromWhereItHasCome) {
   const World world = load_world(test::synthetic_spec(SyntheticKind::flat, 5000, 25));
   const glm::dvec3 antenna{10, 100, -20};
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     Rays rays;
     rays.add(glm::normalize(glm::dvec3(0, -0.05, 1)));
     int turns = 0;
     do {
       rays.cast(kernels, world.grid, antenna, 24);
       ++turns;
-    } while (rays.range[0] == CastRays::kTired);
+    } while (rays.range[0] == FreeRays::kOutOfSteps);
     EXPECT_NEAR(rays.range[0], 100 / std::sin(std::atan(0.05)), 1e-7);
     EXPECT_EQ(turns, 4);  // 2000 m in cells of 25 m
   }
@@ -190,7 +191,7 @@ TEST(CastGround, ARayThatPassesUnderTheEdgeOfAVoidMeetsWhatItNextSeesFromAbove) 
   const auto expected = walk_ground(world, antenna, direction, 0, 1e6);
   ASSERT_TRUE(expected);
   EXPECT_GT(expected->slant_range_m, 800);
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     Rays rays;
     rays.add(direction);
     rays.cast(kernels, grid, antenna);

@@ -42,7 +42,7 @@ class HitLanes : public testing::Test {
     }
   }
 
-  std::unique_ptr<GroundHits> answer(HitKernel kernel) const {
+  std::unique_ptr<GroundHits> answer(decltype(Kernels::refine_ground_hits) kernel) const {
     auto hits = std::make_unique<GroundHits>();
     kernel({ground_view(world_.grid, antenna_m_), kRays, dir_x_.data(), dir_y_.data(), dir_z_.data(),
             rough_m_.data()},
@@ -59,7 +59,7 @@ class HitLanes : public testing::Test {
 };
 
 TEST_F(HitLanes, GiveTheBitsOfOneRayAtATimeOrNoAnswer) {
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     SCOPED_TRACE(kernels.name);
     const auto hits = answer(kernels.meet_ground);
     int answered = 0;
@@ -85,7 +85,7 @@ TEST_F(HitLanes, GiveTheBitsOfOneRayAtATimeOrNoAnswer) {
 }
 
 TEST_F(HitLanes, LeaveWhatMetNoGround) {
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     SCOPED_TRACE(kernels.name);
     const auto hits = answer(kernels.meet_ground);
     for (std::size_t k = 0; k < kRays; ++k) {

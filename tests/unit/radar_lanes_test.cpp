@@ -79,9 +79,9 @@ TEST_F(SpeckleLanes, AreTheSameInEveryInstructionSet) {
   field_.respond(block(expected));
   const SpeckleGround ground{ground_view(world_.grid, {10, 1500, -20}), 0.03, mix64(1)};
   int unknown = 0;
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     Answer found;
-    kernels.speckle(ground, block(found));
+    kernels.ground_speckle(ground, block(found));
     for (std::size_t k = 0; k < cells_.size(); ++k) {
       if (std::isnan(found.re[k])) {
         ++unknown;
@@ -92,7 +92,7 @@ TEST_F(SpeckleLanes, AreTheSameInEveryInstructionSet) {
     }
   }
   EXPECT_GT(unknown, 0);
-  EXPECT_LT(unknown, static_cast<int>(all_lane_kernels().size() * cells_.size() / 2));
+  EXPECT_LT(unknown, static_cast<int>(all_kernels().size() * cells_.size() / 2));
 }
 
 /// A scatterer of a bin, in order of its first sample, and its power.
@@ -148,14 +148,14 @@ TEST(ScattererSums, AreTheSameInEveryInstructionSet) {
     power[k] = unit_from_hash(hash);
   }
   std::vector<std::vector<Sum>> found;
-  for (const LaneKernels& kernels : all_lane_kernels()) {
+  for (const Kernels& kernels : all_kernels()) {
     std::vector<std::uint32_t> bin(place.size());
     std::vector<std::uint64_t> sum_place(place.size()), sum_kind(place.size());
     std::vector<double> sum_power(place.size());
     ScattererLists lists{end.data(),      place.data(),     kind.data(),
                          power.data(),    bin.data(),       sum_place.data(),
                          sum_kind.data(), sum_power.data(), 0};
-    EXPECT_EQ(kernels.merge(lists, 0, 4), 4u);
+    EXPECT_EQ(kernels.sum_scatterers(lists, 0, 4), 4u);
     std::vector<Sum>& sums = found.emplace_back();
     for (std::uint32_t k = 0; k < lists.n; ++k)
       sums.emplace_back(bin[k], sum_place[k], sum_kind[k], sum_power[k]);
@@ -185,11 +185,11 @@ std::vector<std::vector<Sample>> samples_of(std::size_t planes, const Each& each
 /// A plane marched by itself.
 struct OnePlane {
   PieceSampler& sampler;
-  void visible(const VisiblePiece& piece) { sampler.visible(piece); }
+  void visible(const VisibleSegment& piece) { sampler.visible(piece); }
   bool full() const { return sampler.full(); }
 };
 
-TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
+TEST(SightProfiles, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
   std::size_t compared = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     test::RandomScene random = test::random_scene(seed);
@@ -211,7 +211,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
     }
     std::vector<std::vector<Sample>> expected;
     for (const GroundShare& share : shares) {
-      SweepPlane plane(scene->world(), sector.antenna_m, share.plane.bearing, 0, sector.r_max_m, {}, {});
+      LineOfSight plane(scene->world(), sector.antenna_m, share.plane.bearing, 0, sector.r_max_m, {}, {});
       PieceSampler sampler(*plan);
       sampler.set(share.plane);
       OnePlane sink{sampler};
@@ -228,7 +228,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
       })[static_cast<std::size_t>(share.plane.azimuth_bin)]);
       compared += expected.back().size();
     }
-    for (const LaneKernels& kernels : all_lane_kernels()) {
+    for (const Kernels& kernels : all_kernels()) {
       SweepGround ground(*plan, kernels);
       ground.start(shares);
       PieceSampler sampler(*plan);
@@ -248,7 +248,7 @@ TEST(GroundLanes, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
 struct Walked {
   Horizon<double> horizon;
   double antenna_y_m;
-  void ground(const GroundPiece& piece) {
+  void ground(const GroundSegment& piece) {
     for (const double d : {piece.d0_m, piece.d1_m})
       horizon.raise(d, piece.start_m + piece.rise * d - antenna_y_m, false);
   }
@@ -266,7 +266,7 @@ TEST(GroundHorizons, AreThoseOfAWalkOverEveryCell) {
     const double half_width_rad = 0.01;
     for (int p = 0; p < 8; ++p) {
       const double turn = unit_from_hash(hash_cell(7, static_cast<int>(seed), p));
-      const GroundRidge ridge(*scene, antenna, sincos_turns(turn), half_width_rad, 5000);
+      const HorizonBound ridge(*scene, antenna, sincos_turns(turn), half_width_rad, 5000);
       const SinCos bearing = sincos_turns(turn + (p - 4) * half_width_rad / 4 / 6.3);
       const double to_m = 4000 * unit_from_hash(hash_cell(8, static_cast<int>(seed), p));
       const Horizon<double> horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
@@ -293,7 +293,7 @@ TEST(GroundHorizons, AlongALineOfTheMeshAreThoseBesideIt) {
       const SinCos bearing{exact.sin + off * exact.cos, exact.cos - off * exact.sin};
       const SinCos apart{exact.sin + 1e-9 * exact.cos, exact.cos - 1e-9 * exact.sin};
       for (const double to_m : {700.0, 2000.0, 5000.0}) {
-        const GroundRidge ridge(*scene, antenna, exact, 0, to_m);
+        const HorizonBound ridge(*scene, antenna, exact, 0, to_m);
         const Horizon<double> horizon = ground_horizon(*scene, ridge, antenna, bearing, to_m);
         Walked beside{{}, antenna.y};
         GroundWalk(grid, antenna, apart.sin, apart.cos, 0, to_m).advance(to_m, beside);
@@ -310,10 +310,10 @@ TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
   const GroundView ground = ground_view(world.grid, {10, 1500, -20});
   for (int p = 0; p < 1000; ++p) {
     const SinCos bearing = sincos_turns(p / 1000.0);
-    const GroundStretch along{bearing.sin, bearing.cos, 4.0 * p,
-                              4.0 * p + 700.0 * unit_from_hash(hash_cell(9, p, 0))};
-    const HorizonPoint expected = all_lane_kernels().front().highest_ground(ground, along);
-    for (const LaneKernels& kernels : all_lane_kernels()) {
+    const ProfileStretch along{bearing.sin, bearing.cos, 4.0 * p,
+                               4.0 * p + 700.0 * unit_from_hash(hash_cell(9, p, 0))};
+    const HorizonPoint expected = all_kernels().front().highest_ground(ground, along);
+    for (const Kernels& kernels : all_kernels()) {
       const HorizonPoint point = kernels.highest_ground(ground, along);
       EXPECT_EQ(point.d_m, expected.d_m) << kernels.name;
       EXPECT_EQ(point.h_m, expected.h_m) << kernels.name;

@@ -48,12 +48,12 @@ TEST(PlaceLanes, AreTheBitsOfOneSampleAtATimeInEveryInstructionSet) {
     EchoFactors factors{};
     factors.range_normalisation = normalised;
     for (std::size_t m = 0; m < materials.size(); ++m) factors.gamma[m] = scattering.constant_gamma(m);
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      auto placed = std::make_unique<PlacedSamples>();
-      kernels.place(cells, factors,
-                    {kSamples, samples->slant_range_m.data(), samples->x_m.data(), samples->z_m.data(),
-                     samples->solid_angle_sr.data(), samples->material.data()},
-                    *placed);
+    for (const Kernels& kernels : all_kernels()) {
+      auto placed = std::make_unique<BinnedSamples>();
+      kernels.bin_samples(cells, factors,
+                          {kSamples, samples->slant_range_m.data(), samples->x_m.data(), samples->z_m.data(),
+                           samples->solid_angle_sr.data(), samples->material.data()},
+                          *placed);
       for (std::size_t k = 0; k < kSamples; ++k) {
         const double r = samples->slant_range_m[k];
         ASSERT_EQ(placed->range_bin[k], bins.range_bin(r)) << kernels.name << ' ' << k;

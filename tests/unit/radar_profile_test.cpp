@@ -9,7 +9,7 @@
 
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/visibility/coverage.h"
-#include "server/radar/visibility/range_visibility.h"
+#include "server/radar/visibility/range_march.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
@@ -19,9 +19,30 @@ namespace {
 
 RangeWindow all_bins(const FramePlan& plan) { return {0, plan.bins().n_range - 1}; }
 
+/// Marches the profile at a position in bins from the nadir, with roofs from the start: one at a time.
+void march_profile(const FramePlan& plan, double position, BinMarks& marks) {
+  const World& world = plan.scene().world();
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  const double bearing_rad = plan.bearing_rad(position);
+  Profile plane;
+  plane.bearing = {std::sin(bearing_rad), std::cos(bearing_rad)};
+  std::vector<RoofSpan> spans;
+  for (const std::uint32_t b :
+       plan.buildings_in(std::min(static_cast<int>(position), plan.bins().n_azimuth - 1)))
+    add_roof_spans(world.buildings, b, antenna.x, antenna.z, plane.bearing.sin, plane.bearing.cos, spans);
+  plane.roofs = disjoint_roofs(spans);
+  marks = BinMarks(plan.bins().n_range);
+  GroundWalk walk(world.grid, antenna, plane.bearing.sin, plane.bearing.cos, 0, plan.bins().r_max_m);
+  if (walk.done()) return;
+  RangeMarch marcher(plan.bins(), antenna.y, plane.state, marks);
+  ProfileSurface surface(plane, marcher, walk.at_m(), true);
+  walk.advance(walk.end_m(), surface);
+  marcher.gap();
+}
+
 /// Planes all over the sector.
-std::vector<ProfileWish> wishes_of(const FramePlan& plan, std::uint64_t seed) {
-  std::vector<ProfileWish> wishes;
+std::vector<VisibilityRequest> wishes_of(const FramePlan& plan, std::uint64_t seed) {
+  std::vector<VisibilityRequest> wishes;
   for (std::size_t k = 0; k < 1 + seed % kMostProfiles; ++k)
     wishes.push_back({static_cast<double>(k) * plan.bins().n_azimuth / kMostProfiles, all_bins(plan)});
   return wishes;
@@ -34,14 +55,14 @@ TEST(Profiles, SideBySideAreThoseOfOneAtATimeInEveryInstructionSet) {
     roofs += random.world.buildings.list.size();
     const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
-    const std::vector<ProfileWish> wishes = wishes_of(*plan, seed);
-    std::vector<FootprintSpan> spans;
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      std::vector<ProfileResult> found(wishes.size());
-      march_profiles(*plan, wishes, found, spans, kernels);
+    const std::vector<VisibilityRequest> wishes = wishes_of(*plan, seed);
+    std::vector<RoofSpan> spans;
+    for (const Kernels& kernels : all_kernels()) {
+      std::vector<BinMarks> found(wishes.size());
+      mark_profiles(*plan, wishes, found, spans, kernels);
       for (std::size_t k = 0; k < wishes.size(); ++k) {
-        ProfileResult one;
-        march_profile(*plan, wishes[k].position, spans, one);
+        BinMarks one;
+        march_profile(*plan, wishes[k].position, one);
         EXPECT_EQ(found[k].visible, one.visible) << kernels.name << ' ' << random.text;
         EXPECT_EQ(found[k].present, one.present) << kernels.name << ' ' << random.text;
         visible += static_cast<std::size_t>(std::count(one.visible.begin(), one.visible.end(), 1));
@@ -61,19 +82,19 @@ TEST(Profiles, OfSomeBinsAreRightInThemWhereverTheyBegin) {
     const bool roofs = !random.world.buildings.list.empty();
     const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
-    std::vector<ProfileWish> wishes = wishes_of(*plan, seed);
+    std::vector<VisibilityRequest> wishes = wishes_of(*plan, seed);
     test::Dice dice(seed);
-    for (ProfileWish& wish : wishes) {
+    for (VisibilityRequest& wish : wishes) {
       wish.bins.first = dice.integer(0, plan->bins().n_range - 1);
       wish.bins.last = dice.integer(wish.bins.first, plan->bins().n_range - 1);
     }
-    std::vector<FootprintSpan> spans;
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      std::vector<ProfileResult> found(wishes.size());
-      march_profiles(*plan, wishes, found, spans, kernels);
+    std::vector<RoofSpan> spans;
+    for (const Kernels& kernels : all_kernels()) {
+      std::vector<BinMarks> found(wishes.size());
+      mark_profiles(*plan, wishes, found, spans, kernels);
       for (std::size_t k = 0; k < wishes.size(); ++k) {
-        ProfileResult whole;
-        march_profile(*plan, wishes[k].position, spans, whole);
+        BinMarks whole;
+        march_profile(*plan, wishes[k].position, whole);
         const RangeWindow bins = wishes[k].bins;
         for (auto r = static_cast<std::size_t>(bins.first); r <= static_cast<std::size_t>(bins.last); ++r) {
           ASSERT_EQ(found[k].visible[r], whole.visible[r]) << r << ' ' << kernels.name << ' ' << random.text;
@@ -98,7 +119,7 @@ TEST(Profiles, OfSomeBinsAreRightInThemWhereverTheyBegin) {
 TEST(GroundArea, IsWhatAWalkOverEveryCellFinds) {
   struct Known {
     std::vector<std::pair<double, double>> stretches_m;
-    void ground(const GroundPiece& piece) { stretches_m.emplace_back(piece.d0_m, piece.d1_m); }
+    void ground(const GroundSegment& segment) { stretches_m.emplace_back(segment.d0_m, segment.d1_m); }
     static void gap(double, double) {}
     static bool enough() { return false; }
   };
@@ -152,7 +173,7 @@ TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
     const auto plan = plan_frame(scene, snapshot, random.pose).plan;
     const AzimuthRange all{0, random.settings.azimuth_bins};
     const Frame frame = render(scene, snapshot, random.pose, all);
-    WedgeProfile profile(*plan, all);
+    WedgeVisibility profile(*plan, all);
     for (int a = 0; a < all.count; ++a) {
       const BinMarks& marks = profile.whole_marks(a);
       bool before_surface = random.pose.antenna.m.y - random.pose.ground_y_m >= plan->bins().r_min_m;

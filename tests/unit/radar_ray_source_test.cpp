@@ -118,7 +118,7 @@ TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
     pixels->up_m[k] = -1200;
     pixels->ahead_m[k] = 5.0 * k - 300;
   }
-  const auto cast = [&](AimKernel kernel) {
+  const auto cast = [&](decltype(Kernels::pixel_rays) kernel) {
     std::vector<double> found(4 * PixelList::kMost);
     std::vector<std::int32_t> from(PixelList::kMost);
     double* const x = found.data();
@@ -131,10 +131,10 @@ TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
     }
     return bits;
   };
-  const auto first = cast(all_lane_kernels().front().aim);
+  const auto first = cast(all_kernels().front().aim);
   EXPECT_GT(first.size(), 5 * 100u);
   EXPECT_LT(first.size(), 5 * 1021u) << "some are to miss the swath";
-  for (const LaneKernels& kernels : all_lane_kernels()) EXPECT_EQ(cast(kernels.aim), first) << kernels.name;
+  for (const Kernels& kernels : all_kernels()) EXPECT_EQ(cast(kernels.aim), first) << kernels.name;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ class Pieces : public testing::Test {
   }
 
   /// Samples of one piece in a plane that stands for a width of 1 rad.
-  std::unique_ptr<SampleBatch> samples(VisiblePiece piece) const {
+  std::unique_ptr<SampleBatch> samples(VisibleSegment piece) const {
     auto batch = std::make_unique<SampleBatch>();
     PieceSampler sampler(*plan_);
     sampler.begin(*batch);
@@ -46,8 +46,8 @@ class Pieces : public testing::Test {
     return batch;
   }
 
-  static VisiblePiece ground(double start, double rise, double from, double to) {
-    VisiblePiece piece{};
+  static VisibleSegment ground(double start, double rise, double from, double to) {
+    VisibleSegment piece{};
     piece.h_m = start;
     piece.rate_d = 1;
     piece.rate_h = rise;
@@ -65,7 +65,7 @@ TEST_F(Pieces, FillTheirSolidAngleAndTheirRangeBins) {
   // Level, rising and falling ground; the last two turn in range at the foot of the perpendicular.
   for (const auto& [start, rise] :
        {std::pair{-1000.0, 0.0}, {-1500.0, 0.3}, {-3000.0, 1.7}, {-900.0, -0.2}}) {
-    const VisiblePiece piece = ground(start, rise, 100, 2500);
+    const VisibleSegment piece = ground(start, rise, 100, 2500);
     const auto batch = samples(piece);
     const auto sine = [start = start, rise = rise](long double d) {  // clang 14 takes no binding as it is
       const long double h = start + rise * d;
@@ -108,7 +108,7 @@ TEST_F(Pieces, OfAWallAslantAreSharedAmongTheRangeBinsThatItRunsThrough) {
   PieceSampler sampler(*plan_);
   sampler.begin(*batch);
   sampler.set({0, 0, 0.1, {0, 1}});
-  VisiblePiece wall{};
+  VisibleSegment wall{};
   wall.d_m = 2000;
   wall.rate_h = 1;
   wall.t0 = -1000;
@@ -119,7 +119,7 @@ TEST_F(Pieces, OfAWallAslantAreSharedAmongTheRangeBinsThatItRunsThrough) {
   wall.nearest_m = 1500;
   wall.farthest_m = 2600;
   wall.face = 1;
-  wall.foot = VisiblePiece::Foot::ground;
+  wall.foot = VisibleSegment::Foot::ground;
   sampler.visible(wall);
   std::vector<double> share(40), expected(40);
   for (std::size_t k = 0; k < static_cast<std::size_t>(batch->n); ++k)

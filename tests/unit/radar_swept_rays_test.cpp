@@ -22,7 +22,7 @@ struct RaysOfARandomScene {
     buildings.resize(scene->world().buildings.list.size());
     for (std::uint32_t b = 0; b < buildings.size(); ++b) buildings[b] = b;
     for (int k = -150; k < 150; ++k) elevation.push_back(sincos_turns(k / (200 * M_PI)));
-    for (int k = 0; k < SweptRays::kMostPlanes; ++k) bearings.push_back(sincos_turns(0.37 * k));
+    for (int k = 0; k < ProfileRays::kMostProfiles; ++k) bearings.push_back(sincos_turns(0.37 * k));
   }
 
   glm::dvec3 antenna;
@@ -32,7 +32,7 @@ struct RaysOfARandomScene {
   std::vector<SinCos> bearings;
 };
 
-TEST(SweptRays, MeetTheGroundRightUnderAnAntennaThatIsOverADiagonal) {
+TEST(ProfileRays, MeetTheGroundRightUnderAnAntennaThatIsOverADiagonal) {
   // Far ground above it, so that marches begin at its foot.
   const auto scene =
       test::make_scene(test::made_world(20, 1, [](double x_m, double) { return x_m > 15 ? 2.0 : 0.0; }));
@@ -43,15 +43,15 @@ TEST(SweptRays, MeetTheGroundRightUnderAnAntennaThatIsOverADiagonal) {
   std::vector<std::uint32_t> surface(elevation.size());
   for (int turn = 0; turn < 64; ++turn) {
     const SinCos bearing = sincos_turns(turn / 64.0);
-    SweptRays(*scene, antenna, elevation, HUGE_VAL).answer(std::span(&bearing, 1), {}, range_m, surface);
+    ProfileRays(*scene, antenna, elevation, HUGE_VAL).answer(std::span(&bearing, 1), {}, range_m, surface);
     for (std::size_t k = 0; k < elevation.size(); ++k) {
-      EXPECT_LT(surface[k], SweptRays::kFace) << turn << ", " << k;
+      EXPECT_LT(surface[k], ProfileRays::kFace) << turn << ", " << k;
       EXPECT_NEAR(range_m[k], -antenna.y / elevation[k].sin, 1e-12) << turn << ", " << k;
     }
   }
 }
 
-TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
+TEST(ProfileRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
   int hits = 0;
   for (std::uint64_t seed = 500; seed < 540; ++seed) {
     const RaysOfARandomScene given(seed);
@@ -59,21 +59,21 @@ TEST(SweptRays, AnswerAlikeInEveryInstructionSetAloneAndSideBySide) {
     const std::size_t n = elevation.size();
     std::vector<double> expected_m(bearings.size() * n), found_m(bearings.size() * n);
     std::vector<std::uint32_t> expected(bearings.size() * n), found(bearings.size() * n);
-    const SweptRays rays(*scene, antenna, elevation, HUGE_VAL);
+    const ProfileRays rays(*scene, antenna, elevation, HUGE_VAL);
     for (std::size_t k = 0; k < bearings.size(); ++k)
       rays.answer(std::span(bearings).subspan(k, 1), buildings, std::span(expected_m).subspan(k * n, n),
                   std::span(expected).subspan(k * n, n));
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      SweptRays(*scene, antenna, elevation, HUGE_VAL, kernels).answer(bearings, buildings, found_m, found);
+    for (const Kernels& kernels : all_kernels()) {
+      ProfileRays(*scene, antenna, elevation, HUGE_VAL, kernels).answer(bearings, buildings, found_m, found);
       EXPECT_EQ(found_m, expected_m) << kernels.name << " seed " << seed;
       EXPECT_EQ(found, expected) << kernels.name << " seed " << seed;
     }
-    for (const std::uint32_t surface : expected) hits += surface != SweptRays::kNothing ? 1 : 0;
+    for (const std::uint32_t surface : expected) hits += surface != ProfileRays::kNothing ? 1 : 0;
   }
   EXPECT_GT(hits, 10000);
 }
 
-TEST(SweptRays, AnswerARunOfTheirsAsTheyAnswerItAmongAll) {
+TEST(ProfileRays, AnswerARunOfTheirsAsTheyAnswerItAmongAll) {
   int hits = 0;
   for (std::uint64_t seed = 700; seed < 780; ++seed) {
     const RaysOfARandomScene given(seed);
@@ -81,9 +81,9 @@ TEST(SweptRays, AnswerARunOfTheirsAsTheyAnswerItAmongAll) {
     const std::size_t n = elevation.size();
     std::vector<double> whole_m(bearings.size() * n);
     std::vector<std::uint32_t> whole(bearings.size() * n);
-    const SweptRays rays(*scene, antenna, elevation, HUGE_VAL);
+    const ProfileRays rays(*scene, antenna, elevation, HUGE_VAL);
     rays.answer(bearings, buildings, whole_m, whole);
-    for (const SweptRays::Run run : {SweptRays::Run{0, 7}, {7, 1}, {8, 140}, {148, 151}, {299, 1}}) {
+    for (const ProfileRays::Run run : {ProfileRays::Run{0, 7}, {7, 1}, {8, 140}, {148, 151}, {299, 1}}) {
       std::vector<double> some_m(bearings.size() * run.count);
       std::vector<std::uint32_t> some(some_m.size());
       rays.answer(bearings, buildings, run, some_m, some);
@@ -91,14 +91,14 @@ TEST(SweptRays, AnswerARunOfTheirsAsTheyAnswerItAmongAll) {
         const std::size_t at = k / run.count * n + run.first + k % run.count;
         ASSERT_EQ(some_m[k], whole_m[at]) << "seed " << seed << ", ray " << run.first + k % run.count;
         ASSERT_EQ(some[k], whole[at]) << "seed " << seed << ", ray " << run.first + k % run.count;
-        hits += some[k] != SweptRays::kNothing ? 1 : 0;
+        hits += some[k] != ProfileRays::kNothing ? 1 : 0;
       }
     }
   }
   EXPECT_GT(hits, 10000);
 }
 
-TEST(SweptRays, AnswerBehindAVoidWhereverItBegins) {
+TEST(ProfileRays, AnswerBehindAVoidWhereverItBegins) {
   // One plane runs along a line of the grid, where triangles have no extent, and the others beside it: a cell
   // behind the void has as much to note as a cell can have, at every state of the lists that notes fill.
   std::vector<SinCos> bearings;
@@ -114,8 +114,8 @@ TEST(SweptRays, AnswerBehindAVoidWhereverItBegins) {
     const auto scene = test::make_scene(test::made_world(
         2000, 10, [&](double x_m, double) { return x_m == -void_m ? test::kUnknown : 0.0; }));
     const glm::dvec3 antenna(0, 100, 0);
-    for (const LaneKernels& kernels : all_lane_kernels()) {
-      const SweptRays rays(*scene, antenna, elevation, HUGE_VAL, kernels);
+    for (const Kernels& kernels : all_kernels()) {
+      const ProfileRays rays(*scene, antenna, elevation, HUGE_VAL, kernels);
       for (std::size_t k = 0; k < bearings.size(); ++k)
         rays.answer(std::span(bearings).subspan(k, 1), {}, std::span(expected_m).subspan(k * n, n),
                     std::span(expected).subspan(k * n, n));
@@ -124,15 +124,15 @@ TEST(SweptRays, AnswerBehindAVoidWhereverItBegins) {
       ASSERT_EQ(found, expected) << kernels.name << ", void at " << void_m;
     }
     for (std::size_t k = 0; k < found.size(); ++k) {
-      under += found[k] == SweptRays::kUnder ? 1 : 0;
-      if (found[k] == SweptRays::kUnder || found[k] == SweptRays::kNothing) continue;
+      under += found[k] == ProfileRays::kUnder ? 1 : 0;
+      if (found[k] == ProfileRays::kUnder || found[k] == ProfileRays::kNothing) continue;
       ASSERT_NEAR(found_m[k], -antenna.y / elevation[k % n].sin, 1e-9) << "flat ground";
     }
   }
   EXPECT_GT(under, 1000);
 }
 
-TEST(SweptRays, EndWithinABuildingWhenTheirReachDoes) {
+TEST(ProfileRays, EndWithinABuildingWhenTheirReachDoes) {
   int on_roofs = 0;
   for (std::uint64_t seed = 600; seed < 700; ++seed) {
     test::RandomScene random = test::random_scene(seed);
@@ -150,10 +150,10 @@ TEST(SweptRays, EndWithinABuildingWhenTheirReachDoes) {
       std::uint32_t surface = 0;
       // Through the middle of the roof, and where the reach ends just before, on and behind it.
       for (const double reach_m : {centre_m - 1e-9, centre_m, 1.001 * centre_m, HUGE_VAL}) {
-        SweptRays(*scene, antenna, std::span(&elevation, 1), reach_m)
+        ProfileRays(*scene, antenna, std::span(&elevation, 1), reach_m)
             .answer(std::span(&bearing, 1), std::span(&building, 1), std::span(&slant_range_m, 1),
                     std::span(&surface, 1));
-        on_roofs += surface != SweptRays::kNothing && surface >= SweptRays::kFace ? 1 : 0;
+        on_roofs += surface != ProfileRays::kNothing && surface >= ProfileRays::kFace ? 1 : 0;
       }
     }
   }

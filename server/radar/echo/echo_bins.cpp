@@ -16,7 +16,7 @@ namespace {
 /// means nothing, and at 0, an antenna against a wall, it divides by it.
 constexpr double kNearest_m = 1e-3;
 
-static_assert(PlacedSamples::kMost == kBatch);
+static_assert(BinnedSamples::kMost == kBatch);
 
 }  // namespace
 
@@ -52,15 +52,15 @@ std::uint64_t WedgeBins::add(const SampleBatch& samples) {
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
-  lane_kernels().place(cells_, factors_,
-                       {samples.n, samples.slant_range_m.data(), samples.x_m.data(), samples.z_m.data(),
-                        samples.solid_angle_sr.data(), samples.material.data()},
-                       placed_);
+  widest_kernels().bin_samples(cells_, factors_,
+                               {samples.n, samples.slant_range_m.data(), samples.x_m.data(),
+                                samples.z_m.data(), samples.solid_angle_sr.data(), samples.material.data()},
+                               placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
     const int range_bin = placed_.range_bin[k];
-    if (range_bin == PlacedSamples::kOutside || r < kNearest_m) continue;
+    if (range_bin == BinnedSamples::kOutside || r < kNearest_m) continue;
     if (surfaces_ != Surfaces::all && (samples.face[k] == kNoFace) != (surfaces_ == Surfaces::ground))
       continue;
     double sigma = placed_.sigma_m2[k];

@@ -45,7 +45,7 @@ class WedgeBins {
   std::vector<ScattererSums> sums_;  // [range.count], ground speckle only
   SwathCells cells_;
   EchoFactors factors_;
-  PlacedSamples placed_;
+  BinnedSamples placed_;
 };
 
 }  // namespace obliq

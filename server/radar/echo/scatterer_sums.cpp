@@ -50,7 +50,7 @@ void ScattererSums::merge() {
                        samples_.kind.data(),  samples_.power_w.data(), 0};
   const auto n_range = static_cast<std::uint32_t>(bin_end.size() - 1);
   for (std::uint32_t bin = 0; bin < n_range;) {
-    bin = lane_kernels().merge(lists, bin, n_range);
+    bin = widest_kernels().sum_scatterers(lists, bin, n_range);
     if (bin < n_range) merge_large(lists, bin++);
   }
   n_ = lists.n;

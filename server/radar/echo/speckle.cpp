@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "server/radar/profile/wall_edge.h"
+#include "server/radar/profile/roofs.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/hash.h"
@@ -125,7 +125,7 @@ std::complex<double> SpeckleField::response(const Scatterer& s) const {
 }
 
 void SpeckleField::respond(const SpeckleBlock& block) const {
-  lane_kernels().speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_}, block);
+  widest_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_}, block);
   for (int k = 0; k < block.n; ++k) {
     const ScattererKey key(block.place[k], block.kind[k]);
     if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;

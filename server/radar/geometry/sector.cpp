@@ -239,9 +239,9 @@ class SectorScan {
     if (!(down > 0 && down < sector_.r_max_m)) return;
     const double ground = std::sqrt(sector_.r_max_m * sector_.r_max_m - down * down);
     const glm::dvec3 far = sector_.antenna_m + sector_.world_from_antenna(0, -down, ground);
-    std::vector<FootprintSpan> spans;
-    footprint_spans(all, static_cast<std::uint32_t>(&building - all.list.data()), far.x, far.z, 0, 1, spans);
-    const auto holds_far = [](const FootprintSpan& span) { return span.near_m == 0; };
+    std::vector<RoofSpan> spans;
+    add_roof_spans(all, static_cast<std::uint32_t>(&building - all.list.data()), far.x, far.z, 0, 1, spans);
+    const auto holds_far = [](const RoofSpan& span) { return span.near_m == 0; };
     if (std::none_of(spans.begin(), spans.end(), holds_far)) return;
     raise_building(building, far.x, roof, far.z);
   }

@@ -7,14 +7,12 @@
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// Taken off the nearest distance and added to the farthest, so that rounding never puts a wall beyond them.
-constexpr double kSlack_m = 1e-3;
 
 /// Square of the distance from the origin to the segment a-b.
 double distance2(const glm::dvec2& a, const glm::dvec2& b) {
@@ -41,7 +39,7 @@ RoughBearings rough_bearings_of(const Buildings& all, const Sector& sector, std:
   }
   const glm::dvec2 middle = (glm::dvec2(low) + glm::dvec2(high)) / 2.0;
   const glm::dvec2 half = (glm::dvec2(high) - glm::dvec2(low)) / 2.0;
-  const double radius = std::sqrt(half.x * half.x + half.y * half.y) + kSlack_m;
+  const double radius = std::sqrt(half.x * half.x + half.y * half.y) + kMargin_m;
   const double right = sector.right_m(middle.x, middle.y);
   const double ahead = sector.ahead_m(middle.x, middle.y);
   const double distance = std::sqrt(right * right + ahead * ahead);
@@ -94,8 +92,8 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
   const double closing = bearing + std::remainder(bearing_of(first.x, first.y) - bearing, 2 * kPi);
   const bool around =
       std::abs(closing - bearing_of(first.x, first.y)) > kPi || silhouette.to_rad - silhouette.from_rad > kPi;
-  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kSlack_m);
-  silhouette.far_m = std::sqrt(farthest2) + kSlack_m;
+  silhouette.near_m = around ? 0 : std::max(0.0, std::sqrt(nearest2) - kMargin_m);
+  silhouette.far_m = std::sqrt(farthest2) + kMargin_m;
   if (around) {
     silhouette.from_rad = -kPi;
     silhouette.to_rad = kPi;

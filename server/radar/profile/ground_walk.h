@@ -1,18 +1,20 @@
 #pragma once
-// Walks the triangles of the ground along one vertical plane, outwards from the antenna.
+// Walks the triangles of the ground along one vertical profile, outwards from the antenna.
 #include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>
 #include <limits>
 
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/ground_cells.h"
+#include "server/radar/simd/visible_ground.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {
 
-/// Where a vertical plane crosses one triangle of the ground, from ground distance d0_m to d1_m: the line
+/// Where a vertical profile crosses one triangle of the ground, from ground distance d0_m to d1_m: the line
 /// y = start_m + rise d.
-struct GroundPiece {
+struct GroundSegment {
   double d0_m;
   double d1_m;
   double start_m;  ///< y of the triangle's plane straight above or below the antenna
@@ -24,10 +26,10 @@ struct GroundPiece {
   bool upper;  ///< the triangle of node (i + 1, j + 1), else of node (i, j)
 };
 
-/// One half of a vertical plane: ground distances from `from_m` (0 = straight below the antenna) to `to_m`
+/// One half of a vertical profile: ground distances from `from_m` (0 = straight below the antenna) to `to_m`
 /// along (sin, cos), none that begins beyond `last_start_m`, cell by cell through the grid's lines and
-/// diagonals. Exact up to double rounding: every crossing is worked out from the antenna, nothing
-/// accumulates. May be left and taken up at any distance.
+/// diagonals. Ends at end_m(), the nearer of to_m and the grid's border. Exact up to double rounding: every
+/// crossing is worked out from the antenna, nothing accumulates. May be left and taken up at any distance.
 class GroundWalk {
  public:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -55,7 +57,7 @@ class GroundWalk {
   int cell_j() const { return static_cast<int>(at_.j); }
   /// Walks at least through cells that begin at last_start_m.
   void reach(double last_start_m) { last_start_m_ = std::max(last_start_m_, last_start_m); }
-  /// Where the plane leaves the grid, or to_m.
+  /// Where the profile leaves the grid, or to_m.
   double end_m() const { return end_m_; }
   bool done() const { return !goes_on(at_, end_m_); }
 
@@ -63,7 +65,7 @@ class GroundWalk {
 
   /// Walks on to `to_m` or until `visit.enough()` after a cell. The last cell is cut at to_m, or left to the
   /// next call (Last::whole) where it reaches beyond. Calls
-  /// visit.ground(const GroundPiece&) for each triangle and visit.gap(d0_m, d1_m) for cells without known
+  /// visit.ground(const GroundSegment&) for each triangle and visit.gap(d0_m, d1_m) for cells without known
   /// ground, in order of distance.
   template <class Visit>
   void advance(double to_m, Visit&& visit, Last last = Last::cut) {
@@ -118,7 +120,7 @@ class GroundWalk {
         rates_, at, corners, true, end,
         [&](bool where, const TriangleCut<double>& cut, double d0, double d1) {
           if (where)
-            visit.ground(GroundPiece{d0, d1, cut.start, cut.rise, cut.per_i, cut.per_j, i, j, cut.upper});
+            visit.ground(GroundSegment{d0, d1, cut.start, cut.rise, cut.per_i, cut.per_j, i, j, cut.upper});
         });
   }
 
@@ -130,5 +132,21 @@ class GroundWalk {
   double end_m_;
   double last_start_m_;
 };
+
+/// Puts a profile where a walk stands.
+template <typename Walk>
+void stand_at(WalkingProfiles& profiles, std::size_t lane, const Walk& walk) {
+  profiles.d_m[lane] = walk.at_m();
+  profiles.i[lane] = walk.cell_i();
+  profiles.j[lane] = walk.cell_j();
+}
+
+/// A profile that goes the way of a walk, from where it stands.
+inline void set_out(WalkingProfiles& profiles, std::size_t lane, SinCos bearing, const GroundWalk& walk) {
+  profiles.sin_bearing[lane] = bearing.sin;
+  profiles.cos_bearing[lane] = bearing.cos;
+  profiles.end_m[lane] = walk.end_m();
+  stand_at(profiles, lane, walk);
+}
 
 }  // namespace obliq

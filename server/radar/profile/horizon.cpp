@@ -9,24 +9,25 @@
 namespace obliq {
 namespace {
 
-/// Raises a horizon by every corner of the ground's profile; a straight piece is highest at one of its ends.
+/// Raises a horizon by every corner of the ground's profile; a straight segment is highest at one of its
+/// ends.
 struct RaiseByGround {
   Horizon<double>& horizon;
   double antenna_y_m;
 
-  void ground(const GroundPiece& piece) {
-    horizon.raise(piece.d0_m, piece.start_m + piece.rise * piece.d0_m - antenna_y_m, false);
-    horizon.raise(piece.d1_m, piece.start_m + piece.rise * piece.d1_m - antenna_y_m, false);
+  void ground(const GroundSegment& segment) {
+    horizon.raise(segment.d0_m, segment.start_m + segment.rise * segment.d0_m - antenna_y_m, false);
+    horizon.raise(segment.d1_m, segment.start_m + segment.rise * segment.d1_m - antenna_y_m, false);
   }
   static void gap(double, double) {}
   static bool enough() { return false; }
 };
 
-/// Looks along one plane, inwards: seen from above, far ground stands higher than near ground, so the first
+/// Looks along one profile, inwards: seen from above, far ground stands higher than near ground, so the first
 /// tiles set a horizon that most others lie below.
 class InwardLook {
  public:
-  InwardLook(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m, SinCos bearing,
+  InwardLook(const Scene& scene, const HorizonBound& ridge, const glm::dvec3& antenna_m, SinCos bearing,
              double end_m)
       : scene_(scene),
         ridge_(ridge),
@@ -61,7 +62,7 @@ class InwardLook {
           look(scene_.fine_tiles(), next, d);
         } else if (tiles.tile(ti, tj).whole) {
           const HorizonPoint found =
-              lane_kernels().highest_ground(ground_, {bearing_.sin, bearing_.cos, next, d});
+              widest_kernels().highest_ground(ground_, {bearing_.sin, bearing_.cos, next, d});
           horizon_.raise(found.d_m, found.h_m, false);
           if (d == end_m_) raise_at_end();
         } else {
@@ -88,7 +89,7 @@ class InwardLook {
   }
 
   const Scene& scene_;
-  const GroundRidge& ridge_;
+  const HorizonBound& ridge_;
   const HeightGrid& grid_;
   const glm::dvec3& antenna_m_;
   SinCos bearing_;
@@ -101,8 +102,8 @@ class InwardLook {
 
 }  // namespace
 
-GroundRidge::GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos bearing,
-                         double half_width_rad, double to_m) {
+HorizonBound::HorizonBound(const Scene& scene, const glm::dvec3& antenna_m, SinCos bearing,
+                           double half_width_rad, double to_m) {
   const HeightGrid& grid = scene.world().grid;
   const TileBounds& tiles = scene.tiles();
   const double tile_m = tiles.cells() * grid.cell_m;
@@ -111,7 +112,7 @@ GroundRidge::GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos
   double highest_slope = -HUGE_VAL;
   for (double from = 0; from <= to_m; from += step_m) {
     const double to = from + step_m;
-    // The rectangle around what the planes cross between the two distances.
+    // The rectangle around what the profiles cross between the two distances.
     const double aside = to * half_width_rad + grid.cell_m;
     const double x0 = antenna_m.x + from * bearing.sin, x1 = antenna_m.x + to * bearing.sin;
     const double z0 = antenna_m.z + from * bearing.cos, z1 = antenna_m.z + to * bearing.cos;
@@ -127,7 +128,7 @@ GroundRidge::GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos
   }
 }
 
-Horizon<double> ground_horizon(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m,
+Horizon<double> ground_horizon(const Scene& scene, const HorizonBound& ridge, const glm::dvec3& antenna_m,
                                SinCos bearing, double to_m) {
   const GroundWalk whole(scene.world().grid, antenna_m, bearing.sin, bearing.cos, 0, to_m);
   if (whole.done()) return {};

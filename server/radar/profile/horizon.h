@@ -7,11 +7,11 @@
 namespace obliq {
 
 /// Bounds of what the ground around one bearing stands at: no slope (height above the antenna over ground
-/// distance) up to a distance is greater. For all planes within half a width of the bearing.
-class GroundRidge {
+/// distance) up to a distance is greater. For all profiles within half a width of the bearing.
+class HorizonBound {
  public:
-  GroundRidge(const Scene& scene, const glm::dvec3& antenna_m, SinCos bearing, double half_width_rad,
-              double to_m);
+  HorizonBound(const Scene& scene, const glm::dvec3& antenna_m, SinCos bearing, double half_width_rad,
+               double to_m);
 
   /// All ground up to a distance lies below a horizon.
   bool hidden_by(const Horizon<double>& horizon, double to_m) const {
@@ -24,9 +24,9 @@ class GroundRidge {
   std::vector<double> slope_;  // up to the end of each step
 };
 
-/// The highest elevation that the ground has along one vertical plane up to to_m: exactly what a march from
+/// The highest elevation that the ground has along one vertical profile up to to_m: exactly what a march from
 /// the nadir would have found, for the price of a look at the tiles that the ridge does not leave out.
-Horizon<double> ground_horizon(const Scene& scene, const GroundRidge& ridge, const glm::dvec3& antenna_m,
+Horizon<double> ground_horizon(const Scene& scene, const HorizonBound& ridge, const glm::dvec3& antenna_m,
                                SinCos bearing, double to_m);
 
 }  // namespace obliq

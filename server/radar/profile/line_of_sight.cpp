@@ -4,34 +4,35 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 
-#include "server/radar/profile/wall_edge.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 
-void SweepPlane::cut_roofs(double from_m) {
-  std::erase_if(spans_, [&](const FootprintSpan& span) { return span.far_m <= from_m; });
-  for (const FootprintSpan& span : spans_) walk_.reach(span.far_m);
-  steps_ = disjoint_roofs(world_->buildings, spans_);
+void LineOfSight::cut_roofs(double from_m) {
+  std::erase_if(spans_, [&](const RoofSpan& span) { return span.far_m <= from_m; });
+  for (const RoofSpan& span : spans_) walk_.reach(span.far_m);
+  steps_ = disjoint_roofs(spans_);
+  std::erase_if(steps_, [](const RoofSpan& step) { return !(step.near_m < step.far_m); });
   step_ = 0;
   while (step_ < steps_.size() && steps_[step_].far_m <= from_m) ++step_;
   entered_ = step_ < steps_.size() && steps_[step_].near_m < from_m;
 }
 
-const RoofStep* SweepPlane::next_roof() const {
+const RoofSpan* LineOfSight::next_roof() const {
   const auto ahead = std::find_if(steps_.begin() + static_cast<std::ptrdiff_t>(step_), steps_.end(),
-                                  [&](const RoofStep& step) { return step.far_m > walk_.at_m(); });
+                                  [&](const RoofSpan& step) { return step.far_m > walk_.at_m(); });
   return ahead == steps_.end() ? nullptr : &*ahead;
 }
 
-bool SweepPlane::covers(const FootprintSpan& span) const {
-  return std::any_of(spans_.begin(), spans_.end(), [&](const FootprintSpan& other) {
+bool LineOfSight::covers(const RoofSpan& span) const {
+  return std::any_of(spans_.begin(), spans_.end(), [&](const RoofSpan& other) {
     return other.building != span.building && other.roof_y_m >= span.roof_y_m &&
            other.near_m <= span.near_m + kTouching_m && other.far_m >= span.far_m - kTouching_m;
   });
 }
 
-void SweepPlane::raise_by_roofs(Horizon<double>& horizon, const FootprintSpan& before) const {
-  for (const FootprintSpan& other : spans_) {
+void LineOfSight::raise_by_roofs(Horizon<double>& horizon, const RoofSpan& before) const {
+  for (const RoofSpan& other : spans_) {
     if (other.building == before.building || !(other.near_m < before.near_m)) continue;
     const double height = other.roof_y_m - antenna_m_.y;
     horizon.raise(other.near_m, height, true);
@@ -39,7 +40,7 @@ void SweepPlane::raise_by_roofs(Horizon<double>& horizon, const FootprintSpan& b
   }
 }
 
-SweepPlane::WallPlane SweepPlane::wall_plane(const RoofStep& step) const {
+LineOfSight::WallPlane LineOfSight::wall_plane(const RoofSpan& step) const {
   const Buildings& all = world_->buildings;
   const WallEdge edge = edge_of_wall(all, step.wall);
   const glm::dvec2 antenna(antenna_m_.x, antenna_m_.z);

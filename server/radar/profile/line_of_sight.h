@@ -1,20 +1,22 @@
 #pragma once
-// What an antenna sees of one vertical plane of zero width: the terrain's triangles, walls and roofs, exact.
+// What an antenna sees of one vertical profile of zero width: the terrain's triangles, walls and roofs,
+// exact.
 #include <glm/vec3.hpp>
 #include <vector>
 
 #include "server/radar/profile/ground_walk.h"
-#include "server/radar/profile/roof_steps.h"
+#include "server/radar/profile/roofs.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/horizon.h"
 #include "server/scene/exact_hit.h"
+#include "server/scene/tolerances.h"
 #include "terrain/world.h"
 
 namespace obliq {
 
-/// A straight piece of the surface's cut through a vertical plane: (d, h) = (d_m, h_m) + t (rate_d, rate_h),
-/// h above the antenna, t from t0 (lower elevation) to t1 (higher).
-struct VisiblePiece {
+/// A straight segment of the surface's cut through a vertical profile: (d, h) = (d_m, h_m) + t (rate_d,
+/// rate_h), h above the antenna, t from t0 (lower elevation) to t1 (higher).
+struct VisibleSegment {
   /// Where a wall begins: where something in front ends, or at the ground or the roof that it stands on.
   enum class Foot : std::uint8_t { hidden, ground, roof };
 
@@ -27,7 +29,7 @@ struct VisiblePiece {
   double plane_distance_m;  ///< of the antenna from the triangle's plane: cos(incidence) = this / slant range
   std::uint32_t face;       ///< building face; kNoFace on ground
   std::uint8_t material;
-  bool upper;  ///< ground only, as in GroundPiece
+  bool upper;  ///< ground only, as in GroundSegment
   int i;       ///< ground cell
   int j;
   bool wall;
@@ -41,17 +43,17 @@ struct VisiblePiece {
   double height_m(double t) const { return h_m + t * rate_h; }
 };
 
-/// Marches one vertical plane outwards and reports every piece of surface that rises above all that lies
-/// nearer. The world is a height field (terrain, and prisms that stand on it), so the pieces are disjoint in
-/// elevation and come in rising order. Only surfaces that face the antenna are lit.
-class SweepPlane {
+/// Marches one vertical profile outwards and reports every segment of surface that rises above all that lies
+/// nearer. The world is a height field (terrain, and prisms that stand on it), so the segments are disjoint
+/// in elevation and come in rising order. Only surfaces that face the antenna are lit.
+class LineOfSight {
  public:
   /// bearing: sin and cos of the world angle. Starts at from_m, where `horizon` stands for all that is
-  /// nearer; `spans` are the footprints that the plane crosses (those that end before from_m are ignored).
+  /// nearer; `spans` are the footprints that the profile crosses (those that end before from_m are ignored).
   /// Cells are marched whole, none that begins beyond reach_m and all footprints: a wall that begins in the
-  /// swath may stand beyond it in this plane.
-  SweepPlane(const World& world, const glm::dvec3& antenna_m, SinCos bearing, double from_m, double reach_m,
-             const Horizon<double>& horizon, std::vector<FootprintSpan> spans)
+  /// swath may stand beyond it in this profile.
+  LineOfSight(const World& world, const glm::dvec3& antenna_m, SinCos bearing, double from_m, double reach_m,
+              const Horizon<double>& horizon, std::vector<RoofSpan> spans)
       : world_(&world),
         antenna_m_(antenna_m),
         bearing_(bearing),
@@ -64,7 +66,7 @@ class SweepPlane {
 
   const SinCos& bearing() const { return bearing_; }
   const Horizon<double>& horizon() const { return horizon_; }
-  const std::vector<FootprintSpan>& spans() const { return spans_; }
+  const std::vector<RoofSpan>& spans() const { return spans_; }
   double at_m() const { return walk_.at_m(); }
   int cell_i() const { return walk_.cell_i(); }
   int cell_j() const { return walk_.cell_j(); }
@@ -74,21 +76,21 @@ class SweepPlane {
   bool out_of_shadow() const { return step_ == steps_.size() && !horizon_.building; }
 
   /// The first roof that does not end before at_m(), or nothing.
-  const RoofStep* next_roof() const;
+  const RoofSpan* next_roof() const;
 
-  /// More footprints that the plane crosses, all beyond at_m().
-  void add(const std::vector<FootprintSpan>& spans) {
+  /// More footprints that the profile crosses, all beyond at_m().
+  void add(const std::vector<RoofSpan>& spans) {
     spans_.insert(spans_.end(), spans.begin(), spans.end());
     cut_roofs(walk_.at_m());
   }
 
   /// Whether another building's roof covers all of a footprint's stretch.
-  bool covers(const FootprintSpan& span) const;
+  bool covers(const RoofSpan& span) const;
   /// Raises a horizon by the other buildings' roofs up to where a stretch begins.
-  void raise_by_roofs(Horizon<double>& horizon, const FootprintSpan& before) const;
+  void raise_by_roofs(Horizon<double>& horizon, const RoofSpan& before) const;
 
   /// Marches to `to_m` (see GroundWalk::Last) or until sink.full() after a cell. Calls
-  /// sink.visible(const VisiblePiece&).
+  /// sink.visible(const VisibleSegment&).
   template <class Sink>
   void advance(double to_m, Sink& sink, GroundWalk::Last last = GroundWalk::Last::cut) {
     Visit<Sink> visit{*this, sink};
@@ -96,22 +98,20 @@ class SweepPlane {
   }
 
  private:
-  static constexpr double kTouching_m = 1e-6;  // rounding of a distance, and more
-
   template <class Sink>
   struct Visit {
-    SweepPlane& plane;
+    LineOfSight& profile;
     Sink& sink;
-    void ground(const GroundPiece& piece) {
-      if (plane.step_ < plane.steps_.size() && plane.steps_[plane.step_].near_m <= piece.d1_m) {
-        plane.with_roofs(piece.d0_m, piece.d1_m, &piece, sink);
+    void ground(const GroundSegment& segment) {
+      if (profile.step_ < profile.steps_.size() && profile.steps_[profile.step_].near_m <= segment.d1_m) {
+        profile.with_roofs(segment.d0_m, segment.d1_m, &segment, sink);
       } else {
-        plane.see_ground(piece, piece.d0_m, piece.d1_m, sink);
+        profile.see_ground(segment, segment.d0_m, segment.d1_m, sink);
       }
     }
     void gap(double d0, double d1) {
-      if (plane.step_ < plane.steps_.size() && plane.steps_[plane.step_].near_m <= d1)
-        plane.with_roofs(d0, d1, nullptr, sink);
+      if (profile.step_ < profile.steps_.size() && profile.steps_[profile.step_].near_m <= d1)
+        profile.with_roofs(d0, d1, nullptr, sink);
     }
     bool enough() const { return sink.full(); }
   };
@@ -124,51 +124,52 @@ class SweepPlane {
   }
 
   template <class Sink>
-  void see_ground(const GroundPiece& ground, double d0, double d1, Sink& sink) {
+  void see_ground(const GroundSegment& ground, double d0, double d1, Sink& sink) {
     const double start = ground.start_m - antenna_m_.y;
     see(d0, d1, start, ground.rise, false, [&](double from, double to) {
       const double slope_x = ground.per_cell_x_m * cells_per_m_;
       const double slope_z = ground.per_cell_z_m * cells_per_m_;
       const double steepness = std::sqrt(1 + slope_x * slope_x + slope_z * slope_z);
-      sink.visible(VisiblePiece{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
-                                world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
-                                ground.j, false, 0, 0, 0, 0, VisiblePiece::Foot::hidden});
+      sink.visible(VisibleSegment{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
+                                  world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
+                                  ground.j, false, 0, 0, 0, 0, VisibleSegment::Foot::hidden});
     });
   }
 
   template <class Sink>
-  void see_wall(const RoofStep& step, Sink& sink) {
+  void see_wall(const RoofSpan& step, Sink& sink) {
     const double d = step.near_m;
     const double top = step.roof_y_m - antenna_m_.y;
     // Everything in front reaches up to the horizon; only over unknown ground does the wall begin at its
     // base.
-    const double base = step.base_y_m - antenna_m_.y;
+    const Building& building = world_->buildings.list[step.building];
+    const double base = static_cast<double>(building.base_y_m) - antenna_m_.y;
     if (!(d > 0) || horizon_.hides(d, top)) return;
     const double low = horizon_.d_m > 0 ? std::max(base, horizon_.h_m / horizon_.d_m * d) : base;
-    const auto foot = !(horizon_.d_m > d - kTouching_m) ? VisiblePiece::Foot::hidden
-                      : horizon_.building               ? VisiblePiece::Foot::roof
-                                                        : VisiblePiece::Foot::ground;
+    const auto foot = !(horizon_.d_m > d - kTouching_m) ? VisibleSegment::Foot::hidden
+                      : horizon_.building               ? VisibleSegment::Foot::roof
+                                                        : VisibleSegment::Foot::ground;
     const WallPlane wall = wall_plane(step);
     if (low < top && wall.distance_m > 0)
-      sink.visible(VisiblePiece{d, 0, 0, 1, low, top, wall.distance_m, step.wall,
-                                world_->buildings.list[step.building].material, false, 0, 0, true,
-                                wall.normal_x, wall.normal_z, wall.nearest_m, wall.farthest_m, foot});
+      sink.visible(VisibleSegment{d, 0, 0, 1, low, top, wall.distance_m, step.wall, building.material, false,
+                                  0, 0, true, wall.normal_x, wall.normal_z, wall.nearest_m, wall.farthest_m,
+                                  foot});
     horizon_.raise(d, top, true);
   }
 
   template <class Sink>
-  void see_roof(const RoofStep& step, double d0, double d1, Sink& sink) {
+  void see_roof(const RoofSpan& step, double d0, double d1, Sink& sink) {
     const double start = step.roof_y_m - antenna_m_.y;
     see(d0, d1, start, 0, true, [&](double from, double to) {
       const Building& building = world_->buildings.list[step.building];
-      sink.visible(VisiblePiece{0, start, 1, 0, from, to, -start, building.first_face, building.material,
-                                false, 0, 0, false, 0, 0, 0, 0, VisiblePiece::Foot::hidden});
+      sink.visible(VisibleSegment{0, start, 1, 0, from, to, -start, building.first_face, building.material,
+                                  false, 0, 0, false, 0, 0, 0, 0, VisibleSegment::Foot::hidden});
     });
   }
 
-  /// [d0, d1] of a plane with roofs in it: the higher of ground and roof. No ground over a gap.
+  /// [d0, d1] of a profile with roofs in it: the higher of ground and roof. No ground over a gap.
   template <class Sink>
-  void with_roofs(double d0, double d1, const GroundPiece* ground, Sink& sink) {
+  void with_roofs(double d0, double d1, const GroundSegment* ground, Sink& sink) {
     double d = d0;
     while (d < d1) {
       while (step_ < steps_.size() && steps_[step_].far_m <= d) {
@@ -181,7 +182,7 @@ class SweepPlane {
       if (!roofed) {
         if (ground) see_ground(*ground, d, end, sink);
       } else {
-        const RoofStep& step = steps_[step_];
+        const RoofSpan& step = steps_[step_];
         if (!entered_ && step.wall != kNoFace) see_wall(step, sink);
         entered_ = true;
         under_roof(step, d, end, ground, sink);
@@ -191,7 +192,7 @@ class SweepPlane {
   }
 
   template <class Sink>
-  void under_roof(const RoofStep& step, double d0, double d1, const GroundPiece* ground, Sink& sink) {
+  void under_roof(const RoofSpan& step, double d0, double d1, const GroundSegment* ground, Sink& sink) {
     if (!ground) return see_roof(step, d0, d1, sink);
     const double above0 = ground->start_m + ground->rise * d0 - step.roof_y_m;
     const double above1 = ground->start_m + ground->rise * d1 - step.roof_y_m;
@@ -217,7 +218,7 @@ class SweepPlane {
     double farthest_m;
   };
   /// Of the wall that a step begins with.
-  WallPlane wall_plane(const RoofStep& step) const;
+  WallPlane wall_plane(const RoofSpan& step) const;
 
   const World* world_;
   glm::dvec3 antenna_m_;
@@ -225,8 +226,8 @@ class SweepPlane {
   double cells_per_m_;
   GroundWalk walk_;
   Horizon<double> horizon_;
-  std::vector<FootprintSpan> spans_;
-  std::vector<RoofStep> steps_;
+  std::vector<RoofSpan> spans_;
+  std::vector<RoofSpan> steps_;
   std::size_t step_ = 0;
   bool entered_ = false;  // the current step's wall has been seen
 };

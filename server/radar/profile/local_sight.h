@@ -1,14 +1,96 @@
 #pragma once
-// What a plate covers: the surface that is visible next to a ray's hit, in the ray's vertical plane. Both
-// walks are local: they end at the given slope or distance, at a void, or where nothing has been visible for
-// kLook_cells, so that their cost follows the plate and not the scene.
+// The scene's surface in one vertical profile through the antenna: ground, roofs and the walls that face the
+// antenna, as straight segments from the nadir outwards.
+#include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
-#include "server/radar/profile/local_surface.h"
+#include "server/radar/profile/roofs.h"
+#include "server/scene/exact_hit.h"
+#include "terrain/world.h"
 
 namespace obliq {
 
-/// A point of the plane that a ray says is visible.
+/// A straight segment in the profile: ground distance d from the antenna, height h above it. A wall has both
+/// ends at one distance, the lower one near.
+struct SurfaceSegment {
+  double near_d_m = 0, near_h_m = 0;
+  double far_d_m = 0, far_h_m = 0;
+  double near_slope = 0;  ///< tangents of the ends' elevations; -inf at the nadir
+  double far_slope = 0;
+  double normal_along = 0;  ///< components of the surface's normal: outwards in the profile,
+  double normal_up = 1;     ///< and up; the third one is never needed, directions lie in the profile
+  double normal_length2 = 1;
+  std::uint32_t face = kNoFace;
+  std::uint8_t material = 0;
+
+  void set_ends(double near_d, double near_h, double far_d, double far_h) {
+    near_d_m = near_d;
+    near_h_m = near_h;
+    far_d_m = far_d;
+    far_h_m = far_h;
+    near_slope = near_h / near_d;
+    far_slope = far_h / far_d;
+  }
+  /// The part between two slopes, near_slope <= low <= high <= far_slope.
+  SurfaceSegment between_slopes(double low, double high) const;
+  /// The part that is nearer than a distance between its ends.
+  SurfaceSegment nearer_than(double d_m) const;
+};
+
+/// The surface in a profile, cell by cell of the ground grid. Keeps a reference to the world.
+class LocalSurface {
+ public:
+  LocalSurface(const World& world, const glm::dvec3& antenna_m);
+
+  /// Turns the profile. `stretches`: disjoint and sorted, kept by reference until the next turn.
+  void aim(double sin_bearing, double cos_bearing, const std::vector<RoofSpan>& stretches);
+
+  /// A grid cell and the distances at which the profile enters and leaves it.
+  struct Cell {
+    int i = 0;
+    int j = 0;
+    double from_m = 0;
+    double to_m = 0;
+    bool leaves_by_x = true;
+    bool enters_by_x = true;
+  };
+
+  Cell cell_at(double d_m) const;
+  Cell next_out(const Cell& cell) const;
+  Cell next_in(const Cell& cell) const;
+  bool known(const Cell& cell) const { return world_.grid.cell_known(cell.i, cell.j); }
+
+  /// The segments of a known cell, outwards; valid until the next call.
+  const std::vector<SurfaceSegment>& segments(const Cell& cell);
+
+ private:
+  Cell bounded(int i, int j) const;
+  void add_triangle(const Cell& cell, bool upper, double d0, double d1);
+  void add_ground(const SurfaceSegment& ground, double d0, double d1);
+  void add_with_roofs(const SurfaceSegment& ground, double d0, double d1);
+  void add_wall(const RoofSpan& roof, double low);
+  void add_roof(const SurfaceSegment& ground, const RoofSpan& roof, double d0, double d1);
+  void add_flat_roof(const RoofSpan& roof, double d0, double d1);
+
+  const World& world_;
+  const std::vector<RoofSpan>* stretches_ = nullptr;
+  glm::dvec3 antenna_m_;
+  double over_cell_m_;
+  double start_u_, start_v_;  // the antenna, in cells from node (0, 0)
+  double sin_bearing_ = 0, cos_bearing_ = 1;
+  double per_x_ = 0, per_z_ = 1;    // ground distance a metre of x or z; infinite along the other axis
+  double rate_u_ = 0, rate_v_ = 0;  // cells a metre of ground distance
+  double ground_start_m_ = 0;       // the triangle at hand: height above the antenna at d = 0,
+  double ground_rise_ = 0;          // and its rise along the profile
+  std::vector<SurfaceSegment> segments_;
+};
+
+// What a plate covers: the surface that is visible next to a ray's hit, in the ray's own profile. Both walks
+// are local: they end at the given slope or distance, at a void, or where nothing has been visible for
+// kLook_cells, so that their cost follows the plate and not the scene.
+
+/// A point of the profile that a ray says is visible.
 struct SightPoint {
   double d_m = 0;  ///< ground distance from the antenna
   double h_m = 0;  ///< above the antenna
@@ -18,15 +100,15 @@ struct SightPoint {
 /// Cells walked behind a crest, or in front of a foot, to find the surface that is visible next.
 constexpr int kLook_cells = 16;
 
-/// Appends the visible pieces beyond `from`, outwards, with slopes from from.slope to `to_slope`. Stops at
-/// distance `to_d_m`, where another ray's hit is known. Returns the slope up to which the plane is answered:
+/// Appends the visible segments beyond `from`, outwards, with slopes from from.slope to `to_slope`. Stops at
+/// distance `to_d_m`, where another ray's hit is known. Returns the slope up to which visibility is known:
 /// to_slope, or the slope of the crest behind which the walk saw nothing more.
-double walk_out(PlaneSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-                std::vector<PlanePiece>& visible);
+double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
+                std::vector<SurfaceSegment>& visible);
 
-/// Appends the visible pieces nearer than `from`, inwards, with slopes from from.slope down to `to_slope`.
+/// Appends the visible segments nearer than `from`, inwards, with slopes from from.slope down to `to_slope`.
 /// What rises in front hides what lies behind.
-void walk_in(PlaneSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-             std::vector<PlanePiece>& visible);
+void walk_in(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
+             std::vector<SurfaceSegment>& visible);
 
 }  // namespace obliq

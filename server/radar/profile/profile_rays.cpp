@@ -7,15 +7,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "server/radar/profile/ground_walk.h"
 #include "server/radar/profile/line_of_sight.h"
-#include "server/radar/profile/walking_planes.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Answers the rays of one plane, those from `next` on, from what is visible.
+/// Answers the rays of one profile, those from `next` on, from what is visible.
 struct AnswerVisible {
   const RayRows& rows;
   int nx;
@@ -23,22 +23,23 @@ struct AnswerVisible {
   double* slant_range_m;
   std::uint32_t* surface;
 
-  void visible(const VisiblePiece& piece) {
-    const double low_d = piece.ground_range_m(piece.t0), low_h = piece.height_m(piece.t0);
-    const double high_d = piece.ground_range_m(piece.t1), high_h = piece.height_m(piece.t1);
+  void visible(const VisibleSegment& segment) {
+    const double low_d = segment.ground_range_m(segment.t0), low_h = segment.height_m(segment.t0);
+    const double high_d = segment.ground_range_m(segment.t1), high_h = segment.height_m(segment.t1);
     for (; rows.slope[next] * high_d < high_h; ++next) {
       const double slope = rows.slope[next];
       if (slope * low_d < low_h) {
         slant_range_m[next] = 0;
-        surface[next] = SweptRays::kUnder;
+        surface[next] = ProfileRays::kUnder;
         continue;
       }
-      const double t = std::clamp((slope * piece.d_m - piece.h_m) / (piece.rate_h - slope * piece.rate_d),
-                                  piece.t0, piece.t1);
-      slant_range_m[next] = piece.ground_range_m(t) * rows.secant[next];
-      surface[next] = piece.face != kNoFace
-                          ? SweptRays::kFace + piece.face
-                          : 2 * static_cast<std::uint32_t>(piece.j * nx + piece.i) + (piece.upper ? 1 : 0);
+      const double t =
+          std::clamp((slope * segment.d_m - segment.h_m) / (segment.rate_h - slope * segment.rate_d),
+                     segment.t0, segment.t1);
+      slant_range_m[next] = segment.ground_range_m(t) * rows.secant[next];
+      surface[next] = segment.face != kNoFace ? ProfileRays::kFace + segment.face
+                                              : 2 * static_cast<std::uint32_t>(segment.j * nx + segment.i) +
+                                                    (segment.upper ? 1 : 0);
     }
   }
   bool full() const { return next == rows.n; }
@@ -46,14 +47,14 @@ struct AnswerVisible {
 
 }  // namespace
 
-/// Of one plane.
-struct SweptRays::Roofs {
-  std::vector<FootprintSpan> spans;
+/// Of one profile.
+struct ProfileRays::Roofs {
+  std::vector<RoofSpan> spans;
   SinCos bearing;
 };
 
-SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const SinCos> elevation,
-                     double reach_m, const LaneKernels& kernels)
+ProfileRays::ProfileRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<const SinCos> elevation,
+                         double reach_m, const Kernels& kernels)
     : world_(scene.world()),
       antenna_m_(antenna_m),
       ground_(ground_view(scene.world().grid, antenna_m)),
@@ -65,7 +66,7 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
   reach_m_ = std::min(reach_m_, std::hypot(farther(antenna_m.x, grid.x0_m, grid.x1_m()),
                                            farther(antenna_m.z, grid.z0_m, grid.z1_m())));
   if (static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.nz) >= kFace / 2)
-    throw std::length_error("SweptRays: the grid has 2^30 posts or more");
+    throw std::length_error("ProfileRays: the grid has 2^30 posts or more");
   for (const SinCos at : elevation) {
     slope_.push_back(at.sin / at.cos);
     secant_.push_back(1 / at.cos);
@@ -76,19 +77,19 @@ SweptRays::SweptRays(const Scene& scene, const glm::dvec3& antenna_m, std::span<
 
 /// The ground distance before which nothing reaches up to a ray. What stands no higher than top_m_ has slopes
 /// of at most top_m_ / d. A little less, for flat ground.
-double SweptRays::start_m(std::size_t ray) const {
+double ProfileRays::start_m(std::size_t ray) const {
   if (!(top_m_ < 0 && slope_[ray] < 0)) return 0;
   return 0.999 * std::min(reach_m_, top_m_ / slope_[ray]);
 }
 
-void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings, Run run,
-                       std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
-  RayLanes lanes{};
+void ProfileRays::answer(std::span<const SinCos> bearings, std::span<const std::uint32_t> buildings, Run run,
+                         std::span<double> slant_range_m, std::span<std::uint32_t> surface) const {
+  RayProfiles lanes{};
   lanes.slant_range_m = slant_range_m.data();
   lanes.surface = surface.data();
-  std::array<Roofs, kMostPlanes> roofs;
+  std::array<Roofs, kMostProfiles> roofs;
   const double from_m = start_m(run.first);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(kMostPlanes); ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(kMostProfiles); ++k) {
     lanes.end_m[k] = -1;
     lanes.roof_m[k] = kInfinity;
     if (k >= bearings.size()) continue;
@@ -97,9 +98,9 @@ void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::ui
     if (walk.done()) continue;
     set_out(lanes, k, bearing, walk);
     for (const std::uint32_t b : buildings)
-      footprint_spans(world_.buildings, b, antenna_m_.x, antenna_m_.z, bearing.sin, bearing.cos,
-                      roofs[k].spans);
-    for (const FootprintSpan& span : roofs[k].spans)
+      add_roof_spans(world_.buildings, b, antenna_m_.x, antenna_m_.z, bearing.sin, bearing.cos,
+                     roofs[k].spans);
+    for (const RoofSpan& span : roofs[k].spans)
       if (span.far_m > lanes.d_m[k]) lanes.roof_m[k] = std::min(lanes.roof_m[k], span.near_m);
   }
   const auto first = slope_.begin() + static_cast<std::ptrdiff_t>(run.first);
@@ -109,7 +110,7 @@ void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::ui
     cut.push_back(kInfinity);
   }
   const RayRows rows{cut.empty() ? &*first : cut.data(), secant_.data() + run.first, run.count};
-  while (const unsigned at_roof = kernels_.answer_rays(ground_, rows, lanes))
+  while (const unsigned at_roof = kernels_.first_hits_in_profiles(ground_, rows, lanes))
     for (std::size_t k = 0; k < bearings.size(); ++k)
       if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], rows, run.first, lanes);
   for (std::size_t k = 0; k < bearings.size(); ++k) {
@@ -120,23 +121,23 @@ void SweptRays::answer(std::span<const SinCos> bearings, std::span<const std::ui
   }
 }
 
-/// Takes one plane past the roofs that it stands before.
-void SweptRays::pass_roofs(std::size_t k, Roofs& roofs, const RayRows& rows, std::size_t first_ray,
-                           RayLanes& lanes) const {
+/// Takes one profile past the roofs that it stands before.
+void ProfileRays::pass_roofs(std::size_t k, Roofs& roofs, const RayRows& rows, std::size_t first_ray,
+                             RayProfiles& lanes) const {
   // All that is nearer lies below the next ray.
   Horizon<double> horizon;
   const std::size_t next = first_ray + lanes.next[k];
   if (next > 0) horizon = {1, slope_[next - 1], false};
-  SweepPlane plane(world_, antenna_m_, roofs.bearing, lanes.d_m[k], reach_m_, horizon, roofs.spans);
+  LineOfSight profile(world_, antenna_m_, roofs.bearing, lanes.d_m[k], reach_m_, horizon, roofs.spans);
   AnswerVisible answers{rows, world_.grid.nx, lanes.next[k], lanes.slant_range_m + k * rows.n,
                         lanes.surface + k * rows.n};
-  const RoofStep* roof = plane.next_roof();
-  while (roof && roof->near_m <= std::max(plane.at_m(), lanes.roof_m[k])) {
-    plane.advance(std::min(roof->far_m, reach_m_), answers);
-    const bool ended = answers.full() || plane.done() || plane.at_m() >= lanes.end_m[k];
-    roof = ended ? nullptr : plane.next_roof();
+  const RoofSpan* roof = profile.next_roof();
+  while (roof && roof->near_m <= std::max(profile.at_m(), lanes.roof_m[k])) {
+    profile.advance(std::min(roof->far_m, reach_m_), answers);
+    const bool ended = answers.full() || profile.done() || profile.at_m() >= lanes.end_m[k];
+    roof = ended ? nullptr : profile.next_roof();
   }
-  stand_at(lanes, k, plane);
+  stand_at(lanes, k, profile);
   lanes.roof_m[k] = roof ? roof->near_m : kInfinity;
 }
 

@@ -7,23 +7,23 @@ namespace obliq {
 
 std::optional<double> roof_above(const Buildings& buildings, const glm::dvec3& point_m) {
   std::optional<double> highest;
-  std::vector<FootprintSpan> spans;
+  std::vector<RoofSpan> spans;
   for (std::uint32_t b = 0; b < buildings.list.size(); ++b) {
     const Building& building = buildings.list[b];
     const double roof = static_cast<double>(building.roof_y_m);
     if (point_m.y > roof || point_m.y < static_cast<double>(building.base_y_m)) continue;
     spans.clear();
     // A half-line due north: the point is inside when the first stretch begins at it.
-    footprint_spans(buildings, b, point_m.x, point_m.z, 0, 1, spans);
+    add_roof_spans(buildings, b, point_m.x, point_m.z, 0, 1, spans);
     const bool inside =
-        std::any_of(spans.begin(), spans.end(), [](const FootprintSpan& span) { return span.near_m == 0; });
+        std::any_of(spans.begin(), spans.end(), [](const RoofSpan& span) { return span.near_m == 0; });
     if (inside && (!highest || roof > *highest)) highest = roof;
   }
   return highest;
 }
 
-void footprint_spans(const Buildings& buildings, std::uint32_t building_index, double x_m, double z_m,
-                     double sin_bearing, double cos_bearing, std::vector<FootprintSpan>& spans) {
+void add_roof_spans(const Buildings& buildings, std::uint32_t building_index, double x_m, double z_m,
+                    double sin_bearing, double cos_bearing, std::vector<RoofSpan>& spans) {
   const Building& building = buildings.list[building_index];
   // Crossings of the whole line with the rings' edges, an edge counted when its ends lie on different sides
   // (exactly on the line counts as right of it), so that the number of crossings is always even.
@@ -75,8 +75,56 @@ void footprint_spans(const Buildings& buildings, std::uint32_t building_index, d
   for (std::size_t k = 0; k + 1 < n; k += 2) {
     if (first[k + 1].distance_m <= 0) continue;
     spans.push_back({std::max(0.0, first[k].distance_m), first[k + 1].distance_m,
-                     static_cast<double>(building.roof_y_m), building_index, first[k].wall});
+                     static_cast<double>(building.roof_y_m), building_index,
+                     first[k].distance_m > 0 ? first[k].wall : kNoFace});
   }
+}
+
+std::vector<RoofSpan> disjoint_roofs(std::vector<RoofSpan>& spans) {
+  std::sort(spans.begin(), spans.end(), [](const RoofSpan& p, const RoofSpan& q) {
+    return p.near_m != q.near_m ? p.near_m < q.near_m : p.building < q.building;
+  });
+  bool overlap = false;
+  for (std::size_t k = 0; k + 1 < spans.size(); ++k)
+    overlap = overlap || spans[k].far_m > spans[k + 1].near_m;
+  if (!overlap) return spans;
+  std::vector<double> edges;
+  for (const RoofSpan& span : spans) {
+    edges.push_back(span.near_m);
+    edges.push_back(span.far_m);
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  std::vector<RoofSpan> disjoint;
+  std::vector<RoofSpan> active;
+  std::size_t next = 0;
+  for (std::size_t e = 0; e + 1 < edges.size(); ++e) {
+    while (next < spans.size() && spans[next].near_m <= edges[e]) active.push_back(spans[next++]);
+    std::erase_if(active, [&](const RoofSpan& span) { return span.far_m <= edges[e]; });
+    if (active.empty()) continue;
+    RoofSpan top = *std::max_element(active.begin(), active.end(), [](const RoofSpan& p, const RoofSpan& q) {
+      return p.roof_y_m < q.roof_y_m;
+    });
+    // Its own wall stands only where it begins; further on the roof comes out from under a higher one.
+    if (top.near_m < edges[e]) top.wall = kNoFace;
+    top.near_m = edges[e];
+    top.far_m = edges[e + 1];
+    disjoint.push_back(top);
+  }
+  return disjoint;
+}
+
+WallEdge edge_of_wall(const Buildings& all, std::uint32_t face) {
+  const Building& building = all.list[all.faces[face].building];
+  std::uint32_t edge = face - building.first_face - 1;
+  std::uint32_t ring = building.first_ring;
+  while (edge >= all.ring_start[ring + 1] - all.ring_start[ring]) {
+    edge -= all.ring_start[ring + 1] - all.ring_start[ring];
+    ++ring;
+  }
+  const std::uint32_t begin = all.ring_start[ring];
+  const std::uint32_t size = all.ring_start[ring + 1] - begin;
+  return {begin + edge, begin + (edge + 1) % size};
 }
 
 }  // namespace obliq

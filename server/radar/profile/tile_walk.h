@@ -1,5 +1,5 @@
 #pragma once
-// The tiles of the ground that a vertical plane crosses.
+// The tiles of the ground that a vertical profile crosses.
 #include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>

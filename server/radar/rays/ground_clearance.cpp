@@ -4,13 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "server/scene/tolerances.h"
+
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// More than what bearings and slopes are rounded by.
-constexpr double kSlack = 1e-9;
 
 }  // namespace
 
@@ -31,8 +30,8 @@ GroundBeam::GroundBeam(const HeightGrid& grid, const glm::dvec3& antenna_m, SinC
   const auto aside = [&](SinCos bearing) {
     return along_z_ ? bearing.sin / std::abs(bearing.cos) : bearing.cos / std::abs(bearing.sin);
   };
-  left_ = std::min(aside(left), aside(right)) - kSlack;
-  right_ = std::max(aside(left), aside(right)) + kSlack;
+  left_ = std::min(aside(left), aside(right)) - kSlopeMargin;
+  right_ = std::max(aside(left), aside(right)) + kSlopeMargin;
   // The strip that the antenna stands over, or the first one ahead of it; beyond the grid's end its last one.
   first_line_ = static_cast<int>(rising_ ? std::clamp(std::floor(start_), 0.0, lines_ - 2.0)
                                          : std::clamp(std::ceil(start_), 1.0, lines_ - 1.0));
@@ -95,7 +94,7 @@ double GroundBeam::near_m(std::size_t strip) const {
 
 double GroundBeam::free_range_m(const glm::dvec3& direction, double from_m) {
   const double ahead = std::abs(along_z_ ? direction.z : direction.x);
-  const double slope = direction.y / ahead - kSlack;
+  const double slope = direction.y / ahead - kSlopeMargin;
   std::size_t k = last_;
   const std::vector<float>* reached = &slope_;
   if (from_m > 0) {

@@ -122,14 +122,15 @@ std::span<const std::uint16_t> GroundTrace::trace(const RayBatch& rays, RoughHit
     if (from_m_[k] < kInfinity) walking_[walking++] = static_cast<std::uint16_t>(k);
   }
   while (walking > 0) {
-    lane_kernels().cast_ground(ground_view(plan_.scene().world().grid, antenna),
-                               {walking_.data(), static_cast<int>(walking), kStretch, kFar_m,
-                                plan_.scene().tiles().lowest_m() - antenna.y, rays.dir_x.data(),
-                                rays.dir_y.data(), rays.dir_z.data(), from_m_.data(), range_m_.data()});
+    widest_kernels().first_hits_on_ground(
+        ground_view(plan_.scene().world().grid, antenna),
+        {walking_.data(), static_cast<int>(walking), kStretch, kFar_m,
+         plan_.scene().tiles().lowest_m() - antenna.y, rays.dir_x.data(), rays.dir_y.data(),
+         rays.dir_z.data(), from_m_.data(), range_m_.data()});
     std::size_t tired = 0;
     for (std::size_t at = 0; at < walking; ++at) {
       const std::size_t k = walking_[at];
-      if (range_m_[k] != CastRays::kTired) continue;
+      if (range_m_[k] != FreeRays::kOutOfSteps) continue;
       range_m_[k] = kNone;
       const double free_m = beam_[k]->free_range_m(direction(k), from_m_[k]);
       if (!(free_m < kInfinity)) continue;

@@ -7,14 +7,12 @@
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/rays/polar_columns.h"
 #include "server/scene/ray_answer.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
 
-constexpr auto kPlanes = static_cast<std::size_t>(SweptRays::kMostPlanes);
-
-/// Buildings are taken for wider by this, far more than bearings are rounded by.
-constexpr double kSlack_rad = 1e-9;
+constexpr auto kPlanes = static_cast<std::size_t>(ProfileRays::kMostProfiles);
 
 }  // namespace
 
@@ -46,8 +44,8 @@ void PolarTrace::share_out_buildings() {
       const auto group_at = [&](double offset_rad) {
         return std::floor((offset_rad + turn * 2 * std::numbers::pi - start_rad) / width_rad / kPlanes);
       };
-      const double from = group_at(seen.from_rad - kSlack_rad);
-      const double to = group_at(seen.to_rad + kSlack_rad);
+      const double from = group_at(seen.from_rad - kMargin_rad);
+      const double to = group_at(seen.to_rad + kMargin_rad);
       if (!(from <= last && to >= 0)) continue;
       const auto end = static_cast<std::size_t>(std::min(last, to));
       for (auto group = static_cast<std::size_t>(std::max(0.0, from)); group <= end; ++group) {
@@ -90,11 +88,11 @@ void PolarTrace::trace(const RayBatch& rays, RoughHit* hits) {
     const std::size_t at = column / kPlanes * kPlanes * most_rows_ + column % kPlanes * group.rows.count +
                            row - group.rows.first;
     const std::uint32_t surface = surface_[at];
-    hits[k] = surface == SweptRays::kUnder ? walk(rays, k) : RoughHit{};
-    if (surface == SweptRays::kUnder || surface == SweptRays::kNothing) continue;
+    hits[k] = surface == ProfileRays::kUnder ? walk(rays, k) : RoughHit{};
+    if (surface == ProfileRays::kUnder || surface == ProfileRays::kNothing) continue;
     hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
-    hits[k].kind = surface < SweptRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-    if (surface >= SweptRays::kFace) hits[k].triangle = triangle_of(surface - SweptRays::kFace);
+    hits[k].kind = surface < ProfileRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
+    if (surface >= ProfileRays::kFace) hits[k].triangle = triangle_of(surface - ProfileRays::kFace);
   }
 }
 

@@ -26,7 +26,7 @@ class PolarTrace {
  private:
   /// Neighbouring columns that are marched together.
   struct Group {
-    SweptRays::Run rows{0, 0};             // that are answered
+    ProfileRays::Run rows{0, 0};           // that are answered
     std::vector<std::uint32_t> buildings;  // that its columns may meet
   };
 
@@ -38,12 +38,12 @@ class PolarTrace {
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  const SweptRays& rays_;
+  const ProfileRays& rays_;
   int first_column_ = 0;
   std::vector<SinCos> bearings_;  // [columns]
-  std::vector<Group> groups_;     // of kMostPlanes columns each
+  std::vector<Group> groups_;     // of kMostProfiles columns each
   std::size_t most_rows_ = 0;
-  std::vector<double> slant_range_m_;   // [groups][kMostPlanes][rows]
+  std::vector<double> slant_range_m_;   // [groups][kMostProfiles][rows]
   std::vector<std::uint32_t> surface_;  // the same
 };
 

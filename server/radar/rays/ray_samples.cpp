@@ -26,7 +26,7 @@ class NoRays : public RaySource {
 };
 
 std::unique_ptr<PlateSpreader> make_plate_spreader(const FramePlan& plan, AzimuthRange range,
-                                                   WedgeProfile& profile) {
+                                                   WedgeVisibility& profile) {
   if (plan.settings().frustum == FrustumKind::polar) return std::make_unique<ColumnPlates>(plan);
   return std::make_unique<PixelPlates>(plan, range, profile);
 }
@@ -45,10 +45,10 @@ std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange r
   return std::make_unique<PerspectiveRays>(plan, range);
 }
 
-RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile)
+RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeVisibility* profile)
     : plan_(plan), tap_(tap), source_(make_ray_source(plan, range)), trace_(plan, range, tap != nullptr) {
   if (plan.settings().plates == PlateKind::nearest) return;
-  if (!profile) own_profile_ = std::make_unique<WedgeProfile>(plan, range);
+  if (!profile) own_profile_ = std::make_unique<WedgeVisibility>(plan, range);
   spreader_ = make_plate_spreader(plan, range, profile ? *profile : *own_profile_);
 }
 
@@ -91,7 +91,7 @@ void RaySamples::meet_ground() {
     rough_ground_m_[k] =
         rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNone;
   for (std::size_t k = n; k % 8 != 0; ++k) rough_ground_m_[k] = kNone;
-  lane_kernels().meet_ground(
+  widest_kernels().refine_ground_hits(
       {ground_view(plan_.scene().world().grid, plan_.sector().antenna_m), rays_.n, rays_.dir_x.data(),
        rays_.dir_y.data(), rays_.dir_z.data(), rough_ground_m_.data()},
       ground_);

@@ -16,14 +16,14 @@ namespace obliq {
 /// Rays of azimuth bins [range.first, range.first + range.count), from the plan's frustum.
 std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange range);
 
-class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
 /// The three frusta: rays through pixels, traced (ray_trace.h) and re-intersected in double. With nearest
 /// plates one sample a hit, with spread plates one for every range bin and surface that the hit's pixel
 /// covers.
 class RaySamples : public SampleSource {
  public:
-  RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeProfile* profile);
+  RaySamples(const FramePlan& plan, AzimuthRange range, SampleTap* tap, WedgeVisibility* profile);
   ~RaySamples() override;
   bool next(SampleBatch& samples, FrameStats& stats) override;
 
@@ -41,8 +41,8 @@ class RaySamples : public SampleSource {
   const FramePlan& plan_;
   SampleTap* tap_;
   std::unique_ptr<RaySource> source_;
-  std::unique_ptr<WedgeProfile> own_profile_;  // null when one was handed in, or none is needed
-  std::unique_ptr<PlateSpreader> spreader_;    // null: nearest plates
+  std::unique_ptr<WedgeVisibility> own_profile_;  // null when one was handed in, or none is needed
+  std::unique_ptr<PlateSpreader> spreader_;       // null: nearest plates
   RayTrace trace_;
   RayBatch rays_;
   std::array<RoughHit, kBatch> rough_;

@@ -5,13 +5,10 @@
 #include <limits>
 
 #include "server/radar/geometry/silhouettes.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
-namespace {
-
-constexpr double kSlack = 1e-9;  // more than what slopes are rounded by
-
-}  // namespace
+namespace {}  // namespace
 
 RoofLine::RoofLine(const Buildings& all, const Sector& sector, std::span<const std::uint32_t> buildings) {
   for (const std::uint32_t b : buildings) {
@@ -28,7 +25,7 @@ RoofLine::RoofLine(const Buildings& all, const Sector& sector, std::span<const s
 double RoofLine::free_range_m(const glm::dvec3& direction) const {
   if (roofs_.empty()) return std::numeric_limits<double>::infinity();
   const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
-  const double slope = direction.y / level - kSlack;
+  const double slope = direction.y / level - kSlopeMargin;
   const auto first = std::partition_point(roofs_.begin(), roofs_.end(),
                                           [&](const Roof& roof) { return roof.slope < slope; });
   if (first == roofs_.end()) return std::numeric_limits<double>::infinity();

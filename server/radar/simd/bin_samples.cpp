@@ -6,8 +6,8 @@
 
 namespace obliq::OBLIQ_ISA {
 
-void place_samples(const SwathCells& cells, const EchoFactors& factors, const PlaceInput& samples,
-                   PlacedSamples& placed) {
+void bin_samples(const SwathCells& cells, const EchoFactors& factors, const SampleView& samples,
+                 BinnedSamples& placed) {
   for (int k = 0; k < samples.n; k += kLanes) {
     const f64x8 r = load(samples.slant_range_m + k);
     store_i32(placed.range_bin + k, cells.axis.bin(r));

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/simd/kernel.h"
 #include "server/radar/simd/range_axis.h"
 
 namespace obliq {
@@ -25,7 +26,7 @@ struct EchoFactors {
 };
 
 /// A SampleBatch's arrays, read up to a multiple of 8.
-struct PlaceInput {
+struct SampleView {
   int n;
   const double* slant_range_m;
   const double* x_m;
@@ -35,7 +36,7 @@ struct PlaceInput {
 };
 
 /// Where samples fall, and what they scatter.
-struct PlacedSamples {
+struct BinnedSamples {
   static constexpr int kMost = 1024;
   static constexpr std::int32_t kOutside = -1;
   std::int32_t range_bin[kMost];  ///< kOutside: not in the swath
@@ -46,6 +47,6 @@ struct PlacedSamples {
   std::uint64_t level[kMost];
 };
 
-using PlaceKernel = void (*)(const SwathCells&, const EchoFactors&, const PlaceInput&, PlacedSamples&);
+OBLIQ_KERNEL(void, bin_samples, const SwathCells&, const EchoFactors&, const SampleView&, BinnedSamples&);
 
 }  // namespace obliq

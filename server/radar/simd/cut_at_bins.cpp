@@ -1,10 +1,11 @@
-// PieceSampler for eight pieces of ground at a time, to the bit.
+// PieceSampler for eight segments of ground at a time.
 #include "server/radar/simd/cut_at_bins.h"
 
 #include "server/radar/simd/range_run.h"
 
 namespace obliq::OBLIQ_ISA {
-int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, SampleArrays& out, bool& rare) {
+int cut_at_range_bins(const SegmentCut& bins, const VisibleSegments& segments, int first, SampleArrays& out,
+                      bool& rare) {
   const RangeAxis& axis = bins.axis;
   const double bins_per_m = 1 / axis.range_spacing_m;
   const double n_range = axis.n_range;
@@ -13,12 +14,12 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
   const f64x8 offsets = load(bins.azimuth_offset_rad);
   const f64x8 azimuths = load(bins.azimuth_bin);
   rare = false;
-  for (; first < pieces.n; ++first) {
-    mask8 wanted = mask_from(pieces.seen[first]);
-    const f64x8 start = load(pieces.start_m[first]);
-    const f64x8 rise = load(pieces.rise[first]);
-    const f64x8 from = load(pieces.from_m[first]);
-    const f64x8 to = load(pieces.to_m[first]);
+  for (; first < segments.n; ++first) {
+    mask8 wanted = mask_from(segments.seen[first]);
+    const f64x8 start = load(segments.start_m[first]);
+    const f64x8 rise = load(segments.rise[first]);
+    const f64x8 from = load(segments.from_m[first]);
+    const f64x8 to = load(segments.to_m[first]);
     const f64x8 from_h = start + from * rise;
     const f64x8 to_h = start + to * rise;
     const f64x8 from_r = sqrt(from * from + from_h * from_h);
@@ -46,9 +47,9 @@ int cut_ground(const PieceBins& bins, const GroundPieces& pieces, int first, Sam
     if (any(crowded)) return first;
 
     const mask8 outwards = to_r > from_r;
-    const f64x8 width = load(pieces.width_rad[first]);
-    const f64x8 cells = load(pieces.cell[first]);
-    const f64x8 plane_distance = load(pieces.plane_distance_m[first]);
+    const f64x8 width = load(segments.width_rad[first]);
+    const f64x8 cells = load(segments.cell[first]);
+    const f64x8 plane_distance = load(segments.plane_distance_m[first]);
     const f64x8 root_sign = select(outwards, broadcast(1), broadcast(-1));
     f64x8 d0 = from;
     f64x8 r0 = from_r;

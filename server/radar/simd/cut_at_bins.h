@@ -1,21 +1,22 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/simd/kernel.h"
 #include "server/radar/simd/range_axis.h"
 #include "server/radar/simd/visible_ground.h"
 
 namespace obliq {
 
-/// The range bins that pieces are cut into, and what the planes of the pieces have in common.
-struct PieceBins {
+/// The range bins that segments are cut into, and what the profiles of the segments have in common.
+struct SegmentCut {
   RangeAxis axis;
   GroundView ground;
   double turn_rad;  ///< PieceSampler::kTurn_rad
-  double sin_bearing[GroundLanes::kLanes];
-  double cos_bearing[GroundLanes::kLanes];
-  double azimuth_offset_rad[GroundLanes::kLanes];
-  double azimuth_bin[GroundLanes::kLanes];  ///< whole numbers
-  const std::uint8_t* material;             ///< [nz - 1][nx - 1] of the cells; null: all are 0
+  double sin_bearing[SightProfiles::kLanes];
+  double cos_bearing[SightProfiles::kLanes];
+  double azimuth_offset_rad[SightProfiles::kLanes];
+  double azimuth_bin[SightProfiles::kLanes];  ///< whole numbers
+  const std::uint8_t* material;               ///< [nz - 1][nx - 1] of the cells; null: all are 0
 };
 
 /// The arrays of a SampleBatch.
@@ -36,9 +37,10 @@ struct SampleArrays {
   std::uint8_t* material;
 };
 
-/// Cuts rows of pieces from number `first` on into samples as PieceSampler does, to the bit. Returns the
-/// first one that is not done: all are, or there is no room, or a piece of the next row is rare (its range
+/// Cuts rows of segments from number `first` on into samples as PieceSampler does. Returns the
+/// first one that is not done: all are, or there is no room, or a segment of the next row is rare (its range
 /// turns, it is seen under a wide angle, or it has very many bins) and `rare` is set.
-using PieceKernel = int (*)(const PieceBins&, const GroundPieces&, int first, SampleArrays&, bool& rare);
+OBLIQ_KERNEL(int, cut_at_range_bins, const SegmentCut&, const VisibleSegments&, int first, SampleArrays&,
+             bool& rare);
 
 }  // namespace obliq

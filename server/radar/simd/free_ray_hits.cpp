@@ -7,8 +7,8 @@
 namespace obliq::OBLIQ_ISA {
 namespace {
 
-/// Rays on their way. A plane's bearing is a ray's whole direction here, so that it walks by slant range.
-struct Walkers : WalkingPlanes {
+/// Rays on their way. A profile's bearing is a ray's whole direction here, so that it walks by slant range.
+struct Walkers : WalkingProfiles {
   double dir_y[kLanes];
   int ray[kLanes];
 };
@@ -16,7 +16,7 @@ struct Walkers : WalkingPlanes {
 constexpr int kRefill = 5;  // idle lanes that are worth a stop
 
 /// Sets out rays in the lanes that are not in `busy`; returns those that are now.
-unsigned set_out(const CastRays& rays, int& next, unsigned busy, Walkers& walkers) {
+unsigned set_out(const FreeRays& rays, int& next, unsigned busy, Walkers& walkers) {
   // A component that is all but 0 is none: its reciprocal would be infinite.
   const auto component = [](double c) { return c < 1e-200 && c > -1e-200 ? 0.0 : c; };
   for (int lane = 0; lane < kLanes && next < rays.n; ++lane) {
@@ -37,7 +37,7 @@ unsigned set_out(const CastRays& rays, int& next, unsigned busy, Walkers& walker
 
 }  // namespace
 
-void cast_ground(const GroundView& scene, const CastRays& rays) {
+void first_hits_on_ground(const GroundView& scene, const FreeRays& rays) {
   const GridView& grid = scene.grid;
   Walkers walkers{};
   ProfileRates<f64x8> p{};
@@ -45,7 +45,7 @@ void cast_ground(const GroundView& scene, const CastRays& rays) {
   f64x8 dir_y{};
   f64x8 end_m{};
   f64x8 cells_left{};
-  mask8 above{};  // over known ground at the end of the last piece of it
+  mask8 above{};  // over known ground at the end of the last segment of it
   unsigned busy = 0;
   for (int next = 0;;) {
     if (next < rays.n && __builtin_popcount(busy) <= kLanes - kRefill) {
@@ -86,9 +86,9 @@ void cast_ground(const GroundView& scene, const CastRays& rays) {
     visit_triangles(p, cells, y, active & y.known, end, triangle);
     move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
     cells_left -= 1.0;
-    const mask8 tired = open & (cells_left <= 0.0);
-    range = select(tired, broadcast(CastRays::kTired), range);
-    const unsigned left = movemask(open & ~tired);
+    const mask8 out_of_steps = open & (cells_left <= 0.0);
+    range = select(out_of_steps, broadcast(FreeRays::kOutOfSteps), range);
+    const unsigned left = movemask(open & ~out_of_steps);
     for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
       const int lane = __builtin_ctz(mask);
       rays.range_m[walkers.ray[lane]] = range[lane];

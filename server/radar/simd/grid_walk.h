@@ -6,22 +6,22 @@
 
 namespace obliq::OBLIQ_ISA {
 
-OBLIQ_INLINE ProfileRates<f64x8> rates_of(const GroundView& ground, const WalkingPlanes& planes) {
-  return profile_rates(ground.grid, ground.antenna_x_m, ground.antenna_z_m, load(planes.sin_bearing),
-                       load(planes.cos_bearing));
+OBLIQ_INLINE ProfileRates<f64x8> rates_of(const GroundView& ground, const WalkingProfiles& profiles) {
+  return profile_rates(ground.grid, ground.antenna_x_m, ground.antenna_z_m, load(profiles.sin_bearing),
+                       load(profiles.cos_bearing));
 }
 OBLIQ_INLINE CellEnds<f64x8> ends_of(const GroundView& ground, const ProfileRates<f64x8>& p,
                                      const Cells<f64x8>& cells) {
   return cell_ends(ground.grid, ground.antenna_x_m, ground.antenna_z_m, p, cells);
 }
 
-OBLIQ_INLINE Cells<f64x8> cells_of(const WalkingPlanes& planes) {
-  return {load(planes.d_m), load(planes.i), load(planes.j)};
+OBLIQ_INLINE Cells<f64x8> cells_of(const WalkingProfiles& profiles) {
+  return {load(profiles.d_m), load(profiles.i), load(profiles.j)};
 }
-OBLIQ_INLINE void store_cells(WalkingPlanes& planes, const Cells<f64x8>& cells) {
-  store(planes.d_m, cells.d);
-  store(planes.i, cells.i);
-  store(planes.j, cells.j);
+OBLIQ_INLINE void store_cells(WalkingProfiles& profiles, const Cells<f64x8>& cells) {
+  store(profiles.d_m, cells.d);
+  store(profiles.i, cells.i);
+  store(profiles.j, cells.j);
 }
 
 /// The place in GridView::y_m of a cell's first node; of cell (0, 0) in the lanes that are not active.

@@ -47,7 +47,7 @@ OBLIQ_INLINE void ask_for_heights(const GridView& grid, const SpeckleBlock& bloc
 
 }  // namespace
 
-void speckle_lanes(const SpeckleGround& ground, const SpeckleBlock& block) {
+void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
   constexpr int kAhead = 4 * kLanes;
   const double per_cell = 1 / ground.view.grid.cell_m;
   for (int k = 0; k < kAhead && k < block.n; k += kLanes)

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "server/radar/simd/grid_view.h"
+#include "server/radar/simd/kernel.h"
 
 namespace obliq {
 
@@ -24,6 +25,6 @@ struct SpeckleBlock {
 };
 
 /// The same bits whatever the instruction set.
-using SpeckleKernel = void (*)(const SpeckleGround&, const SpeckleBlock&);
+OBLIQ_KERNEL(void, ground_speckle, const SpeckleGround&, const SpeckleBlock&);
 
 }  // namespace obliq

@@ -1,14 +1,12 @@
-// The ground's profile at eight crossings of a plane with the mesh's edges at a time. The edges are three
+// The ground's height at eight crossings of a profile with the mesh's edges at a time. The edges are three
 // families of parallel lines: x, z and x + z whole, in cells.
 #include "server/radar/simd/highest_ground.h"
 
 #include "server/radar/simd/lanes.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
-
-/// In cells: a crossing at an end of the stretch counts, however it is rounded.
-constexpr double kSlack = 1e-9;
 
 /// Along a stretch, in cells: where the antenna is and how fast x, z grow with ground distance.
 struct Line {
@@ -31,23 +29,23 @@ struct Highest {
 
 OBLIQ_INLINE f64x8 cell_of(f64x8 at, int nodes) { return clamp(floor(at), f64x8{}, broadcast(nodes - 2.0)); }
 
-/// The crossings with one family: `start` and `rate` say how its number grows along the plane.
+/// The crossings with one family: `start` and `rate` say how its number grows along the profile.
 /// heights(number, d): of the ground at the crossing.
 template <class Heights>
-OBLIQ_INLINE void cross(const GroundStretch& along, double start, double rate, double least_number,
+OBLIQ_INLINE void cross(const ProfileStretch& along, double start, double rate, double least_number,
                         double most_number, double antenna_y_m, Highest& highest, const Heights& heights) {
   if (rate == 0) return;
   const double a = start + along.from_m * rate;
   const double b = start + along.to_m * rate;
-  double first = __builtin_ceil((a < b ? a : b) - kSlack);
-  double last = __builtin_floor((a < b ? b : a) + kSlack);
+  double first = __builtin_ceil((a < b ? a : b) - kCrossingMargin_cells);
+  double last = __builtin_floor((a < b ? b : a) + kCrossingMargin_cells);
   if (first < least_number) first = least_number;
   if (last > most_number) last = most_number;
   for (; first <= last; first += kLanes) {
     const f64x8 number = first + f64x8{0, 1, 2, 3, 4, 5, 6, 7};
     const mask8 inside = number <= last;
     const f64x8 capped = select(inside, number, broadcast(last));
-    // A plane that runs along a line of the family meets it anywhere.
+    // A profile that runs along a line of the family meets it anywhere.
     const f64x8 d = clamp((capped - start) / rate, broadcast(along.from_m), broadcast(along.to_m));
     highest.raise(inside, d, heights(capped, d) - antenna_y_m);
   }
@@ -55,7 +53,7 @@ OBLIQ_INLINE void cross(const GroundStretch& along, double start, double rate, d
 
 }  // namespace
 
-HorizonPoint highest_ground(const GroundView& scene, const GroundStretch& along) {
+HorizonPoint highest_ground(const GroundView& scene, const ProfileStretch& along) {
   const GridView& grid = scene.grid;
   const Line line{(scene.antenna_x_m - grid.x0_m) / grid.cell_m,
                   (scene.antenna_z_m - grid.z0_m) / grid.cell_m, along.sin_bearing / grid.cell_m,

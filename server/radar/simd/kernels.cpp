@@ -4,25 +4,29 @@
 
 namespace obliq {
 
-#define OBLIQ_LANE_KERNELS(isa)                                                                             \
-  LaneKernels {                                                                                             \
-#isa, isa::speckle_lanes, isa::march_ground, isa::cut_ground, isa::highest_ground, isa::march_profiles, \
-        isa::place_samples, isa::merge_scatterers, isa::answer_rays, isa::meet_ground, isa::aim_pixels,     \
-        isa::cast_ground                                                                                    \
-  }
+// kernel_table.cpp, compiled with x86-64-v2, -v3 and -v4.
+namespace sse {
+extern const Kernels kTable;
+}
+namespace avx2 {
+extern const Kernels kTable;
+}
+namespace avx512 {
+extern const Kernels kTable;
+}
 
-const std::vector<LaneKernels>& all_lane_kernels() {
-  static const std::vector<LaneKernels> kernels = [] {
-    std::vector<LaneKernels> here{OBLIQ_LANE_KERNELS(sse)};
-    if (has_isa(TracerIsa::avx2)) here.push_back(OBLIQ_LANE_KERNELS(avx2));
-    if (has_isa(TracerIsa::avx512)) here.push_back(OBLIQ_LANE_KERNELS(avx512));
+const std::vector<Kernels>& all_kernels() {
+  static const std::vector<Kernels> kernels = [] {
+    std::vector<Kernels> here{sse::kTable};
+    if (has_isa(TracerIsa::avx2)) here.push_back(avx2::kTable);
+    if (has_isa(TracerIsa::avx512)) here.push_back(avx512::kTable);
     return here;
   }();
   return kernels;
 }
 
-const LaneKernels& lane_kernels() {
-  static const LaneKernels& widest = all_lane_kernels().back();
+const Kernels& widest_kernels() {
+  static const Kernels& widest = all_kernels().back();
   return widest;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The inner loops that exist once for each instruction set. All sets give the same bits.
+// All kernels. A new one: OBLIQ_KERNEL in its header, its name here, its file in CMakeLists.txt.
 #include <vector>
 
 #include "server/radar/simd/bin_samples.h"
@@ -16,45 +16,31 @@
 
 namespace obliq {
 
-struct LaneKernels {
+#define OBLIQ_KERNELS(K)    \
+  K(pixel_rays)             \
+  K(first_hits_on_ground)   \
+  K(first_hits_in_profiles) \
+  K(refine_ground_hits)     \
+  K(highest_ground)         \
+  K(visible_ground)         \
+  K(cut_at_range_bins)      \
+  K(mark_visible_ranges)    \
+  K(bin_samples)            \
+  K(sum_scatterers)         \
+  K(ground_speckle)
+
+/// Those of one instruction set.
+struct Kernels {
   const char* name;
-  SpeckleKernel speckle;
-  GroundKernel march_ground;
-  PieceKernel cut_ground;
-  HorizonKernel highest_ground;
-  ProfileKernel march_profiles;
-  PlaceKernel place;
-  MergeKernel merge;
-  AnswerKernel answer_rays;
-  HitKernel meet_ground;
-  AimKernel aim;
-  CastKernel cast_ground;
+#define OBLIQ_MEMBER(kernel) kernel##_kernel kernel;
+  OBLIQ_KERNELS(OBLIQ_MEMBER)
+#undef OBLIQ_MEMBER
 };
 
 /// Those of the widest set that this machine has.
-const LaneKernels& lane_kernels();
+const Kernels& widest_kernels();
 
 /// Of all the sets that this machine has, the narrowest first.
-const std::vector<LaneKernels>& all_lane_kernels();
-
-/// Compiled with x86-64-v2, -v3 and -v4.
-#define OBLIQ_DECLARE_LANES(isa)                                                                \
-  namespace isa {                                                                               \
-  void speckle_lanes(const SpeckleGround&, const SpeckleBlock&);                                \
-  bool march_ground(const GroundView&, GroundLanes&, GroundPieces&);                            \
-  unsigned march_profiles(const GroundView&, const RangeAxis&, ProfileLanes&);                  \
-  HorizonPoint highest_ground(const GroundView&, const GroundStretch&);                         \
-  int cut_ground(const PieceBins&, const GroundPieces&, int, SampleArrays&, bool&);             \
-  void place_samples(const SwathCells&, const EchoFactors&, const PlaceInput&, PlacedSamples&); \
-  unsigned answer_rays(const GroundView&, const RayRows&, RayLanes&);                           \
-  std::uint32_t merge_scatterers(ScattererLists&, std::uint32_t, std::uint32_t);                \
-  int aim_pixels(const PixelCamera&, const PixelList&, const AimedRays&);                       \
-  void meet_ground(const GroundRays&, GroundHits&);                                             \
-  void cast_ground(const GroundView&, const CastRays&);                                         \
-  }
-OBLIQ_DECLARE_LANES(sse)
-OBLIQ_DECLARE_LANES(avx2)
-OBLIQ_DECLARE_LANES(avx512)
-#undef OBLIQ_DECLARE_LANES
+const std::vector<Kernels>& all_kernels();
 
 }  // namespace obliq

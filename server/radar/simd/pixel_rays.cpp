@@ -4,7 +4,7 @@
 #include "server/radar/simd/lanes.h"
 
 namespace obliq::OBLIQ_ISA {
-int aim_pixels(const PixelCamera& camera, const PixelList& pixels, const AimedRays& rays) {
+int pixel_rays(const PixelCamera& camera, const PixelList& pixels, const PixelRays& rays) {
   const f64x8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
   const f64x8 lowest = broadcast(-1);
   int n = 0;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/simd/kernel.h"
 #include "server/radar/simd/lanes.h"
 
 namespace obliq {
@@ -46,7 +47,7 @@ struct PixelList {
 
 /// Rays of the pixels that reach the swath, in their order; `from` is the pixel's place in the list. All
 /// arrays are written up to a multiple of 8.
-struct AimedRays {
+struct PixelRays {
   double* dir_x;
   double* dir_y;
   double* dir_z;
@@ -55,6 +56,6 @@ struct AimedRays {
 };
 
 /// Returns the number of rays.
-using AimKernel = int (*)(const PixelCamera&, const PixelList&, const AimedRays&);
+OBLIQ_KERNEL(int, pixel_rays, const PixelCamera&, const PixelList&, const PixelRays&);
 
 }  // namespace obliq

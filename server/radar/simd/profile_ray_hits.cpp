@@ -1,7 +1,7 @@
-// First hits on bare ground of rays that lie in eight vertical planes. The planes walk side by side and note
-// the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a plane
-// come in rising order, and so do these slopes: a ray meets the first triangle that rises above it. Neither
-// step branches by where rays fall, which no processor foresees.
+// First hits on bare ground of rays that lie in eight vertical profiles. The profiles walk side by side and
+// note the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a
+// profile come in rising order, and so do these slopes: a ray meets the first triangle that rises above it.
+// Neither loop has data-dependent branches.
 #include "server/radar/simd/profile_ray_hits.h"
 
 #include "server/radar/simd/grid_walk.h"
@@ -9,13 +9,13 @@
 namespace obliq::OBLIQ_ISA {
 namespace {
 
-/// Triangles that the planes have passed, a row for each that some plane sees.
+/// Triangles that the profiles have passed, a row for each that some profile sees.
 struct Rises {
   static constexpr int kMost = 128;
   static constexpr int kMostOfCells = 4;  // two triangles, each with what passes under it
   using Row = double[kLanes];
   int n = 0;
-  double slope[kLanes][kMost + kLanes];  // the greatest so far, of each plane by itself
+  double slope[kLanes][kMost + kLanes];  // the greatest so far, of each profile by itself
   Row start[kMost];                      // height over the antenna = start + rise d, d from `from` to `to`
   Row rise[kMost];
   Row from[kMost];
@@ -23,7 +23,7 @@ struct Rises {
   std::uint32_t surface[kMost][kLanes];
 };
 
-/// One plane's rays that lie below the last of its slopes.
+/// One profile's rays that lie below the last of its slopes.
 struct Answers {
   const Rises& rises;
   const RayRows& rows;
@@ -35,7 +35,7 @@ struct Answers {
   std::uint64_t ray;
   int k = 0;
 
-  OBLIQ_INLINE Answers(const Rises& noted, const RayRows& all, int of_lane, const RayLanes& lanes)
+  OBLIQ_INLINE Answers(const Rises& noted, const RayRows& all, int of_lane, const RayProfiles& lanes)
       : rises(noted),
         rows(all),
         lane(of_lane),
@@ -60,8 +60,8 @@ struct Answers {
   }
 };
 
-/// Four planes at a time: what one waits for, the others have time for.
-OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayLanes& lanes) {
+/// Four profiles at a time: what one waits for, the others have time for.
+OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayProfiles& lanes) {
   for (int lane = 0; lane < kLanes; lane += 4) {
     Answers a(rises, rows, lane, lanes);
     Answers b(rises, rows, lane + 1, lanes);
@@ -83,7 +83,7 @@ OBLIQ_INLINE void answer(const Rises& rises, const RayRows& rows, RayLanes& lane
 
 }  // namespace
 
-unsigned answer_rays(const GroundView& scene, const RayRows& rows, RayLanes& lanes) {
+unsigned first_hits_in_profiles(const GroundView& scene, const RayRows& rows, RayProfiles& lanes) {
   const GridView& grid = scene.grid;
   const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const f64x8 end_m = load(lanes.end_m);

@@ -47,7 +47,7 @@ OBLIQ_INLINE void step(const GroundView& view, f64x8 dx, f64x8 dy, f64x8 dz, Sea
 }
 
 /// Asks for the heights under rays [k, k + 8), wherever exactly the tracer's distance leads.
-OBLIQ_INLINE void ask_for_heights(const GroundRays& rays, int k, double per_cell) {
+OBLIQ_INLINE void ask_for_heights(const RoughHits& rays, int k, double per_cell) {
   const GroundView& view = rays.view;
   const GridView& grid = view.grid;
   const f64x8 rough = load(rays.rough_m + k);
@@ -58,7 +58,7 @@ OBLIQ_INLINE void ask_for_heights(const GroundRays& rays, int k, double per_cell
 
 }  // namespace
 
-void meet_ground(const GroundRays& rays, GroundHits& hits) {
+void refine_ground_hits(const RoughHits& rays, GroundHits& hits) {
   constexpr int kAhead = 8 * kLanes;
   const GroundView& view = rays.view;
   const double per_cell = 1 / view.grid.cell_m;

@@ -2,12 +2,13 @@
 #include <cstdint>
 
 #include "server/radar/simd/grid_view.h"
+#include "server/radar/simd/kernel.h"
 
 namespace obliq {
 
 /// Rays from the antenna: unit directions, and how far the tracer says that each goes to the ground; NaN for
 /// one that met no ground. The arrays are read up to a multiple of 8.
-struct GroundRays {
+struct RoughHits {
   GroundView view;
   int n;
   const double* dir_x;
@@ -29,6 +30,6 @@ struct GroundHits {
 
 /// Intersects the triangle under each rough hit, and the one under the point that this leads to. Rays that
 /// neither answers, a few in a hundred, are left: those that leaked, and those next to a silhouette.
-using HitKernel = void (*)(const GroundRays&, GroundHits&);
+OBLIQ_KERNEL(void, refine_ground_hits, const RoughHits&, GroundHits&);
 
 }  // namespace obliq

@@ -6,7 +6,7 @@
 
 namespace obliq::OBLIQ_ISA {
 
-std::uint32_t merge_scatterers(ScattererLists& lists, std::uint32_t first, std::uint32_t n_bins) {
+std::uint32_t sum_scatterers(ScattererLists& lists, std::uint32_t first, std::uint32_t n_bins) {
   std::uint32_t n = lists.n;
   std::uint32_t begin = first == 0 ? 0 : lists.end[first - 1];
   std::uint32_t bin = first;

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 
+#include "server/radar/simd/kernel.h"
+
 namespace obliq {
 
 /// Samples by range bin, and the scatterers that they are added up to.
@@ -19,6 +21,6 @@ struct ScattererLists {
 };
 
 /// Adds up bins from `first` on; returns the first that is not done, a large one or n_bins.
-using MergeKernel = std::uint32_t (*)(ScattererLists&, std::uint32_t first, std::uint32_t n_bins);
+OBLIQ_KERNEL(std::uint32_t, sum_scatterers, ScattererLists&, std::uint32_t first, std::uint32_t n_bins);
 
 }  // namespace obliq

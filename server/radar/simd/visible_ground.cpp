@@ -8,7 +8,7 @@ namespace obliq::OBLIQ_ISA {
 namespace {
 
 /// Moves lanes whose width ends where they stand on to the next one.
-OBLIQ_INLINE void next_widths(unsigned mask, GroundLanes& lanes, f64x8 d, f64x8& width, f64x8& width_to) {
+OBLIQ_INLINE void next_widths(unsigned mask, SightProfiles& lanes, f64x8 d, f64x8& width, f64x8& width_to) {
   for (int lane = 0; lane < kLanes; ++lane) {
     if ((mask >> lane & 1) == 0) continue;
     double to = width_to[lane];
@@ -24,7 +24,7 @@ OBLIQ_INLINE void next_widths(unsigned mask, GroundLanes& lanes, f64x8 d, f64x8&
 
 }  // namespace
 
-bool march_ground(const GroundView& scene, GroundLanes& lanes, GroundPieces& pieces) {
+bool visible_ground(const GroundView& scene, SightProfiles& lanes, VisibleSegments& segments) {
   const GridView& grid = scene.grid;
   const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const double cells_per_m = 1 / grid.cell_m;
@@ -33,12 +33,12 @@ bool march_ground(const GroundView& scene, GroundLanes& lanes, GroundPieces& pie
   Horizon<f64x8> horizon{load(lanes.horizon_d_m), load(lanes.horizon_h_m), mask8{}};
   f64x8 width = load(lanes.width_rad);
   f64x8 width_to = load(lanes.width_to_m);
-  int n = pieces.n;
+  int n = segments.n;
   bool left = false;
   while (true) {
     const mask8 active = (cells.d < end_m) & (cells.d <= lanes.last_start_m) & cells.on(grid);
     if (!any(active)) break;
-    if (n > GroundPieces::kMost - 2) {
+    if (n > VisibleSegments::kMost - 2) {
       left = true;
       break;
     }
@@ -62,14 +62,14 @@ bool march_ground(const GroundView& scene, GroundLanes& lanes, GroundPieces& pie
       const f64x8 slope_x = cut.per_i * cells_per_m;
       const f64x8 slope_z = cut.per_j * cells_per_m;
       const f64x8 steepness = sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
-      pieces.seen[n] = seen;
-      store(pieces.from_m[n], sight.from);
-      store(pieces.to_m[n], d1);
-      store(pieces.start_m[n], start);
-      store(pieces.rise[n], rise);
-      store(pieces.plane_distance_m[n], -start / steepness);
-      store(pieces.width_rad[n], width);
-      store(pieces.cell[n], cell);
+      segments.seen[n] = seen;
+      store(segments.from_m[n], sight.from);
+      store(segments.to_m[n], d1);
+      store(segments.start_m[n], start);
+      store(segments.rise[n], rise);
+      store(segments.plane_distance_m[n], -start / steepness);
+      store(segments.width_rad[n], width);
+      store(segments.cell[n], cell);
       ++n;
     };
     visit_triangles(p, cells, y, active & y.known, end, triangle);
@@ -78,7 +78,7 @@ bool march_ground(const GroundView& scene, GroundLanes& lanes, GroundPieces& pie
   store_cells(lanes, cells);
   store(lanes.horizon_d_m, horizon.d_m);
   store(lanes.horizon_h_m, horizon.h_m);
-  pieces.n = n;
+  segments.n = n;
   return left;
 }
 

@@ -2,41 +2,42 @@
 #include <cstdint>
 
 #include "server/radar/simd/grid_view.h"
+#include "server/radar/simd/kernel.h"
 
 namespace obliq {
 
-/// Eight vertical planes side by side on their way outwards through the grid. [8] of everything.
-struct WalkingPlanes {
+/// Eight vertical profiles side by side on their way outwards through the grid. [8] of everything.
+struct WalkingProfiles {
   static constexpr int kLanes = 8;
   double sin_bearing[kLanes];
   double cos_bearing[kLanes];
-  double end_m[kLanes];  ///< where the plane leaves the grid; below d_m: nothing to march
+  double end_m[kLanes];  ///< where the profile leaves the grid; below d_m: nothing to march
   double d_m[kLanes];    ///< where it stands, and in which cell: whole numbers
   double i[kLanes];
   double j[kLanes];
 };
 
-/// Over bare ground: SweepPlane without roofs, to the bit.
-struct GroundLanes : WalkingPlanes {
+/// Over bare ground: LineOfSight without roofs, to the bit.
+struct SightProfiles : WalkingProfiles {
   double last_start_m;         ///< no cell that begins beyond is marched
   double horizon_d_m[kLanes];  ///< as in Horizon
   double horizon_h_m[kLanes];
-  /// The width that the plane stands for, and up to where. After that those at `next`.
+  /// The width that the profile stands for, and up to where. After that those at `next`.
   double width_rad[kLanes];
   double width_to_m[kLanes];
   const double* next_width_rad[kLanes];
   const double* next_width_to_m[kLanes];  ///< the last one infinite
 };
 
-/// Visible pieces of ground, as in VisiblePiece: (d, h) = (t, start + rise t), t from `from` to `to`. A row
-/// holds at most one of each plane, so that what is made of rows in their order has each plane's pieces in
-/// theirs, whatever the other planes see.
-struct GroundPieces {
+/// Visible segments of ground, as in VisibleSegment: (d, h) = (t, start + rise t), t from `from` to `to`. A
+/// row holds at most one of each profile, so that what is made of rows in their order has each profile's
+/// segments in theirs, whatever the other profiles see.
+struct VisibleSegments {
   static constexpr int kMost = 64;
-  using Row = double[GroundLanes::kLanes];
+  using Row = double[SightProfiles::kLanes];
   int n = 0;
-  unsigned
-      seen[kMost];  ///< planes that the row has a piece of, a bit each; what it has of others means nothing
+  unsigned seen[kMost];  ///< profiles that the row has a segment of, a bit each; what it has of others means
+                         ///< nothing
   Row from_m[kMost];
   Row to_m[kMost];
   Row start_m[kMost];
@@ -46,7 +47,7 @@ struct GroundPieces {
   Row cell[kMost];  ///< j nx + i
 };
 
-/// Marches until the pieces are full or every plane is at its end; false when nothing is left to march.
-using GroundKernel = bool (*)(const GroundView&, GroundLanes&, GroundPieces&);
+/// Marches until the segments are full or every profile is at its end; false when nothing is left to march.
+OBLIQ_KERNEL(bool, visible_ground, const GroundView&, SightProfiles&, VisibleSegments&);
 
 }  // namespace obliq

@@ -28,7 +28,7 @@ OBLIQ_INLINE void close(RangeRun<f64x8>& run, mask8 where, const RangeAxis& bins
 
 }  // namespace
 
-unsigned march_profiles(const GroundView& scene, const RangeAxis& bins, ProfileLanes& lanes) {
+unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, RangeProfiles& lanes) {
   const GridView& grid = scene.grid;
   const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const f64x8 end_m = load(lanes.end_m);

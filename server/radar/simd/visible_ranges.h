@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "server/radar/simd/horizon.h"
+#include "server/radar/simd/kernel.h"
 #include "server/radar/simd/range_run.h"
 #include "server/radar/simd/visible_ground.h"
 
@@ -17,15 +18,15 @@ struct ProfileState {
 };
 
 /// Eight profiles over bare ground.
-struct ProfileLanes : WalkingPlanes {
+struct RangeProfiles : WalkingProfiles {
   double roof_m[kLanes];  ///< where the next roof begins; infinite without
   ProfileState state[kLanes];
   std::uint8_t* visible[kLanes];  ///< [n_range] marks
   std::uint8_t* present[kLanes];
 };
 
-/// Marches until planes come to cells with roofs, and returns a bit for each of those; 0 when all are at
+/// Marches until profiles come to cells with roofs, and returns a bit for each of those; 0 when all are at
 /// their ends.
-using ProfileKernel = unsigned (*)(const GroundView&, const RangeAxis&, ProfileLanes&);
+OBLIQ_KERNEL(unsigned, mark_visible_ranges, const GroundView&, const RangeAxis&, RangeProfiles&);
 
 }  // namespace obliq

@@ -37,7 +37,7 @@ void PieceSampler::put(const Waiting& sample) {
   batch_->material[s] = sample.material;
 }
 
-void PieceSampler::visible(const VisiblePiece& piece) {
+void PieceSampler::visible(const VisibleSegment& piece) {
   if (!(share_.width_rad > 0)) return;
   if (piece.wall) {
     aslant(piece);
@@ -46,7 +46,7 @@ void PieceSampler::visible(const VisiblePiece& piece) {
   }
 }
 
-void PieceSampler::aslant(const VisiblePiece& wall) {
+void PieceSampler::aslant(const VisibleSegment& wall) {
   // The wall is the line n.p = -distance from the antenna: at a bearing off the plane's by `off` it stands at
   // 1 / d = -n.direction / distance. That is a cosine of the bearing, as good as straight across a strand.
   const PlaneShare whole = share_;
@@ -99,12 +99,12 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
     share_.bearing = direction(off);
     share_.azimuth_offset_rad = whole.azimuth_offset_rad + off;
     share_.width_rad = (to - from) * whole.width_rad;
-    VisiblePiece part = wall;
+    VisibleSegment part = wall;
     part.d_m = 1 / over_d(share_.bearing);
     // The foot follows the roof or the ground that it stands on; where something in front hides it, that
     // one's shadow.
-    if (wall.foot == VisiblePiece::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
-    if (wall.foot == VisiblePiece::Foot::ground) {
+    if (wall.foot == VisibleSegment::Foot::hidden) part.t0 = wall.t0 * part.d_m / wall.d_m;
+    if (wall.foot == VisibleSegment::Foot::ground) {
       const double ground_y_m = grid_.height_at_m(antenna_m_.x + part.d_m * share_.bearing.sin,
                                                   antenna_m_.z + part.d_m * share_.bearing.cos);
       if (!std::isnan(ground_y_m)) part.t0 = ground_y_m - antenna_m_.y;
@@ -116,7 +116,7 @@ void PieceSampler::aslant(const VisiblePiece& wall) {
   share_ = whole;
 }
 
-void PieceSampler::straight(const VisiblePiece& piece) {
+void PieceSampler::straight(const VisibleSegment& piece) {
   const At from = at(piece, piece.t0);
   const At to = at(piece, piece.t1);
   // Range along a line is convex: nothing between the ends is farther than both of them.
@@ -134,7 +134,7 @@ void PieceSampler::straight(const VisiblePiece& piece) {
   }
 }
 
-void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
+void PieceSampler::cut_at_bins(const VisibleSegment& piece, At from, At to) {
   const double least = std::min(from.r_m, to.r_m);
   const double most = std::max(from.r_m, to.r_m);
   if (most < bins_.r_min_m || least >= bins_.r_max_m) return;
@@ -164,7 +164,7 @@ void PieceSampler::cut_at_bins(const VisiblePiece& piece, At from, At to) {
   if (bin >= 0 && bin < bins_.n_range) add_part(piece, previous, to, 0);
 }
 
-void PieceSampler::add_part(const VisiblePiece& piece, At from, At to, int depth) {
+void PieceSampler::add_part(const VisibleSegment& piece, At from, At to, int depth) {
   const double d0 = piece.ground_range_m(from.t);
   const double h0 = piece.height_m(from.t);
   const double d1 = piece.ground_range_m(to.t);

@@ -40,7 +40,7 @@ class PieceSampler {
   /// the antenna has turned by more than kTurn_rad.
   /// A wall that stands aslant runs through range across the plane's width: it is divided where it passes
   /// from one range bin to the next.
-  void visible(const VisiblePiece& piece);
+  void visible(const VisibleSegment& piece);
 
   /// Incidence and range are taken as constant over at most this angle. A lobe of rms slope s is then off by
   /// (kTurn / s)^2 / 24 at its flank, 0.1 % at s = 0.1; the radar equation's integrand by (kTurn / tan(
@@ -63,17 +63,17 @@ class PieceSampler {
     double r_m;
   };
 
-  At at(const VisiblePiece& piece, double t) const {
+  At at(const VisibleSegment& piece, double t) const {
     const double d = piece.ground_range_m(t);
     const double h = piece.height_m(t);
     return {t, std::sqrt(d * d + h * h)};
   }
-  void straight(const VisiblePiece& piece);
-  void aslant(const VisiblePiece& piece);
+  void straight(const VisibleSegment& piece);
+  void aslant(const VisibleSegment& piece);
   /// Range rises or falls all the way.
-  void cut_at_bins(const VisiblePiece& piece, At from, At to);
+  void cut_at_bins(const VisibleSegment& piece, At from, At to);
   /// In one range bin.
-  void add_part(const VisiblePiece& piece, At from, At to, int depth);
+  void add_part(const VisibleSegment& piece, At from, At to, int depth);
   void put(const Waiting& sample);
 
   const BinGrid& bins_;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "server/scene/tolerances.h"
+
 namespace obliq {
 namespace {
 
@@ -16,9 +18,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// whichever is less: a strand sees one wall, and their number stays bounded.
 constexpr std::int64_t kColumnShare = 16;
 constexpr std::int64_t kBuildingShare = 64;
-
-/// More than what a bearing is rounded by.
-constexpr double kSlack_rad = 1e-9;
 
 /// How often bearings in whose middle a building is only just hidden are halved to look for it.
 constexpr int kHalvings = 4;
@@ -59,8 +58,8 @@ void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
   for (const Silhouette& s : silhouettes) {
     for (int turn = -1; turn <= 1; ++turn) {
       const double left_rad = start_rad_ - turn * 2 * kPi;
-      if (s.to_rad < left_rad - kSlack_rad ||
-          s.from_rad > left_rad + static_cast<double>(kTicks) * tick_rad_ + kSlack_rad)
+      if (s.to_rad < left_rad - kMargin_rad ||
+          s.from_rad > left_rad + static_cast<double>(kTicks) * tick_rad_ + kMargin_rad)
         continue;
       const auto tick = [&](double bearing_rad) {
         const double at = (bearing_rad + turn * 2 * kPi - start_rad_) / tick_rad_;
@@ -102,7 +101,7 @@ void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
 
 /// A plane at the centre of some bearings that starts at from_m with the exact horizon of all that is nearer
 /// on it: the ground, and the roofs of the first n obstacles.
-SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_obstacles) {
+LineOfSight SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_obstacles) {
   ++planes_;
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
@@ -116,32 +115,32 @@ SweepPlane SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_o
     if (o.all_far_m <= from_m && o.all_slope * horizon.d_m < horizon.h_m) break;
     if (!(centre >= o.ticks.from && centre <= o.ticks.to)) continue;
     if (o.far_m <= from_m && o.slope * horizon.d_m < horizon.h_m) continue;
-    footprint_spans(world.buildings, o.building, antenna.x, antenna.z, bearing.sin, bearing.cos, spans_);
+    add_roof_spans(world.buildings, o.building, antenna.x, antenna.z, bearing.sin, bearing.cos, spans_);
   }
-  for (const FootprintSpan& span : spans_) {
+  for (const RoofSpan& span : spans_) {
     if (!(span.near_m < from_m)) continue;
     const double height = span.roof_y_m - antenna.y;
     horizon.raise(span.near_m, height, true);
     horizon.raise(std::min(span.far_m, from_m), height, true);
   }
-  return SweepPlane(world, antenna, bearing, from_m, plan_.sector().r_max_m, horizon, spans_);
+  return LineOfSight(world, antenna, bearing, from_m, plan_.sector().r_max_m, horizon, spans_);
 }
 
 /// Whether an obstacle ahead of a plane stands above its horizon, or would if the horizon were lower by no
 /// more than twice the width that the plane stands for: a ridge falls by that much within it where it is as
 /// steep as ridges get. Leaves the obstacle's footprints in spans_.
-SweepColumn::Look SweepColumn::look(const SweepPlane& plane, std::size_t obstacle, double width_rad) {
+SweepColumn::Look SweepColumn::look(const LineOfSight& plane, std::size_t obstacle, double width_rad) {
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const std::uint32_t building = obstacles_[obstacle].building;
   spans_.clear();
   std::copy_if(plane.spans().begin(), plane.spans().end(), std::back_inserter(spans_),
-               [&](const FootprintSpan& span) { return span.building == building; });
+               [&](const RoofSpan& span) { return span.building == building; });
   if (spans_.empty())
-    footprint_spans(world.buildings, building, antenna.x, antenna.z, plane.bearing().sin, plane.bearing().cos,
-                    spans_);
+    add_roof_spans(world.buildings, building, antenna.x, antenna.z, plane.bearing().sin, plane.bearing().cos,
+                   spans_);
   Look result = Look::hidden;
-  for (const FootprintSpan& span : spans_) {
+  for (const RoofSpan& span : spans_) {
     if (plane.covers(span)) continue;
     Horizon<double> horizon = plane.horizon();
     plane.raise_by_roofs(horizon, span);
@@ -157,7 +156,7 @@ SweepColumn::Look SweepColumn::look(const SweepPlane& plane, std::size_t obstacl
 /// A fresh strand over some bearings of an obstacle if it shows in their middle, or over parts of them.
 void SweepColumn::consider(TickRange ticks, std::size_t obstacle, int halvings, std::vector<Strand>& fresh) {
   const double near_m = obstacles_[obstacle].near_m;
-  SweepPlane plane = plane_at(ticks, near_m, obstacle + 1);
+  LineOfSight plane = plane_at(ticks, near_m, obstacle + 1);
   const Look seen = look(plane, obstacle, static_cast<double>(ticks.size()) * tick_rad_);
   if (seen == Look::shows) {
     fresh.push_back({ticks, near_m, std::move(plane)});
@@ -238,8 +237,8 @@ void SweepColumn::advance(double to_m, PieceSampler& sampler) {
 void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler) {
   struct Sink {
     PieceSampler& sampler;
-    const SweepPlane& plane;
-    void visible(const VisiblePiece& piece) { sampler.visible(piece); }
+    const LineOfSight& plane;
+    void visible(const VisibleSegment& piece) { sampler.visible(piece); }
     bool full() const { return plane.out_of_shadow(); }
   } sink{sampler, strand.plane};
   sampler.set(share_of(strand.ticks, strand.plane.bearing()));

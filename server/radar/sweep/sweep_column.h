@@ -61,16 +61,16 @@ class SweepColumn {
   struct Strand {
     TickRange ticks;
     double from_m;
-    SweepPlane plane;
+    LineOfSight plane;
   };
 
   void find_obstacles(const std::vector<Silhouette>& silhouettes);
   void add_obstacle(std::size_t index, PieceSampler& sampler);
   void advance(double to_m, PieceSampler& sampler);
   void march(Strand& strand, double to_m, GroundWalk::Last last, PieceSampler& sampler);
-  SweepPlane plane_at(TickRange ticks, double from_m, std::size_t n_obstacles);
+  LineOfSight plane_at(TickRange ticks, double from_m, std::size_t n_obstacles);
   enum class Look { shows, nearly, hidden };
-  Look look(const SweepPlane& plane, std::size_t obstacle, double width_rad);
+  Look look(const LineOfSight& plane, std::size_t obstacle, double width_rad);
   void consider(TickRange ticks, std::size_t obstacle, int halvings, std::vector<Strand>& fresh);
   void finish(const Strand& strand, double at_m);
   void plan_base();
@@ -85,13 +85,13 @@ class SweepColumn {
   int azimuth_bin_;
   double start_rad_;
   double tick_rad_;
-  GroundRidge ridge_;
+  HorizonBound ridge_;
   int planes_ = 0;
   std::vector<Obstacle> obstacles_;
   std::vector<Strand> active_;  // disjoint, by bearing
   std::vector<StrandRecord> records_;
   GroundShare base_;
-  std::vector<FootprintSpan> spans_;
+  std::vector<RoofSpan> spans_;
 };
 
 }  // namespace obliq

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "server/radar/profile/walking_planes.h"
+#include "server/radar/profile/ground_walk.h"
 
 namespace obliq {
 
 static_assert(SampleArrays::kGround == kNoFace);
 
-SweepGround::SweepGround(const FramePlan& plan, const LaneKernels& kernels) : plan_(plan), kernels_(kernels) {
+SweepGround::SweepGround(const FramePlan& plan, const Kernels& kernels) : plan_(plan), kernels_(kernels) {
   const World& world = plan.scene().world();
   bins_ = {};
   bins_.axis = plan.bins();
@@ -50,7 +50,7 @@ bool SweepGround::next(PieceSampler& sampler, SampleBatch& samples) {
     if (cut_ >= pieces_.n) {
       if (!marching_) return false;
       pieces_.n = cut_ = 0;
-      marching_ = kernels_.march_ground(bins_.ground, lanes_, pieces_);
+      marching_ = kernels_.visible_ground(bins_.ground, lanes_, pieces_);
       continue;
     }
     SampleArrays out{samples.n,
@@ -66,7 +66,7 @@ bool SweepGround::next(PieceSampler& sampler, SampleBatch& samples) {
                      samples.face.data(),
                      samples.material.data()};
     bool rare = false;
-    cut_ = kernels_.cut_ground(bins_, pieces_, cut_, out, rare);
+    cut_ = kernels_.cut_at_range_bins(bins_, pieces_, cut_, out, rare);
     samples.n = out.n;
     if (rare) {
       cut_rare(sampler);
@@ -84,7 +84,7 @@ void SweepGround::cut_rare(PieceSampler& sampler) {
   for (std::size_t lane = 0; lane < shares_.size(); ++lane) {
     if ((pieces_.seen[cut_] >> lane & 1) == 0) continue;
     const auto cell = static_cast<std::uint64_t>(pieces_.cell[cut_][lane]);
-    VisiblePiece piece{};
+    VisibleSegment piece{};
     piece.h_m = pieces_.start_m[cut_][lane];
     piece.rate_d = 1;
     piece.rate_h = pieces_.rise[cut_][lane];

@@ -19,10 +19,10 @@ struct GroundShare {
 /// in the same way.
 class SweepGround {
  public:
-  static constexpr int kMost = GroundLanes::kLanes;
+  static constexpr int kMost = SightProfiles::kLanes;
 
   /// `kernels`: for tests that compare instruction sets.
-  explicit SweepGround(const FramePlan& plan, const LaneKernels& kernels = lane_kernels());
+  explicit SweepGround(const FramePlan& plan, const Kernels& kernels = widest_kernels());
 
   /// Begins with other planes; `shares` is kept until they have been marched.
   void start(std::vector<GroundShare> shares);
@@ -34,11 +34,11 @@ class SweepGround {
   void cut_rare(PieceSampler& sampler);
 
   const FramePlan& plan_;
-  const LaneKernels& kernels_;
-  PieceBins bins_;
+  const Kernels& kernels_;
+  SegmentCut bins_;
   std::vector<GroundShare> shares_;
-  GroundLanes lanes_;
-  GroundPieces pieces_;
+  SightProfiles lanes_;
+  VisibleSegments pieces_;
   int cut_ = 0;  // rows of pieces that are samples already
   bool marching_ = false;
 };

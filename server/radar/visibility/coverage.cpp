@@ -38,7 +38,7 @@ struct Gaps {
   const BinArea& area;
   double missing_m2 = 0;
 
-  static void ground(const GroundPiece&) {}
+  static void ground(const GroundSegment&) {}
   void gap(double d0, double d1) { missing_m2 += area.ring_m2(d0, d1); }
   static bool enough() { return false; }
 };

@@ -11,41 +11,43 @@
 
 namespace obliq {
 
-/// Marks per range bin.
-struct ProfileResult {
-  std::vector<std::uint8_t> visible;  ///< [n_range] 1 where a visible piece of surface lies in the bin
-  std::vector<std::uint8_t>
-      present;  ///< [n_range] 1 where any known surface, seen or hidden, lies in the bin
+/// Marks per range bin, [n_range] each: of a profile, or of an azimuth bin's together.
+struct BinMarks {
+  std::vector<std::uint8_t> visible;  ///< 1 where a visible segment of surface lies in the bin
+  std::vector<std::uint8_t> present;  ///< 1 where any known surface, seen or hidden, lies in the bin
+
+  BinMarks() = default;
+  explicit BinMarks(int n_range)
+      : visible(static_cast<std::size_t>(n_range)), present(static_cast<std::size_t>(n_range)) {}
+  /// Joins another's marks of some range bins.
+  void add(const BinMarks& other, RangeWindow bins);
 };
 
-/// How many strands (vertical planes) an azimuth bin is divided into, even, 2 to 8: no farther apart at r_max
-/// than the grid's nodes. Planes stand at the bin's edges, its centre and evenly between; a bin is hidden
-/// when all of them say so, since a ray may pass on either side of any one of them.
-int profile_strands(const FramePlan& plan);
+/// How many sub-azimuths (vertical profiles) an azimuth bin is divided into, even, 2 to 8: no farther apart
+/// at r_max than the grid's nodes. Profiles stand at the bin's edges, its centre and evenly between; a bin is
+/// hidden when all of them say so, since a ray may pass on either side of any one of them.
+int sub_azimuths_per_bin(const FramePlan& plan);
 
-/// The range bin from which on a strand counts. With the sweep, which promises that a longer range never
-/// changes nearer bins, strands are halved in number where bins are narrower, whatever r_max asks for, and a
-/// strand that is a plane of the sweep counts nowhere: what can be seen of it is sampled. 0 with others.
-std::size_t first_bin_of_strand(const FramePlan& plan, int strand, int strands);
+/// The range bin from which on a sub-azimuth counts. With the sweep, which promises that a longer range never
+/// changes nearer bins, sub-azimuths are halved in number where bins are narrower, whatever r_max asks for,
+/// and a sub-azimuth that is a profile of the sweep counts nowhere: what can be seen of it is sampled. 0 with
+/// others.
+std::size_t first_bin_of_sub_azimuth(const FramePlan& plan, int sub_azimuth, int sub_azimuths);
 
-/// Marches the vertical plane at azimuth position `position` (in bins: azimuth bin a spans [a, a + 1]) from
-/// the nadir through every triangle edge, keeping the highest elevation met so far. `result` is reused
-/// between calls. Frames march eight planes at a time, below: this is the plain code that tests compare with.
-void march_profile(const FramePlan& plan, double position, std::vector<FootprintSpan>& spans,
-                   ProfileResult& result);
-
-/// A plane, and the range bins whose marks are wanted of it. Others may be marked or not.
-struct ProfileWish {
+/// The vertical profile at an azimuth position in bins (azimuth bin a spans [a, a + 1]), and the range bins
+/// whose marks are wanted of it. Others may be marked or not.
+struct VisibilityRequest {
   double position;
   RangeWindow bins;
 };
 
-/// The same for up to kMostProfiles planes side by side, results in their order: to the bit where all bins
-/// are wanted. Where farther ones are, the march begins at the first distance at which surface may lie in
-/// them, with the horizon of all that is nearer. `kernels`: for tests that compare instruction sets.
-constexpr int kMostProfiles = ProfileLanes::kLanes;
-void march_profiles(const FramePlan& plan, std::span<const ProfileWish> wishes,
-                    std::span<ProfileResult> results, std::vector<FootprintSpan>& spans,
-                    const LaneKernels& kernels = lane_kernels());
+/// Marches up to kMostProfiles vertical profiles side by side from the nadir through every triangle edge,
+/// keeping the highest elevation met so far; results in their order. Where farther bins are wanted, the march
+/// begins at the first distance at which surface may lie in them, with the horizon of all that is nearer.
+/// `kernels`: for tests that compare instruction sets.
+constexpr int kMostProfiles = RangeProfiles::kLanes;
+void mark_profiles(const FramePlan& plan, std::span<const VisibilityRequest> requests,
+                   std::span<BinMarks> results, std::vector<RoofSpan>& spans,
+                   const Kernels& kernels = widest_kernels());
 
 }  // namespace obliq

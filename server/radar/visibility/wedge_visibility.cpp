@@ -5,80 +5,81 @@
 
 namespace obliq {
 
-void BinMarks::add(const ProfileResult& strand, RangeWindow bins) {
+void BinMarks::add(const BinMarks& other, RangeWindow bins) {
   for (auto r = static_cast<std::size_t>(bins.first); r < static_cast<std::size_t>(bins.last + 1); ++r) {
-    visible[r] |= strand.visible[r];
-    present[r] |= strand.present[r];
+    visible[r] |= other.visible[r];
+    present[r] |= other.present[r];
   }
 }
 
-WedgeProfile::WedgeProfile(const FramePlan& plan, AzimuthRange range)
+WedgeVisibility::WedgeVisibility(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
       range_(range),
-      strands_(profile_strands(plan)),
-      profiles_(static_cast<std::size_t>(range.count) * static_cast<std::size_t>(strands_) + 1) {}
+      sub_azimuths_(sub_azimuths_per_bin(plan)),
+      profiles_(static_cast<std::size_t>(range.count) * static_cast<std::size_t>(sub_azimuths_) + 1) {}
 
 /// The edges and the centre count everywhere, the others as far as they say anything.
-RangeWindow WedgeProfile::counting(int strand, RangeWindow bins) const {
-  if (strand == 0 || strand == strands_ || 2 * strand == strands_) return bins;
-  const auto first = static_cast<int>(first_bin_of_strand(plan_, strand, strands_));
+RangeWindow WedgeVisibility::counting(int sub_azimuth, RangeWindow bins) const {
+  if (sub_azimuth == 0 || sub_azimuth == sub_azimuths_ || 2 * sub_azimuth == sub_azimuths_) return bins;
+  const auto first = static_cast<int>(first_bin_of_sub_azimuth(plan_, sub_azimuth, sub_azimuths_));
   return {std::max(bins.first, first), bins.last};
 }
 
-void WedgeProfile::want(Wanted& wanted, std::size_t strand, RangeWindow bins) {
+void WedgeVisibility::want(Wanted& wanted, std::size_t sub_azimuth, RangeWindow bins) {
   if (bins.empty()) return;
-  RangeWindow& window = wanted[strand];
+  RangeWindow& window = wanted[sub_azimuth];
   window = window.empty() ? bins
                           : RangeWindow{std::min(window.first, bins.first), std::max(window.last, bins.last)};
 }
 
-void WedgeProfile::march_centres(const std::vector<Wish>& wishes) {
+void WedgeVisibility::march_centres(const std::vector<Request>& requests) {
   Wanted wanted(profiles_.size(), {0, -1});
-  for (const Wish& wish : wishes) want(wanted, centre_of(wish.azimuth_bin), wish.bins);
+  for (const Request& request : requests) want(wanted, centre_of(request.azimuth_bin), request.bins);
   march(wanted);
 }
 
-void WedgeProfile::march_strands(const std::vector<Wish>& wishes) {
+void WedgeVisibility::march_all(const std::vector<Request>& requests) {
   Wanted wanted(profiles_.size(), {0, -1});
-  for (const Wish& wish : wishes)
-    for (int strand = 0; strand <= strands_; ++strand)
-      want(wanted, strand_of(wish.azimuth_bin, strand), counting(strand, wish.bins));
+  for (const Request& request : requests)
+    for (int sub_azimuth = 0; sub_azimuth <= sub_azimuths_; ++sub_azimuth)
+      want(wanted, sub_azimuth_of(request.azimuth_bin, sub_azimuth), counting(sub_azimuth, request.bins));
   march(wanted);
 }
 
-void WedgeProfile::march(Wanted& wanted) {
+void WedgeVisibility::march(Wanted& wanted) {
   std::vector<std::size_t> open;
-  for (std::size_t strand = 0; strand < wanted.size(); ++strand) {
-    const RangeWindow known = profiles_[strand].bins;
-    if (wanted[strand].empty() || known.holds(wanted[strand])) continue;
-    want(wanted, strand, known);
-    open.push_back(strand);
+  for (std::size_t sub_azimuth = 0; sub_azimuth < wanted.size(); ++sub_azimuth) {
+    const RangeWindow known = profiles_[sub_azimuth].bins;
+    if (wanted[sub_azimuth].empty() || known.holds(wanted[sub_azimuth])) continue;
+    want(wanted, sub_azimuth, known);
+    open.push_back(sub_azimuth);
   }
   for (std::size_t first = 0; first < open.size(); first += kMostProfiles) {
     const std::size_t n = std::min<std::size_t>(kMostProfiles, open.size() - first);
-    std::array<ProfileWish, kMostProfiles> wishes;
-    std::array<ProfileResult, kMostProfiles> results;
-    for (std::size_t k = 0; k < n; ++k) wishes[k] = {position(open[first + k]), wanted[open[first + k]]};
-    march_profiles(plan_, std::span(wishes).first(n), std::span(results).first(n), spans_);
-    for (std::size_t k = 0; k < n; ++k) profiles_[open[first + k]] = {wishes[k].bins, std::move(results[k])};
+    std::array<VisibilityRequest, kMostProfiles> requests;
+    std::array<BinMarks, kMostProfiles> results;
+    for (std::size_t k = 0; k < n; ++k) requests[k] = {position(open[first + k]), wanted[open[first + k]]};
+    mark_profiles(plan_, std::span(requests).first(n), std::span(results).first(n), spans_);
+    for (std::size_t k = 0; k < n; ++k)
+      profiles_[open[first + k]] = {requests[k].bins, std::move(results[k])};
   }
 }
 
-BinMarks WedgeProfile::marks(const Wish& wish) const {
+BinMarks WedgeVisibility::marks(const Request& request) const {
   BinMarks all(plan_.bins().n_range);
-  for (int strand = 0; strand <= strands_; ++strand) {
-    const RangeWindow bins = counting(strand, wish.bins);
-    if (!bins.empty()) all.add(profiles_[strand_of(wish.azimuth_bin, strand)].result, bins);
+  for (int sub_azimuth = 0; sub_azimuth <= sub_azimuths_; ++sub_azimuth) {
+    const RangeWindow bins = counting(sub_azimuth, request.bins);
+    if (!bins.empty()) all.add(profiles_[sub_azimuth_of(request.azimuth_bin, sub_azimuth)].result, bins);
   }
   return all;
 }
 
-const BinMarks& WedgeProfile::whole_marks(int azimuth_bin) {
+const BinMarks& WedgeVisibility::whole_marks(int azimuth_bin) {
   if (whole_marks_.empty()) {
-    std::vector<Wish> wishes;
-    for (int k = 0; k < range_.count; ++k) wishes.push_back({range_.first + k, whole()});
-    march_strands(wishes);
-    for (const Wish& wish : wishes) whole_marks_.push_back(marks(wish));
+    std::vector<Request> requests;
+    for (int k = 0; k < range_.count; ++k) requests.push_back({range_.first + k, whole()});
+    march_all(requests);
+    for (const Request& request : requests) whole_marks_.push_back(marks(request));
   }
   return whole_marks_[index(azimuth_bin)];
 }

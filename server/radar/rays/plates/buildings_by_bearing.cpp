@@ -6,6 +6,7 @@
 
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/simd/exact_math.h"
+#include "server/scene/tolerances.h"
 
 namespace obliq {
 namespace {
@@ -15,9 +16,6 @@ constexpr double kTurn_rad = 2 * std::numbers::pi;
 /// A cell for so many buildings, and no more than kMostCells: most buildings are wider than finer ones.
 constexpr std::size_t kBuildingsACell = 4;
 constexpr std::size_t kMostCells = 1024;
-
-/// Silhouettes are widened by this, far more than bearings are rounded by.
-constexpr double kSlack_rad = 1e-9;
 
 }  // namespace
 
@@ -38,8 +36,8 @@ BuildingFan::BuildingFan(const FramePlan& plan, int azimuth_bin)
     const Silhouette seen = silhouette_of(all_, sector_, here.building);
     // A silhouette may lie beyond half a turn, and the bin's centre elsewhere.
     for (int turn = -1; turn <= 1; ++turn) {
-      const double from = cell_number(seen.from_rad - kSlack_rad + turn * kTurn_rad);
-      const double to = cell_number(seen.to_rad + kSlack_rad + turn * kTurn_rad);
+      const double from = cell_number(seen.from_rad - kMargin_rad + turn * kTurn_rad);
+      const double to = cell_number(seen.to_rad + kMargin_rad + turn * kTurn_rad);
       if (!(from <= last && to >= 0)) continue;
       const auto first_cell = static_cast<std::size_t>(std::max(0.0, from));
       const auto last_cell = static_cast<std::size_t>(std::min(last, to));
@@ -87,14 +85,14 @@ const BuildingFan::Cell& BuildingFan::cell(double sin_bearing, double cos_bearin
 }
 
 void BuildingFan::add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
-                                std::vector<RoofStretch>& stretches) const {
+                                std::vector<RoofSpan>& stretches) const {
   const Cell& here = cell(sin_bearing, cos_bearing);
   auto at = std::lower_bound(here.buildings.begin(), here.buildings.end(), from_m - here.longest_m,
                              [](const Standing& standing, double d) { return standing.near_m < d; });
   for (; at != here.buildings.end() && at->near_m <= to_m; ++at)
     if (at->far_m >= from_m)
-      add_roof_stretches(all_, at->building, sector_.antenna_m.x, sector_.antenna_m.z, sin_bearing,
-                         cos_bearing, stretches);
+      add_roof_spans(all_, at->building, sector_.antenna_m.x, sector_.antenna_m.z, sin_bearing, cos_bearing,
+                     stretches);
 }
 
 }  // namespace obliq

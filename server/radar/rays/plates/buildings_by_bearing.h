@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile/local_surface.h"
+#include "server/radar/profile/local_sight.h"
 
 namespace obliq {
 
@@ -16,7 +16,7 @@ class BuildingFan {
   /// Appends the roof stretches of the plane along a world direction, those of all buildings that it can meet
   /// between two distances, the nearest building first.
   void add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
-                     std::vector<RoofStretch>& stretches) const;
+                     std::vector<RoofSpan>& stretches) const;
 
   /// How many buildings are looked at for a direction, whatever their distance.
   std::size_t candidates(double sin_bearing, double cos_bearing) const {

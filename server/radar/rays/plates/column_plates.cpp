@@ -47,9 +47,8 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
     found.cos_bearing = ahead.z;
     const glm::dvec3& antenna = plan_.sector().antenna_m;
     for (const std::uint32_t b : plan_.buildings_in(found.azimuth_bin))
-      add_roof_stretches(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z,
-                         found.roofs);
-    make_disjoint(found.roofs);
+      add_roof_spans(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z, found.roofs);
+    found.roofs = disjoint_roofs(found.roofs);
     found.buildings = ColumnBuildings(plan_, found.azimuth_bin, ahead.x, ahead.z,
                                       plan_.sector().width_rad / plan_.settings().pixel_columns);
   }
@@ -83,7 +82,7 @@ void ColumnPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit
     if (next.hit) {
       visible_.clear();
       walk_in(surface_, next.point, edge, 0, visible_);
-      for (const PlanePiece& piece : visible_) next.plate.add(plan_.bins(), piece);
+      for (const SurfaceSegment& piece : visible_) next.plate.add(plan_.bins(), piece);
     }
   }
   std::swap(last, next);
@@ -103,8 +102,8 @@ void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above
   for (const BuildingStrand& strand : strands_) {
     strand_roofs_.clear();
     for (const std::uint32_t b : column.buildings.between())
-      add_roof_stretches(all, b, antenna.x, antenna.z, strand.sin_bearing, strand.cos_bearing, strand_roofs_);
-    make_disjoint(strand_roofs_);
+      add_roof_spans(all, b, antenna.x, antenna.z, strand.sin_bearing, strand.cos_bearing, strand_roofs_);
+    strand_roofs_ = disjoint_roofs(strand_roofs_);
     surface_.aim(strand.sin_bearing, strand.cos_bearing, strand_roofs_);
     // The building may stand nearer than what the lower ray met beside it.
     SightPoint from = below.point;
@@ -123,11 +122,11 @@ void ColumnPlates::walk_between(const SightPoint& from, const SightPoint& to, do
   visible_.clear();
   const double answered = walk_out(surface_, from, to.slope, to_d_m, visible_);
   if (answered < to.slope) walk_in(surface_, to, answered, from.d_m, visible_);
-  for (const PlanePiece& piece : visible_) share_out(piece, weight, edge_slope, below, above);
+  for (const SurfaceSegment& piece : visible_) share_out(piece, weight, edge_slope, below, above);
 }
 
 /// Splits a piece at the elevation between two pixels.
-void ColumnPlates::share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below,
+void ColumnPlates::share_out(const SurfaceSegment& piece, double weight, double edge_slope, Plate& below,
                              Plate& above) const {
   const double low = piece.near_slope;
   const double high = piece.far_slope;
@@ -147,7 +146,7 @@ void ColumnPlates::close_upwards(Column& column, std::vector<Sample>& samples) {
     visible_.clear();
     walk_out(surface_, column.last.point, edge_slope_[static_cast<std::size_t>(column.last.row) + 1],
              kInfinity, visible_);
-    for (const PlanePiece& piece : visible_) column.last.plate.add(plan_.bins(), piece);
+    for (const SurfaceSegment& piece : visible_) column.last.plate.add(plan_.bins(), piece);
   }
   close(column, samples);
 }

@@ -28,7 +28,7 @@ class ColumnPlates : public PlateSpreader {
     int azimuth_bin = 0;
     double sin_bearing = 0;
     double cos_bearing = 1;
-    std::vector<RoofStretch> roofs;  // in the column's own plane
+    std::vector<RoofSpan> roofs;  // in the column's own plane
     ColumnBuildings buildings;
     Pixel last;  // the newest row's; it is complete when the next row's has come
   };
@@ -37,20 +37,21 @@ class ColumnPlates : public PlateSpreader {
   void fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope);
   void walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,
                     double edge_slope, Plate& below, Plate& above);
-  void share_out(const PlanePiece& piece, double weight, double edge_slope, Plate& below, Plate& above) const;
+  void share_out(const SurfaceSegment& piece, double weight, double edge_slope, Plate& below,
+                 Plate& above) const;
   void close_upwards(Column& column, std::vector<Sample>& samples);
   void close(Column& column, std::vector<Sample>& samples);
 
   const FramePlan& plan_;
   int rows_;
   std::vector<double> edge_slope_;  // [rows + 1], tangents of the rows' edges
-  PlaneSurface surface_;
+  LocalSurface surface_;
   std::deque<Column> columns_;
   int first_column_ = 0;
   Pixel next_;  // its buffers go round
-  std::vector<PlanePiece> visible_;
+  std::vector<SurfaceSegment> visible_;
   std::vector<BuildingStrand> strands_;
-  std::vector<RoofStretch> strand_roofs_;
+  std::vector<RoofSpan> strand_roofs_;
 };
 
 }  // namespace obliq

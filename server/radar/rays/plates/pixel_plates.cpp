@@ -13,7 +13,7 @@ constexpr double kReach_cells = 64;
 
 }  // namespace
 
-PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile)
+PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile)
     : plan_(plan), range_(range), profile_(profile), surface_(plan.scene().world(), plan.sector().antenna_m) {
   if (plan.camera().kind == FrustumKind::symmetric) {
     sin_pitch_ = std::sin(plan.camera().pitch_rad);
@@ -57,12 +57,12 @@ void PixelPlates::take(const RayBatch& rays, std::size_t k, const ExactHit* hit,
     roofs_.clear();
     fans_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)].add_stretches(
         point.d_m - reach_m, point.d_m + reach_m, sin_bearing, cos_bearing, roofs_);
-    if (!roofs_.empty()) make_disjoint(roofs_);
+    if (!roofs_.empty()) roofs_ = disjoint_roofs(roofs_);
     surface_.aim(sin_bearing, cos_bearing, roofs_);
     visible_.clear();
     walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);
     walk_in(surface_, point, point.slope - half, point.d_m - reach_m, visible_);
-    for (const PlanePiece& piece : visible_) plate_.add(bins, piece);
+    for (const SurfaceSegment& piece : visible_) plate_.add(bins, piece);
     plate_.drop_hidden(profile_.whole_marks(rays.azimuth_bin[k]).visible, bins.range_bin(hit->slant_range_m));
   }
   emit_plate(plan_, plate_, *hit, rays.solid_angle_sr[k], rays.azimuth_bin[k], sin_bearing, cos_bearing,

@@ -5,7 +5,7 @@
 
 namespace obliq {
 
-class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
+class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
 /// Plates of the symmetric and the oblique frustum. Neighbouring pixels lie in different vertical planes, so
 /// each plate is walked on its own: from its hit outwards and inwards to the pixel's edges, as they lie in
@@ -13,7 +13,7 @@ class WedgeProfile;  // server/radar/visibility/wedge_visibility.h
 /// the profiles of the azimuth bin call hidden.
 class PixelPlates : public PlateSpreader {
  public:
-  PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeProfile& profile);
+  PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile);
   void take(const RayBatch& rays, std::size_t k, const ExactHit* hit, std::vector<Sample>& samples) override;
   void finish(std::vector<Sample>&) override {}
 
@@ -22,11 +22,11 @@ class PixelPlates : public PlateSpreader {
 
   const FramePlan& plan_;
   AzimuthRange range_;
-  WedgeProfile& profile_;
+  WedgeVisibility& profile_;
   std::vector<BuildingFan> fans_;  // [range.count]
-  PlaneSurface surface_;
-  std::vector<RoofStretch> roofs_;
-  std::vector<PlanePiece> visible_;
+  LocalSurface surface_;
+  std::vector<RoofSpan> roofs_;
+  std::vector<SurfaceSegment> visible_;
   Plate plate_;
   double sin_pitch_ = 1;
   double cos_pitch_ = 0;

@@ -23,7 +23,7 @@ Plate::End Plate::end_at(const BinGrid& bins, double d_m, double h_m) const {
   return {d_m, h_m, r, h_m / r, bin_or_outside(bins, r)};
 }
 
-void Plate::add(const BinGrid& bins, const PlanePiece& piece, double weight) {
+void Plate::add(const BinGrid& bins, const SurfaceSegment& piece, double weight) {
   weight_ = weight;
   const double dd = piece.far_d_m - piece.near_d_m;
   const double dh = piece.far_h_m - piece.near_h_m;
@@ -44,7 +44,7 @@ void Plate::add(const BinGrid& bins, const PlanePiece& piece, double weight) {
   end_ = to;
 }
 
-void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to) {
+void Plate::add_monotone(const BinGrid& bins, const SurfaceSegment& piece, const End& from, const End& to) {
   End last = from;
   if (from.bin != to.bin) {
     // Where |A + t D| = R: t = foot +- sqrt(R^2 - |A|^2 + foot^2 |D|^2) / |D|.
@@ -67,7 +67,7 @@ void Plate::add_monotone(const BinGrid& bins, const PlanePiece& piece, const End
   add_part(to.bin, piece, last, to);
 }
 
-void Plate::add_part(int bin, const PlanePiece& piece, const End& from, const End& to) {
+void Plate::add_part(int bin, const SurfaceSegment& piece, const End& from, const End& to) {
   const double share = weight_ * (to.sine - from.sine);
   if (!(share > 0)) return;
   const double d = (from.d_m + to.d_m) / 2;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile/local_surface.h"
+#include "server/radar/profile/local_sight.h"
 #include "server/radar/samples.h"
 
 namespace obliq {
@@ -39,7 +39,7 @@ class Plate {
   /// Adds a visible piece of the pixel's plane, cut at the edges of the range bins. A piece's range need not
   /// be monotone: it is cut at the foot of the antenna's perpendicular too. `weight`: of the piece's plane
   /// among those of the pixel.
-  void add(const BinGrid& bins, const PlanePiece& piece, double weight = 1);
+  void add(const BinGrid& bins, const SurfaceSegment& piece, double weight = 1);
 
   /// The parts, their shares scaled to add up to `solid_angle_sr`. Empty when nothing was added.
   const std::vector<PlatePart>& finish(double solid_angle_sr);
@@ -58,8 +58,8 @@ class Plate {
   };
 
   End end_at(const BinGrid& bins, double d_m, double h_m) const;
-  void add_monotone(const BinGrid& bins, const PlanePiece& piece, const End& from, const End& to);
-  void add_part(int bin, const PlanePiece& piece, const End& from, const End& to);
+  void add_monotone(const BinGrid& bins, const SurfaceSegment& piece, const End& from, const End& to);
+  void add_part(int bin, const SurfaceSegment& piece, const End& from, const End& to);
 
   double weight_ = 1;
   End end_;  // where the last piece ended: mostly the next one begins there
