@@ -7,6 +7,7 @@ set -euo pipefail
 
 build_packages=(
   build-essential g++ cmake ninja-build pkg-config git
+  ccache mold                                                  # nothing is compiled twice, and links are quick
   libembree-dev libtbb-dev                                     # ray tracing
   libgdal-dev libgeos-dev libgeographiclib-dev gdal-bin        # terrain and buildings
   libglm-dev libopenexr-dev libcairo2-dev libpng-dev fonts-dejavu-core    # matrices and pictures
@@ -18,7 +19,7 @@ build_packages=(
 test_packages=(
   libgtest-dev libbenchmark-dev
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
-  clang clang-format ccache
+  clang clang-format
   python3 python3-numpy python3-matplotlib python3-pip python3-protobuf
   mbpoll openssl curl socat                                    # clients that nobody here wrote
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets

@@ -7,6 +7,7 @@
 #include "server/control/radar_config.h"
 #include "server/control/settings_store.h"
 #include "server/net/peer.h"
+#include "server/rendering/demand.h"
 
 namespace obliq::net {
 

@@ -8,6 +8,7 @@
 
 #include "proto/limits.h"
 #include "server/control/server_config.h"
+#include "server/control/stream_config.h"
 #include "server/flight/keeper_state.h"
 #include "server/net/statistics.h"
 #include "server/radar/settings.h"
@@ -18,7 +19,7 @@ namespace obliq::net {
 class Security;
 
 /// What the network side of a server may be told. Times in seconds.
-struct ServerOptions : ServerLimits {
+struct ServerOptions : ServerLimits, StreamConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = wire::kDefaultPort;  ///< 0: any free one
   std::string server_name = "obliqd";
@@ -34,13 +35,8 @@ struct ServerOptions : ServerLimits {
   /// taken this much: however large the frame, no more of it is held than twice this.
   std::size_t slice_bytes = std::size_t{16} << 20;
 
-  int live_frames = 3;  ///< of a radar: a further one waits until all clients have done with one
-  /// When a radar has waited for so long, newest-wins clients that hold its oldest frame up have it aborted.
-  double abort_after_s = 1;
-  double lossless_limit_s = 10;  ///< a lossless client that holds its radar up and takes nothing is dropped
-
-  double dead_after_s = 60;   ///< see watch_for_dead_peer
-  double stop_grace_s = 0.5;  ///< for the last words to each client when stopping
+  double dead_after_s = ServerConfig{}.dead_after_s;  ///< see watch_for_dead_peer
+  double stop_grace_s = 0.5;                          ///< for the last words to each client when stopping
 
   int render_threads = 0;                 ///< 0: all cores
   std::function<void(int)> before_wedge;  ///< test hook, see RenderOptions

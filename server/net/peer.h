@@ -7,7 +7,7 @@
 
 #include "proto/error_number.h"
 #include "proto/message_type.h"
-#include "server/rendering/render_thread.h"
+#include "server/rendering/render_events.h"
 #include "server/security/token_file.h"
 #include "server/stream/outbox.h"
 
@@ -51,7 +51,7 @@ class Peer {
   std::optional<TokenDigest> credential;  ///< the token that it came with, where tokens are configured
   Outbox outbox;
   int subscriptions = 0;
-  std::vector<OnceJobPtr> jobs;  ///< not finished
+  std::vector<OnceRequestPtr> renders;  ///< not finished
 
   // For the log (visits.h):
   const std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();

@@ -231,7 +231,7 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_frames(radar.frames);
     entry.set_last_render_s(radar.last_render_s);
     entry.set_settings_version(radar.settings.current()->version);
-    const RenderThread::Load load = room_.render_.load(radar.stream_id - 1);
+    const LiveStream::Load load = room_.render_.load(radar.stream_id - 1);
     entry.set_live_frames(static_cast<std::uint32_t>(load.live_frames));
     entry.set_live_bytes(load.live_bytes);
     entry.set_frames_skipped(load.frames_skipped);

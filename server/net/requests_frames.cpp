@@ -52,7 +52,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
   if (const auto over = room_.over_live_limit(settings, wish.choice.planes)) {
     return refuse(request.request_id(), *over);
   }
-  const bool renewed = peer_.outbox.has_lane(radar->stream_id);
+  const bool renewed = peer_.outbox.has_queue(radar->stream_id);
   if (!renewed && peer_.subscriptions >= options.max_subscriptions) {
     return refuse(
         request.request_id(), ErrorNumber::too_many_subscriptions,
@@ -67,7 +67,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
 void Requests::unsubscribe(const wire::Unsubscribe& request) {
   LiveRadar* radar = radar_of(request.request_id(), request.radar());
   if (radar == nullptr) return;
-  if (!peer_.outbox.has_lane(radar->stream_id)) {
+  if (!peer_.outbox.has_queue(radar->stream_id)) {
     return refuse(request.request_id(), ErrorNumber::not_subscribed,
                   "not subscribed to radar " + radar->name);
   }
@@ -77,7 +77,7 @@ void Requests::unsubscribe(const wire::Unsubscribe& request) {
 
 void Requests::render_once(const wire::RenderOnce& request) {
   const ServerOptions& options = room_.options();
-  if (peer_.jobs.size() >= static_cast<std::size_t>(options.max_renders_queued)) {
+  if (peer_.renders.size() >= static_cast<std::size_t>(options.max_renders_queued)) {
     return refuse(
         request.request_id(), ErrorNumber::too_many_renders,
         "too many unfinished renders: max_renders_queued is " + std::to_string(options.max_renders_queued));
@@ -106,20 +106,20 @@ void Requests::render_once(const wire::RenderOnce& request) {
   }
   if (const auto over = over_queue(cost, queued.work(), options)) return refuse(request.request_id(), *over);
 
-  auto job = std::make_shared<OnceJob>();
-  job->client_id = peer_.id;
-  job->request_id = request.request_id();
-  job->stream_id = ++room_.next_stream_id_;
-  job->radar = request.radar();
-  job->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
-  job->view.pose = pose;
-  job->view.pose_received_ns = monotonic_ns();
-  job->choice = choice;
-  job->cost = cost;
-  peer_.jobs.push_back(job);
-  peer_.outbox.open_once_lane(job->stream_id, job->request_id, choice, job->queued);
+  auto render = std::make_shared<OnceRequest>();
+  render->client_id = peer_.id;
+  render->request_id = request.request_id();
+  render->stream_id = ++room_.next_stream_id_;
+  render->radar = request.radar();
+  render->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
+  render->view.pose = pose;
+  render->view.pose_received_ns = monotonic_ns();
+  render->choice = choice;
+  render->cost = cost;
+  peer_.renders.push_back(render);
+  peer_.outbox.open_once_queue(render->stream_id, render->request_id, choice, render->queued);
   acknowledge(request.request_id());
-  room_.render_.enqueue(job);
+  room_.render_.enqueue(render);
 }
 
 }  // namespace obliq::net

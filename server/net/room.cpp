@@ -75,13 +75,13 @@ RoomStatistics Room::statistics() const {
   all.bytes_sent = bytes_sent_;
   all.frames_dropped = frames_dropped_;
   for (const auto& peer : peers_) {
-    all.renders_queued += peer->jobs.size();
+    all.renders_queued += peer->renders.size();
     all.frames_dropped += peer->outbox.frames_dropped();
     all.queued_messages += peer->outbox.queued_messages();
     all.queued_bytes += peer->outbox.queued_bytes();
   }
   for (const LiveRadar& radar : radars_) {
-    const RenderThread::Load load = render_.load(radar.stream_id - 1);
+    const LiveStream::Load load = render_.load(radar.stream_id - 1);
     all.radars.push_back({radar.name, radar.watchers.size(), radar.rate_hz, radar.coverage,
                           radar.controller != nullptr, !radar.faults.empty(), load.live_frames,
                           load.live_bytes, load.frames_shed});
@@ -125,8 +125,8 @@ void Room::leave(Peer& peer) {
       log_doing(peer, radar.name, "control released, " + peer.name + " has left");
     }
   }
-  for (const OnceJobPtr& job : peer.jobs) job->stop.request_stop();
-  peer.jobs.clear();
+  for (const OnceRequestPtr& request : peer.renders) request->stop.request_stop();
+  peer.renders.clear();
   render_.wake();
   frames_dropped_ += peer.outbox.frames_dropped();
   std::erase_if(peers_, [&](const auto& other) { return other.get() == &peer; });
@@ -141,22 +141,22 @@ void Room::handle(Peer& peer, MessageType type, std::span<const std::byte> descr
 void Room::taken(Peer& peer, const Block& block) {
   bytes_sent_ += block.bytes.size();
   const bool last = block.type == MessageType::frame_end || block.type == MessageType::frame_abort;
-  if (peer.jobs.empty() || block.stream_id == 0) return;
-  if (last) finish_job(peer, block.stream_id);
+  if (peer.renders.empty() || block.stream_id == 0) return;
+  if (last) finish_render(peer, block.stream_id);
   render_.wake();
 }
 
-void Room::finish_job(Peer& peer, std::uint32_t stream_id) {
-  std::erase_if(peer.jobs, [&](const OnceJobPtr& job) { return job->stream_id == stream_id; });
+void Room::finish_render(Peer& peer, std::uint32_t stream_id) {
+  std::erase_if(peer.renders, [&](const OnceRequestPtr& request) { return request->stream_id == stream_id; });
 }
 
 FrameCost Room::cost_queued() const {
   FrameCost sum;
   for (const auto& peer : peers_) {
-    for (const OnceJobPtr& job : peer->jobs) {
-      sum.pixels += job->cost.pixels;
-      sum.bins += job->cost.bins;
-      sum.bytes += job->cost.bytes;
+    for (const OnceRequestPtr& request : peer->renders) {
+      sum.pixels += request->cost.pixels;
+      sum.bins += request->cost.bins;
+      sum.bytes += request->cost.bytes;
     }
   }
   return sum;
@@ -177,7 +177,7 @@ void Room::unsubscribe(LiveRadar& radar, const Peer& peer) {
                                [&](const Watcher& watcher) { return watcher.peer == &peer; });
   if (at == radar.watchers.end()) return;
   --at->peer->subscriptions;
-  at->peer->outbox.close_lane(radar.stream_id, "unsubscribed");
+  at->peer->outbox.close_queue(radar.stream_id, "unsubscribed");
   radar.watchers.erase(at);
   update_demand(radar);
 }
@@ -185,8 +185,8 @@ void Room::unsubscribe(LiveRadar& radar, const Peer& peer) {
 void Room::watch(LiveRadar& radar, Peer& peer, Demand demand) {
   demand.watch_id = ++last_watch_id_;
   ++peer.subscriptions;
-  peer.outbox.open_live_lane(radar.stream_id, demand.choice,
-                             demand.lossless ? LanePolicy::lossless : LanePolicy::newest_wins);
+  peer.outbox.open_live_queue(radar.stream_id, demand.choice,
+                              demand.lossless ? QueuePolicy::lossless : QueuePolicy::newest_wins);
   radar.watchers.push_back({&peer, std::move(demand)});
   update_demand(radar);
 }
@@ -304,9 +304,9 @@ void Room::send_fault(LiveRadar& radar, Peer& peer) const {
                        radar.faults, radar.name));
 }
 
-Peer* Room::peer_of(const OnceJob& job) {
+Peer* Room::peer_of(const OnceRequest& request) {
   const auto at =
-      std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == job.client_id; });
+      std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == request.client_id; });
   return at == peers_.end() ? nullptr : at->get();
 }
 
@@ -361,9 +361,9 @@ void Room::on_live_fault(std::size_t index, const std::shared_ptr<const LiveView
   });
 }
 
-void Room::on_once_block(const OnceJobPtr& job, const BlockPtr& block) {
-  post_([this, job, block] {
-    Peer* peer = peer_of(*job);
+void Room::on_once_block(const OnceRequestPtr& request, const BlockPtr& block) {
+  post_([this, request, block] {
+    Peer* peer = peer_of(*request);
     if (peer == nullptr) return;
     peer->outbox.push(block);
     peer->kick();
@@ -376,14 +376,14 @@ void Room::on_once_rendered(const RenderedOnce& frame) {
   });
 }
 
-void Room::on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) {
-  post_([this, job, errors] {
-    Peer* peer = peer_of(*job);
+void Room::on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) {
+  post_([this, request, errors] {
+    Peer* peer = peer_of(*request);
     if (peer == nullptr) return;
-    peer->outbox.close_lane(job->stream_id, "not rendered");
-    finish_job(*peer, job->stream_id);
-    peer->send(MessageType::error, make_error(job->request_id, ErrorNumber::invalid_value,
-                                              "the frame cannot be rendered", errors, job->radar));
+    peer->outbox.close_queue(request->stream_id, "not rendered");
+    finish_render(*peer, request->stream_id);
+    peer->send(MessageType::error, make_error(request->request_id, ErrorNumber::invalid_value,
+                                              "the frame cannot be rendered", errors, request->radar));
   });
 }
 

@@ -15,7 +15,7 @@
 #include "server/net/options.h"
 #include "server/net/request_limits.h"
 #include "server/net/statistics.h"
-#include "server/rendering/rendered.h"
+#include "server/rendering/render_thread.h"
 
 namespace obliq::net {
 
@@ -89,9 +89,9 @@ class Room : private RenderEvents {
   void watch_no_longer_lossless(LiveRadar& radar, Peer& peer);
   /// Tells those who watch a part of the radar's frame that is no longer there.
   void check_windows(LiveRadar& radar) const;
-  Peer* peer_of(const OnceJob& job);
+  Peer* peer_of(const OnceRequest& request);
   void stopped_if_empty();
-  void finish_job(Peer& peer, std::uint32_t stream_id);
+  void finish_render(Peer& peer, std::uint32_t stream_id);
   /// Of all clients' unfinished RenderOnce requests.
   FrameCost cost_queued() const;
   /// What limit a live radar of such settings would exceed, watched with such planes.
@@ -102,9 +102,9 @@ class Room : private RenderEvents {
   void on_live_rendered(std::size_t radar, const RenderedFrame& frame) override;
   void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                      const std::vector<FieldError>& errors) override;
-  void on_once_block(const OnceJobPtr& job, const BlockPtr& block) override;
+  void on_once_block(const OnceRequestPtr& request, const BlockPtr& block) override;
   void on_once_rendered(const RenderedOnce& frame) override;
-  void on_once_fault(const OnceJobPtr& job, const std::vector<FieldError>& errors) override;
+  void on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) override;
   void on_finished() override;
 
   const FrameRenderer& renderer_;

@@ -107,7 +107,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     }
     // Before TLS stands there is no way to say it.
     if (!transport_->is_ready()) return close();
-    outbox.close_all_lanes(text);
+    outbox.close_all_queues(text);
     send(MessageType::error, make_error(0, number, text));
     finishing_ = true;
     // A peer that does not read does not get to hear why.

@@ -9,7 +9,7 @@
 namespace obliq::net {
 namespace {
 
-using Clock = FrameLane::Clock;
+using Clock = FrameQueue::Clock;
 
 /// One frame that waits for clients.
 struct HeldFrame {
@@ -30,14 +30,14 @@ double seconds_since(Clock::time_point then) {
 std::map<std::uint64_t, HeldFrame> held_frames(LiveRadar& radar) {
   std::map<std::uint64_t, HeldFrame> frames;
   for (Watcher& watcher : radar.watchers) {
-    const FrameLane* lane = watcher.peer->outbox.lane(radar.stream_id);
-    if (lane == nullptr) continue;
-    for (std::size_t i = 0; i < lane->held(); ++i) {
-      const FrameLane::Held held = lane->held(i);
+    const FrameQueue* queue = watcher.peer->outbox.queue(radar.stream_id);
+    if (queue == nullptr) continue;
+    for (std::size_t i = 0; i < queue->held(); ++i) {
+      const FrameQueue::Held held = queue->held(i);
       HeldFrame& frame = frames[held.frame_id];
       frame.holders.push_back(&watcher);
       frame.begun |= held.begun;
-      frame.lossless |= lane->policy() == LanePolicy::lossless;
+      frame.lossless |= queue->policy() == QueuePolicy::lossless;
     }
   }
   return frames;
@@ -51,14 +51,14 @@ void give_up(const LiveRadar& radar, std::uint64_t frame_id, const HeldFrame& fr
 }
 
 /// Why a holder of the oldest frame must go; empty: it may stay.
-std::string offence(const FrameLane& lane, std::uint64_t oldest, const ServerOptions& options) {
-  if (lane.policy() == LanePolicy::lossless &&
-      seconds_since(lane.last_progress()) > options.lossless_limit_s) {
+std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerOptions& options) {
+  if (queue.policy() == QueuePolicy::lossless &&
+      seconds_since(queue.last_progress()) > options.lossless_limit_s) {
     return "the client reads too slowly: lossless, and nothing taken for stream.lossless_limit_s";
   }
-  for (std::size_t i = 0; i < lane.held(); ++i) {
-    const FrameLane::Held held = lane.held(i);
-    if (held.frame_id == oldest && lane.policy() == LanePolicy::newest_wins &&
+  for (std::size_t i = 0; i < queue.held(); ++i) {
+    const FrameQueue::Held held = queue.held(i);
+    if (held.frame_id == oldest && queue.policy() == QueuePolicy::newest_wins &&
         seconds_since(held.since) > options.stall_timeout_s) {
       return "the client reads too slowly: it has held up the radar's oldest frame for longer than "
              "server.stall_timeout_s";
@@ -84,8 +84,8 @@ void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
   const auto& [oldest, frame] = *frames.begin();
   std::vector<std::pair<Peer*, std::string>> offenders;  // who fails may stop watching at once
   for (Watcher* watcher : frame.holders) {
-    const FrameLane* lane = watcher->peer->outbox.lane(radar.stream_id);
-    std::string reason = lane == nullptr ? "" : offence(*lane, oldest, options);
+    const FrameQueue* queue = watcher->peer->outbox.queue(radar.stream_id);
+    std::string reason = queue == nullptr ? "" : offence(*queue, oldest, options);
     if (reason.empty()) continue;
     if (watcher->accused_frame != oldest) {
       watcher->accused_frame = oldest;

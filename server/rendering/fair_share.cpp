@@ -18,16 +18,16 @@ constexpr double kLeast_s = 1e-3;
 
 }  // namespace
 
-std::size_t RenderTurns::add() {
+std::size_t FairShare::add() {
   parties_.emplace_back();
   return parties_.size() - 1;
 }
 
-double RenderTurns::begin_of(const Party& party) const {
+double FairShare::begin_of(const Party& party) const {
   return party.wanting ? party.begin_s : std::max(now_s_, party.begin_s);
 }
 
-double RenderTurns::expected_s(const Party& party) const {
+double FairShare::expected_s(const Party& party) const {
   std::optional<double> like_s = party.last_s;
   if (!like_s)
     for (const Party& other : parties_)
@@ -38,7 +38,7 @@ double RenderTurns::expected_s(const Party& party) const {
   return expected_s;
 }
 
-void RenderTurns::set_wanting(std::size_t number, bool wanting) {
+void FairShare::set_wanting(std::size_t number, bool wanting) {
   Party& party = parties_[number];
   if (party.wanting == wanting) return;
   if (wanting) {
@@ -50,7 +50,7 @@ void RenderTurns::set_wanting(std::size_t number, bool wanting) {
   party.wanting = wanting;
 }
 
-void RenderTurns::charge(std::size_t party, double seconds) {
+void FairShare::charge(std::size_t party, double seconds) {
   parties_[party].spent_s += seconds;
   // Of those who want something, the one that has had least.
   double least_s = std::numeric_limits<double>::infinity();
@@ -59,26 +59,26 @@ void RenderTurns::charge(std::size_t party, double seconds) {
   if (std::isfinite(least_s)) now_s_ = std::max(now_s_, least_s);
 }
 
-void RenderTurns::done(std::size_t number) {
+void FairShare::done(std::size_t number) {
   Party& party = parties_[number];
   party.last_s = party.spent_s;
   party.begin_s += party.spent_s;
   party.spent_s = 0;
 }
 
-double RenderTurns::end_s(std::size_t number) const {
+double FairShare::end_s(std::size_t number) const {
   const Party& party = parties_[number];
   return begin_of(party) + expected_s(party);
 }
 
-std::optional<std::size_t> RenderTurns::first() const {
+std::optional<std::size_t> FairShare::first() const {
   std::optional<std::size_t> first;
   for (std::size_t k = 0; k < parties_.size(); ++k)
     if (parties_[k].wanting && (!first || end_s(k) < end_s(*first))) first = k;
   return first;
 }
 
-double RenderTurns::lead_s(std::size_t number, std::size_t other) const {
+double FairShare::lead_s(std::size_t number, std::size_t other) const {
   if (end_s(other) < end_s(number)) return 0;
   return expected_s(parties_[number]) - parties_[number].spent_s;
 }

@@ -25,7 +25,7 @@ namespace obliq::net {
 /// it turns out to be more, and made good afterwards; and a piece may be interrupted by one with an earlier
 /// end. Parties of equal cost are therefore served one whole frame after the other, and only a long frame
 /// gives way in its middle to short ones.
-class RenderTurns {
+class FairShare {
  public:
   /// Parties are numbered in the order they are added.
   std::size_t add();

@@ -23,7 +23,7 @@ struct Part {
 }  // namespace
 
 /// What one radar's frames from one place have in common.
-class KeepingRenderer::Place {
+class FrameCache::Place {
  public:
   Place(const SettingsPtr& settings, const PoseSettings& pose, std::uint64_t generation,
         std::shared_ptr<Budget> budget)
@@ -85,7 +85,7 @@ class KeepingRenderer::Place {
 };
 
 /// A frame from a place where there was one before.
-class KeepingRenderer::Frame : public PlannedFrame {
+class FrameCache::Frame : public PlannedFrame {
  public:
   Frame(std::shared_ptr<const PlannedFrame> frame, std::shared_ptr<Place> place)
       : frame_(std::move(frame)), place_(std::move(place)) {}
@@ -144,14 +144,14 @@ class KeepingRenderer::Frame : public PlannedFrame {
   mutable std::unique_ptr<const PlannedFrame> part_;
 };
 
-KeepingRenderer::KeepingRenderer(const FrameRenderer& renderer, std::size_t most_bytes)
+FrameCache::FrameCache(const FrameRenderer& renderer, std::size_t most_bytes)
     : renderer_(renderer), budget_(std::make_shared<Budget>()) {
   budget_->most = most_bytes;
 }
 
-KeepingRenderer::~KeepingRenderer() = default;
+FrameCache::~FrameCache() = default;
 
-FrameRenderer::Plan KeepingRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+FrameRenderer::Plan FrameCache::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
   const std::uint64_t generation = renderer_.generation();
   if (const auto place = find(settings, pose, generation))
     if (auto again = place->again(pose)) return {std::make_unique<Frame>(std::move(again), place), {}, {}};
@@ -170,22 +170,21 @@ FrameRenderer::Plan KeepingRenderer::plan(const SettingsPtr& settings, const Pos
   return plan;
 }
 
-FrameRenderer::Plan KeepingRenderer::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
-                                                const PoseSettings& pose) const {
+FrameRenderer::Plan FrameCache::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
+                                           const PoseSettings& pose) const {
   const auto* ours = dynamic_cast<const Frame*>(&frame);
   // In the scene of the frame before, whatever has come since: nothing of it is kept or repeated.
   return renderer_.plan_again(ours ? ours->frame() : frame, settings, pose);
 }
 
-void KeepingRenderer::forget() {
+void FrameCache::forget() {
   const std::lock_guard lock(mutex_);
   places_.clear();
 }
 
 /// Where a radar was before, if it is there still; places that radars have left are forgotten.
-std::shared_ptr<KeepingRenderer::Place> KeepingRenderer::find(const SettingsPtr& settings,
-                                                              const PoseSettings& pose,
-                                                              std::uint64_t generation) const {
+std::shared_ptr<FrameCache::Place> FrameCache::find(const SettingsPtr& settings, const PoseSettings& pose,
+                                                    std::uint64_t generation) const {
   const std::lock_guard lock(mutex_);
   std::erase_if(places_, [&](const auto& place) {
     return place->is_over(generation) || (place->is_of(settings) && !place->is_at(pose));

@@ -13,13 +13,13 @@ namespace obliq::net {
 /// and the wedges of the frame before are taken again, which have the same bits. So an antenna that stands
 /// still, or scans from where it stands, costs next to nothing. Nothing is kept of the first frame at a
 /// place, so that a flight takes no memory.
-class KeepingRenderer : public FrameRenderer {
+class FrameCache : public FrameRenderer {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{128} << 20;
 
   /// `most_bytes`: of all that is kept; frames beyond are rendered anew.
-  explicit KeepingRenderer(const FrameRenderer& renderer, std::size_t most_bytes = kMostBytes);
-  ~KeepingRenderer() override;
+  explicit FrameCache(const FrameRenderer& renderer, std::size_t most_bytes = kMostBytes);
+  ~FrameCache() override;
 
   std::vector<FieldError> place(const PoseSettings& pose) const override { return renderer_.place(pose); }
   std::uint64_t generation() const override { return renderer_.generation(); }

@@ -1,263 +1,149 @@
 #include "server/rendering/render_thread.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
-#include "server/rendering/live_task.h"
-#include "server/rendering/once_task.h"
-
 namespace obliq::net {
-namespace {
 
-using Seconds = std::chrono::duration<double>;
-
-/// How often those who hold a radar up are looked at.
-constexpr std::chrono::milliseconds kReminder{20};
-/// What could not be rendered is looked at again this often: pose or scene may have changed.
-constexpr std::chrono::milliseconds kFaultLook{50};
-/// Whoever has begun a turn goes on for so long: a turn costs some 0.1 ms of threads that come and go.
-constexpr std::chrono::milliseconds kShortestTurn{5};
-
-}  // namespace
+RenderThread::Radar::Radar(RenderContext& context, std::size_t number, const std::string& name,
+                           std::uint32_t stream_id, LiveView view, std::function<void()> on_freed)
+    : stream(context, number, name, stream_id, std::move(view), std::move(on_freed)),
+      frames(context, stream),
+      scan(context, stream) {}
 
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
-    : renderer_(renderer), events_(events), options_(std::move(options)) {}
+    : context_{.renderer = renderer, .events = events, .options = std::move(options)}, once_(context_) {}
 
 RenderThread::~RenderThread() { end(); }
 
 void RenderThread::end() {
   stop();
   if (thread_.joinable()) thread_.join();
-  for (LiveTask& task : live_) task.frames->forget_listener();
+  for (Radar& radar : radars_) radar.stream.forget_listener();
 }
 
 void RenderThread::add_radar(const std::string& name, std::uint32_t stream_id, LiveView view) {
-  LiveTask& task = live_.emplace_back();
-  turns_.add();
-  task.name = name;
-  task.stream_id = stream_id;
-  task.view = std::make_shared<const LiveView>(std::move(view));
-  task.frames = std::make_shared<LiveFrames>([this] { wake(); });
+  radars_.emplace_back(context_, radars_.size(), name, stream_id, std::move(view), [this] { wake(); });
+  shares_.add();
 }
 
 void RenderThread::start() {
-  turns_.add();
+  shares_.add();
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 void RenderThread::finish() {
-  const std::lock_guard lock(mutex_);
-  finishing_ = true;
-  ++changes_;
-  changed_.notify_all();
+  {
+    const std::lock_guard lock(mutex_);
+    finishing_ = true;
+  }
+  wake();
 }
 
 void RenderThread::stop() {
   thread_.request_stop();
-  const std::lock_guard lock(mutex_);
-  for (LiveTask& task : live_) task.stop.request_stop();
-  for (const auto& task : once_) task->job->stop.request_stop();
+  for (Radar& radar : radars_) radar.stream.stop();
+  once_.stop();
 }
 
 void RenderThread::set_view(std::size_t radar, LiveView view) {
-  const std::lock_guard lock(mutex_);
-  live_[radar].view = std::make_shared<const LiveView>(std::move(view));
-  ++changes_;
-  changed_.notify_all();
+  radars_[radar].stream.set_view(std::move(view));
+  wake();
 }
 
 void RenderThread::set_demand(std::size_t radar, std::vector<Demand> demands) {
-  const std::lock_guard lock(mutex_);
-  LiveTask& task = live_[radar];
-  double rate_hz = 0;
-  for (Demand& demand : demands) {
-    rate_hz = std::max(rate_hz, demand.rate_hz);
-    const auto same = std::find_if(task.demands.begin(), task.demands.end(),
-                                   [&](const Demand& d) { return d.watch_id == demand.watch_id; });
-    if (same != task.demands.end()) demand.due = same->due;
-  }
-  const bool wakes = task.rate_hz == 0 && rate_hz > 0;
-  // A faster rate, or a first client, does not wait for a date that the old rate set.
-  const auto now = clock_now();
-  if (wakes) task.dates.begin_at(now);
-  if (rate_hz > 0) task.dates.begin_at(std::min(task.dates.due(), now + period_of(rate_hz)));
-  if (rate_hz == 0) {
-    task.stop.request_stop();
-    task.held_up_since = Clock::time_point::max();  // nobody waits
-  }
-  task.rate_hz = rate_hz;
-  task.demands = std::move(demands);
-  ++changes_;
-  changed_.notify_all();
+  radars_[radar].stream.set_demand(std::move(demands));
+  wake();
 }
 
-void RenderThread::enqueue(OnceJobPtr job) {
-  auto task = std::make_shared<OnceTask>();
-  task->job = std::move(job);
-  const std::lock_guard lock(mutex_);
-  once_.push_back(std::move(task));
-  ++changes_;
-  changed_.notify_all();
+void RenderThread::enqueue(OnceRequestPtr request) {
+  once_.enqueue(std::move(request));
+  wake();
 }
 
 void RenderThread::wake() {
   const std::lock_guard lock(mutex_);
-  ++changes_;
+  ++context_.changes;
   changed_.notify_all();
 }
 
-RenderThread::Load RenderThread::load(std::size_t radar) const {
-  const LiveTask& task = live_[radar];
-  return {task.frames->live(), task.frames->meter()->bytes, task.skipped_in_all, task.shed};
-}
-
 void RenderThread::run(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    Choice choice;
-    auto next_due = Clock::time_point::max();
-    if (choose(clock_now(), choice, next_due)) {
-      take_turn(choice, lock);
-      continue;
-    }
-    if (finishing_ && once_.empty()) {
-      lock.unlock();
-      return events_.on_finished();
-    }
-    const auto woken = [this, seen = changes_.load()] { return changes_ != seen; };
-    if (next_due == Clock::time_point::max()) {
-      changed_.wait(lock, stop, woken);
+    begin_round();
+    end_scans();
+    auto next_due = Time::max();
+    if (const auto turn = choose(context_.now(), next_due)) {
+      take(*turn);
+    } else if (context_.finishing && once_.is_empty()) {
+      return context_.events.on_finished();
     } else {
-      changed_.wait_for(lock, stop, next_due - clock_now(), woken);
+      wait(stop, next_due);
     }
   }
 }
 
-bool RenderThread::choose(Clock::time_point now, Choice& choice, Clock::time_point& next_due) {
-  std::erase_if(once_, [this](const auto& task) {
-    return task->job->stop.stop_requested() || (finishing_ && !task->frame);
-  });
-  scanning_ = !finishing_ && std::ranges::any_of(live_, [this](const LiveTask& t) { return wants_scan(t); });
-  std::vector<Clock::time_point> dates;
-  for (std::size_t k = 0; k < live_.size(); ++k) {
-    if (live_[k].scan && (finishing_ || !wants_scan(live_[k]))) {
-      choice = {.live = true, .index = k, .ends_scan = true};
-      return true;
+void RenderThread::begin_round() {
+  const std::lock_guard lock(mutex_);
+  seen_ = context_.changes;
+  context_.finishing = finishing_;
+}
+
+void RenderThread::end_scans() {
+  for (Radar& radar : radars_) {
+    if (!radar.scan.has_begun()) continue;
+    if (context_.finishing) {
+      radar.scan.end("the server is stopping");
+    } else if (!radar.stream.wants_scan()) {
+      radar.scan.end(radar.stream.is_watched() ? "the radar's settings changed" : "nobody watches any more");
     }
-    dates.push_back(live_date(k, now));
   }
-  const auto has_room = [this](const auto& task) { return task->job->queued->load() < options_.slice_bytes; };
-  dates.push_back(std::ranges::any_of(once_, has_room) ? now : Clock::time_point::max());
-  for (std::size_t party = 0; party < dates.size(); ++party) {
-    turns_.set_wanting(party, dates[party] <= now);
+}
+
+std::optional<RenderThread::Turn> RenderThread::choose(Time now, Time& next_due) {
+  std::vector<Job*> jobs;
+  context_.scanning = false;
+  for (Radar& radar : radars_) {
+    const bool scans = radar.stream.wants_scan();
+    jobs.push_back(scans && !radar.frames.has_begun() ? static_cast<Job*>(&radar.scan) : &radar.frames);
+    context_.scanning |= scans && !context_.finishing;
+  }
+  jobs.push_back(&once_);
+  std::vector<Time> dates;
+  for (std::size_t party = 0; party < jobs.size(); ++party) {
+    dates.push_back(jobs[party]->date(now));
+    shares_.set_wanting(party, dates[party] <= now);
     if (dates[party] > now) next_due = std::min(next_due, dates[party]);
   }
-  const std::optional<std::size_t> first = turns_.first();
-  if (!first) return false;
+  const std::optional<std::size_t> first = shares_.first();
+  if (!first) return std::nullopt;
 
-  give_way_ = Clock::time_point::max();
+  context_.turn_ends = Time::max();
   for (std::size_t party = 0; party < dates.size(); ++party) {
-    if (party == *first || dates[party] == Clock::time_point::max()) continue;
-    const auto lead = std::chrono::duration_cast<Clock::duration>(Seconds(turns_.lead_s(*first, party)));
-    give_way_ = std::min(give_way_, std::max({dates[party], now + lead, now + kShortestTurn}));
+    if (party == *first || dates[party] == Time::max()) continue;
+    const auto lead = std::chrono::duration_cast<Job::Clock::duration>(
+        std::chrono::duration<double>(shares_.lead_s(*first, party)));
+    context_.turn_ends =
+        std::min(context_.turn_ends, std::max({dates[party], now + lead, now + kShortestTurn}));
   }
-  choice = {.live = *first < live_.size(), .index = *first};
-  while (!choice.live) {
-    choice.index = once_turn_++ % once_.size();
-    if (has_room(once_[choice.index])) break;
-  }
-  return true;
+  return Turn{jobs[*first], *first};
 }
 
-bool RenderThread::gives_way() const {
-  const bool changed = changes_ != changes_seen_;
-  if (!changed && give_way_ == Clock::time_point::max()) return false;
-  const auto now = clock_now();
-  return now >= give_way_ || (changed && now >= turn_began_ + kShortestTurn);
+void RenderThread::take(const Turn& turn) {
+  context_.turn_began = context_.now();
+  context_.changes_seen = seen_;
+  const bool done = turn.job->work();
+  shares_.charge(turn.party, in_seconds(context_.now() - context_.turn_began));
+  if (done) shares_.done(turn.party);
 }
 
-void RenderThread::take_turn(const Choice& choice, std::unique_lock<std::mutex>& lock) {
-  if (choice.ends_scan) {
-    const char* const reason = finishing_                        ? "the server is stopping"
-                               : live_[choice.index].rate_hz > 0 ? "the radar's settings changed"
-                                                                 : "nobody watches any more";
-    lock.unlock();
-    end_scan(choice.index, reason);
-    lock.lock();
-    return;
-  }
-  turn_began_ = clock_now();
-  changes_seen_ = changes_;
-  bool done = true;
-  if (!choice.live) {
-    render_once(choice.index, lock);
-  } else if (!live_[choice.index].hand && wants_scan(live_[choice.index])) {
-    render_dwell(choice.index, lock);
+void RenderThread::wait(const std::stop_token& stop, Time until) {
+  std::unique_lock lock(mutex_);
+  const auto woken = [this] { return context_.changes != seen_; };
+  if (until == Time::max()) {
+    changed_.wait(lock, stop, woken);
   } else {
-    done = render_live(choice.index, lock);
+    changed_.wait_for(lock, stop, until - context_.now(), woken);
   }
-  const std::size_t party = choice.live ? choice.index : live_.size();
-  turns_.charge(party, Seconds(clock_now() - turn_began_).count());
-  if (done) turns_.done(party);
-}
-
-RenderThread::Clock::time_point RenderThread::live_date(std::size_t index, Clock::time_point now) {
-  LiveTask& task = live_[index];
-  if (task.hand) return now;
-  if (finishing_ || task.rate_hz <= 0) return Clock::time_point::max();
-  // Dates that pass meanwhile are not shed: nobody was to be served at them.
-  if (still_faulty(task)) {
-    task.dates.begin_at(now);
-    return now + kFaultLook;
-  }
-  if (wants_scan(task)) {
-    task.dates.begin_at(now);
-    return scan_date(index, now);
-  }
-  if (task.dates.due() > now) return task.dates.due();
-  return is_held_up(index, now) ? task.next_reminder : now;
-}
-
-bool RenderThread::none_is_shed(const LiveTask& task) const {
-  // A renderer that only repeats has its own times.
-  return !renderer_.fixed().empty() || std::ranges::any_of(task.demands, &Demand::lossless);
-}
-
-// With as many frames alive as may be, the next one waits; what it is late by was not rendered.
-bool RenderThread::is_held_up(std::size_t index, Clock::time_point now) {
-  LiveTask& task = live_[index];
-  constexpr auto kNever = Clock::time_point::max();
-  if (task.frames->live() >= options_.live_frames) {
-    if (task.held_up_since == kNever) task.held_up_since = task.next_reminder = now;
-    if (now >= task.next_reminder) {
-      task.next_reminder = now + kReminder;
-      events_.on_live_held_up(index, Seconds(now - task.held_up_since).count());
-    }
-    return true;
-  }
-  if (task.held_up_since == kNever) return false;
-  if (!none_is_shed(task)) {  // else the radar is slower, and nothing is lost
-    const auto period = period_of(task.rate_hz);
-    const auto missed = (now - task.held_up_since) / period;
-    task.skipped += static_cast<std::uint64_t>(missed);
-    task.skipped_in_all += static_cast<std::uint64_t>(missed);
-    task.dates.begin_at(task.dates.due() + missed * period);
-  }
-  task.held_up_since = kNever;
-  return false;
-}
-
-FrameIdentity RenderThread::identity_of(LiveTask& task, std::uint64_t frame_id, const Order& order,
-                                        const LiveView& view) {
-  FrameIdentity identity;
-  identity.stream_id = task.stream_id;
-  identity.frame_id = frame_id;
-  identity.choices = order.choices;
-  identity.pose_received_ns = view.pose_received_ns;
-  identity.frames_skipped = std::exchange(task.skipped, 0);
-  identity.meter = task.frames->meter();
-  return identity;
 }
 
 }  // namespace obliq::net

@@ -10,18 +10,18 @@ namespace obliq::net {
 
 using wire::MessageType;
 
-FrameLane::FrameLane(std::uint32_t stream_id, StreamChoice choice, LanePolicy policy, int most_frames)
+FrameQueue::FrameQueue(std::uint32_t stream_id, StreamChoice choice, QueuePolicy policy, int most_frames)
     : stream_id_(stream_id),
       choice_(std::move(choice)),
       policy_(policy),
       most_frames_(static_cast<std::size_t>(most_frames)) {}
 
-void FrameLane::set_request(std::uint64_t request_id, ByteCounter counter) {
+void FrameQueue::set_request(std::uint64_t request_id, ByteCounter counter) {
   request_id_ = request_id;
   counter_ = std::move(counter);
 }
 
-bool FrameLane::wants(const Block& block) const {
+bool FrameQueue::wants(const Block& block) const {
   switch (block.type) {
     case MessageType::frame_begin:
       return block.format.window == choice_.format.window && (choice_.planes & ~block.planes) == 0;
@@ -35,8 +35,8 @@ bool FrameLane::wants(const Block& block) const {
   }
 }
 
-std::optional<wire::Bytes> FrameLane::push(const BlockPtr& block, const LiveFramePtr& frame,
-                                           std::size_t most_bytes) {
+std::optional<wire::Bytes> FrameQueue::push(const BlockPtr& block, const LiveFramePtr& frame,
+                                            std::size_t most_bytes) {
   if (!wants(*block)) return std::nullopt;
   if (block->type == MessageType::frame_begin) {
     begin_frame(block, frame);
@@ -45,7 +45,7 @@ std::optional<wire::Bytes> FrameLane::push(const BlockPtr& block, const LiveFram
   const auto at = std::find_if(frames_.begin(), frames_.end(),
                                [&](const QueuedFrame& queued) { return queued.id == block->frame_id; });
   if (at == frames_.end()) return std::nullopt;
-  const bool newest_wins = policy_ == LanePolicy::newest_wins;
+  const bool newest_wins = policy_ == QueuePolicy::newest_wins;
   if (block->type == MessageType::wedge_block) {
     if (newest_wins && bytes_ + block->bytes.size() > most_bytes) {
       return give_up(at, "the client reads too slowly");
@@ -53,7 +53,7 @@ std::optional<wire::Bytes> FrameLane::push(const BlockPtr& block, const LiveFram
   } else {
     at->complete = true;
     // Nobody need hear of the end of a frame that he has not heard of.
-    if (policy_ != LanePolicy::once && block->type == MessageType::frame_abort && !at->begun) {
+    if (policy_ != QueuePolicy::once && block->type == MessageType::frame_abort && !at->begun) {
       drop(at);
       return std::nullopt;
     }
@@ -62,8 +62,8 @@ std::optional<wire::Bytes> FrameLane::push(const BlockPtr& block, const LiveFram
   return std::nullopt;
 }
 
-void FrameLane::begin_frame(const BlockPtr& block, const LiveFramePtr& frame) {
-  if (policy_ == LanePolicy::newest_wins && frames_.size() >= most_frames_) {
+void FrameQueue::begin_frame(const BlockPtr& block, const LiveFramePtr& frame) {
+  if (policy_ == QueuePolicy::newest_wins && frames_.size() >= most_frames_) {
     const auto waiting =
         std::find_if(frames_.begin(), frames_.end(), [](const QueuedFrame& queued) { return !queued.begun; });
     ++dropped_;
@@ -79,22 +79,22 @@ void FrameLane::begin_frame(const BlockPtr& block, const LiveFramePtr& frame) {
   enqueue(queued, block);
 }
 
-void FrameLane::enqueue(QueuedFrame& frame, const BlockPtr& block) {
+void FrameQueue::enqueue(QueuedFrame& frame, const BlockPtr& block) {
   frame.blocks.push_back(block);
   bytes_ += block->bytes.size();
 }
 
-void FrameLane::release(const Block& block) {
+void FrameQueue::release(const Block& block) {
   bytes_ -= block.bytes.size();
   if (counter_) *counter_ -= block.bytes.size();
 }
 
-void FrameLane::drop(Frames::iterator at) {
+void FrameQueue::drop(Frames::iterator at) {
   for (const BlockPtr& block : at->blocks) release(*block);
   frames_.erase(at);
 }
 
-std::optional<wire::Bytes> FrameLane::give_up(Frames::iterator at, const std::string& reason) {
+std::optional<wire::Bytes> FrameQueue::give_up(Frames::iterator at, const std::string& reason) {
   ++dropped_;
   std::optional<wire::Bytes> bytes;
   if (at->begun) {
@@ -113,18 +113,18 @@ std::optional<wire::Bytes> FrameLane::give_up(Frames::iterator at, const std::st
   return bytes;
 }
 
-std::optional<wire::Bytes> FrameLane::give_up(std::uint64_t frame_id, const std::string& reason) {
+std::optional<wire::Bytes> FrameQueue::give_up(std::uint64_t frame_id, const std::string& reason) {
   const auto at = std::find_if(frames_.begin(), frames_.end(),
                                [&](const QueuedFrame& queued) { return queued.id == frame_id; });
   return at == frames_.end() ? std::nullopt : give_up(at, reason);
 }
 
-FrameLane::Held FrameLane::held(std::size_t index) const {
+FrameQueue::Held FrameQueue::held(std::size_t index) const {
   const QueuedFrame& frame = frames_[index];
   return {frame.id, frame.begun, frame.since};
 }
 
-BlockPtr FrameLane::pop() {
+BlockPtr FrameQueue::pop() {
   if (frames_.empty() || frames_.front().blocks.empty()) return nullptr;
   QueuedFrame& frame = frames_.front();
   BlockPtr block = std::move(frame.blocks.front());
@@ -139,7 +139,7 @@ BlockPtr FrameLane::pop() {
 }
 
 // The one message that differs from client to client.
-BlockPtr FrameLane::with_skipped(const BlockPtr& shared) {
+BlockPtr FrameQueue::with_skipped(const BlockPtr& shared) {
   wire::MessageView view;
   wire::FrameBegin message;
   if (wire::decode_message(shared->bytes, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok ||
@@ -158,13 +158,13 @@ BlockPtr FrameLane::with_skipped(const BlockPtr& shared) {
   return own;
 }
 
-std::size_t FrameLane::blocks() const {
+std::size_t FrameQueue::blocks() const {
   std::size_t n = 0;
   for (const QueuedFrame& frame : frames_) n += frame.blocks.size();
   return n;
 }
 
-void FrameLane::clear() {
+void FrameQueue::clear() {
   while (!frames_.empty()) drop(frames_.begin());
 }
 

@@ -12,10 +12,10 @@
 
 namespace obliq::net {
 
-/// Bytes of one stream that wait for a client: the producer adds, the lane subtracts.
+/// Bytes of one stream that wait for a client: the producer adds, the queue subtracts.
 using ByteCounter = std::shared_ptr<std::atomic<std::size_t>>;
 
-enum class LanePolicy {
+enum class QueuePolicy {
   newest_wins,  ///< a frame that has not begun to be written gives way to a newer one
   lossless,     ///< keeps every frame; the radar is held back by the frames it has alive
   once,         ///< a RenderOnce's only frame; its producer is held back by the byte counter
@@ -23,24 +23,24 @@ enum class LanePolicy {
 
 /// The frames of one stream on their way to one client. A frame that has begun is completed or ended by a
 /// FrameAbort. For one thread.
-class FrameLane {
+class FrameQueue {
  public:
   using Clock = std::chrono::steady_clock;
 
-  FrameLane(std::uint32_t stream_id, StreamChoice choice, LanePolicy policy, int most_frames);
-  FrameLane(FrameLane&&) noexcept = default;
-  FrameLane& operator=(FrameLane&&) noexcept = default;
+  FrameQueue(std::uint32_t stream_id, StreamChoice choice, QueuePolicy policy, int most_frames);
+  FrameQueue(FrameQueue&&) noexcept = default;
+  FrameQueue& operator=(FrameQueue&&) noexcept = default;
 
-  /// Of a once lane.
+  /// Of a once queue.
   void set_request(std::uint64_t request_id, ByteCounter counter);
 
   std::uint32_t stream_id() const { return stream_id_; }
-  LanePolicy policy() const { return policy_; }
+  QueuePolicy policy() const { return policy_; }
   std::size_t bytes() const { return bytes_; }
   std::size_t blocks() const;
 
   /// Takes a block of a frame; `frame` is kept alive for as long as some of it waits here. What was not
-  /// asked for and blocks of frames dropped earlier are ignored. A newest-wins frame that brings the lane
+  /// asked for and blocks of frames dropped earlier are ignored. A newest-wins frame that brings the queue
   /// above `most_bytes` is given up; when it had begun, the result is its FrameAbort.
   std::optional<wire::Bytes> push(const BlockPtr& block, const LiveFramePtr& frame, std::size_t most_bytes);
 
@@ -63,7 +63,7 @@ class FrameLane {
   std::optional<wire::Bytes> give_up(std::uint64_t frame_id, const std::string& reason);
   void clear();
 
-  /// Frames given up since the lane was opened.
+  /// Frames given up since the queue was opened.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -88,7 +88,7 @@ class FrameLane {
 
   std::uint32_t stream_id_;
   StreamChoice choice_;
-  LanePolicy policy_;
+  QueuePolicy policy_;
   std::size_t most_frames_;
   std::uint64_t request_id_ = 0;
   ByteCounter counter_;

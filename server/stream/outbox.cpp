@@ -13,51 +13,52 @@ void Outbox::push_control(wire::Bytes bytes) {
   control_.push_back(std::move(block));
 }
 
-const FrameLane* Outbox::lane(std::uint32_t stream_id) const {
-  const auto at = std::find_if(lanes_.begin(), lanes_.end(),
-                               [&](const FrameLane& lane) { return lane.stream_id() == stream_id; });
-  return at == lanes_.end() ? nullptr : &*at;
+const FrameQueue* Outbox::queue(std::uint32_t stream_id) const {
+  const auto at = std::find_if(queues_.begin(), queues_.end(),
+                               [&](const FrameQueue& queue) { return queue.stream_id() == stream_id; });
+  return at == queues_.end() ? nullptr : &*at;
 }
-FrameLane* Outbox::find(std::uint32_t stream_id) {
-  return const_cast<FrameLane*>(std::as_const(*this).lane(stream_id));
-}
-
-void Outbox::open_live_lane(std::uint32_t stream_id, const StreamChoice& choice, LanePolicy policy) {
-  lanes_.emplace_back(stream_id, choice, policy, frames_per_lane_);
+FrameQueue* Outbox::find(std::uint32_t stream_id) {
+  return const_cast<FrameQueue*>(std::as_const(*this).queue(stream_id));
 }
 
-void Outbox::open_once_lane(std::uint32_t stream_id, std::uint64_t request_id, const StreamChoice& choice,
-                            ByteCounter counter) {
-  lanes_.emplace_back(stream_id, choice, LanePolicy::once, 1).set_request(request_id, std::move(counter));
+void Outbox::open_live_queue(std::uint32_t stream_id, const StreamChoice& choice, QueuePolicy policy) {
+  queues_.emplace_back(stream_id, choice, policy, frames_per_queue_);
+}
+
+void Outbox::open_once_queue(std::uint32_t stream_id, std::uint64_t request_id, const StreamChoice& choice,
+                             ByteCounter counter) {
+  queues_.emplace_back(stream_id, choice, QueuePolicy::once, 1).set_request(request_id, std::move(counter));
 }
 
 void Outbox::push(const BlockPtr& block, const LiveFramePtr& frame) {
-  FrameLane* lane = find(block->stream_id);
-  if (lane == nullptr) return;
-  const std::size_t others = lane->policy() == LanePolicy::newest_wins ? queued_bytes() - lane->bytes() : 0;
-  auto abort = lane->push(block, frame, live_bytes_ - std::min(live_bytes_, others));
+  FrameQueue* queue = find(block->stream_id);
+  if (queue == nullptr) return;
+  const std::size_t others =
+      queue->policy() == QueuePolicy::newest_wins ? queued_bytes() - queue->bytes() : 0;
+  auto abort = queue->push(block, frame, live_bytes_ - std::min(live_bytes_, others));
   if (abort) push_control(std::move(*abort));
 }
 
 void Outbox::give_up(std::uint32_t stream_id, std::uint64_t frame_id, const std::string& reason) {
-  FrameLane* lane = find(stream_id);
-  if (lane == nullptr) return;
-  auto abort = lane->give_up(frame_id, reason);
+  FrameQueue* queue = find(stream_id);
+  if (queue == nullptr) return;
+  auto abort = queue->give_up(frame_id, reason);
   if (abort) push_control(std::move(*abort));
 }
 
-void Outbox::close_lane(std::uint32_t stream_id, const std::string& reason) {
-  FrameLane* lane = find(stream_id);
-  if (lane == nullptr) return;
+void Outbox::close_queue(std::uint32_t stream_id, const std::string& reason) {
+  FrameQueue* queue = find(stream_id);
+  if (queue == nullptr) return;
   // Only a frame that the client has heard of is worth a word.
-  const std::uint64_t dropped = lane->dropped();
-  while (lane->held() > 0) give_up(stream_id, lane->held(0).frame_id, reason);
+  const std::uint64_t dropped = queue->dropped();
+  while (queue->held() > 0) give_up(stream_id, queue->held(0).frame_id, reason);
   dropped_by_closed_ += dropped;
-  lanes_.erase(lanes_.begin() + (lane - lanes_.data()));
+  queues_.erase(queues_.begin() + (queue - queues_.data()));
 }
 
-void Outbox::close_all_lanes(const std::string& reason) {
-  while (!lanes_.empty()) close_lane(lanes_.back().stream_id(), reason);
+void Outbox::close_all_queues(const std::string& reason) {
+  while (!queues_.empty()) close_queue(queues_.back().stream_id(), reason);
 }
 
 BlockPtr Outbox::pop() {
@@ -66,15 +67,15 @@ BlockPtr Outbox::pop() {
     control_.pop_front();
     return block;
   }
-  // One block from each lane in turn, so that a large frame does not keep the others waiting.
-  for (std::size_t i = 0; i < lanes_.size(); ++i) {
-    const std::size_t at = (next_lane_ + i) % lanes_.size();
-    BlockPtr block = lanes_[at].pop();
+  // One block from each queue in turn, so that a large frame does not keep the others waiting.
+  for (std::size_t i = 0; i < queues_.size(); ++i) {
+    const std::size_t at = (next_queue_ + i) % queues_.size();
+    BlockPtr block = queues_[at].pop();
     if (!block) continue;
-    next_lane_ = at + 1;
+    next_queue_ = at + 1;
     const bool last = block->type == MessageType::frame_end || block->type == MessageType::frame_abort;
-    if (last && lanes_[at].policy() == LanePolicy::once) {
-      lanes_.erase(lanes_.begin() + static_cast<std::ptrdiff_t>(at));
+    if (last && queues_[at].policy() == QueuePolicy::once) {
+      queues_.erase(queues_.begin() + static_cast<std::ptrdiff_t>(at));
     }
     return block;
   }
@@ -83,28 +84,28 @@ BlockPtr Outbox::pop() {
 
 std::size_t Outbox::queued_messages() const {
   std::size_t n = control_.size();
-  for (const FrameLane& lane : lanes_) n += lane.blocks();
+  for (const FrameQueue& queue : queues_) n += queue.blocks();
   return n;
 }
 
 void Outbox::clear() {
   control_.clear();
-  for (FrameLane& lane : lanes_) {
-    dropped_by_closed_ += lane.dropped();
-    lane.clear();
+  for (FrameQueue& queue : queues_) {
+    dropped_by_closed_ += queue.dropped();
+    queue.clear();
   }
-  lanes_.clear();
+  queues_.clear();
 }
 
 std::size_t Outbox::queued_bytes() const {
   std::size_t bytes = 0;
-  for (const FrameLane& lane : lanes_) bytes += lane.bytes();
+  for (const FrameQueue& queue : queues_) bytes += queue.bytes();
   return bytes;
 }
 
 std::uint64_t Outbox::frames_dropped() const {
   std::uint64_t dropped = dropped_by_closed_;
-  for (const FrameLane& lane : lanes_) dropped += lane.dropped();
+  for (const FrameQueue& queue : queues_) dropped += queue.dropped();
   return dropped;
 }
 

@@ -190,7 +190,7 @@ Figures measure(const std::shared_ptr<const Scene>& scene, const RadarConfig& ra
 /// Frames a second of a radar that stands still, as the daemon serves them.
 double standing_per_s(const std::shared_ptr<const Scene>& scene, const RadarConfig& radar, int frames) {
   const net::SceneRenderer scenes(scene, "hills");
-  const net::KeepingRenderer renderer(scenes);
+  const net::FrameCache renderer(scenes);
   Watched watched(renderer, radar);
   for (int k = 0; k < 4; ++k) watched.next_frame();  // from the third on they are repeated
   const auto start = Clock::now();

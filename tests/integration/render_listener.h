@@ -34,9 +34,9 @@ class Listener : public net::RenderEvents {
     faults.push_back(errors.front().field);
     changed_.notify_all();
   }
-  void on_once_block(const net::OnceJobPtr&, const net::BlockPtr&) override {}
+  void on_once_block(const net::OnceRequestPtr&, const net::BlockPtr&) override {}
   void on_once_rendered(const net::RenderedOnce&) override {}
-  void on_once_fault(const net::OnceJobPtr&, const std::vector<FieldError>&) override {}
+  void on_once_fault(const net::OnceRequestPtr&, const std::vector<FieldError>&) override {}
 
   template <typename Condition>
   ::testing::AssertionResult wait(Condition condition) {

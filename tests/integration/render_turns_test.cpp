@@ -1,6 +1,6 @@
 // How live radars and RenderOnce jobs take turns: the real renderer, and a clock by which a live radar is
 // always due and which moves on by one step whenever it is looked at: time is counted in looks. Who is given
-// how much of it: net_render_turns_test.
+// how much of it: fair_share_test.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -40,7 +40,7 @@ class TurnCounter : public net::RenderEvents {
                      const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
-  void on_once_block(const net::OnceJobPtr&, const net::BlockPtr& block) override {
+  void on_once_block(const net::OnceRequestPtr&, const net::BlockPtr& block) override {
     const std::lock_guard lock(mutex_);
     begun_ = true;
     wedge_ = wedge_ || block->type == wire::MessageType::wedge_block;
@@ -48,7 +48,7 @@ class TurnCounter : public net::RenderEvents {
     changed_.notify_all();
   }
   void on_once_rendered(const net::RenderedOnce&) override {}
-  void on_once_fault(const net::OnceJobPtr&, const std::vector<FieldError>& errors) override {
+  void on_once_fault(const net::OnceRequestPtr&, const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
 
@@ -121,7 +121,7 @@ class Turns : public ::testing::Test {
     settings.scan_mode = ScanMode::frame;
     settings.azimuth_bins = 1;
     settings.pixel_columns = settings.pixel_rows = kSide;
-    const auto job = std::make_shared<net::OnceJob>();
+    const auto job = std::make_shared<net::OnceRequest>();
     job->stream_id = 2;
     job->view = view(settings, false);
     job->choice = demand(1).choice;

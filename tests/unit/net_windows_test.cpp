@@ -28,7 +28,7 @@ client::AssembledFrame received(const StreamChoice& choice, const std::vector<St
   blocks.push_back(encoder.end({}, 0));
 
   Outbox outbox(2, 1 << 30);
-  outbox.open_live_lane(9, choice);
+  outbox.open_live_queue(9, choice);
   for (const BlockPtr& block : blocks) outbox.push(block);
   FrameAssembler frames(choice.planes);
   while (const BlockPtr block = outbox.pop()) {

@@ -31,7 +31,7 @@ struct GetArguments {
 };
 
 // A frame may wait behind others', and its first wedge takes a while.
-constexpr client::Timeout kSilence{600000};
+constexpr client::Timeout kLongestSilence{600000};
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -75,7 +75,7 @@ client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& r
   require(client.render_once(request));
   const Progress progress = terminal_progress();
   while (frames.state() != client::FrameAssembler::State::complete) {
-    require(client.receive(kSilence));
+    require(client.receive(kLongestSilence));
     if (frames.state() == client::FrameAssembler::State::aborted) {
       throw InputError("the server gave the frame up: " + frames.abort_reason());
     }

@@ -40,8 +40,6 @@ struct RecordArguments {
 constexpr client::Timeout kPatience{100};
 constexpr double kMostSeconds = 1e9;
 constexpr Clock::duration kProgressPause = std::chrono::milliseconds(250);
-// Errors below this number end the connection, those above concern a radar that may recover.
-constexpr std::uint32_t kFirstErrorOfRadar = 100;
 
 // What a server says before it sends frames is a handful of messages.
 constexpr std::size_t kMostHeld = 64;

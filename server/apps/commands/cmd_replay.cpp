@@ -46,13 +46,14 @@ struct ReplayArguments {
 };
 
 // A frame of a 20th of its time is nothing anyone can see, and a month in a second is no replay.
-constexpr double kSlowest = 0.01;
-constexpr double kFastest = 1e6;
+constexpr double kSlowestReplay = 0.01;
+constexpr double kFastestReplay = 1e6;
 
 double speed_of(const std::string& text) {
   if (text == "max") return std::numeric_limits<double>::infinity();
   double speed = 0;
-  if (CLI::detail::lexical_cast(text, speed) && speed >= kSlowest && speed <= kFastest) return speed;
+  if (CLI::detail::lexical_cast(text, speed) && speed >= kSlowestReplay && speed <= kFastestReplay)
+    return speed;
   throw InputError("--speed: found \"" + text + "\"; allowed: 0.01 to 1000000, or max");
 }
 
@@ -148,7 +149,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
 // ---- To clients ----
 
 // Between looks at whether it is over.
-constexpr std::chrono::milliseconds kPatience{50};
+constexpr std::chrono::milliseconds kServingPause{50};
 
 RadarConfig radar_of(const client::RecordingStart& start, const std::string& path) {
   RadarConfig radar;
@@ -189,7 +190,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
   std::printf("ready: replays radar %s (%s) on %s\n", radar.name.c_str(),
               wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
   std::fflush(stdout);
-  while (!ended && !interrupted()) std::this_thread::sleep_for(kPatience);
+  while (!ended && !interrupted()) std::this_thread::sleep_for(kServingPause);
   server.stop();  // when clients have taken what waits for them
   io.join();
   report(renderer.losses(), arguments.file);

@@ -39,13 +39,11 @@ struct WatchArguments {
 constexpr client::Timeout kSilence{60000};
 constexpr int kLeastSide = 100;
 constexpr int kMostSide = 8000;
-// Errors below this number end the connection, those above concern a radar that may recover.
-constexpr std::uint32_t kFirstErrorOfRadar = 100;
 
 // Coverage from which on all of the sector has ground, but for what rounding leaves.
 constexpr double kWhole = 0.99995;
 
-double milliseconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-6; }
+double milliseconds_of(std::int64_t ns) { return static_cast<double>(ns) * 1e-6; }
 
 /// An assembler that also takes the times along the way.
 class TimedFrames : public client::FrameAssembler {
@@ -67,14 +65,14 @@ class TimedFrames : public client::FrameAssembler {
   }
   client::Status on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) override {
     // Between the clocks of two machines: exact on one machine, elsewhere as good as both are set.
-    const double underway_ms = milliseconds(wire::utc_now_ns() - header.utc_ns);
+    const double underway_ms = milliseconds_of(wire::utc_now_ns() - header.utc_ns);
     std::printf("%s %" PRIu64 ": ", scan_ ? "pass" : "frame", end.frame_id());
     if (scan_) print_scan(end);
     std::printf("rendered in %.1f ms, first wedge after %.1f ms, under way %.1f ms, %.2f MB",
-                1000 * end.render_s(), milliseconds(first_wedge_ns_), underway_ms,
+                1000 * end.render_s(), milliseconds_of(first_wedge_ns_), underway_ms,
                 static_cast<double>(bytes_) * 1e-6);
     if (frame().frames_skipped != 0) std::printf(", %" PRIu64 " skipped before it", frame().frames_skipped);
-    if (pose_age_ns_ != 0) std::printf(", pose %.1f ms old", milliseconds(pose_age_ns_));
+    if (pose_age_ns_ != 0) std::printf(", pose %.1f ms old", milliseconds_of(pose_age_ns_));
     if (end.summary().coverage() < kWhole) std::printf(", coverage %.4g %%", 100 * end.summary().coverage());
     std::printf("\n");
     std::fflush(stdout);

@@ -104,7 +104,7 @@ class Daemon {
   std::unique_ptr<http::HttpServer> http_;
   std::optional<Reloader> reloader_;  ///< the io thread's, once it heeds signals
   std::optional<net::SceneRenderer> renderer_;
-  std::optional<net::KeepingRenderer> keeping_;
+  std::optional<net::FrameCache> cache_;
   std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
   std::optional<net::Server> server_;
   net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
@@ -237,7 +237,7 @@ void Daemon::load() {
   for (RadarConfig& radar : config_.radars)
     find_pixels(first_scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
   renderer_.emplace(first_scene, config_.name);
-  keeping_.emplace(*renderer_);
+  cache_.emplace(*renderer_);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),
       [this](const SceneConfig& config, const std::stop_token& stop) {
@@ -247,7 +247,7 @@ void Daemon::load() {
       },
       [this](std::shared_ptr<const Scene> scene) {
         renderer_->replace(std::move(scene));
-        keeping_->forget();
+        cache_->forget();
       });
   for (const RadarConfig& radar : config_.radars) {
     check_radar(*renderer_, radar, renderer_->scene()->world().report);
@@ -268,7 +268,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
     return keeper_->ground_at({pose.longitude_deg, pose.latitude_deg}, r_max_m);
   };
   options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
-  server_.emplace(io_.context(), *keeping_, config_.radars, options, std::move(port));
+  server_.emplace(io_.context(), *cache_, config_.radars, options, std::move(port));
   const modbus::Service modbus(config_.modbus, std::move(modbus_port), server_->panel());
   io_.post([this] {
     serving_ = &*server_;

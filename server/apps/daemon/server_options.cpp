@@ -8,14 +8,12 @@ namespace obliq {
 net::ServerOptions server_options(const SceneConfig& config) {
   net::ServerOptions options;
   static_cast<ServerLimits&>(options) = config.server;
+  static_cast<StreamConfig&>(options) = config.stream;
   options.address = config.server.address;
   options.port = static_cast<std::uint16_t>(config.server.port);
   options.server_version = OBLIQ_VERSION;
   options.scene_name = config.name;
   options.dead_after_s = config.server.dead_after_s;
-  options.live_frames = config.stream.live_frames;
-  options.abort_after_s = config.stream.abort_after_s;
-  options.lossless_limit_s = config.stream.lossless_limit_s;
   options.render_threads = config.threads;
   return options;
 }

@@ -1,11 +1,12 @@
 // Frames from where there was one before go out again, and only those.
+#include "server/rendering/frame_cache.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 
 #include "proto/obliq.pb.h"
-#include "server/rendering/frame_cache.h"
 #include "server/rendering/scene_renderer.h"
 #include "terrain/base/stage_clock.h"
 #include "tests/support/small_settings.h"
@@ -34,7 +35,7 @@ struct CountingRenderer : net::SceneRenderer {
   mutable int plans = 0;
 };
 
-class KeepingRenderer : public testing::Test {
+class FrameCache : public testing::Test {
  protected:
   struct Result {
     std::map<int, Wedge> wedges;
@@ -45,7 +46,7 @@ class KeepingRenderer : public testing::Test {
   /// Plans a frame and renders azimuth bins of it; counts what scenes_ is asked for.
   Result frame(const SettingsPtr& settings, const PoseSettings& pose, bool states = true,
                AzimuthRange azimuths = kAll) {
-    const auto planned = keeping_.plan(settings, pose);
+    const auto planned = cache_.plan(settings, pose);
     Result result;
     EXPECT_TRUE(planned.frame) << all_text(planned.errors);
     if (!planned.frame) return result;
@@ -83,20 +84,20 @@ class KeepingRenderer : public testing::Test {
   }
 
   CountingRenderer scenes_{hills(), "hills"};
-  net::KeepingRenderer keeping_{scenes_};
+  net::FrameCache cache_{scenes_};
   bool rendered_ = false;  // by the last frame()
   PoseSettings pose_ = test::settings_over_origin(1500);
 };
 
-TEST_F(KeepingRenderer, TheThirdFrameFromOnePlaceIsTheSecondOne) {
+TEST_F(FrameCache, TheThirdFrameFromOnePlaceIsTheSecondOne) {
   for (const FrustumKind kind : {FrustumKind::sweep, FrustumKind::oblique}) {
     const SettingsPtr settings = test::small_settings(kind);
     const Result first = frame(settings, pose_);
     EXPECT_TRUE(rendered_);
-    const std::size_t before = keeping_.kept_bytes();
+    const std::size_t before = cache_.kept_bytes();
     frame(settings, pose_);
     EXPECT_TRUE(rendered_);
-    EXPECT_EQ(keeping_.kept_bytes() - before, 32u * 32u * (8 + 8 + 4 + 1));
+    EXPECT_EQ(cache_.kept_bytes() - before, 32u * 32u * (8 + 8 + 4 + 1));
     pose_.pose_id = 7;  // another number for the same place
     pose_.sim_time_ns = 5;
     for (int k = 0; k < 2; ++k) {
@@ -107,7 +108,7 @@ TEST_F(KeepingRenderer, TheThirdFrameFromOnePlaceIsTheSecondOne) {
   }
 }
 
-TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
+TEST_F(FrameCache, WhatHasChangedIsRenderedAnew) {
   SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const auto until_kept = [&] {
     for (int k = 0; k < 3; ++k) frame(settings, pose_);
@@ -117,20 +118,20 @@ TEST_F(KeepingRenderer, WhatHasChangedIsRenderedAnew) {
   pose_.bearing_deg = 1;
   const Result turned = frame(settings, pose_);
   EXPECT_TRUE(rendered_) << "another bearing";
-  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  EXPECT_EQ(cache_.kept_bytes(), 0u);
   until_kept();
   settings = test::small_settings(FrustumKind::sweep);
   frame(settings, pose_);
   EXPECT_TRUE(rendered_) << "another snapshot of settings";
-  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  EXPECT_EQ(cache_.kept_bytes(), 0u);
   until_kept();
   scenes_.replace(hills());
   expect_same(frame(settings, pose_), turned);
   EXPECT_TRUE(rendered_) << "another scene";
-  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  EXPECT_EQ(cache_.kept_bytes(), 0u);
 }
 
-TEST_F(KeepingRenderer, NothingKeepsASceneOrSettingsThatHaveGone) {
+TEST_F(FrameCache, NothingKeepsASceneOrSettingsThatHaveGone) {
   SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 3; ++k) frame(settings, pose_);
   const std::weak_ptr<const SettingsSnapshot> old_settings = settings;
@@ -139,17 +140,17 @@ TEST_F(KeepingRenderer, NothingKeepsASceneOrSettingsThatHaveGone) {
   for (int k = 0; k < 3; ++k) frame(settings, pose_);
   const std::weak_ptr<const Scene> old_scene = scenes_.scene();
   scenes_.replace(hills());
-  keeping_.forget();
+  cache_.forget();
   EXPECT_TRUE(old_scene.expired());
-  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  EXPECT_EQ(cache_.kept_bytes(), 0u);
 }
 
-TEST_F(KeepingRenderer, ARepeatedFrameIsNotPlannedAnewAndHasItsOwnNumber) {
+TEST_F(FrameCache, ARepeatedFrameIsNotPlannedAnewAndHasItsOwnNumber) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 2; ++k) frame(settings, pose_);
   pose_.pose_id = 7;
   pose_.sim_time_ns = 5;
-  const auto planned = keeping_.plan(settings, pose_);
+  const auto planned = cache_.plan(settings, pose_);
   wire::FrameDescriptor descriptor;
   planned.frame->describe("radar", descriptor);
   EXPECT_EQ(descriptor.pose().pose_id(), 7u);
@@ -160,7 +161,7 @@ TEST_F(KeepingRenderer, ARepeatedFrameIsNotPlannedAnewAndHasItsOwnNumber) {
   EXPECT_EQ(scenes_.plans, 2);
 }
 
-TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
+TEST_F(FrameCache, PartsAreKeptAsTheyWereAskedFor) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 3; ++k) frame(settings, pose_, false, {8, 8});
   EXPECT_FALSE(rendered_);
@@ -174,10 +175,10 @@ TEST_F(KeepingRenderer, PartsAreKeptAsTheyWereAskedFor) {
   EXPECT_FALSE(rendered_);
 }
 
-TEST_F(KeepingRenderer, APartThatIsRepeatedHasSeenNoBuildingsOfTheOthers) {
+TEST_F(FrameCache, APartThatIsRepeatedHasSeenNoBuildingsOfTheOthers) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const std::uint32_t alone = frame(settings, pose_, false, {16, 8}).seen;
-  const auto planned = keeping_.plan(settings, pose_);
+  const auto planned = cache_.plan(settings, pose_);
   EXPECT_TRUE(planned.frame->render({0, 8}, {}));
   EXPECT_TRUE(planned.frame->render({16, 8}, {}));
   wire::FrameSummary both;
@@ -186,10 +187,10 @@ TEST_F(KeepingRenderer, APartThatIsRepeatedHasSeenNoBuildingsOfTheOthers) {
   EXPECT_EQ(frame(settings, pose_, false, {16, 8}).seen, alone);
 }
 
-TEST_F(KeepingRenderer, AFrameThatPausesIsKeptWhole) {
+TEST_F(FrameCache, AFrameThatPausesIsKeptWhole) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const Result first = frame(settings, pose_);
-  const auto planned = keeping_.plan(settings, pose_);
+  const auto planned = cache_.plan(settings, pose_);
   RenderPause pause;
   pause.batches = 1;
   RenderOptions options;
@@ -205,7 +206,7 @@ TEST_F(KeepingRenderer, AFrameThatPausesIsKeptWhole) {
   EXPECT_FALSE(rendered_);
 }
 
-TEST_F(KeepingRenderer, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
+TEST_F(FrameCache, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   frame(settings, pose_);
   std::stop_source stop;
@@ -213,15 +214,15 @@ TEST_F(KeepingRenderer, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
   options.threads = 1;
   options.stop = stop.get_token();
   options.on_wedge = [&](Wedge&&) { stop.request_stop(); };
-  EXPECT_FALSE(keeping_.plan(settings, pose_).frame->render(kAll, options));
-  EXPECT_EQ(keeping_.kept_bytes(), 0u);
+  EXPECT_FALSE(cache_.plan(settings, pose_).frame->render(kAll, options));
+  EXPECT_EQ(cache_.kept_bytes(), 0u);
   frame(settings, pose_);
   EXPECT_TRUE(rendered_);
-  EXPECT_FALSE(keeping_.plan(settings, pose_).frame->render(kAll, options));
+  EXPECT_FALSE(cache_.plan(settings, pose_).frame->render(kAll, options));
 }
 
-TEST_F(KeepingRenderer, NoMoreIsKeptThanAllowed) {
-  const net::KeepingRenderer small(scenes_, 1000);
+TEST_F(FrameCache, NoMoreIsKeptThanAllowed) {
+  const net::FrameCache small(scenes_, 1000);
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 3; ++k) {
     EXPECT_TRUE(small.plan(settings, pose_).frame->render(kAll, {}));

@@ -1,7 +1,8 @@
 // The first frustum whose rays are traced, while others sweep.
+#include "server/rendering/scene_renderer.h"
+
 #include <gtest/gtest.h>
 
-#include "server/rendering/scene_renderer.h"
 #include "tests/support/small_settings.h"
 
 namespace obliq {

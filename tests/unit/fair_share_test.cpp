@@ -1,12 +1,12 @@
 // Who renders next, and what is shed: the decisions alone, over radars with given rates and costs, in a time
 // that is counted and not measured.
+#include "server/rendering/fair_share.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <numeric>
-
-#include "server/rendering/fair_share.h"
 
 namespace obliq::net {
 namespace {
@@ -41,7 +41,7 @@ struct Radar {
 /// radar that would go before it has a frame due.
 void run(std::vector<Radar>& radars, double run_s) {
   constexpr double kShortest_s = 0.005;
-  RenderTurns turns;
+  FairShare turns;
   const Time start{};
   for (std::size_t k = 0; k < radars.size(); ++k) {
     turns.add();
@@ -87,7 +87,7 @@ void run(std::vector<Radar>& radars, double run_s) {
   }
 }
 
-TEST(RenderTurns, WhoIsWithinTheCapacityGetsEveryFrameOfItsRate) {
+TEST(FairShare, WhoIsWithinTheCapacityGetsEveryFrameOfItsRate) {
   std::vector<Radar> radars{{10, 0.01}, {5, 0.04}, {1, 0.3}, {20, 0.005}};  // 0.7 of the time
   run(radars, 100);
   for (const Radar& radar : radars) {
@@ -96,7 +96,7 @@ TEST(RenderTurns, WhoIsWithinTheCapacityGetsEveryFrameOfItsRate) {
   }
 }
 
-TEST(RenderTurns, UnderOverloadEqualRadarsHaveEqualSharesAndEveryFrameIsRenderedOrCounted) {
+TEST(FairShare, UnderOverloadEqualRadarsHaveEqualSharesAndEveryFrameIsRenderedOrCounted) {
   std::vector<Radar> radars(16, Radar{10, 0.0125});  // twice the capacity
   run(radars, 100);
   for (const Radar& radar : radars) {
@@ -108,8 +108,8 @@ TEST(RenderTurns, UnderOverloadEqualRadarsHaveEqualSharesAndEveryFrameIsRendered
   }
 }
 
-TEST(RenderTurns, AFrameThatTakesLittleLongerThanTheLastOneIsNotInterruptedForItsEqualJustBeforeItsEnd) {
-  RenderTurns turns;
+TEST(FairShare, AFrameThatTakesLittleLongerThanTheLastOneIsNotInterruptedForItsEqualJustBeforeItsEnd) {
+  FairShare turns;
   const std::size_t one = turns.add(), other = turns.add();
   for (const std::size_t party : {one, other}) {
     turns.set_wanting(party, true);
@@ -123,20 +123,20 @@ TEST(RenderTurns, AFrameThatTakesLittleLongerThanTheLastOneIsNotInterruptedForIt
   EXPECT_EQ(turns.first(), other) << "twice as long: it may take any time";
 }
 
-TEST(RenderTurns, NewcomersOfEqualCostAreServedOneAfterTheOtherWhenAllHaveHadATrial) {
+TEST(FairShare, NewcomersOfEqualCostAreServedOneAfterTheOtherWhenAllHaveHadATrial) {
   std::vector<Radar> radars(16, Radar{0.01, 0.3});
   run(radars, 16 * 0.05 + 6 * 0.25);
   for (std::size_t k = 0; k < radars.size(); ++k) EXPECT_EQ(radars[k].done, k < 6 ? 1u : 0u) << k;
 }
 
-TEST(RenderTurns, QuickNewcomersDoNotWaitForASlowOneThatNobodyKnows) {
+TEST(FairShare, QuickNewcomersDoNotWaitForASlowOneThatNobodyKnows) {
   std::vector<Radar> radars(16, Radar{0.01, 0.03});
   radars[0].cost_s = 0.5;
   run(radars, 0.05 + 15 * 0.03);
   for (std::size_t k = 1; k < radars.size(); ++k) EXPECT_EQ(radars[k].done, 1u) << k;
 }
 
-TEST(RenderTurns, OneSlowRadarTakesNothingFromThoseWithinTheirShares) {
+TEST(FairShare, OneSlowRadarTakesNothingFromThoseWithinTheirShares) {
   // 16 radars, one of them 20 times as slow: it alone would need 1.25 of the time, the others half of it.
   std::vector<Radar> radars(16, Radar{5, 0.0125 / 1.9});
   radars[7].cost_s *= 20;
@@ -156,7 +156,7 @@ TEST(RenderTurns, OneSlowRadarTakesNothingFromThoseWithinTheirShares) {
   EXPECT_GT(radars[7].interrupted, 0);
 }
 
-TEST(RenderTurns, UnderOverloadASlowRadarHasItsShareOfTimeAndNoMore) {
+TEST(FairShare, UnderOverloadASlowRadarHasItsShareOfTimeAndNoMore) {
   std::vector<Radar> radars(16, Radar{10, 0.0125});
   radars[0].cost_s *= 20;
   run(radars, 200);
@@ -164,7 +164,7 @@ TEST(RenderTurns, UnderOverloadASlowRadarHasItsShareOfTimeAndNoMore) {
   EXPECT_NEAR(static_cast<double>(radars[1].done) / static_cast<double>(radars[0].done), 20, 1.5);
 }
 
-TEST(RenderTurns, WhoAsksForMoreFramesThanItCanHaveTakesNothingFromOthers) {
+TEST(FairShare, WhoAsksForMoreFramesThanItCanHaveTakesNothingFromOthers) {
   std::vector<Radar> radars(4, Radar{5, 0.04});  // 0.2 of the time each
   radars[2].rate_hz = 10000;
   run(radars, 100);
@@ -172,8 +172,8 @@ TEST(RenderTurns, WhoAsksForMoreFramesThanItCanHaveTakesNothingFromOthers) {
   EXPECT_NEAR(radars[2].share(100), 0.4, 0.01);
 }
 
-TEST(RenderTurns, RestingGivesNoClaimOnTheTimeThatOthersHadMeanwhile) {
-  RenderTurns turns;
+TEST(FairShare, RestingGivesNoClaimOnTheTimeThatOthersHadMeanwhile) {
+  FairShare turns;
   const std::size_t busy = turns.add(), rested = turns.add();
   turns.set_wanting(busy, true);
   for (int n = 0; n < 1000; ++n) {
@@ -194,7 +194,7 @@ TEST(RenderTurns, RestingGivesNoClaimOnTheTimeThatOthersHadMeanwhile) {
   EXPECT_NEAR(turns_of_rested, 50, 1);
 }
 
-TEST(RenderTurns, ALongFrameGivesWayInItsMiddleAndEndsAllTheSame) {
+TEST(FairShare, ALongFrameGivesWayInItsMiddleAndEndsAllTheSame) {
   std::vector<Radar> radars{{50, 0.002}, {1, 0.5}};
   run(radars, 20);
   EXPECT_GT(radars[1].interrupted, 5);

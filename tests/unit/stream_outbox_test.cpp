@@ -53,7 +53,7 @@ wire::FrameAbort pop_abort(Outbox& outbox) {
 
 TEST(Outbox, HandsOutAFrameInOrder) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.queued_bytes(), 400u);
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{11, 12, 13, 14}));
@@ -62,7 +62,7 @@ TEST(Outbox, HandsOutAFrameInOrder) {
 
 TEST(Outbox, BetweenFramesTheNewestWins) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   for (std::uint64_t frame = 1; frame <= 50; ++frame) push_frame(outbox, frame);
   EXPECT_EQ(outbox.queued_bytes(), 800u) << "two frames are held, however many came";
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{491, 492, 493, 494, 501, 502, 503, 504}));
@@ -71,7 +71,7 @@ TEST(Outbox, BetweenFramesTheNewestWins) {
 
 TEST(Outbox, ABegunFrameIsCompletedBeforeANewerOne) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   push_frame(outbox, 2);
@@ -81,7 +81,7 @@ TEST(Outbox, ABegunFrameIsCompletedBeforeANewerOne) {
 
 TEST(Outbox, WaitsForTheRestOfABegunFrame) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -91,7 +91,7 @@ TEST(Outbox, WaitsForTheRestOfABegunFrame) {
 
 TEST(Outbox, ABegunFrameBeyondTheByteLimitIsAborted) {
   Outbox outbox(2, 250);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   outbox.push(block(MessageType::wedge_block, 1, 12));
@@ -106,7 +106,7 @@ TEST(Outbox, ABegunFrameBeyondTheByteLimitIsAborted) {
 
 TEST(Outbox, PlanesThatWereNotAskedForAreLeftOut) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {.planes = wire::plane_bit(Plane::power)});
+  outbox.open_live_queue(kStream, {.planes = wire::plane_bit(Plane::power)});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   outbox.push(block(MessageType::wedge_block, 1, 12, wire::plane_bit(Plane::iq)));
   outbox.push(block(MessageType::wedge_block, 1, 13, wire::plane_bit(Plane::power)));
@@ -116,19 +116,19 @@ TEST(Outbox, PlanesThatWereNotAskedForAreLeftOut) {
 
 TEST(Outbox, AFrameWithoutAPlaneAskedForIsNotBegun) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11, wire::plane_bit(Plane::iq)));
   outbox.push(block(MessageType::wedge_block, 1, 12, wire::plane_bit(Plane::iq)));
   EXPECT_EQ(outbox.pop(), nullptr);
 }
 
-TEST(Outbox, ClosingALaneAbortsTheBegunFrameAndForgetsTheRest) {
+TEST(Outbox, ClosingAQueueAbortsTheBegunFrameAndForgetsTheRest) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   push_frame(outbox, 2);
-  outbox.close_lane(kStream, "because");
+  outbox.close_queue(kStream, "because");
   const wire::FrameAbort abort = pop_abort(outbox);
   EXPECT_EQ(abort.frame_id(), 1u);
   EXPECT_EQ(abort.reason(), "because");
@@ -140,7 +140,7 @@ TEST(Outbox, ClosingALaneAbortsTheBegunFrameAndForgetsTheRest) {
 
 TEST(Outbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   outbox.push(block(MessageType::frame_abort, 1, 12));
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -148,37 +148,37 @@ TEST(Outbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
 
 TEST(Outbox, ControlMessagesOvertakeFramesAndStreamsTakeTurns) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(1, {});
-  outbox.open_live_lane(2, {});
+  outbox.open_live_queue(1, {});
+  outbox.open_live_queue(2, {});
   push_frame(outbox, 1, 1);
   push_frame(outbox, 2, 2);
   outbox.push_control({});
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{0, 11, 21, 12, 22, 13, 23, 14, 24}));
 }
 
-TEST(Outbox, ARenderOnceLaneKeepsEverythingCountsItsBytesAndVanishes) {
+TEST(Outbox, ARenderOnceQueueKeepsEverythingCountsItsBytesAndVanishes) {
   Outbox outbox(1, 100);
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);  // as its producer has counted
-  outbox.open_once_lane(kStream, 77, {}, counter);
+  outbox.open_once_queue(kStream, 77, {}, counter);
   push_frame(outbox, 0);
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{1, 2, 3, 4}));
   EXPECT_EQ(counter->load(), 0u);
-  EXPECT_FALSE(outbox.has_lane(kStream));
+  EXPECT_FALSE(outbox.has_queue(kStream));
 }
 
 TEST(Outbox, GivesItsBytesBackWhenItGoes) {
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);
   {
     Outbox outbox(1, 100);
-    outbox.open_once_lane(kStream, 77, {}, counter);
+    outbox.open_once_queue(kStream, 77, {}, counter);
     push_frame(outbox, 0);
   }
   EXPECT_EQ(counter->load(), 0u);
 }
 
-TEST(Outbox, ALosslessLaneKeepsEveryFrameWhateverItsBytes) {
+TEST(Outbox, ALosslessQueueKeepsEveryFrameWhateverItsBytes) {
   Outbox outbox(2, 100);
-  outbox.open_live_lane(kStream, {}, LanePolicy::lossless);
+  outbox.open_live_queue(kStream, {}, QueuePolicy::lossless);
   for (std::uint64_t frame = 1; frame <= 5; ++frame) push_frame(outbox, frame);
   EXPECT_EQ(drain(outbox).size(), 20u);
   EXPECT_EQ(outbox.frames_dropped(), 0u);
@@ -212,7 +212,7 @@ BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) 
 
 TEST(Outbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   outbox.push(encoded_begin(1, 0));
   EXPECT_EQ(pop_begin(outbox).frames_skipped(), 0u);
   for (std::uint64_t frame = 2; frame <= 6; ++frame) outbox.push(encoded_begin(frame, frame == 6 ? 10 : 0));
@@ -229,7 +229,7 @@ TEST(Outbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
 
 TEST(Outbox, AFrameGivenUpIsAbortedIfBegunAndSkippedIfNot) {
   Outbox outbox(3, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   outbox.push(encoded_begin(1, 0));
   EXPECT_EQ(pop_begin(outbox).frame_id(), 1u);
   outbox.push(encoded_begin(2, 0));
@@ -247,7 +247,7 @@ TEST(Outbox, AFrameIsAliveUntilItsLastBlockIsTaken) {
   int freed = 0;
   const auto frames = std::make_shared<LiveFrames>([&] { ++freed; });
   Outbox outbox(2, kPlenty);
-  outbox.open_live_lane(kStream, {});
+  outbox.open_live_queue(kStream, {});
   {
     const LiveFramePtr frame = frames->open(1, {});
     outbox.push(block(MessageType::frame_begin, 1, 11), frame);
@@ -267,7 +267,7 @@ TEST(Outbox, TakesOnlyBlocksOfItsOwnEncodingAndWindow) {
   StreamChoice choice;
   choice.format.iq = wire::IqEncoding::ci16_le;
   choice.format.window.range = {4, 8, 2};
-  outbox.open_live_lane(kStream, choice);
+  outbox.open_live_queue(kStream, choice);
   const auto push = [&](MessageType type, Plane plane, const BlockFormat& format, std::uint64_t sequence) {
     auto made = std::make_shared<Block>();
     made->type = type;

@@ -1,8 +1,8 @@
+#include "server/rendering/scan_schedule.h"
+
 #include <gtest/gtest.h>
 
 #include <vector>
-
-#include "server/rendering/scan_schedule.h"
 
 namespace obliq::test {
 namespace {

@@ -1,0 +1,37 @@
+#include "server/rendering/job.h"
+
+#include <utility>
+
+#include "terrain/base/failure_text.h"
+
+namespace obliq::net {
+
+bool RenderContext::gives_way() const {
+  const bool changed = changes != changes_seen;
+  if (!changed && turn_ends == Job::Time::max()) return false;
+  const auto time = now();
+  return time >= turn_ends || (changed && time >= turn_began + kShortestTurn);
+}
+
+RenderOptions RenderContext::render_options(bool states, std::stop_token stop, RenderPause* pause) const {
+  RenderOptions render;
+  render.threads = options.threads;
+  render.states = states;
+  render.before_wedge = options.before_wedge;
+  render.stop = std::move(stop);
+  render.pause = pause;
+  if (pause != nullptr) pause->is_due = [this] { return gives_way(); };
+  return render;
+}
+
+double in_seconds(Job::Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+std::int64_t in_nanoseconds(Job::Time time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
+std::vector<FieldError> memory_failure(const std::exception& failure) {
+  return {{"frame", failure_text(failure), "a frame that can be rendered with the memory there is"}};
+}
+
+}  // namespace obliq::net

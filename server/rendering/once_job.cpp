@@ -1,0 +1,170 @@
+#include "server/rendering/once_job.h"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/stream/frame_encoder.h"
+#include "terrain/base/failure_text.h"
+
+namespace obliq::net {
+namespace {
+
+/// The part of the frame that was asked for; checked when the request was made.
+wire::Window window_of(const OnceRequest& request) {
+  const RadarSettings& settings = request.view.settings->settings;
+  return wire::cut_window(request.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
+                          static_cast<std::uint32_t>(settings.range_bins))
+      .value_or(wire::Window{});
+}
+
+}  // namespace
+
+struct OnceJob::Frame {
+  explicit Frame(OnceRequestPtr of) : request(std::move(of)) {}
+
+  /// Counts the block as waiting before anyone can take it.
+  void send(RenderEvents& events, const BlockPtr& block) const {
+    *request->queued += block->bytes.size();
+    events.on_once_block(request, block);
+  }
+
+  const OnceRequestPtr request;
+  std::unique_ptr<PlannedFrame> plan;  ///< null: it has not begun
+  std::optional<FrameEncoder> encoder;
+  std::uint64_t sequence = 0;
+  std::optional<FrameSum> stats;
+  int next_azimuth = 0;  ///< of the slice in hand
+  int end_azimuth = 0;   ///< of the window
+  RenderPause pause;     ///< within the slice
+  double render_s = 0;
+};
+
+OnceJob::OnceJob(const RenderContext& context) : context_(context) {}
+
+OnceJob::~OnceJob() = default;
+
+void OnceJob::enqueue(OnceRequestPtr request) {
+  auto frame = std::make_shared<Frame>(std::move(request));
+  const std::lock_guard lock(mutex_);
+  queue_.push_back(std::move(frame));
+}
+
+void OnceJob::stop() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& frame : queue_) frame->request->stop.request_stop();
+}
+
+bool OnceJob::is_empty() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.empty();
+}
+
+bool OnceJob::has_room(const Frame& frame) const {
+  return frame.request->queued->load() < context_.options.slice_bytes;
+}
+
+Job::Time OnceJob::date(Time now) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(queue_, [this](const auto& frame) {
+    return frame->request->stop.stop_requested() || (context_.finishing && !frame->plan);
+  });
+  const bool ready = std::ranges::any_of(queue_, [this](const auto& frame) { return has_room(*frame); });
+  return ready ? now : Time::max();
+}
+
+std::shared_ptr<OnceJob::Frame> OnceJob::next_with_room() {
+  const std::lock_guard lock(mutex_);
+  for (std::size_t looks = 0; looks < queue_.size(); ++looks) {
+    const auto& frame = queue_[turn_++ % queue_.size()];
+    if (has_room(*frame)) return frame;
+  }
+  return nullptr;
+}
+
+bool OnceJob::work() {
+  const std::shared_ptr<Frame> frame = next_with_room();
+  if (!frame || work_on(*frame)) return true;
+  const std::lock_guard lock(mutex_);
+  std::erase(queue_, frame);
+  return true;
+}
+
+bool OnceJob::work_on(Frame& frame) const {
+  try {
+    if (!frame.plan && !begin(frame)) return false;
+    return !frame.plan || render_slice(frame);
+  } catch (const std::exception& e) {
+    if (frame.encoder) {
+      frame.send(context_.events, frame.encoder->abort(failure_text(e)));
+    } else {
+      context_.events.on_once_fault(frame.request, memory_failure(e));
+    }
+    return false;
+  }
+}
+
+bool OnceJob::begin(Frame& frame) const {
+  const OnceRequest& request = *frame.request;
+  auto plan = context_.renderer.plan(request.view.settings, request.view.pose);
+  if (!plan.frame && plan.errors.empty()) return true;  // nothing yet
+  if (!plan.frame) {
+    context_.events.on_once_fault(frame.request, plan.errors);
+    return false;
+  }
+  frame.plan = std::move(plan.frame);
+  wire::FrameDescriptor descriptor;
+  frame.plan->describe(request.radar, descriptor);
+  FrameIdentity identity;
+  identity.stream_id = request.stream_id;
+  identity.request_id = request.request_id;
+  identity.choices = {request.choice};
+  identity.pose_received_ns = request.view.pose_received_ns;
+  frame.stats.emplace(request.view.settings->settings);
+  frame.encoder.emplace(identity, frame.sequence);
+  for (const BlockPtr& block : frame.encoder->begin(descriptor)) frame.send(context_.events, block);
+  const auto window = window_of(request);
+  frame.next_azimuth = static_cast<int>(window.azimuth.first) / kWedgeAzimuthBins * kWedgeAzimuthBins;
+  frame.end_azimuth = static_cast<int>(window.azimuth.end());
+  return true;
+}
+
+bool OnceJob::render_slice(Frame& frame) const {
+  const OnceRequest& request = *frame.request;
+  const std::size_t wedge_bytes = std::size_t{wire::bytes_per_bin(wire::kAllPlanes)} * kWedgeAzimuthBins *
+                                  static_cast<std::size_t>(request.view.settings->settings.range_bins);
+  const int wedges =
+      static_cast<int>(std::clamp<std::size_t>(context_.options.slice_bytes / wedge_bytes, 1, 1u << 16));
+  const int count = std::min(wedges * kWedgeAzimuthBins, frame.end_azimuth - frame.next_azimuth);
+  frame.pause.batches =
+      context_.scanning ? context_.options.slice_batches_while_scanning : context_.options.slice_batches;
+
+  RenderOptions options =
+      context_.render_options((request.choice.planes & wire::plane_bit(wire::Plane::state)) != 0,
+                              request.stop.get_token(), &frame.pause);
+  options.on_wedge = [&](Wedge&& wedge) {
+    frame.stats->add(wedge);
+    for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins)) {
+      frame.send(context_.events, block);
+    }
+  };
+  const Time start = context_.now();
+  if (!frame.plan->render({frame.next_azimuth, count}, options)) {
+    frame.send(context_.events, frame.encoder->abort("the server has stopped rendering this frame"));
+    return false;
+  }
+  frame.render_s += in_seconds(context_.now() - start);
+  if (frame.pause.begun) return true;
+  frame.next_azimuth += count;
+  if (frame.next_azimuth < frame.end_azimuth) return true;
+  wire::FrameSummary summary;
+  frame.plan->summarise(frame.stats->total(), summary);
+  // Counted before anyone has it.
+  context_.events.on_once_rendered({frame.render_s, summary.rays(), summary.hits()});
+  frame.send(context_.events, frame.encoder->end(summary, frame.render_s));
+  return false;
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,53 @@
+#pragma once
+// What the render thread is asked to render once, and what it tells of its work.
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/rendering/live_view.h"
+#include "server/rendering/rendered.h"
+#include "server/stream/block.h"
+#include "server/stream/frame_queue.h"
+#include "server/stream/live_frames.h"
+#include "server/stream/stream_choice.h"
+#include "terrain/base/errors.h"
+
+namespace obliq::net {
+
+/// One RenderOnce request.
+struct OnceRequest {
+  std::uint64_t client_id = 0;
+  std::uint64_t request_id = 0;
+  std::uint32_t stream_id = 0;
+  std::string radar;  ///< echoed
+  LiveView view;
+  StreamChoice choice;
+  FrameCost cost;
+  std::stop_source stop;                                               ///< requested when its client has gone
+  ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
+};
+using OnceRequestPtr = std::shared_ptr<OnceRequest>;
+
+/// Called on the render thread or on the rendering's own threads, one call at a time.
+class RenderEvents {
+ public:
+  virtual ~RenderEvents() = default;
+  virtual void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) = 0;
+  virtual void on_live_rendered(std::size_t radar, const RenderedFrame& frame) = 0;
+  /// A frame is due, but the radar has as many live frames as it may. Repeated until one has gone.
+  virtual void on_live_held_up(std::size_t radar, double since_s) = 0;
+  /// The radar cannot be rendered as it is; it is tried again when its view changes.
+  virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
+                             const std::vector<FieldError>& errors) = 0;
+  virtual void on_once_block(const OnceRequestPtr& request, const BlockPtr& block) = 0;
+  virtual void on_once_rendered(const RenderedOnce& frame) = 0;
+  /// Instead of a frame.
+  virtual void on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) = 0;
+  /// After finish(): nothing more comes.
+  virtual void on_finished() = 0;
+};
+
+}  // namespace obliq::net

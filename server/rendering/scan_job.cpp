@@ -1,0 +1,215 @@
+#include "server/rendering/scan_job.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
+#include "server/rendering/scan_schedule.h"
+
+namespace obliq::net {
+namespace {
+
+void add_span(std::vector<AzimuthRange>& spans, const AzimuthRange& more) {
+  if (!spans.empty() && spans.back().first + spans.back().count == more.first) {
+    spans.back().count += more.count;
+  } else if (!spans.empty() && more.first + more.count == spans.back().first) {
+    spans.back() = {more.first, more.count + spans.back().count};
+  } else {
+    spans.push_back(more);
+  }
+}
+
+int wedges_of(const AzimuthRange& azimuths) {
+  return (azimuths.count + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins;
+}
+
+}  // namespace
+
+struct ScanJob::Pass : BegunFrame {
+  using BegunFrame::BegunFrame;
+
+  std::vector<bool> wanted;  ///< [wedges] that somebody asked for
+  PoseSettings planned_pose;
+  std::vector<AzimuthRange> missed;
+};
+
+struct ScanJob::Scan {
+  Scan(SettingsPtr of, Time begin) : settings(std::move(of)), schedule(settings->settings, begin) {}
+
+  SettingsPtr settings;
+  ScanSchedule schedule;
+  Dwell next;  ///< in order
+  std::unique_ptr<Pass> pass;
+};
+
+ScanJob::ScanJob(const RenderContext& context, LiveStream& stream) : context_(context), stream_(stream) {}
+
+ScanJob::~ScanJob() = default;
+
+Job::Time ScanJob::date(Time now) {
+  if (const auto rest = stream_.rests_until(now)) return *rest;
+  stream_.put_off(now);
+  if (scan_ && scan_->settings == stream_.view()->settings) {
+    const auto due = scan_->schedule.middle(scan_->next);
+    if (due > now) return due;
+    if (scan_->pass) return now;
+  }
+  return stream_.free_at(now);
+}
+
+void ScanJob::end(const std::string& reason) {
+  if (scan_ && scan_->pass) scan_->pass->send_abort(reason);
+  scan_ = nullptr;
+}
+
+bool ScanJob::work() {
+  const Time now = context_.now();
+  const auto start = stream_.begin_dwell();
+  if (!start) return true;
+  const std::uint64_t generation = context_.renderer.generation();
+  const SettingsPtr settings = start->view->settings;
+  if (scan_ && scan_->settings != settings) end("the radar's settings changed");
+  if (!scan_) scan_ = std::make_unique<Scan>(settings, now);
+  auto view = std::make_shared<const LiveView>(start->view->at(in_nanoseconds(now)));
+  std::vector<FieldError> errors;
+  try {
+    leave_out(scan_->schedule.next(scan_->next, now));
+    const Time middle = scan_->schedule.middle(scan_->next);
+    if (middle <= now) {
+      view = std::make_shared<const LiveView>(start->view->at(in_nanoseconds(middle)));
+      errors = scan_->pass ? plan_dwell(*view) : begin_pass(*view, start->demands);
+      if (errors.empty()) render_dwell(*view, start->stop);
+    }
+  } catch (const std::exception& e) {  // no memory, above all
+    errors = memory_failure(e);
+  }
+  if (!errors.empty()) {
+    end(errors.front().text());
+    context_.events.on_live_fault(stream_.radar(), view, errors);
+  }
+  stream_.set_faulty(errors.empty() ? nullptr : view, generation);
+  return true;
+}
+
+void ScanJob::render_dwell(const LiveView& view, const std::stop_token& stop) {
+  // Without a pass nobody wants any bin of it.
+  if (!scan_->pass || render_azimuths(view, stop)) {
+    advance();
+  } else {
+    end("the server has stopped rendering this pass");
+  }
+}
+
+void ScanJob::advance() {
+  scan_->next = scan_->schedule.after(scan_->next);
+  if (scan_->next.number == 0 && scan_->pass) end_pass();
+}
+
+void ScanJob::leave_out(const Dwell& dwell) {
+  while (scan_->pass && scan_->next < dwell) {
+    miss(scan_->next);
+    advance();
+  }
+  if (!(scan_->next < dwell)) return;
+  stream_.skip(dwell.pass - scan_->next.pass);
+  scan_->next = dwell;
+}
+
+void ScanJob::miss(const Dwell& dwell) {
+  const AzimuthRange azimuths = scan_->schedule.azimuths(dwell);
+  Pass& pass = *scan_->pass;
+  const auto first = pass.wanted.begin() + azimuths.first / kWedgeAzimuthBins;
+  if (std::find(first, first + wedges_of(azimuths), true) == first + wedges_of(azimuths)) return;
+  add_span(pass.missed, azimuths);
+  ++pass.rendered.dwells_missed;
+}
+
+std::vector<FieldError> ScanJob::begin_pass(const LiveView& view, const std::vector<Demand>& demands) {
+  const RadarSettings& settings = scan_->settings->settings;
+  const Order order = order_of(demands, settings);
+  if (order.takers.empty()) return {};
+  auto plan = context_.renderer.plan(scan_->settings, view.pose);
+  if (!plan.frame) return plan.errors;
+
+  scan_->pass = std::make_unique<Pass>(stream_, stream_.next_frame_id(), std::move(plan.frame), settings,
+                                       order, view, 0);
+  Pass& pass = *scan_->pass;
+  pass.wanted.assign(static_cast<std::size_t>(wedge_count(settings.azimuth_bins)), false);
+  for (const AzimuthRange& part : order.azimuths)
+    std::fill_n(pass.wanted.begin() + part.first / kWedgeAzimuthBins, wedges_of(part), true);
+  pass.planned_pose = view.pose;
+
+  wire::ScanPass about;
+  about.set_mode(settings.scan_mode == ScanMode::circular ? wire::CIRCULAR_SCAN : wire::SECTOR_SCAN);
+  about.set_clockwise(scan_->schedule.is_clockwise(scan_->next.pass));
+  about.set_rate_deg_s(settings.scan_rate_deg_s);
+  about.set_dwell_bins(static_cast<std::uint32_t>(settings.scan_dwell_bins));
+  about.set_begin_ns(in_nanoseconds(scan_->schedule.pass_begin(scan_->next.pass)));
+  pass.encoder.set_scan(about);
+  pass.send_begin(view);
+  for (Dwell before{scan_->next.pass, 0}; before < scan_->next; ++before.number) miss(before);
+  return {};
+}
+
+std::vector<FieldError> ScanJob::plan_dwell(const LiveView& view) {
+  Pass& pass = *scan_->pass;
+  if (same_antenna(view.pose, pass.planned_pose)) return {};
+  auto plan = context_.renderer.plan_again(*pass.plan, scan_->settings, view.pose);
+  if (!plan.frame) return plan.errors;
+  pass.plan = std::move(plan.frame);
+  pass.planned_pose = view.pose;
+  return {};
+}
+
+bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop) {
+  Pass& pass = *scan_->pass;
+  const auto start = Clock::now();
+  wire::Pose pose;
+  write_message(view.pose, pose);
+  pass.encoder.set_dwell(pose, view.pose_received_ns, view.pose_stale,
+                         in_nanoseconds(scan_->schedule.middle(scan_->next)));
+  // Wedges of one dwell are finished in any order; a display is given them in the beam's.
+  std::vector<Wedge> wedges;
+  RenderOptions options = context_.render_options(pass.states, stop, nullptr);
+  options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
+  if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;
+  const bool clockwise = scan_->schedule.is_clockwise(scan_->next.pass);
+  std::ranges::sort(wedges, [&](const Wedge& a, const Wedge& b) {
+    return clockwise ? a.index < b.index : a.index > b.index;
+  });
+  for (const Wedge& wedge : wedges) {
+    pass.stats.add(wedge);
+    pass.send(pass.encoder.wedge(wedge.index, wedge.bins));
+  }
+  const double render_s = in_seconds(Clock::now() - start);
+  if (pass.rendered.first_wedge_s == 0) pass.rendered.first_wedge_s = render_s;
+  pass.rendered.render_s += render_s;
+  return true;
+}
+
+bool ScanJob::render_wanted(const AzimuthRange& azimuths, const RenderOptions& options) const {
+  const Pass& pass = *scan_->pass;
+  const int end = azimuths.first / kWedgeAzimuthBins + wedges_of(azimuths);
+  const auto is_wanted = [&](int wedge) { return pass.wanted[static_cast<std::size_t>(wedge)]; };
+  for (int from = azimuths.first / kWedgeAzimuthBins; from < end; ++from) {
+    if (!is_wanted(from)) continue;
+    int to = from;
+    while (to < end && is_wanted(to)) ++to;
+    const int begin_bin = from * kWedgeAzimuthBins;
+    const int end_bin = std::min(to * kWedgeAzimuthBins, azimuths.first + azimuths.count);
+    if (!pass.plan->render({begin_bin, end_bin - begin_bin}, options)) return false;
+    from = to;
+  }
+  return true;
+}
+
+void ScanJob::end_pass() {
+  Pass& pass = *scan_->pass;
+  pass.send_end(pass.missed);
+  context_.events.on_live_rendered(stream_.radar(), pass.rendered);
+  scan_->pass = nullptr;
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,1 @@
+// Nothing: the precompiled header of the tests is made for this file.
