@@ -33,8 +33,8 @@ ALLOWED = {
     "client": ["proto"],
     "server/security": BASE,
     "server/scene": ["terrain"],
-    "server/radar/simd": BASE + ["terrain/height_grid", "server/scene/tracer_isa", "server/scene/ground_triangle", R + "samples",
-        "server/scene/tolerances"],
+    "server/radar/simd": BASE + ["terrain/height_grid", R + "samples"] + ["server/scene/" + f for f in
+        ("tracer_isa", "ground_triangle", "tolerances")],
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
     "server/radar/settings": TO_PROFILE,

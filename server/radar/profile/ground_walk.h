@@ -28,8 +28,8 @@ struct GroundSegment {
 
 /// One half of a vertical profile: ground distances from `from_m` (0 = straight below the antenna) to `to_m`
 /// along (sin, cos), none that begins beyond `last_start_m`, cell by cell through the grid's lines and
-/// diagonals. Exact up to double rounding: every crossing is worked out from the antenna, nothing
-/// accumulates. May be left and taken up at any distance.
+/// diagonals. Ends at end_m(), the nearer of to_m and the grid's border. Exact up to double rounding: every
+/// crossing is worked out from the antenna, nothing accumulates. May be left and taken up at any distance.
 class GroundWalk {
  public:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -18,8 +18,8 @@ struct SurfaceSegment {
   double far_d_m = 0, far_h_m = 0;
   double near_slope = 0;  ///< tangents of the ends' elevations; -inf at the nadir
   double far_slope = 0;
-  double normal_along = 0;  ///< components of the surface's normal: outwards in the plane,
-  double normal_up = 1;     ///< and up; the third one is never needed, directions lie in the plane
+  double normal_along = 0;  ///< components of the surface's normal: outwards in the profile,
+  double normal_up = 1;     ///< and up; the third one is never needed, directions lie in the profile
   double normal_length2 = 1;
   std::uint32_t face = kNoFace;
   std::uint8_t material = 0;
@@ -101,7 +101,7 @@ struct SightPoint {
 constexpr int kLook_cells = 16;
 
 /// Appends the visible segments beyond `from`, outwards, with slopes from from.slope to `to_slope`. Stops at
-/// distance `to_d_m`, where another ray's hit is known. Returns the slope up to which the plane is answered:
+/// distance `to_d_m`, where another ray's hit is known. Returns the slope up to which visibility is known:
 /// to_slope, or the slope of the crest behind which the walk saw nothing more.
 double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
                 std::vector<SurfaceSegment>& visible);

@@ -1,4 +1,4 @@
-// SegmentSampler for eight segments of ground at a time, to the bit.
+// SegmentSampler for eight segments of ground at a time.
 #include "server/radar/simd/cut_at_bins.h"
 
 #include "server/radar/simd/range_run.h"

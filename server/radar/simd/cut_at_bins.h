@@ -20,7 +20,7 @@ struct SegmentCut {
   const std::uint8_t* material;               ///< [nz - 1][nx - 1] of the cells; null: all are 0
 };
 
-/// Cuts rows of segments from number `first` on into samples as SegmentSampler does, to the bit. Returns the
+/// Cuts rows of segments from number `first` on into samples as SegmentSampler does. Returns the
 /// first one that is not done: all are, or there is no room, or a segment of the next row is rare (its range
 /// turns, it is seen under a wide angle, or it has very many bins) and `rare` is set.
 OBLIQ_KERNEL(int, cut_at_range_bins, const SegmentCut&, const VisibleSegments&, int first, SampleBatch&,

@@ -86,9 +86,9 @@ void first_hits_on_ground(const GroundView& scene, const FreeRays& rays) {
     visit_triangles(p, cells, y, active & y.known, end, triangle);
     move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
     cells_left -= 1.0;
-    const mask8 tired = open & (cells_left <= 0.0);
-    range = select(tired, broadcast(FreeRays::kOutOfSteps), range);
-    const unsigned left = movemask(open & ~tired);
+    const mask8 out_of_steps = open & (cells_left <= 0.0);
+    range = select(out_of_steps, broadcast(FreeRays::kOutOfSteps), range);
+    const unsigned left = movemask(open & ~out_of_steps);
     for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
       const int lane = __builtin_ctz(mask);
       rays.range_m[walkers.ray[lane]] = range[lane];

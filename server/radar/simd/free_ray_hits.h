@@ -18,7 +18,7 @@ struct FreeRays {
   const double* dir_x;
   const double* dir_y;
   const double* dir_z;
-  double* from_m;   ///< of a tired ray: how far it has come
+  double* from_m;   ///< of a ray that is out of steps: how far it has come
   double* range_m;  ///< slant range of what the ray meets first from above; NaN: nothing; or kOutOfSteps
 };
 

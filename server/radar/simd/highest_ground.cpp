@@ -1,4 +1,4 @@
-// The ground's profile at eight crossings of a profile with the mesh's edges at a time. The edges are three
+// The ground's height at eight crossings of a profile with the mesh's edges at a time. The edges are three
 // families of parallel lines: x, z and x + z whole, in cells.
 #include "server/radar/simd/highest_ground.h"
 

@@ -1,7 +1,7 @@
 // First hits on bare ground of rays that lie in eight vertical profiles. The profiles walk side by side and
 // note the triangles that rise above all that is nearer, with the slope up to which each does. The rays of a
 // profile come in rising order, and so do these slopes: a ray meets the first triangle that rises above it.
-// Neither step branches by where rays fall, which no processor foresees.
+// Neither loop has data-dependent branches.
 #include "server/radar/simd/profile_ray_hits.h"
 
 #include "server/radar/simd/grid_walk.h"
