@@ -9,7 +9,7 @@ namespace obliq::client {
 
 /// A received message. The spans point into it.
 struct Message {
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   std::array<std::byte, wire::kMaxHeaderBytes> head{};  ///< of which header.header_length are the header
   wire::Bytes payload;
 

@@ -40,7 +40,7 @@ FrameAssembler::FrameAssembler(wire::PlaneSet planes, std::uint64_t max_bytes)
     : planes_(planes), max_bytes_(max_bytes) {}
 FrameAssembler::~FrameAssembler() = default;
 
-bool FrameAssembler::is_current(const wire::FrameHeader& header, std::uint64_t frame_id) const {
+bool FrameAssembler::is_current(const wire::MessageHeader& header, std::uint64_t frame_id) const {
   return state_ == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
 }
 
@@ -105,7 +105,7 @@ void FrameAssembler::keep(wire::Plane plane, const wire::Rectangle& place,
   }
 }
 
-Status FrameAssembler::on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) {
+Status FrameAssembler::on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) {
   if (state_ == State::receiving && header.stream_id != stream_id_) return {};
   if (state_ == State::receiving) return bad("a frame began before the one before it ended");
   const wire::RadarSettings& settings = begin.frame().settings();
@@ -146,7 +146,7 @@ std::byte* FrameAssembler::plane_data(wire::Plane plane) {
   return nullptr;
 }
 
-Status FrameAssembler::on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
+Status FrameAssembler::on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
                                 std::span<const std::byte> payload) {
   if (!is_current(header, block.frame_id())) return {};
   if (const std::string fault = wire::fault_of_block(block, payload.size()); !fault.empty())
@@ -216,7 +216,7 @@ std::optional<std::uint64_t> FrameAssembler::values_missed(const wire::FrameEnd&
   return values;
 }
 
-Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) {
+Status FrameAssembler::on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) {
   if (!is_current(header, end.frame_id())) return {};
   const auto missed = values_missed(end);
   if (!missed) return bad("the frame's end says that more azimuth bins were missed than the frame has");
@@ -242,7 +242,7 @@ Status FrameAssembler::on_end(const wire::FrameHeader& header, const wire::Frame
   return {};
 }
 
-Status FrameAssembler::on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) {
+Status FrameAssembler::on_abort(const wire::MessageHeader& header, const wire::FrameAbort& abort) {
   if (!is_current(header, abort.frame_id())) return {};
   abort_reason_ = abort.reason();
   state_ = State::aborted;

@@ -53,10 +53,10 @@ class FrameAssembler : public FrameHandler {
                           std::uint64_t max_bytes = std::uint64_t{8} << 30);
   ~FrameAssembler() override;
 
-  Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) override;
-  Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&, std::span<const std::byte>) override;
-  Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override;
-  Status on_abort(const wire::FrameHeader&, const wire::FrameAbort&) override;
+  Status on_begin(const wire::MessageHeader&, const wire::FrameBegin&) override;
+  Status on_block(const wire::MessageHeader&, const wire::WedgeBlock&, std::span<const std::byte>) override;
+  Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override;
+  Status on_abort(const wire::MessageHeader&, const wire::FrameAbort&) override;
   void on_lost() override;
 
   State state() const { return state_; }
@@ -69,7 +69,7 @@ class FrameAssembler : public FrameHandler {
   AssembledFrame take();
 
  private:
-  bool is_current(const wire::FrameHeader& header, std::uint64_t frame_id) const;
+  bool is_current(const wire::MessageHeader& header, std::uint64_t frame_id) const;
   Status expect(std::uint64_t n_azimuth, std::uint64_t n_range);
   bool has_arrived(std::uint64_t part) const;
   Status no_memory() const;

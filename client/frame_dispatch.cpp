@@ -28,7 +28,7 @@ bool is_frame(MessageType type) {
   return type >= MessageType::frame_begin && type <= MessageType::frame_abort;
 }
 
-Status dispatch_frame(const wire::FrameHeader& header, std::span<const std::byte> descriptor,
+Status dispatch_frame(const wire::MessageHeader& header, std::span<const std::byte> descriptor,
                       std::span<const std::byte> plane, FrameHandler& to) {
   switch (header.type) {
     case MessageType::frame_begin: {

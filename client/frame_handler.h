@@ -3,7 +3,7 @@
 #include <span>
 
 #include "client/status.h"
-#include "proto/frame_header.h"
+#include "proto/message_header.h"
 
 namespace obliq::wire {
 class FrameBegin;
@@ -18,14 +18,14 @@ namespace obliq::client {
 class FrameHandler {
  public:
   virtual ~FrameHandler() = default;
-  virtual Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) { return {}; }
+  virtual Status on_begin(const wire::MessageHeader&, const wire::FrameBegin&) { return {}; }
   /// plane: the values of the block's rectangle, coded as the block says (wire::plain_values decodes them).
   /// The coding is a possible one, and the length has been checked unless they are compressed.
-  virtual Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&, std::span<const std::byte>) {
+  virtual Status on_block(const wire::MessageHeader&, const wire::WedgeBlock&, std::span<const std::byte>) {
     return {};
   }
-  virtual Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) { return {}; }
-  virtual Status on_abort(const wire::FrameHeader&, const wire::FrameAbort&) { return {}; }
+  virtual Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) { return {}; }
+  virtual Status on_abort(const wire::MessageHeader&, const wire::FrameAbort&) { return {}; }
   /// The connection is gone: of a frame that has begun, no more will come.
   virtual void on_lost() {}
 };

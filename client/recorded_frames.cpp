@@ -37,7 +37,7 @@ class RecordedFrames::Collector : public FrameAssembler {
         losses_(losses),
         others_(others) {}
 
-  Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
+  Status on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) override {
     if (begin.frame().radar() != radar_) {
       ++others_;
       return {};
@@ -54,7 +54,7 @@ class RecordedFrames::Collector : public FrameAssembler {
     times_.bytes = size_of(header);
     return status;
   }
-  Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
+  Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
                   std::span<const std::byte> values) override {
     if (!is_mine(header, block.frame_id())) return orphan(header, block.frame_id());
     const Status status = FrameAssembler::on_block(header, block, values);
@@ -72,13 +72,13 @@ class RecordedFrames::Collector : public FrameAssembler {
     }
     return status;
   }
-  Status on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) override {
+  Status on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) override {
     if (!is_mine(header, end.frame_id())) return orphan(header, end.frame_id());
     times_.end_utc_ns = header.utc_ns;
     times_.bytes += size_of(header);
     return FrameAssembler::on_end(header, end);
   }
-  Status on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) override {
+  Status on_abort(const wire::MessageHeader& header, const wire::FrameAbort& abort) override {
     if (!is_mine(header, abort.frame_id())) return orphan(header, abort.frame_id());
     return FrameAssembler::on_abort(header, abort);
   }
@@ -110,12 +110,12 @@ class RecordedFrames::Collector : public FrameAssembler {
     std::uint32_t wedge = 0;
     std::int64_t utc_ns = 0;  ///< of the last block with it
   };
-  bool is_mine(const wire::FrameHeader& header, std::uint64_t frame_id) const {
+  bool is_mine(const wire::MessageHeader& header, std::uint64_t frame_id) const {
     return state() == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
   }
   // What is of no frame in hand: of a stream that is the radar's, the first of a frame whose FrameBegin is
   // missing is told.
-  Status orphan(const wire::FrameHeader& header, std::uint64_t frame_id) {
+  Status orphan(const wire::MessageHeader& header, std::uint64_t frame_id) {
     if (state() == State::receiving || seen_.stream_id != header.stream_id || seen_.frame_id == frame_id) {
       return {};
     }
@@ -124,7 +124,7 @@ class RecordedFrames::Collector : public FrameAssembler {
     return Status::failure(Outcome::bad_stream,
                            "frame " + std::to_string(frame_id) + " is lost, its beginning is missing");
   }
-  static std::uint64_t size_of(const wire::FrameHeader& header) {
+  static std::uint64_t size_of(const wire::MessageHeader& header) {
     return std::uint64_t{header.header_length} + header.payload_length;
   }
 

@@ -29,7 +29,7 @@ constexpr std::array<std::byte, 4> kMagicBytes{std::byte{'O'}, std::byte{'B'}, s
 // second or so.
 constexpr std::uint64_t kMaxSearchedBytes = std::uint64_t{8} << 30;
 
-std::string reason_of(MessageStatus status, const wire::FrameHeader& header) {
+std::string reason_of(MessageStatus status, const wire::MessageHeader& header) {
   switch (status) {
     case MessageStatus::bad_crc:
       return "CRC mismatch";

@@ -17,7 +17,7 @@ class FirstFrame : public FrameHandler {
  public:
   FirstFrame(const std::string& radar, RecordingStart& start) : radar_(radar), start_(start) {}
 
-  Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
+  Status on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) override {
     if (start_.planes != 0 || (!radar_.empty() && begin.frame().radar() != radar_)) return {};
     if (start_.descriptor) {
       // A frame without any value came before it: all of its dwells were missed, or it was given up.
@@ -30,7 +30,7 @@ class FirstFrame : public FrameHandler {
     stream_id_ = header.stream_id;
     return {};
   }
-  Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
+  Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
                   std::span<const std::byte>) override {
     const auto plane = wire::plane_from_number(block.plane());
     if (start_.descriptor && header.stream_id == stream_id_ && plane) {
@@ -38,7 +38,7 @@ class FirstFrame : public FrameHandler {
     }
     return {};
   }
-  Status on_end(const wire::FrameHeader& header, const wire::FrameEnd&) override {
+  Status on_end(const wire::MessageHeader& header, const wire::FrameEnd&) override {
     done_ = start_.planes != 0 && header.stream_id == stream_id_;
     return {};
   }

@@ -14,7 +14,7 @@ Bytes encode_message(MessageType type, const Addressing& addressing,
   const std::size_t descriptor_bytes = descriptor.ByteSizeLong();
   if (descriptor_bytes > kMaxDescriptorBytes || plane.size() > kMaxPlaneBytes) return {};
 
-  FrameHeader header;
+  MessageHeader header;
   header.type = type;
   header.descriptor_length = static_cast<std::uint32_t>(descriptor_bytes);
   header.payload_length = static_cast<std::uint32_t>(descriptor_bytes + plane.size());

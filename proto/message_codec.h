@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "proto/frame_header.h"
+#include "proto/message_header.h"
 
 namespace google::protobuf {
 class MessageLite;
@@ -30,7 +30,7 @@ enum class MessageStatus { ok, need_more, bad_magic, version_mismatch, bad_lengt
 
 /// A message inside a buffer. The spans point into that buffer.
 struct MessageView {
-  FrameHeader header;
+  MessageHeader header;
   std::span<const std::byte> descriptor;
   std::span<const std::byte> plane;
   std::size_t size = 0;  ///< bytes of the whole message

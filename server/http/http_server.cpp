@@ -17,8 +17,8 @@
 
 #include "server/http/answering.h"
 #include "server/log/log_fields.h"
-#include "server/net/endpoint_text.h"
 #include "server/net/reserved_port.h"
+#include "server/net/tcp.h"
 #include "server/security/exposure.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"

@@ -9,8 +9,8 @@ class io_context;
 
 namespace obliq::net {
 
-/// The thread that waits for sockets, timers and signals, from its construction on. What runs on it must not
-/// take long: everybody waits for it.
+/// The thread that waits for sockets, timers and signals, from its construction on. What runs on it must be
+/// short: all connections wait for it.
 class IoThread {
  public:
   IoThread();

@@ -15,12 +15,12 @@ namespace obliq::net {
 struct Watcher {
   Peer* peer = nullptr;
   Demand demand;
-  std::uint64_t accused_frame = 0;                  ///< the oldest frame when it was last found too slow,
-  std::chrono::steady_clock::time_point accused{};  ///< and since when
+  std::uint64_t accused_frame = 0;                  ///< the oldest frame when it was last found too slow
+  std::chrono::steady_clock::time_point accused{};  ///< since when it has held that frame up
   bool window_lost = false;  ///< it has been told that its window lies outside the frame
 };
 
-/// What is switched; nothing: it stays as it is.
+/// What to switch; empty: leave it.
 struct RadarSwitches {
   std::optional<bool> transmit;
   std::optional<bool> freeze;
@@ -46,7 +46,7 @@ struct LiveRadar {
   std::vector<Watcher> watchers;
   double rate_hz = 0;                                 ///< the fastest watcher's
   std::vector<FieldError> faults;                     ///< why it cannot be rendered as it is
-  std::chrono::steady_clock::time_point faults_told;  ///< when the watchers heard of them last
+  std::chrono::steady_clock::time_point faults_told;  ///< when the watchers were last told
   SettingsPtr faults_settings;                        ///< and for which settings
   std::uint64_t frames = 0;
   double last_render_s = 0;
@@ -56,11 +56,12 @@ struct LiveRadar {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
 
-  // Switched by its controller or the operator (Room::flip), and the operator's limit:
+  // Switched by its controller or the operator (Radars::flip), and the operator's limit:
   bool transmit = true;      ///< off: it is not rendered
   bool frozen = false;       ///< the render thread keeps the view that it has
   double rate_limit_hz = 0;  ///< 0: none
 
+  std::size_t number() const { return stream_id - 1; }  ///< of the render thread
   LiveView view() const { return {settings.current(), pose, pose_received_ns, poses}; }
 };
 

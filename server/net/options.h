@@ -26,7 +26,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::string server_version;
   std::string scene_name;
 
-  std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, everybody is admin
+  std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, every client is admin
 
   double max_rate_hz = 100;
   /// Bytes of live frames that wait for one client; a begun frame that would exceed them is aborted.
@@ -36,18 +36,18 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::size_t slice_bytes = std::size_t{16} << 20;
 
   double dead_after_s = ServerConfig{}.dead_after_s;  ///< see watch_for_dead_peer
-  double stop_grace_s = 0.5;                          ///< for the last words to each client when stopping
+  double stop_grace_s = 0.5;                          ///< for the last message to each client when stopping
 
   int render_threads = 0;                 ///< 0: all cores
   std::function<void(int)> before_wedge;  ///< test hook, see RenderOptions
-  /// Hears where all radars are, the first one first, whenever one has moved or looks further. On the io
-  /// thread; must be quick.
+  /// Told where all radars are, in their order, whenever one has moved or looks further. On the io thread;
+  /// must be quick.
   std::function<void(std::vector<RadarPlace>)> on_moved;
   /// Whether an antenna at a pose has ground to look at, within r_max_m. Must be quick.
   std::function<GroundThere(const PoseSettings&, double)> ground_at;
-  /// What there is to say about scenes loaded while serving; for Status.
+  /// State of the loading of scenes while serving; for Status.
   std::function<KeeperState()> keeper_state;
-  /// Hears of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
+  /// Told of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
   std::function<void(const std::string&, const RenderedFrame&)> on_frame;
   std::function<void(const RenderedOnce&)> on_once_frame;  ///< the same of RenderOnce frames
 };

@@ -4,7 +4,7 @@
 #include <future>
 #include <utility>
 
-#include "server/net/request_checks.h"
+#include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/failure_text.h"
@@ -12,8 +12,8 @@
 namespace obliq::net {
 namespace {
 
-/// A change on its way to the io thread. Whoever takes it first, the io thread to do it or the caller to give
-/// it up, has it.
+/// A change on its way to the io thread. Taken once: by the io thread, which makes it, or by the caller, who
+/// gives it up.
 struct Errand {
   std::atomic<bool> taken = false;
   std::promise<PanelAnswer> answer;
@@ -24,8 +24,8 @@ struct Errand {
 }  // namespace
 
 Panel::Panel(Room& room, Post post)
-    : room_(room), post_(std::move(post)), paces_(room.radars_.size()), statuses_(room.radars_.size()) {
-  for (const LiveRadar& radar : room.radars_) names_.push_back(radar.name);
+    : room_(room), post_(std::move(post)), paces_(room.radars().all().size()), statuses_(paces_.size()) {
+  for (const LiveRadar& radar : room.radars().all()) names_.push_back(radar.name);
   publish();
 }
 
@@ -62,7 +62,7 @@ PanelAnswer Panel::apply(const std::string& radar, const PanelChange& change) {
 }
 
 PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
-  LiveRadar& radar = room_.radars_.at(index);
+  LiveRadar& radar = room_.radars().at(index);
   PanelAnswer answer;
   try {
     answer = set(radar, change);
@@ -87,7 +87,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
   }
-  const double max_rate_hz = room_.options_.max_rate_hz;
+  const double max_rate_hz = room_.options().max_rate_hz;
   if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz)) {
     errors.push_back({"rate_limit_hz", std::to_string(*change.rate_limit_hz),
                       "0 (none) to " + std::to_string(max_rate_hz)});
@@ -97,17 +97,18 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     over = room_.over_live_limit(config.settings, wire::kAllPlanes);
     if (over) errors.push_back(over->field);
   }
-  if (errors.empty() && new_pose) errors = room_.renderer_.place(config.pose);
+  if (errors.empty() && new_pose) errors = room_.renderer().place(config.pose);
   if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over), {}};
 
   // Nothing is left that can be refused.
+  Radars& radars = room_.radars();
   if (new_settings) (void)radar.settings.set(config.settings);
-  if (new_pose) (void)room_.take_pose(radar, config.pose, false);
+  if (new_pose) (void)radars.take_pose(radar, config.pose, false);
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
-  if (new_settings || new_pose || change.clear_faults) room_.publish_view(radar);
-  if (new_settings) room_.check_windows(radar);
-  room_.flip(radar, {change.transmit, change.freeze}, "the operator's console");
-  room_.update_demand(radar);
+  if (new_settings || new_pose || change.clear_faults) radars.publish_view(radar);
+  if (new_settings) radars.check_windows(radar);
+  radars.flip(radar, {change.transmit, change.freeze}, "the operator's console");
+  radars.update_demand(radar);
   return {PanelVerdict::done, {}, {}, {}};
 }
 
@@ -122,7 +123,7 @@ void Panel::publish() {
 }
 
 PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
-  const LiveRadar& radar = room_.radars_[index];
+  const LiveRadar& radar = room_.radars().at(index);
   const auto now = Clock::now();
   Pace& pace = paces_[index];
   const double elapsed_s = std::chrono::duration<double>(now - pace.since).count();
@@ -148,7 +149,7 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   status.hits = radar.hits;
   status.coverage = radar.coverage;
   status.frames_dropped = all.frames_dropped;
-  status.uptime_s = std::chrono::duration<double>(now - room_.started_).count();
+  status.uptime_s = std::chrono::duration<double>(room_.uptime()).count();
   status.heartbeat = heartbeat_;
   return status;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // The operator's side of the room, for control systems that are no clients of the stream (server/modbus).
-// Callers live on threads of their own: what they ask is done on the io thread, what they read is a snapshot.
+// Callers have threads of their own: changes are made on the io thread, status is a snapshot.
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -61,7 +61,7 @@ enum class PanelVerdict {
   done,
   invalid,     ///< values refused: the errors say which
   controlled,  ///< settings, pose and rate belong to the client that holds control
-  no_answer    ///< the io thread did not come to it in time; nothing was changed, and nothing will be
+  no_answer    ///< the io thread did not get to it in time; nothing was or will be changed
 };
 
 struct PanelAnswer {

@@ -32,14 +32,14 @@ class Peer {
 
   /// Queues a control message.
   virtual void send(wire::MessageType type, const google::protobuf::MessageLite& message) = 0;
-  /// Something has been put into the outbox.
+  /// The outbox has something to write.
   virtual void kick() = 0;
-  /// Says what is wrong and closes once that has been written; begun frames are aborted.
+  /// Sends an Error and closes once it has been written; begun frames are aborted.
   virtual void fail(wire::ErrorNumber number, const std::string& text) = 0;
-  /// As fail(), but not before everything that waits in the outbox has been written.
+  /// As fail(), after everything that waits in the outbox has been written.
   virtual void finish(wire::ErrorNumber number, const std::string& text) = 0;
 
-  /// Closes at once, without a word.
+  /// Closes at once, without an Error.
   virtual void drop() = 0;
 
   const std::uint64_t id;
@@ -48,7 +48,7 @@ class Peer {
   std::string name;           ///< as shown to others: what it calls itself, and where it is
   bool greeted = false;       ///< Hello has been answered
   Role role = Role::viewer;
-  std::optional<TokenDigest> credential;  ///< the token that it came with, where tokens are configured
+  std::optional<TokenDigest> credential;  ///< its token, where tokens are configured
   Outbox outbox;
   int subscriptions = 0;
   std::vector<OnceRequestPtr> renders;  ///< not finished

@@ -3,14 +3,14 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <iterator>
 #include <string>
 #include <type_traits>
 
-#include "proto/frame_header.h"
+#include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
-#include "server/net/request_checks.h"
 #include "server/net/room.h"
 #include "server/net/visits.h"
 #include "server/stream/frame_encoder.h"
@@ -22,7 +22,7 @@ using wire::MessageType;
 
 namespace {
 
-/// Of the radar, or of what the machine does: what a renderer that only repeats cannot do.
+/// Requests that a renderer which only replays must refuse.
 template <typename Request>
 constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
@@ -30,6 +30,45 @@ constexpr bool changes_something =
     std::is_same_v<Request, wire::RenderOnce>;
 
 }  // namespace
+
+wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::string& text,
+                       const std::vector<FieldError>& fields, const std::string& radar) {
+  wire::Error error;
+  error.set_request_id(request_id);
+  error.set_number(static_cast<std::uint32_t>(number));
+  error.set_text(text);
+  error.set_radar(radar);
+  for (const FieldError& field : fields) {
+    wire::FieldFault& fault = *error.add_fields();
+    fault.set_field(field.field);
+    fault.set_found(field.found);
+    fault.set_allowed(field.allowed);
+  }
+  return error;
+}
+
+std::string presentable(const std::string& text) {
+  std::string clean = text.substr(0, wire::kMaxNameBytes);
+  for (char& c : clean) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return clean;
+}
+
+void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
+  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+std::vector<FieldError> missing_position(const wire::Pose& pose) {
+  std::vector<FieldError> errors;
+  const auto demand = [&](bool there, const char* field) {
+    if (!there) errors.push_back({field, "nothing", "a value: a frame needs an antenna"});
+  };
+  demand(pose.has_latitude_deg(), "latitude_deg");
+  demand(pose.has_longitude_deg(), "longitude_deg");
+  demand(pose.has_height_m(), "height_m");
+  return errors;
+}
 
 template <typename Request>
 void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
@@ -40,7 +79,7 @@ void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*fu
   }
   if (!demand(needed, request.request_id(), "this request")) return;
   if (changes_something<Request>) {
-    if (const std::string why = room_.renderer_.fixed(); !why.empty()) {
+    if (const std::string why = room_.renderer().fixed(); !why.empty()) {
       return refuse(request.request_id(), ErrorNumber::replay_only, why);
     }
   }
@@ -104,10 +143,10 @@ void Requests::refuse(std::uint64_t request_id, const OverLimit& over) {
 }
 
 LiveRadar* Requests::radar_of(std::uint64_t request_id, const std::string& name) {
-  LiveRadar* radar = room_.find(name);
+  LiveRadar* radar = room_.radars().find(name);
   if (radar != nullptr) return radar;
   std::string names;
-  for (const LiveRadar& known : room_.radars_) names += (names.empty() ? "" : ", ") + known.name;
+  for (const LiveRadar& known : room_.radars().all()) names += (names.empty() ? "" : ", ") + known.name;
   refuse(request_id, ErrorNumber::unknown_radar, "unknown radar", {{"radar", presentable(name), names}});
   return nullptr;
 }
@@ -115,7 +154,7 @@ LiveRadar* Requests::radar_of(std::uint64_t request_id, const std::string& name)
 void Requests::list_radars(const wire::ListRadars& request) {
   wire::RadarList list;
   list.set_request_id(request.request_id());
-  for (const LiveRadar& radar : room_.radars_) list.add_radars(radar.name);
+  for (const LiveRadar& radar : room_.radars().all()) list.add_radars(radar.name);
   peer_.send(MessageType::radar_list, list);
 }
 
@@ -157,9 +196,9 @@ void Requests::set_settings(const wire::SetSettings& request) {
   if (!outcome.published) {
     return refuse(request.request_id(), ErrorNumber::invalid_value, "settings refused", outcome.errors);
   }
-  room_.publish_view(*radar);
+  room_.radars().publish_view(*radar);
   acknowledge(request.request_id(), outcome.published->version);
-  room_.check_windows(*radar);
+  room_.radars().check_windows(*radar);
 }
 
 void Requests::set_pose(const wire::SetPose& request) {
@@ -168,10 +207,10 @@ void Requests::set_pose(const wire::SetPose& request) {
   PoseSettings pose = radar->pose;
   std::vector<FieldError> errors = merge_message(request.pose(), pose);
   append(errors, validate(pose));
-  if (errors.empty()) errors = room_.renderer_.place(pose);
+  if (errors.empty()) errors = room_.renderer().place(pose);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
-  room_.move(*radar, pose, request.pose().has_sim_time_ns());
+  room_.radars().move(*radar, pose, request.pose().has_sim_time_ns());
   if (peer_.has_moved && !peer_.is_guest) {
     log_as_guest(peer_);
     log_doing(peer_, radar->name, "flown by " + peer_.name);
@@ -183,7 +222,7 @@ void Requests::set_pose(const wire::SetPose& request) {
   ack.set_settings_version(settings->version);
   if (room_.options().ground_at) {
     const GroundThere ground = room_.options().ground_at(pose, settings->settings.r_max_m);
-    room_.note_ground(*radar, ground.warning);
+    room_.radars().note_ground(*radar, ground.warning);
     ack.set_coverage(ground.coverage);
     if (!ground.warning.empty()) ack.add_warnings(ground.warning);
   }
@@ -205,7 +244,7 @@ void Requests::write_coverage(const LiveRadar& radar, const KeeperState& keeper,
   } else if (keeper.building) {
     entry.set_coverage_reason("the next window of terrain is being loaded");
   } else if (ground.coverage < 1) {
-    entry.set_coverage_reason("it looks beyond what the files cover");
+    entry.set_coverage_reason("it looks beyond the ground that the files cover");
   }
 }
 
@@ -214,15 +253,14 @@ void Requests::get_status(const wire::GetStatus& request) {
   status.set_request_id(request.request_id());
   status.set_server_name(room_.options().server_name);
   status.set_server_version(room_.options().server_version);
-  status.set_uptime_s(
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - room_.started_).count());
+  status.set_uptime_s(std::chrono::duration<double>(room_.uptime()).count());
   const RoomStatistics all = room_.statistics();
   const KeeperState keeper = room_.options().keeper_state ? room_.options().keeper_state() : KeeperState{};
   status.set_clients(static_cast<std::uint32_t>(all.clients));
   status.set_frames_dropped(all.frames_dropped);
   status.set_renders_queued(static_cast<std::uint32_t>(all.renders_queued));
   status.set_bytes_sent(all.bytes_sent);
-  for (const LiveRadar& radar : room_.radars_) {
+  for (const LiveRadar& radar : room_.radars().all()) {
     wire::RadarStatus& entry = *status.add_radars();
     entry.set_radar(radar.name);
     if (radar.controller != nullptr) entry.set_controller(radar.controller->name);
@@ -231,7 +269,7 @@ void Requests::get_status(const wire::GetStatus& request) {
     entry.set_frames(radar.frames);
     entry.set_last_render_s(radar.last_render_s);
     entry.set_settings_version(radar.settings.current()->version);
-    const LiveStream::Load load = room_.render_.load(radar.stream_id - 1);
+    const LiveStream::Load load = room_.radars().load(radar);
     entry.set_live_frames(static_cast<std::uint32_t>(load.live_frames));
     entry.set_live_bytes(load.live_bytes);
     entry.set_frames_skipped(load.frames_skipped);

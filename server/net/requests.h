@@ -26,6 +26,7 @@ class Unsubscribe;
 class RenderOnce;
 class GetStatus;
 class RadarStatus;
+class Pose;
 }  // namespace obliq::wire
 
 namespace obliq {
@@ -45,6 +46,11 @@ wire::Error make_error(std::uint64_t request_id, wire::ErrorNumber number, const
 /// Text from a peer, made fit for a log and a terminal: at most wire::kMaxNameBytes, control characters and
 /// bytes beyond ASCII replaced.
 std::string presentable(const std::string& text);
+
+void append(std::vector<FieldError>& errors, std::vector<FieldError> more);
+
+/// What a RenderOnce must name: there is no radar to take it from.
+std::vector<FieldError> missing_position(const wire::Pose& pose);
 
 /// Answers the requests of one peer: one function per message. Every request gets exactly one answer.
 class Requests {

@@ -1,8 +1,8 @@
-// Who is there, with which role, and who controls which radar.
+// Requests about roles and control.
 #include <spdlog/spdlog.h>
 
-#include "proto/frame_header.h"
 #include "proto/limits.h"
+#include "proto/message_header.h"
 #include "proto/obliq.pb.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
@@ -13,30 +13,6 @@ namespace obliq::net {
 
 using wire::ErrorNumber;
 using wire::MessageType;
-
-wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::string& text,
-                       const std::vector<FieldError>& fields, const std::string& radar) {
-  wire::Error error;
-  error.set_request_id(request_id);
-  error.set_number(static_cast<std::uint32_t>(number));
-  error.set_text(text);
-  error.set_radar(radar);
-  for (const FieldError& field : fields) {
-    wire::FieldFault& fault = *error.add_fields();
-    fault.set_field(field.field);
-    fault.set_found(field.found);
-    fault.set_allowed(field.allowed);
-  }
-  return error;
-}
-
-std::string presentable(const std::string& text) {
-  std::string clean = text.substr(0, wire::kMaxNameBytes);
-  for (char& c : clean) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return clean;
-}
 
 void Requests::hello(const wire::Hello& request) {
   if (request.major() != wire::kMajorVersion) {
@@ -73,7 +49,7 @@ void Requests::hello(const wire::Hello& request) {
   welcome.set_server_name(options.server_name);
   welcome.set_server_version(options.server_version);
   welcome.set_scene_name(options.scene_name);
-  for (const LiveRadar& radar : room_.radars_) welcome.add_radars(radar.name);
+  for (const LiveRadar& radar : room_.radars().all()) welcome.add_radars(radar.name);
   for (const auto encoding : {wire::IqEncoding::cf32_le, wire::IqEncoding::ci16_le}) {
     welcome.add_encodings(wire::encoding_name(encoding));
   }
@@ -138,7 +114,7 @@ void Requests::claim_control(const wire::ClaimControl& request) {
         MessageType::error,
         make_error(0, ErrorNumber::controlled_by_other,
                    "control of radar " + radar->name + " was taken over by " + peer_.name, {}, radar->name));
-    spdlog::warn("radar {}: {} takes control over from {}; whoever should not needs a token of another role",
+    spdlog::warn("radar {}: {} takes control from {}; give it a token of another role if it should not",
                  radar->name, peer_.name, holder->name);
   } else if (taken) {
     return refuse(request.request_id(), ErrorNumber::controlled_by_other,
@@ -164,7 +140,7 @@ void Requests::set_state(const wire::SetState& request) {
   RadarSwitches wanted;
   if (request.has_transmit()) wanted.transmit = request.transmit();
   if (request.has_freeze()) wanted.freeze = request.freeze();
-  room_.flip(*radar, wanted, peer_.name);
+  room_.radars().flip(*radar, wanted, peer_.name);
   acknowledge(request.request_id(), radar->settings.current()->version);
 }
 

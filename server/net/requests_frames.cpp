@@ -1,4 +1,4 @@
-// The requests that bring frames.
+// Requests for frames.
 #include <string>
 #include <utility>
 
@@ -6,7 +6,6 @@
 #include "server/control/key.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
-#include "server/net/request_checks.h"
 #include "server/net/request_limits.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
@@ -18,10 +17,10 @@ using wire::ErrorNumber;
 
 namespace {
 
-/// RenderOnce names no radar of ours: the name is only echoed, and this is room enough.
+/// RenderOnce names no radar of ours; the name is only echoed.
 constexpr std::size_t kMaxEchoedName = 256;
 
-/// Of a subscription: a frame in a quarter of an hour. Far rarer ones would overflow the clock.
+/// Of a subscription: a frame in a quarter of an hour. Much lower rates would overflow the clock.
 constexpr double kLeastRate_hz = 0.001;
 
 }  // namespace
@@ -37,19 +36,19 @@ void Requests::subscribe(const wire::Subscribe& request) {
                       toml_number(kLeastRate_hz) + " to " + toml_number(options.max_rate_hz)});
   }
   const RadarSettings& settings = radar->settings.current()->settings;
-  Demand wish;
-  wish.rate_hz = rate_hz;
-  wish.lossless = request.lossless();
-  wish.choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
-  if ((wish.choice.planes & ~room_.renderer_.planes()) != 0) {
+  Demand demanded;
+  demanded.rate_hz = rate_hz;
+  demanded.lossless = request.lossless();
+  demanded.choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
+  if ((demanded.choice.planes & ~room_.renderer().planes()) != 0) {
     errors.push_back(
-        {"planes", wire::plane_names(wish.choice.planes), wire::plane_names(room_.renderer_.planes())});
+        {"planes", wire::plane_names(demanded.choice.planes), wire::plane_names(room_.renderer().planes())});
   }
   if (!errors.empty()) {
     return refuse(request.request_id(), ErrorNumber::invalid_value, "subscription refused", errors);
   }
-  if (wish.lossless && !demand(Role::controller, request.request_id(), "watching without losses")) return;
-  if (const auto over = room_.over_live_limit(settings, wish.choice.planes)) {
+  if (demanded.lossless && !demand(Role::controller, request.request_id(), "watching without losses")) return;
+  if (const auto over = room_.over_live_limit(settings, demanded.choice.planes)) {
     return refuse(request.request_id(), *over);
   }
   const bool renewed = peer_.outbox.has_queue(radar->stream_id);
@@ -58,10 +57,10 @@ void Requests::subscribe(const wire::Subscribe& request) {
         request.request_id(), ErrorNumber::too_many_subscriptions,
         "too many subscriptions: max_subscriptions is " + std::to_string(options.max_subscriptions));
   }
-  room_.unsubscribe(*radar, peer_);
-  room_.watch(*radar, peer_, std::move(wish));
+  room_.radars().unsubscribe(*radar, peer_);
+  room_.radars().watch(*radar, peer_, std::move(demanded));
   acknowledge(request.request_id(), radar->settings.current()->version);
-  if (!radar->faults.empty()) room_.send_fault(*radar, peer_);
+  if (!radar->faults.empty()) room_.radars().send_fault(*radar, peer_);
 }
 
 void Requests::unsubscribe(const wire::Unsubscribe& request) {
@@ -71,7 +70,7 @@ void Requests::unsubscribe(const wire::Unsubscribe& request) {
     return refuse(request.request_id(), ErrorNumber::not_subscribed,
                   "not subscribed to radar " + radar->name);
   }
-  room_.unsubscribe(*radar, peer_);
+  room_.radars().unsubscribe(*radar, peer_);
   acknowledge(request.request_id());
 }
 
@@ -95,7 +94,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   }
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
-  if (errors.empty()) errors = room_.renderer_.place(pose);
+  if (errors.empty()) errors = room_.renderer().place(pose);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
 
@@ -107,19 +106,15 @@ void Requests::render_once(const wire::RenderOnce& request) {
   if (const auto over = over_queue(cost, queued.work(), options)) return refuse(request.request_id(), *over);
 
   auto render = std::make_shared<OnceRequest>();
-  render->client_id = peer_.id;
   render->request_id = request.request_id();
-  render->stream_id = ++room_.next_stream_id_;
   render->radar = request.radar();
   render->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
   render->view.pose = pose;
   render->view.pose_received_ns = monotonic_ns();
   render->choice = choice;
   render->cost = cost;
-  peer_.renders.push_back(render);
-  peer_.outbox.open_once_queue(render->stream_id, render->request_id, choice, render->queued);
+  room_.render_once(peer_, render);
   acknowledge(request.request_id());
-  room_.render_.enqueue(render);
 }
 
 }  // namespace obliq::net

@@ -2,7 +2,7 @@
 
 #include <boost/asio.hpp>
 
-#include "server/net/endpoint_text.h"
+#include "server/net/tcp.h"
 #include "terrain/base/errors.h"
 
 namespace obliq::net {
@@ -40,7 +40,7 @@ ReservedPort::ReservedPort(const std::string& address, std::uint16_t port) {
     if (!error) return;
     std::string text = "cannot listen on " + text_of(endpoint) + ": " + error.message();
     if (error == boost::system::errc::address_in_use)
-      text += "; end what listens there (another obliqd?), or take another port: 0 takes any that is free";
+      text += "; end what listens there (another obliqd?), or take another port (0: any free one)";
     throw InputError(text);
   };
   socket.open(endpoint.protocol(), error);

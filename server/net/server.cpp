@@ -10,7 +10,7 @@
 #include "server/net/panel.h"
 #include "server/net/room.h"
 #include "server/net/session.h"
-#include "server/net/tcp_options.h"
+#include "server/net/tcp.h"
 #include "server/net/transport.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
@@ -44,7 +44,7 @@ struct Server::State {
   std::shared_ptr<Room> room;
   Panel panel;
   std::string address;
-  std::uint16_t port = 0;  ///< asked for by any thread, also when nobody listens any more
+  std::uint16_t port = 0;  ///< read by any thread, also after the acceptor has closed
   std::uint64_t last_id = 0;
   bool stopping = false;
 };
@@ -74,12 +74,12 @@ asio::awaitable<void> Server::State::accept() {
     if (!error) {
       try {
         admit(std::move(socket));
-      } catch (const std::exception& e) {  // no memory: this one goes, and later ones may find some
+      } catch (const std::exception& e) {  // no memory: drop this one; later there may be some
         trouble = failure_text(e);
       }
     }
     if (!trouble.empty()) {
-      // Those who are here are served on, newcomers wait.
+      // Connected clients are served as before; new ones wait.
       if (!in_trouble) {
         spdlog::error(
             "cannot accept a connection: {}; if descriptors have run out, raise their limit (ulimit -n, "
@@ -112,18 +112,18 @@ void Server::State::stop() {
   if (stopping) return;
   stopping = true;
   const ServerOptions& options = room->options();
-  spdlog::info("stopping: begun frames and queues have {:g} s", options.stop_limit_s);
-  // Who finds the port closed may count on it that no frame is begun any more.
+  spdlog::info("stopping: frames in progress and queues have {:g} s to finish", options.stop_limit_s);
+  // Stop rendering before the port closes, so that a closed port implies no new frames.
   room->finish();
   error_code ignored;
   acceptor.close(ignored);
-  // The last words need their time as well.
+  // The last message to each client needs its time as well.
   const double frames_s = std::max(0.0, options.stop_limit_s - options.stop_grace_s);
   limit.expires_after(
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(frames_s)));
   limit.async_wait([this](error_code error) {
     if (error) return;
-    spdlog::warn("the limit for stopping is over: frames are aborted; server.stop_limit_s gives them longer");
+    spdlog::warn("frames are aborted after server.stop_limit_s; raise that limit to give them longer");
     room->stop();
   });
 }

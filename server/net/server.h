@@ -43,19 +43,19 @@ class Server {
   /// The operator's side; lives as long as the server.
   Panel& panel();
 
-  /// Serves until stop(). Then no frame is begun any more, begun ones and what waits for clients are finished
-  /// within stop_limit_s, clients are told, connections end.
+  /// Serves until stop(). Then no frame is begun any more, begun frames and queues are finished within
+  /// stop_limit_s, clients are told, connections end.
   void run();
   /// Begins to serve and returns. Until stop(); `stopped` is then called on the io thread, once the last
   /// client has gone. From any thread.
   void start(std::function<void()> stopped);
-  /// Instead of those among the options; those of connections that exist hold for the next
-  /// time they are looked at. On the io thread.
+  /// Replaces the limits among the options; each takes effect the next time it is looked at, also for
+  /// connections that exist. On the io thread.
   void set_limits(const ServerLimits& limits);
   /// From any thread; any number of times.
   void stop();
-  /// Reads certificate, key and tokens anew: new connections use them, clients whose token is gone are told
-  /// and closed, roles change. What is faulty stays as it was. From any thread.
+  /// Reads certificate, key and tokens again: new connections use them, clients whose token is gone are told
+  /// and closed, roles change. A faulty file leaves the old content in force. From any thread.
   Security::Reloaded reload_security();
 
   /// On the io thread.

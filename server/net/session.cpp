@@ -11,7 +11,6 @@
 
 #include "proto/obliq.pb.h"
 #include "server/log/log_fields.h"
-#include "server/net/advice.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/transport.h"
@@ -27,16 +26,16 @@ using wire::ErrorNumber;
 using wire::MessageType;
 using Clock = std::chrono::steady_clock;
 
-// More answers than this waiting to be written: requests are not read any further until some have been.
+// With more answers than this waiting to be written, no request is read.
 constexpr std::size_t kMaxAnswersWaiting = 256;
-// More messages than this waiting, its answers and what others' doings make us tell it: it is not reading.
+// A peer with more messages than this waiting (answers, and news of what others do) is not reading.
 constexpr std::size_t kMaxControlWaiting = 4 * kMaxAnswersWaiting;
 
 // How a TLS client begins: a handshake record of version 3.x (RFC 8446 section 5.1).
 constexpr std::byte kTlsRecord[] = {std::byte{22}, std::byte{3}};
 
-// A deadline that is noticed so late shows that this process stood still (stopped, frozen, swapped out), not
-// the peer: what came meanwhile has not been read, so the time begins anew.
+// A deadline noticed this late shows that this process stood still (stopped, frozen, swapped out), not the
+// peer: what came meanwhile has not been read, so the time begins anew.
 constexpr Clock::duration kStoodStill = std::chrono::milliseconds(500);
 
 Clock::duration seconds(double s) {
@@ -56,8 +55,23 @@ asio::awaitable<Result> result_of(Start start) {
       asio::use_awaitable);
 }
 
+/// Resumes the coroutine that waits for it.
+class Signal {
+ public:
+  explicit Signal(asio::io_context& io) : timer_(io, Clock::time_point::max()) {}
+  void raise() { timer_.cancel(); }
+  asio::awaitable<void> wait() {
+    error_code cancelled;
+    timer_.expires_at(Clock::time_point::max());
+    co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
+  }
+
+ private:
+  asio::steady_timer timer_;
+};
+
 struct Request {
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   wire::Bytes payload;
 };
 
@@ -71,12 +85,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
         room_(std::move(room)),
         io_(io),
         transport_(std::move(transport)),
-        wake_(io),
-        drained_(io),
+        queued_(io),
+        written_(io),
         read_deadline_(io),
         write_deadline_(io),
-        silence_(io),
-        linger_(io) {
+        silence_(io) {
     name = address;
   }
 
@@ -86,36 +99,37 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   }
 
   void send(MessageType type, const google::protobuf::MessageLite& message) override {
-    if (closed_) return;
+    if (phase_ == Phase::closed) return;
     if (outbox.control_size() > kMaxControlWaiting) {
-      spdlog::warn("{}: does not read what it is told; connection closed", name);
+      spdlog::warn("{}: does not read its messages; connection closed", name);
       return close();
     }
     outbox.push_control(wire::encode_message(type, {0, ++sequence_, wire::utc_now_ns()}, message));
     kick();
   }
 
-  void kick() override { wake_.cancel(); }
+  void kick() override { queued_.raise(); }
 
   void fail(ErrorNumber number, const std::string& text) override {
-    if (closed_ || finishing_) return;
+    if (phase_ >= Phase::ending) return;
     {
       const LogFields fields{{"client", name}, {"error", std::int64_t{static_cast<std::uint32_t>(number)}}};
       const bool expected = number == ErrorNumber::server_stopping;
       spdlog::log(expected ? spdlog::level::debug : spdlog::level::warn, "{}: {}; connection closed{}", name,
                   text, advice(number));
     }
-    // Before TLS stands there is no way to say it.
+    // Without TLS there is no way to say it.
     if (!transport_->is_ready()) return close();
     outbox.close_all_queues(text);
     send(MessageType::error, make_error(0, number, text));
-    finishing_ = true;
-    // A peer that does not read does not get to hear why.
-    arm(linger_, room_->options().stop_grace_s, [](Session& self) { self.close(); });
+    if (phase_ == Phase::closed) return;
+    phase_ = Phase::ending;
+    // The last words wait no longer than this for a peer that does not read.
+    arm(read_deadline_, room_->options().stop_grace_s, [](Session& self) { self.close(); });
   }
 
   void finish(ErrorNumber number, const std::string& text) override {
-    if (closed_ || finishing_) return;
+    if (phase_ >= Phase::ending) return;
     if (!transport_->is_ready()) return fail(number, text);
     last_words_ = {number, text};
     kick();
@@ -124,6 +138,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void drop() override { close(); }
 
  private:
+  /// Each leads to the next, or to `closed` at once.
+  enum class Phase {
+    greeting,  ///< until Hello
+    serving,   ///< requests are read and answered; heartbeats go out
+    ending,    ///< no request is read any more; what is queued is written, the last Error behind it
+    closed,
+  };
+
   void spawn(asio::awaitable<void> (Session::*coroutine)()) {
     asio::co_spawn(
         io_,
@@ -131,7 +153,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
           return (self.get()->*coroutine)();
         },
         [self = shared_from_this()](const std::exception_ptr& failure) {
-          // Only the machine's own troubles (no memory) come here; they cost this client, not the others.
+          // Only failures of this machine (no memory) come here; they cost this client, not the others.
           try {
             if (failure) std::rethrow_exception(failure);
           } catch (const std::exception& e) {
@@ -165,14 +187,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
         [](Session& self) { self.fail(ErrorNumber::timed_out, "no Hello in time"); });
     const Transport::Start start =
         co_await result_of<Transport::Start>([this](auto done) { transport_->start(std::move(done)); });
-    if (start == Transport::Start::failed && !closed_) {
+    if (start == Transport::Start::failed && phase_ != Phase::closed) {
       const LogFields fields{{"client", name}};
       spdlog::warn(
-          "{}: TLS handshake failed: {}; connection closed; if it is a client of ours, see that it "
-          "trusts server.tls_certificate",
+          "{}: TLS handshake failed: {}; connection closed; an obliq client must trust "
+          "server.tls_certificate",
           name, transport_->description());
     }
-    if (closed_ || start == Transport::Start::failed) co_return close();
+    if (phase_ == Phase::closed || start == Transport::Start::failed) co_return close();
     spdlog::debug("{}: connected, {}", name, transport_->description());
     spawn(&Session::write_outbox);
     if (start == Transport::Start::plain_peer) {
@@ -183,27 +205,22 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
 
   asio::awaitable<void> read_requests() {
     Request request;
-    while (!finishing_) {
+    while (phase_ < Phase::ending) {
       if (!co_await read_request(request)) break;
       room_->handle(*this, request.header.type,
                     std::span(request.payload).first(request.header.descriptor_length));
-      if (finishing_) break;
-      if (greeted) {
+      if (phase_ == Phase::greeting && greeted) {
+        phase_ = Phase::serving;
         disarm(read_deadline_);
-        if (!std::exchange(beating_, true)) spawn(&Session::break_silence);
+        spawn(&Session::break_silence);
       }
-      while (!closed_ && outbox.control_size() > kMaxAnswersWaiting) {
-        drained_.expires_at(Clock::time_point::max());
-        error_code cancelled;
-        co_await drained_.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
-      }
+      while (phase_ < Phase::ending && outbox.control_size() > kMaxAnswersWaiting) co_await written_.wait();
     }
-    disarm(read_deadline_);
-    if (finishing_) {
+    if (phase_ == Phase::ending) {
       // Bytes left unread when a socket is closed make the kernel reset the connection, and the peer would
       // lose the Error that tells it why: read on until it closes or the time is up.
       std::array<std::byte, 4096> unwanted;
-      while (!ended_) co_await read(unwanted, true);
+      while (!peer_ended_) co_await read(unwanted, true);
     }
     close();
   }
@@ -212,16 +229,15 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   asio::awaitable<bool> read_request(Request& request) {
     std::array<std::byte, wire::kMaxHeaderBytes> head;
     const std::span<std::byte> all(head);
-    // The magic alone first: what is not obliq is told so at once, however short it is.
+    // The magic alone first: a peer of another protocol is told at once, however little it sends.
     constexpr std::size_t kMagicBytes = 4;
     if (!co_await read(all.first(1), true)) co_return false;
-    if (greeted) {
-      arm(read_deadline_, room_->options().message_timeout_s, [](Session& self) {
-        self.fail(ErrorNumber::timed_out, "a message was begun and not completed in time");
-      });
+    if (phase_ == Phase::serving) {
+      arm(read_deadline_, room_->options().message_timeout_s,
+          [](Session& self) { self.fail(ErrorNumber::timed_out, "a message was not completed in time"); });
     }
     if (!co_await read(all.subspan(1, kMagicBytes - 1))) co_return false;
-    wire::FrameHeader& header = request.header;
+    wire::MessageHeader& header = request.header;
     std::fill(head.begin() + kMagicBytes, head.end(), std::byte{0});
     const auto limit = static_cast<std::uint32_t>(room_->options().max_request_bytes);
     if (wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header) ==
@@ -239,7 +255,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
            wire::describe(status, header, limit));
       co_return false;
     }
-    // Nothing to read is read at once.
+    // An empty read returns at once.
     const std::size_t longer_by = header.header_length - wire::kHeaderBytes;
     if (!co_await read(all.subspan(wire::kHeaderBytes, longer_by))) co_return false;
     request.payload.resize(header.payload_length);
@@ -248,40 +264,38 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       fail(ErrorNumber::bad_crc, "a message is damaged (CRC mismatch)");
       co_return false;
     }
-    if (greeted) disarm(read_deadline_);
-    co_return !finishing_;
+    if (phase_ == Phase::serving) disarm(read_deadline_);
+    co_return phase_ < Phase::ending;
   }
 
   // Fills the buffer, or with `some` a part of it. False when the connection has ended.
   asio::awaitable<bool> read(std::span<std::byte> buffer, bool some = false) {
     const Transport::Transfer got = co_await result_of<Transport::Transfer>(
         [=, this](auto done) { transport_->read(buffer, some, std::move(done)); });
-    if (!some && got == Transport::Transfer::end && !finishing_) {
+    if (!some && got == Transport::Transfer::end && phase_ < Phase::ending) {
       const LogFields fields{{"client", name}};
-      spdlog::warn("{}: left in the middle of a message; if that repeats, see to its network", name);
+      spdlog::warn("{}: left in the middle of a message; if that repeats, check its network", name);
     }
     last_read_ = Clock::now();
     // The end is reported once: a second read would wait for ever.
-    if (got != Transport::Transfer::done || closed_) ended_ = true;
-    co_return !ended_;
+    if (got != Transport::Transfer::done || phase_ == Phase::closed) peer_ended_ = true;
+    co_return !peer_ended_;
   }
 
   asio::awaitable<void> write_outbox() {
-    while (!closed_) {
+    while (phase_ != Phase::closed) {
       const BlockPtr block = outbox.pop();
       if (!block) {
-        if (finishing_) break;
+        if (phase_ == Phase::ending) break;
         if (last_words_.number != ErrorNumber::none) {
           fail(last_words_.number, last_words_.text);
           continue;
         }
-        error_code error;
-        wake_.expires_at(Clock::time_point::max());
-        co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+        co_await queued_.wait();
         continue;
       }
       room_->taken(*this, *block);
-      drained_.cancel();
+      written_.raise();
       arm(write_deadline_, room_->options().stall_timeout_s, [](Session& self) {
         const LogFields fields{{"client", self.name}};
         spdlog::warn("{}: reads too slowly; connection closed{}", self.name,
@@ -294,29 +308,28 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       last_written_ = Clock::now();
       if (put != Transport::Transfer::done) close();
     }
-    if (closed_) co_return;
+    if (phase_ == Phase::closed) co_return;
     co_await result_of<Transport::Transfer>([this](auto done) { transport_->finish(std::move(done)); });
   }
 
-  // Heartbeats, so that both sides and what lies between them know of each other.
+  // Sends heartbeats, so that both sides and the network between them know that the other is there.
   asio::awaitable<void> break_silence() {
     const ServerOptions& options = room_->options();
     const auto period = seconds(options.heartbeat_s);
     const bool patient = options.idle_timeout_s <= 0;
     Clock::time_point last_beat = Clock::now();
-    while (!closed_) {
+    while (phase_ == Phase::serving) {
       const auto now = Clock::now();
-      if (finishing_) break;
       const auto patience_ends =
           patient ? Clock::time_point::max() : last_read_ + seconds(options.idle_timeout_s);
       if (now >= patience_ends) {
-        fail(ErrorNumber::idle, "nothing heard of the client for idle_timeout_s");
+        fail(ErrorNumber::idle, "the client sent nothing for idle_timeout_s");
         break;
       }
       const auto beat = std::max(std::min(last_read_, last_written_), last_beat) + period;
       if (now >= beat) {
         last_beat = now;
-        // Where others wait to be written, it would be no news.
+        // Messages that wait to be written do as well.
         if (outbox.control_size() == 0) {
           wire::Heartbeat heartbeat;
           heartbeat.set_answer_wanted(true);
@@ -332,14 +345,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   }
 
   void close() {
-    if (closed_) return;
-    closed_ = true;
+    if (phase_ == Phase::closed) return;
+    phase_ = Phase::closed;
     const auto self = shared_from_this();  // the room may hold the last other reference
     log_end(*this);
     transport_->close();
-    for (auto* timer : {&wake_, &drained_, &read_deadline_, &write_deadline_, &silence_, &linger_}) {
-      timer->cancel();
-    }
+    queued_.raise();
+    written_.raise();
+    for (auto* timer : {&read_deadline_, &write_deadline_, &silence_}) timer->cancel();
     room_->leave(*this);
     outbox.clear();
   }
@@ -347,12 +360,12 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::shared_ptr<Room> room_;
   asio::io_context& io_;
   std::unique_ptr<Transport> transport_;
-  asio::steady_timer wake_;            ///< cancelled: there is something to write
-  asio::steady_timer drained_;         ///< cancelled: something has been written
-  asio::steady_timer read_deadline_;   ///< for Hello, then for each message begun
+  Phase phase_ = Phase::greeting;
+  Signal queued_;                      ///< there is something to write
+  Signal written_;                     ///< the outbox has become shorter
+  asio::steady_timer read_deadline_;   ///< for Hello, then for each message begun, then for the last words
   asio::steady_timer write_deadline_;  ///< for each message written
   asio::steady_timer silence_;         ///< until the next heartbeat, or the end of patience
-  asio::steady_timer linger_;          ///< for the last words
   Clock::time_point last_read_ = Clock::now();
   Clock::time_point last_written_ = Clock::now();
   std::uint64_t sequence_ = 0;  ///< of stream 0
@@ -360,11 +373,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     ErrorNumber number = ErrorNumber::none;
     std::string text;
   };
-  LastWords last_words_;    ///< to be said when nothing waits any more
-  bool beating_ = false;    ///< heartbeats have begun
-  bool ended_ = false;      ///< nothing more comes from the peer
-  bool finishing_ = false;  ///< nothing is read any more; what is queued is written
-  bool closed_ = false;
+  LastWords last_words_;     ///< sent when the outbox is empty, unless there are none
+  bool peer_ended_ = false;  ///< nothing more comes from the peer
 };
 
 }  // namespace

@@ -18,8 +18,8 @@ struct HeldFrame {
   bool lossless = false;  ///< for one of them
 };
 
-/// Between an offence and its consequence: when this process stood still (stopped, swapped out), those who
-/// read have taken the frame by then.
+/// Between an offence and its consequence: if this process itself stood still (stopped, swapped out), clients
+/// that do read have taken the frame by then.
 constexpr double kLastChance_s = 0.5;
 
 double seconds_since(Clock::time_point then) {
@@ -50,7 +50,7 @@ void give_up(const LiveRadar& radar, std::uint64_t frame_id, const HeldFrame& fr
   }
 }
 
-/// Why a holder of the oldest frame must go; empty: it may stay.
+/// Why a client that holds the oldest frame must be closed; empty: it may stay.
 std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerOptions& options) {
   if (queue.policy() == QueuePolicy::lossless &&
       seconds_since(queue.last_progress()) > options.lossless_limit_s) {
@@ -71,7 +71,7 @@ std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerO
 
 void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
   const auto frames = held_frames(radar);
-  if (frames.empty()) return;  // the last of it is just being written
+  if (frames.empty()) return;  // the last block is just being written
   const auto waiting = std::find_if(frames.begin(), frames.end(), [](const auto& entry) {
     return !entry.second.begun && !entry.second.lossless;
   });
@@ -82,7 +82,7 @@ void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
     if (oldest != frames.end()) return give_up(radar, oldest->first, oldest->second);
   }
   const auto& [oldest, frame] = *frames.begin();
-  std::vector<std::pair<Peer*, std::string>> offenders;  // who fails may stop watching at once
+  std::vector<std::pair<Peer*, std::string>> offenders;  // fail() may end a subscription at once
   for (Watcher* watcher : frame.holders) {
     const FrameQueue* queue = watcher->peer->outbox.queue(radar.stream_id);
     std::string reason = queue == nullptr ? "" : offence(*queue, oldest, options);

@@ -12,11 +12,12 @@
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/write.hpp>
 #include <optional>
+#include <thread>
 #include <utility>
 
-#include "server/net/endpoint_text.h"
-#include "server/security/handshakes.h"
+#include "server/net/tcp.h"
 #include "server/security/networks.h"
+#include "terrain/base/background.h"
 
 namespace obliq::net {
 
@@ -35,9 +36,35 @@ constexpr int kLoopbackSendBytes = 200'000;
 /// RFC 8446 section 5.1: the first byte of a client's first record, ContentType handshake.
 constexpr std::byte kTlsHandshake{22};
 
+struct HandshakeThread {
+  HandshakeThread()
+      : thread([this] {
+          (void)lower_own_priority();  // best effort: without it a flood costs more
+          io.run();
+        }) {}
+  ~HandshakeThread() {
+    io.stop();
+    thread.join();
+  }
+  HandshakeThread(const HandshakeThread&) = delete;
+  HandshakeThread& operator=(const HandshakeThread&) = delete;
+
+  asio::io_context io{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
+  std::thread thread;
+};
+
+/// Does the arithmetic of TLS handshakes, on one thread of low priority for all servers of this process, so
+/// that a flood of handshakes takes little from the clients that are served. Runs until the process ends.
+/// While a socket's handshake is here, nothing else may touch the socket.
+asio::io_context& handshakes() {
+  static HandshakeThread only;
+  return only.io;
+}
+
 Transport::Transfer outcome(error_code error) {
   if (!error) return Transport::Transfer::done;
-  // A TLS peer that closes without a farewell has left like any other.
+  // A TLS peer may close without close_notify: messages have lengths and CRCs of their own.
   const bool end = error == asio::error::eof || error == ssl::error::stream_truncated;
   return end ? Transport::Transfer::end : Transport::Transfer::failed;
 }
@@ -58,13 +85,13 @@ struct Transport::State {
   std::byte first{};                                ///< of the peer
   bool ready = false;
   std::string failure;
-  bool shaking = false;              ///< hands: the socket is the handshake thread's
+  bool shaking = false;              ///< the socket belongs to the handshake thread
   std::atomic<bool> closed = false;  ///< meanwhile
 };
 
 Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::shared_ptr<ssl::context> tls)
     : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
-  error_code ignored;  // a comfort, not a need
+  error_code ignored;  // optional: failure is harmless
   state_->socket.set_option(tcp::no_delay(true), ignored);
   if (is_loopback_address(host())) {
     state_->socket.set_option(asio::socket_base::send_buffer_size(kLoopbackSendBytes), ignored);
@@ -88,19 +115,19 @@ std::string Transport::description() const {
 /// On the handshake thread; then calls `shaken` on the io thread. Once that has been called nothing of this
 /// is left on the handshake thread, close() included.
 void Transport::State::shake_hands(std::function<void(error_code)> shaken) {
-  // The io thread's work is not over while it waits for this.
+  // Keeps the io thread alive while it waits for this.
   const auto work = asio::make_work_guard(socket.get_executor());
   const auto back = [this, shaken = std::move(shaken), work](error_code error) {
     asio::post(work.get_executor(), [this, shaken, work, error] {
       if (!closed) return shaken(error);
-      // After close()'s errand to the handshake thread, which was sent before this.
+      // After what close() posted to the handshake thread before this.
       asio::post(handshakes(), [shaken, work] {
         asio::post(work.get_executor(), [shaken] { shaken(asio::error::operation_aborted); });
       });
     });
   };
   asio::post(handshakes(), [this, back] {
-    if (closed) return back(asio::error::operation_aborted);  // no arithmetic for who has gone
+    if (closed) return back(asio::error::operation_aborted);  // the peer has gone: save the arithmetic
     stream->async_handshake(ssl::stream_base::server, asio::bind_executor(handshakes().get_executor(), back));
   });
 }
@@ -149,7 +176,7 @@ void Transport::read(std::span<std::byte> bytes, bool some, Done done) {
 
 void Transport::write(std::span<const std::byte> bytes, Done done) {
   State& s = *state_;
-  // All that is left at once: Asio by itself offers the kernel 64 KiB at a time.
+  // Offer the kernel all that is left at once; Asio by default offers 64 KiB at a time.
   const auto all_of_it = [most = bytes.size()](error_code error, std::size_t) {
     return error ? std::size_t{0} : most;
   };
@@ -163,7 +190,7 @@ void Transport::write(std::span<const std::byte> bytes, Done done) {
 void Transport::finish(Done done) {
   State& s = *state_;
   if (s.stream) {
-    // Sends the farewell, then waits for the peer's, which the reader meets.
+    // Sends close_notify, then waits for the peer's, which the reader receives.
     return s.stream->async_shutdown([done = std::move(done)](error_code error) { done(outcome(error)); });
   }
   error_code error;

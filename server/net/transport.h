@@ -16,13 +16,13 @@ class context;
 
 namespace obliq::net {
 
-/// On the io thread. One reader and one writer at a time, each told by a call of its `done`, later; until
-/// then the transport and the bytes must live.
+/// On the io thread. One reader and one writer at a time; `done` is called later, and until then the
+/// transport and the bytes must live.
 class Transport {
  public:
   enum class Start {
     ready,
-    plain_peer,  ///< no TLS came where it had to: what follows goes out plain, to be understood
+    plain_peer,  ///< the peer does not speak TLS where it must: what follows is sent in plain
     failed,
   };
   enum class Transfer { done, end, failed };  ///< end: the peer has closed

@@ -27,7 +27,7 @@ std::uint64_t bit(MessageType type) {
   return number < 64 ? std::uint64_t{1} << number : 0;
 }
 
-/// Nothing but a pose, and what belongs to it.
+/// It asked for nothing but a pose and what goes with it.
 bool only_moved(const Peer& peer) {
   const std::uint64_t of_a_pose = bit(MessageType::heartbeat) | bit(MessageType::list_radars) |
                                   bit(MessageType::get_radar) | bit(MessageType::claim_control) |
@@ -50,7 +50,7 @@ spdlog::level::level_enum level_of(const Peer& peer) {
 
 void log_arrival(Peer& peer, const std::string& introduction) {
   peer.introduction = introduction;
-  spdlog::debug("{} has come {}", peer.name, introduction);
+  spdlog::debug("{} connected {}", peer.name, introduction);
 }
 
 void log_request(Peer& peer, MessageType type) {
@@ -60,7 +60,7 @@ void log_request(Peer& peer, MessageType type) {
 
 void log_as_guest(Peer& peer) {
   if (std::exchange(peer.is_guest, true)) return;
-  spdlog::info("{} has come {}", peer.name, peer.introduction);
+  spdlog::info("{} connected {}", peer.name, peer.introduction);
 }
 
 void log_doing(const Peer& peer, const std::string& radar, const std::string& what) {
@@ -70,10 +70,37 @@ void log_doing(const Peer& peer, const std::string& radar, const std::string& wh
 
 void log_end(const Peer& peer) {
   const LogFields fields{{"client", peer.name}};
-  if (peer.is_guest) return spdlog::info("{} has gone", peer.name);
+  if (peer.is_guest) return spdlog::info("{} disconnected", peer.name);
   const std::chrono::duration<double> stayed = std::chrono::steady_clock::now() - peer.since;
   spdlog::log(only_moved(peer) ? spdlog::level::debug : spdlog::level::info,
-              "{} asked for {}, and has gone after {:.2f} s", peer.name, asked_for(peer), stayed.count());
+              "{} asked for {} and disconnected after {:.2f} s", peer.name, asked_for(peer), stayed.count());
+}
+
+std::string_view advice(wire::ErrorNumber number) {
+  using wire::ErrorNumber;
+  switch (number) {
+    case ErrorNumber::bad_magic:
+    case ErrorNumber::bad_length:
+    case ErrorNumber::bad_crc:
+    case ErrorNumber::bad_message:
+    case ErrorNumber::handshake_expected:
+      return "; not an obliq client, or a broken one: check what runs there";
+    case ErrorNumber::version_mismatch:
+      return "; client and server need the same major version";
+    case ErrorNumber::timed_out:
+      return "; for a client on a slow line, raise server.handshake_timeout_s or "
+             "server.message_timeout_s";
+    case ErrorNumber::reads_too_slowly:
+      return "; let it ask for a lower rate or fewer planes, or raise server.stall_timeout_s";
+    case ErrorNumber::token_refused:
+      return "; to let it in, give it a token of the file server.tokens";
+    case ErrorNumber::tls_required:
+      return "; start that client with TLS";
+    case ErrorNumber::idle:
+      return "; if it was only quiet, raise server.idle_timeout_s";
+    default:
+      return "";
+  }
 }
 
 }  // namespace obliq::net

@@ -16,11 +16,11 @@ struct Demand {
   std::uint64_t watch_id = 0;  ///< never used again
   double rate_hz = 0;
   StreamChoice choice;
-  bool lossless = false;                      ///< its frames may be late, but none is left out
+  bool lossless = false;                      ///< its frames may be late, but none is skipped
   std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
 };
 
-/// What of a frame must be rendered for some of those who ask.
+/// What must be rendered of a frame for some of the watchers.
 struct Order {
   std::vector<std::uint64_t> takers;
   std::vector<StreamChoice> choices;  ///< different ones
@@ -28,12 +28,12 @@ struct Order {
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
 };
 
-/// The demands that are due, as they were; the next date of each is set.
+/// Copies of the demands that are due; the next date of each is set.
 std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now);
-/// There was no frame after all: they are due again.
+/// No frame was made: they are due again.
 void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
 
-/// What a frame of such settings holds for them. Those whose window has no bin in it get nothing.
+/// What a frame of such settings must hold for them. A window without a bin in the frame gets nothing.
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings);
 
 }  // namespace obliq::net

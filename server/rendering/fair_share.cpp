@@ -7,11 +7,11 @@
 namespace obliq::net {
 namespace {
 
-/// As long as nothing is known, a newcomer has so long to show that it is quick. Those that are not are then
-/// served one after the other, as if all of them cost the same.
+/// While no cost is known, a new party gets this long to show that it is quick. Slower ones are then served
+/// one after the other, as if all cost the same.
 constexpr double kTrial_s = 0.05;
 constexpr double kUnknown_s = 1;
-/// Pieces of one party vary by this much on a machine that others use too: none is interrupted for it just
+/// The cost of one party's pieces varies by this factor on a shared machine: none should be interrupted just
 /// before its end.
 constexpr double kMargin = 1.5;
 constexpr double kLeast_s = 1e-3;
@@ -52,7 +52,7 @@ void FairShare::set_wanting(std::size_t number, bool wanting) {
 
 void FairShare::charge(std::size_t party, double seconds) {
   parties_[party].spent_s += seconds;
-  // Of those who want something, the one that has had least.
+  // The wanting party that has had least.
   double least_s = std::numeric_limits<double>::infinity();
   for (const Party& p : parties_)
     if (p.wanting) least_s = std::min(least_s, p.begin_s + p.spent_s);

@@ -1,5 +1,5 @@
 #pragma once
-// Whose turn it is to render. Pure decisions: no clock, no thread, no frames; RenderThread asks.
+// Whose turn it is to render. Pure decisions, without clock, thread or frames.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -10,27 +10,26 @@ namespace obliq::net {
 
 /// Shares rendering time among parties: the live radars, and all RenderOnce requests as one.
 ///
-/// The share is of time, not of frames: as long as n parties have something to render, each gets at least one
-/// n-th of the time, and what a party does not need goes to the others. So a radar whose frames take twenty
-/// times as long has fewer of them, and takes nothing from radars that stay within their shares. (Turns frame
-/// by frame would give it twenty times their time; frames in proportion to rates would reward whoever asks
-/// for most.)
+/// The share is of time, not of frames: while n parties have something to render, each gets at least one n-th
+/// of the time, and what a party does not need goes to the others. So a radar whose frames take twenty times
+/// as long has fewer of them, and takes nothing from radars that stay within their shares. (Turns frame by
+/// frame would give it twenty times their time; frames in proportion to rates would reward high rates.)
 ///
 /// Weighted fair queueing with equal weights (Demers, Keshav, Shenker 1989): each piece of work, a frame or a
-/// slice of one, is given the virtual time at which it would end if everybody rendered at once, each with its
-/// share, and the earliest end goes first. Departures: virtual time is the account of whoever has had least,
-/// as in start-time fair queueing (Goyal, Vin, Cheng 1996), so that nothing depends on how many want
-/// something at a moment; what a piece costs is not known before, so it is taken to be what the party's last
-/// one cost and half as much again (a newcomer's: what the shortest of the others' did), twice that whenever
-/// it turns out to be more, and made good afterwards; and a piece may be interrupted by one with an earlier
-/// end. Parties of equal cost are therefore served one whole frame after the other, and only a long frame
-/// gives way in its middle to short ones.
+/// slice of one, is given the virtual time at which it would end if all parties rendered at once, each with
+/// its share, and the earliest end goes first. Departures: virtual time is that of the party that has had
+/// least, as in start-time fair queueing (Goyal, Vin, Cheng 1996), so that it does not depend on how many
+/// parties want something at a moment; the cost of a piece is not known beforehand, so it is estimated as 1.5
+/// times the party's last one (a new party's: the cheapest of the others'), doubled whenever it turns out to
+/// be more, and settled afterwards; and a piece may be interrupted by one with an earlier end. Parties of
+/// equal cost are therefore served one whole frame after the other, and only a long frame gives way to short
+/// ones.
 class FairShare {
  public:
   /// Parties are numbered in the order they are added.
   std::size_t add();
 
-  /// Whether it has something to render now. One that had not keeps no claim on the time it did not use.
+  /// Whether it has something to render now. A party that had not has no claim on the time it did not use.
   void set_wanting(std::size_t party, bool wanting);
 
   /// Time has been spent on the piece that a party has in hand.
@@ -38,13 +37,12 @@ class FairShare {
   /// That piece is done.
   void done(std::size_t party);
 
-  /// Virtual end of the piece that the party has in hand, or of its next one if it came up now. In seconds of
+  /// Virtual end of the piece that the party has in hand, or of its next one if that began now. In seconds of
   /// rendering.
   double end_s(std::size_t party) const;
   /// The wanting party with the earliest end; of equal ones the lowest number.
   std::optional<std::size_t> first() const;
-  /// How long a party may go on beside the other one, wanting something, before it is to be asked again who
-  /// goes first, in seconds of rendering; 0: the other one does.
+  /// How long a party may go on while the other one waits, in seconds of rendering; 0: the other goes first.
   double lead_s(std::size_t party, std::size_t other) const;
 
  private:

@@ -34,13 +34,13 @@ class FrameCache::Place {
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
 
-  /// Its radar has other settings now, or has gone, or there is another scene.
+  /// The radar has other settings or has gone, or the scene has changed.
   bool is_over(std::uint64_t generation) const { return settings_.expired() || generation_ != generation; }
   bool is_of(const SettingsPtr& settings) const { return settings_.lock() == settings; }
   const PoseSettings& pose() const { return pose_; }
   bool is_at(const PoseSettings& pose) const { return same_antenna(pose_, pose); }
 
-  /// The frame of before for another number and date; null when there is none to go by.
+  /// The frame kept, with another number and date; null when there is none.
   std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const {
     const auto frame = planned();
     return frame ? frame->again(pose) : nullptr;
@@ -173,7 +173,7 @@ FrameRenderer::Plan FrameCache::plan(const SettingsPtr& settings, const PoseSett
 FrameRenderer::Plan FrameCache::plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
                                            const PoseSettings& pose) const {
   const auto* ours = dynamic_cast<const Frame*>(&frame);
-  // In the scene of the frame before, whatever has come since: nothing of it is kept or repeated.
+  // In the scene of the frame before, even if a newer one has come: nothing of it is kept or repeated.
   return renderer_.plan_again(ours ? ours->frame() : frame, settings, pose);
 }
 
@@ -182,7 +182,7 @@ void FrameCache::forget() {
   places_.clear();
 }
 
-/// Where a radar was before, if it is there still; places that radars have left are forgotten.
+/// The place of a radar that has not moved; places that radars have left are forgotten.
 std::shared_ptr<FrameCache::Place> FrameCache::find(const SettingsPtr& settings, const PoseSettings& pose,
                                                     std::uint64_t generation) const {
   const std::lock_guard lock(mutex_);

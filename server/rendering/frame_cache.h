@@ -9,10 +9,9 @@
 
 namespace obliq::net {
 
-/// Renders nothing twice: while a radar's settings, its antenna and the scene stay what they were, the plan
-/// and the wedges of the frame before are taken again, which have the same bits. So an antenna that stands
-/// still, or scans from where it stands, costs next to nothing. Nothing is kept of the first frame at a
-/// place, so that a flight takes no memory.
+/// Renders nothing twice: while settings, antenna and scene of a radar stay the same, plan and wedges of the
+/// frame before are reused, bit for bit. So an antenna that stands still, or scans from one place, costs next
+/// to nothing. Nothing is kept of the first frame at a place, so that a flight takes no memory.
 class FrameCache : public FrameRenderer {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{128} << 20;
@@ -29,7 +28,7 @@ class FrameCache : public FrameRenderer {
   std::string fixed() const override { return renderer_.fixed(); }
   wire::PlaneSet planes() const override { return renderer_.planes(); }
 
-  /// Lets go of all that is kept, and of the scene that it was planned in. From any thread.
+  /// Drops all that is kept, and the scene that it was planned in. From any thread.
   void forget();
 
   /// Bytes of bins that are kept.

@@ -76,12 +76,12 @@ bool LiveStream::wants_scan() const {
 }
 
 bool LiveStream::wants_scan(const LiveView& view) const {
-  // A renderer that only repeats has its own times.
+  // A renderer that only replays has its own times.
   return view.settings->settings.scan_mode != ScanMode::frame && context_.renderer.fixed().empty();
 }
 
 bool LiveStream::sheds_none() const {
-  // A renderer that only repeats has its own times.
+  // A renderer that only replays has its own times.
   return !context_.renderer.fixed().empty() || std::ranges::any_of(demands_, &Demand::lossless);
 }
 

@@ -94,7 +94,7 @@ void RenderThread::end_scans() {
     if (context_.finishing) {
       radar.scan.end("the server is stopping");
     } else if (!radar.stream.wants_scan()) {
-      radar.scan.end(radar.stream.is_watched() ? "the radar's settings changed" : "nobody watches any more");
+      radar.scan.end(radar.stream.is_watched() ? "the radar's settings changed" : "no watchers left");
     }
   }
 }

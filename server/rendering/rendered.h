@@ -14,14 +14,14 @@ struct FrameCost {
   std::int64_t work() const { return pixels + bins; }
 };
 
-/// A frame of a RenderOnce request that has been rendered to its end.
+/// A completed frame of a RenderOnce request.
 struct RenderedOnce {
   double render_s = 0;  ///< of all its slices, without the waits between them
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
 };
 
-/// A live frame that has been rendered to its end.
+/// A completed live frame.
 struct RenderedFrame {
   double waited_s = 0;       ///< from the date when it was due to its planning
   double render_s = 0;       ///< from its planning to its last block, with the turns of others in between

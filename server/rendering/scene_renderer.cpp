@@ -55,7 +55,7 @@ std::shared_ptr<const Scene> SceneRenderer::scene() const {
 void SceneRenderer::replace(std::shared_ptr<const Scene> scene) {
   const std::lock_guard lock(mutex_);
   ++generation_;
-  scene_.swap(scene);  // the old one goes after the lock has
+  scene_.swap(scene);  // the old one is freed after the lock
 }
 
 std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {

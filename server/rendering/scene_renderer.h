@@ -9,9 +9,9 @@
 
 namespace obliq::net {
 
-/// Renders frames of a loaded scene, which may be exchanged for another between frames: a planned frame keeps
-/// the scene that it was planned in. Where the first frustum's rays are to be traced, plan() has nothing yet
-/// until Embree's scene is built, beside the rendering.
+/// Renders frames of a loaded scene, which may be replaced between frames: a planned frame keeps its scene.
+/// When a frustum first needs traced rays, plan() has nothing yet until Embree's scene is built, in parallel
+/// to the rendering.
 class SceneRenderer : public FrameRenderer {
  public:
   SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);

@@ -12,11 +12,11 @@
 namespace obliq::net {
 namespace {
 
-/// As long as other radars may wait for their turn.
+/// Other radars may wait this long for their turn.
 constexpr std::chrono::milliseconds kMoment{5};
 
 std::string build(const std::shared_ptr<const Scene>& scene) {
-  spdlog::info("the first frustum whose rays are traced: building the ray-tracing scene");
+  spdlog::info("a frustum needs traced rays: building the ray-tracing scene");
   try {
     scene->tracer();
   } catch (const std::exception& error) {

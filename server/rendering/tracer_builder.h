@@ -10,14 +10,14 @@ class Scene;
 
 namespace net {
 
-/// Builds scenes' tracers on a thread of its own, one at a time, so that radars that need none go on
+/// Builds the tracers of scenes on its own thread, one at a time, so that radars that need none go on
 /// meanwhile. From any thread.
 class TracerBuilder {
  public:
   enum class State { built, building, failed };
 
-  /// Begins to build unless that is done or under way, and waits for the end for a moment. What has failed is
-  /// tried again by the next call.
+  /// Begins to build unless that is done or under way, and waits a moment for the end. The next call tries
+  /// again what has failed.
   State ensure(const std::shared_ptr<const Scene>& scene, std::string& fault);
 
  private:

@@ -52,7 +52,7 @@ void require_protection(const std::string& address_key, const std::string& addre
   if (missing.empty()) return;
   throw InputError(address_key + ": found " + address + ", which other machines can reach, without " +
                    missing + "; allowed: 127.0.0.1 or ::1, or with " + missing + ", or with " +
-                   unprotected_key + " = true, which lets everybody in");
+                   unprotected_key + " = true, which lets any client in");
 }
 
 }  // namespace obliq::net

@@ -12,8 +12,8 @@ bool resolves_to_loopback(const std::string& address);
 /// IPv6 form), the /64 network of an IPv6 address. Other text comes back as it is.
 std::string network_of(const std::string& host);
 
-/// Of networks, one entry for each connection, that with most of them; of equals the first in order of text.
-/// There must be one.
+/// The network with most connections, of one entry for each connection; of equals the first by text. There
+/// must be one.
 std::string most_crowded(const std::vector<std::string>& networks);
 
 /// Off loopback, a port needs all of `protections` (keys of the configuration, with whether they are set) or

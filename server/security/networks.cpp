@@ -13,7 +13,7 @@ namespace {
 namespace ip = boost::asio::ip;
 using boost::system::error_code;
 
-/// An IPv4 address in IPv6 clothes becomes the IPv4 one; scopes are left out.
+/// A mapped IPv4 address becomes the IPv4 one; scopes are dropped.
 std::optional<ip::address> parse_address(const std::string& text) {
   error_code error;
   const ip::address address = ip::make_address(text, error);

@@ -8,7 +8,7 @@ namespace obliq::net {
 enum class Role : std::uint8_t {
   viewer,      ///< list, watch, status, RenderOnce
   controller,  ///< claims radars, sets them, subscribes without losses
-  admin,       ///< takes control over from others
+  admin,       ///< takes control from others
 };
 
 constexpr std::string_view role_name(Role role) {

@@ -21,17 +21,17 @@ struct SecurityFiles {
   std::string tls_key;          ///< PEM
 };
 
-/// Who may do what, and with which certificate the server shows itself: shared by all ports of the daemon.
+/// Tokens and roles, and the certificate of the server: shared by all ports of the daemon.
 /// From any thread.
 class Security {
  public:
-  /// Nothing configured: no TLS, and everybody is admin.
+  /// Nothing configured: no TLS, and every client is admin.
   Security() = default;
   /// Reads the files. Throws InputError that names file and reason.
   explicit Security(SecurityFiles files);
 
   struct Reloaded {
-    std::string tokens_fault;  ///< empty: they were taken over, or there are none
+    std::string tokens_fault;  ///< empty: they are in force, or none are configured
     std::string certificate_fault;
   };
   /// Reads the files anew, each by itself: where one is faulty, the old one stays in force.
@@ -42,12 +42,12 @@ class Security {
 
   /// Nothing: refused. Where no tokens are configured, an admin, whatever the token.
   std::optional<Grant> grant(std::string_view token) const;
-  /// As above, for one who came earlier: what holds for the same token now.
+  /// As above, for a client that came earlier: what the same token grants now.
   std::optional<Grant> grant(const TokenDigest& digest) const;
 
-  /// For connections from now on; null without TLS. Those that exist keep theirs.
+  /// For new connections; null without TLS. Existing ones keep theirs.
   std::shared_ptr<boost::asio::ssl::context> tls() const;
-  /// Of the certificate in use: that it has expired, say.
+  /// About the certificate in use: that it has expired, say.
   std::vector<std::string> warnings() const;
 
  private:

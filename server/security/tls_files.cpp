@@ -23,7 +23,7 @@ namespace {
 /// 3072 2.1 ms, 4096 4.6 ms).
 constexpr int kSlowRsa_bits = 3072;
 
-/// What OpenSSL says is wrong, and forgets by that.
+/// OpenSSL's reason for the last error, which is cleared.
 std::string openssl_reason() {
   const unsigned long code = ERR_peek_last_error();
   ERR_clear_error();
@@ -31,7 +31,7 @@ std::string openssl_reason() {
   return reason == nullptr ? "not readable as PEM" : reason;
 }
 
-/// OpenSSL's own words for a file that is not there are not for people.
+/// OpenSSL's message for a missing file is unreadable.
 void demand_readable(const std::string& key, const std::string& path) {
   refuse_endless_file(key + ": " + path, path);
   std::FILE* file = std::fopen(path.c_str(), "rbe");
@@ -39,7 +39,7 @@ void demand_readable(const std::string& key, const std::string& path) {
   std::fclose(file);
 }
 
-/// Nobody is there to type a passphrase: a daemon must not wait for one.
+/// A daemon has nobody to type a passphrase and must not wait for one.
 int no_passphrase(char*, int, int, void*) { return -1; }
 
 std::string time_text(const ASN1_TIME* time) {
@@ -58,8 +58,8 @@ std::shared_ptr<ssl::context> read_tls_files(const std::string& certificate_path
   auto context = std::make_shared<ssl::context>(ssl::context::tls_server);
   SSL_CTX* tls = context->native_handle();
   SSL_CTX_set_min_proto_version(tls, TLS1_2_VERSION);
-  // Renegotiation is work that a peer can ask for again and again. A peer that leaves without a farewell is
-  // no error here: messages have a length and a CRC of their own.
+  // A peer could ask for renegotiation again and again. A peer that closes without close_notify is no error:
+  // messages have a length and a CRC of their own.
   SSL_CTX_set_options(tls, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE |
                                SSL_OP_IGNORE_UNEXPECTED_EOF);
   SSL_CTX_set_mode(tls, SSL_MODE_RELEASE_BUFFERS);  // idle connections hold 34 KiB less
@@ -98,8 +98,8 @@ std::shared_ptr<ssl::context> read_tls_files(const std::string& certificate_path
     warnings.push_back(
         "server.tls_certificate: " + certificate_path + " has an RSA key of " +
         std::to_string(EVP_PKEY_bits(key)) +
-        " bits: every connection costs milliseconds of processor, which a flood of them can ask "
-        "for; a key on the curve P-256 (openssl ecparam -genkey -name prime256v1) costs a tenth");
+        " bits: every handshake costs milliseconds of processor time, which a flood of connections "
+        "multiplies; a key on the curve P-256 (openssl ecparam -genkey -name prime256v1) costs a tenth");
   }
   struct stat status {};
   if (::stat(key_path.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {

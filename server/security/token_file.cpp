@@ -105,7 +105,7 @@ void TokenFile::add(std::string_view line, const std::string& where) {
   const std::string_view token = next_word();
   const std::string_view name = next_word();
   const auto role = role_of(role_word);
-  // What was found is not shown: who mixed the columns up has the token there.
+  // What was found is not shown: if the columns are mixed up, it is the token.
   if (!role) throw InputError(where + ": the first word is no role; allowed: viewer, controller, admin");
   if (token.size() < kMinTokenBytes || token.size() > kMaxTokenBytes || !printable(token)) {
     throw InputError(where + ": found a token of " + std::to_string(token.size()) +

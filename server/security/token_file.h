@@ -17,7 +17,7 @@ constexpr std::size_t kMaxTokenBytes = 256;
 /// SHA-256 of a token: what is kept of it.
 using TokenDigest = std::array<std::uint8_t, 32>;
 
-/// Who came with a token.
+/// What a token grants.
 struct Grant {
   Role role = Role::viewer;
   std::string name;  ///< from the file; may be empty
@@ -33,7 +33,7 @@ class TokenFile {
   /// user nor root.
   static TokenFile read(const std::filesystem::path& path);
 
-  /// Takes as long whichever entry fits, if any.
+  /// Takes the same time whichever entry matches, if any.
   std::optional<Grant> find(std::string_view token) const;
   std::optional<Grant> find(const TokenDigest& digest) const;
   std::size_t size() const { return entries_.size(); }

@@ -27,7 +27,7 @@ struct Block {
   std::uint32_t stream_id = 0;
   std::uint64_t frame_id = 0;
   std::uint64_t sequence = 0;
-  std::shared_ptr<BlockMeter> meter;  ///< that has counted it; may be null
+  std::shared_ptr<BlockMeter> meter;  ///< counts it; may be null
 };
 using BlockPtr = std::shared_ptr<const Block>;
 

@@ -52,7 +52,7 @@ std::optional<wire::Bytes> FrameQueue::push(const BlockPtr& block, const LiveFra
     }
   } else {
     at->complete = true;
-    // Nobody need hear of the end of a frame that he has not heard of.
+    // Drop the FrameAbort of a frame whose FrameBegin was never sent.
     if (policy_ != QueuePolicy::once && block->type == MessageType::frame_abort && !at->begun) {
       drop(at);
       return std::nullopt;

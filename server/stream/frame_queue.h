@@ -17,8 +17,8 @@ using ByteCounter = std::shared_ptr<std::atomic<std::size_t>>;
 
 enum class QueuePolicy {
   newest_wins,  ///< a frame that has not begun to be written gives way to a newer one
-  lossless,     ///< keeps every frame; the radar is held back by the frames it has alive
-  once,         ///< a RenderOnce's only frame; its producer is held back by the byte counter
+  lossless,     ///< keeps every frame; live frames hold the radar back
+  once,         ///< the only frame of a RenderOnce; the byte counter holds its producer back
 };
 
 /// The frames of one stream on their way to one client. A frame that has begun is completed or ended by a
@@ -55,11 +55,11 @@ class FrameQueue {
   };
   std::size_t held() const { return frames_.size(); }
   Held held(std::size_t index) const;
-  /// A block was taken, or the first came to where there were none.
+  /// When a block was last taken, or the first one came into the empty queue.
   Clock::time_point last_progress() const { return last_progress_; }
 
-  /// Gives a frame up and counts it; when it had begun, the result is its FrameAbort. Frames that are not
-  /// held are not minded.
+  /// Gives a frame up and counts it; when it had begun, the result is its FrameAbort. Does nothing for a
+  /// frame that is not held.
   std::optional<wire::Bytes> give_up(std::uint64_t frame_id, const std::string& reason);
   void clear();
 

@@ -18,7 +18,7 @@ struct BlockMeter {
 
 class LiveFrames;
 
-/// One frame on its way. It is alive as long as somebody holds it; never changes.
+/// A frame on its way to clients. Alive as long as it is referenced; never changes.
 class LiveFrame {
  public:
   LiveFrame(std::shared_ptr<LiveFrames> owner, std::uint64_t frame_id, std::vector<std::uint64_t> takers);
@@ -39,7 +39,7 @@ using LiveFramePtr = std::shared_ptr<const LiveFrame>;
 /// Counts the frames of one radar. From any thread.
 class LiveFrames : public std::enable_shared_from_this<LiveFrames> {
  public:
-  /// on_freed: called whenever a frame has gone, on the thread that let go of it.
+  /// on_freed: called whenever a frame has gone, on the thread that released it last.
   explicit LiveFrames(std::function<void()> on_freed) : on_freed_(std::move(on_freed)) {}
 
   LiveFramePtr open(std::uint64_t frame_id, std::vector<std::uint64_t> takers);

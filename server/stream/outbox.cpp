@@ -50,7 +50,7 @@ void Outbox::give_up(std::uint32_t stream_id, std::uint64_t frame_id, const std:
 void Outbox::close_queue(std::uint32_t stream_id, const std::string& reason) {
   FrameQueue* queue = find(stream_id);
   if (queue == nullptr) return;
-  // Only a frame that the client has heard of is worth a word.
+  // A frame whose FrameBegin was never sent does not count as dropped.
   const std::uint64_t dropped = queue->dropped();
   while (queue->held() > 0) give_up(stream_id, queue->held(0).frame_id, reason);
   dropped_by_closed_ += dropped;

@@ -11,7 +11,7 @@
 namespace obliq::net {
 
 /// What waits to be written to one client: control messages, then frames, one queue per stream. Bounded, but
-/// for control messages, which are answers: who puts them in counts them. Knows no sockets. For one thread.
+/// for control messages, which the caller limits. Knows no sockets. For one thread.
 class Outbox {
  public:
   Outbox(int frames_per_queue, std::size_t live_bytes)

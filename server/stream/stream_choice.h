@@ -13,18 +13,18 @@ class RenderOnce;
 
 namespace obliq::net {
 
-/// How blocks are made. Watchers that ask for the same share the same blocks.
+/// How blocks are encoded. Watchers with the same format share blocks.
 struct BlockFormat {
   wire::IqEncoding iq = wire::IqEncoding::cf32_le;  ///< means nothing for other planes
   wire::Compression compression = wire::Compression::none;
   wire::Window window;  ///< as asked for, not cut to any frame
 
   auto operator<=>(const BlockFormat&) const = default;
-  /// The format as it is for this plane: what means nothing is the default.
+  /// The format for this plane: fields that do not apply to it have their defaults.
   BlockFormat of_plane(wire::Plane plane) const;
 };
 
-/// What a client wants of a radar's frames.
+/// What a client asks for of a radar's frames.
 struct StreamChoice {
   wire::PlaneSet planes = wire::kAllPlanes;
   BlockFormat format{};

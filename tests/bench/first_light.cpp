@@ -98,11 +98,11 @@ struct Watcher : client::FrameHandler {
   Clock::time_point first_wedge;  ///< its last plane
   bool ended = false;
 
-  client::Status on_begin(const wire::FrameHeader&, const wire::FrameBegin&) override {
+  client::Status on_begin(const wire::MessageHeader&, const wire::FrameBegin&) override {
     planes_of_first = 0;
     return {};
   }
-  client::Status on_block(const wire::FrameHeader&, const wire::WedgeBlock& block,
+  client::Status on_block(const wire::MessageHeader&, const wire::WedgeBlock& block,
                           std::span<const std::byte>) override {
     if (planes_of_first == 0) first_index = block.wedge_index();
     if (planes_of_first < wire::kPlanes && block.wedge_index() == first_index &&
@@ -110,7 +110,7 @@ struct Watcher : client::FrameHandler {
       first_wedge = Clock::now();
     return {};
   }
-  client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override {
+  client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
     ended = true;
     return {};
   }

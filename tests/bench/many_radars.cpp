@@ -54,12 +54,12 @@ struct Seen : client::FrameHandler {
   std::vector<double> render_s;
   std::int64_t render_start_ns = 0;
 
-  client::Status on_block(const wire::FrameHeader&, const wire::WedgeBlock& block,
+  client::Status on_block(const wire::MessageHeader&, const wire::WedgeBlock& block,
                           std::span<const std::byte>) override {
     render_start_ns = block.render_start_ns();
     return {};
   }
-  client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd& end) override {
+  client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd& end) override {
     latency_s.push_back(end.waited_s() + 1e-9 * static_cast<double>(net::monotonic_ns() - render_start_ns));
     render_s.push_back(end.render_s());
     return {};

@@ -174,7 +174,7 @@ double library_MB_s(const client::Endpoint& endpoint) {
   check(client.connect(endpoint));
   struct Counter : client::FrameHandler {
     std::size_t bytes = 0;
-    client::Status on_block(const wire::FrameHeader&, const wire::WedgeBlock&,
+    client::Status on_block(const wire::MessageHeader&, const wire::WedgeBlock&,
                             std::span<const std::byte> plane) override {
       bytes += plane.size();
       return {};

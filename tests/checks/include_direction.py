@@ -21,9 +21,7 @@ TO_PLAN = TO_GEOMETRY + [R + "frame_plan"]
 TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
 TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
-TO_STREAM = TO_OUTPUT + ["server/stream"]
-TO_RENDERING = TO_STREAM + ["server/flight", "server/rendering"]
-TO_NET = TO_RENDERING + ["server/security", "server/log", "server/net"]
+TO_STREAM = BASE + ["proto", "server/radar"]
 ALLOWED = {
     "terrain/base": [],
     "terrain": [],
@@ -59,13 +57,15 @@ ALLOWED = {
     "server/output": TO_OUTPUT + ["server/explain/thresholds"],
     "server/loading": SERVER_CORE + ["server/truth", "server/accuracy", "server/control"],
     "server/frontier": TO_OUTPUT + ["server/loading"],
-    "server/timing": TO_STREAM + ["client"],
+    "server/timing": TO_OUTPUT + ["server/stream", "client"],
     "server/log": ["server/control/sections/log"],
     "server/stream": TO_STREAM,
-    "server/rendering": TO_RENDERING,
-    "server/net": TO_NET,
-    "server/http": TO_NET,
-    "server/modbus": TO_NET,
+    "server/rendering": TO_STREAM + ["server/scene", "server/control", "server/flight", "server/output",
+        "server/stream"],
+    "server/net": TO_STREAM + ["server/control", "server/flight", "server/stream", "server/rendering",
+        "server/security", "server/log"],
+    "server/http": BASE + ["server/scene", "server/security", "server/log", "server/rendering", "server/net"],
+    "server/modbus": BASE + ["server/control", "server/security", "server/log", "server/net"],
     "server/apps": ["terrain", "proto", "client", "server"],
     "tests": ["terrain", "proto", "client", "server"],
 }
@@ -161,6 +161,11 @@ def self_test():
         "server/truth/b.h": '#include "server/radar/frame_plan.h"',
         "server/control/a.h": "#include <toml++/toml.h>",
         "server/net/a.cpp": '#include "client/client.h"',
+        "server/net/b.cpp": '#include "server/output/frame_files.h"',
+        "server/stream/a.cpp": '#include "server/rendering/job.h"',
+        "server/stream/b.h": '#include "server/control/key.h"',
+        "server/rendering/a.cpp": '#include "server/net/peer.h"',
+        "server/security/a.h": '#include "server/net/tcp.h"',
         "server/apps/a.h": "#include <CLI/CLI.hpp>",
         "server/net/c.h": "#include <openssl/ssl.h>",
         "server/radar/c.cpp": '#include "bins.h"',

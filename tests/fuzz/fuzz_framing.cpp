@@ -26,10 +26,10 @@ void parse_as_each(std::span<const std::byte> descriptor) {
   (parse(Messages()), ...);
 }
 
-void check_header(const wire::FrameHeader& header, std::span<const std::byte> bytes) {
+void check_header(const wire::MessageHeader& header, std::span<const std::byte> bytes) {
   wire::HeaderBytes encoded;
   wire::encode_header(header, encoded);
-  wire::FrameHeader again;
+  wire::MessageHeader again;
   if (wire::decode_header(encoded, wire::kMaxPayloadBytes, again) != wire::HeaderStatus::ok ||
       again.sequence != header.sequence || again.utc_ns != header.utc_ns ||
       again.payload_length != header.payload_length) {

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "proto/frame_header.h"
 #include "proto/limits.h"
+#include "proto/message_header.h"
 
 namespace obliq::fuzz {
 
@@ -24,7 +24,7 @@ std::vector<std::byte> stream_of(const std::uint8_t* data, std::size_t size) {
 void mend_crcs(std::vector<std::byte>& bytes) {
   std::span<std::byte> left(bytes);
   while (left.size() >= wire::kHeaderBytes) {
-    wire::FrameHeader header;
+    wire::MessageHeader header;
     const auto decoded =
         wire::decode_header(left.first<wire::kHeaderBytes>(), wire::kMaxPayloadBytes, header);
     const std::size_t size = std::size_t{header.header_length} + header.payload_length;

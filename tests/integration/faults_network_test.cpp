@@ -130,7 +130,7 @@ TEST_F(HalfOpen, PeersThatVanishWithoutAWordAreGoneAndOthersLoseNothing) {
     int lines = 0;
     std::istringstream log(daemon->log());
     for (std::string line; std::getline(log, line);) {
-      lines += line.find("127.0.0.2") != std::string::npos && line.find("has gone") != std::string::npos;
+      lines += line.find("127.0.0.2") != std::string::npos && line.find("disconnected") != std::string::npos;
     }
     return lines;
   };

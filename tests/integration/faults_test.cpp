@@ -194,10 +194,10 @@ void make_huge(wire::RadarSettings& settings) {
 /// Takes what comes without keeping it.
 class Discard : public client::FrameHandler {
  public:
-  client::Status on_abort(const wire::FrameHeader&, const wire::FrameAbort& abort) override {
+  client::Status on_abort(const wire::MessageHeader&, const wire::FrameAbort& abort) override {
     return client::Status::failure(client::Outcome::aborted, abort.reason());
   }
-  client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override {
+  client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
     return client::Status::failure(client::Outcome::aborted, "the frame was rendered");
   }
 };

@@ -71,7 +71,7 @@ TEST_F(Abuse, LeavingInTheMiddleOfAMessageIsNoTrouble) {
 
 TEST_F(Abuse, AnOversizedLengthIsRefusedAtOnce) {
   RawPeer peer(server);
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   header.type = MessageType::hello;
   header.payload_length = 0xFFFFFFFF;  // never sent, never allocated
   wire::HeaderBytes bytes{};
@@ -113,7 +113,7 @@ TEST_F(Abuse, AMessageThatDoesNotParseIsRefused) {
   peer.send(hello_bytes());
   // Valid framing around a protobuf field that is cut short.
   wire::Bytes message(wire::kHeaderBytes + 2);
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   header.type = MessageType::get_radar;
   header.payload_length = header.descriptor_length = 2;
   const std::span<std::byte> all(message);

@@ -85,7 +85,7 @@ TEST(RenderOnce, TooManyRendersAreRefusedByTheLimitsName) {
   /// The two frames may interleave: only their ends are counted.
   struct Ends : client::FrameHandler {
     int count = 0;
-    client::Status on_end(const wire::FrameHeader&, const wire::FrameEnd&) override {
+    client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
       ++count;
       return {};
     }

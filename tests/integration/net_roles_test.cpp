@@ -175,7 +175,7 @@ TEST_F(Roles, NoTokenIsEverWrittenToTheLog) {
     spdlog::error("{}", complaint(folder / "tokens"));  // as a reload would
   }
   const std::string text = log.text();
-  EXPECT_NE(text.find("has come as controller with the token of console"), std::string::npos) << text;
+  EXPECT_NE(text.find("connected as controller with the token of console"), std::string::npos) << text;
   for (const std::string& token :
        {std::string(kViewer), std::string(kController), std::string(kOther), std::string(kAdmin), wrong}) {
     EXPECT_EQ(text.find(token), std::string::npos) << text;

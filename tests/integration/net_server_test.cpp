@@ -29,7 +29,7 @@ TEST(Server, ServesAClientOfVersion1Point0) {
   const wire::Bytes now = hello_bytes();
   wire::HeaderBytes head{};
   std::copy_n(now.begin(), wire::kHeaderBytes, head.begin());
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   ASSERT_EQ(wire::decode_header(head, wire::kMaxPayloadBytes, header), wire::HeaderStatus::ok);
   header.minor = 0;
   wire::encode_header(header, head);
@@ -178,7 +178,7 @@ TEST(Server, NewSettingsAndPoseShowInTheNextFramesAndVersion) {
   /// Keeps the echo of the newest block.
   struct Echo : FrameAssembler {
     wire::WedgeBlock block;
-    client::Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& newest,
+    client::Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& newest,
                             std::span<const std::byte> values) override {
       block = newest;
       return FrameAssembler::on_block(header, newest, values);

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "proto/obliq.pb.h"
-#include "server/net/tcp_options.h"
+#include "server/net/tcp.h"
 #include "server/security/exposure.h"
 #include "terrain/base/errors.h"
 #include "tests/integration/net_fixture.h"

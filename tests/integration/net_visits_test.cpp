@@ -47,7 +47,7 @@ TEST(Visits, WhoOnlyAsksIsOneLineWithNameAddressRequestsAndTime) {
   const auto lines = lines_about("asker", log);
   ASSERT_EQ(lines.size(), 1u) << log;
   EXPECT_NE(lines[0].find("asker (127.0.0.1:"), std::string::npos) << lines[0];
-  EXPECT_NE(lines[0].find("asked for GetRadar, GetStatus, and has gone after 0."), std::string::npos)
+  EXPECT_NE(lines[0].find("asked for GetRadar, GetStatus and disconnected after 0."), std::string::npos)
       << lines[0];
 }
 
@@ -81,8 +81,8 @@ TEST(Visits, WhoWatchesOrFliesIsToldWhenHeComesAndWhenHeGoes) {
       log_of("watcher", [](client::Client& client) { EXPECT_TRUE(client.subscribe("main", 50).ok()); });
   auto lines = lines_about("watcher", log);
   ASSERT_EQ(lines.size(), 2u) << log;
-  EXPECT_NE(lines[0].find("has come as admin"), std::string::npos) << lines[0];
-  EXPECT_NE(lines[1].find("has gone"), std::string::npos) << lines[1];
+  EXPECT_NE(lines[0].find("connected as admin"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("disconnected"), std::string::npos) << lines[1];
   log = log_of("pilot", [](client::Client& client) {
     wire::Ack ack;
     EXPECT_TRUE(client.claim_control("main").ok());

@@ -11,7 +11,7 @@
 
 #include "client/client.h"
 #include "proto/error_number.h"
-#include "proto/frame_header.h"
+#include "proto/message_header.h"
 #include "proto/obliq.pb.h"
 #include "server/stream/frame_encoder.h"
 #include "tests/integration/record_fixture.h"
@@ -130,7 +130,7 @@ TEST_F(RecordTest, ReplayServesTheFramesToAClientBitForBitAndRefusesWhatOnlyARad
 /// Keeps whether a FrameBegin spoke of a pass.
 class Passes : public client::FrameAssembler {
  public:
-  client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
+  client::Status on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) override {
     scans = scans || begin.has_scan();
     return FrameAssembler::on_begin(header, begin);
   }

@@ -260,7 +260,7 @@ class SessionBytes : public testing::Test {
     alone(
         "crowded", [](auto& options) { options.max_clients_per_address = 0; }, to_the_end(hello, good));
 
-    wire::FrameHeader header{.type = hello, .payload_length = 1, .descriptor_length = 1};
+    wire::MessageHeader header{.type = hello, .payload_length = 1, .descriptor_length = 1};
     wire::Bytes bytes(wire::kHeaderBytes + 1, std::byte{0xff});  // begins a field and does not end
     const auto refuse = [&](const std::string& title) {
       alone(title, as_configured, [&](RecordedPeer& peer) {

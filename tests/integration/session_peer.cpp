@@ -48,7 +48,7 @@ void RecordedPeer::send_bytes(const std::string& what, const wire::Bytes& bytes)
 bool RecordedPeer::read_one(MessageType& type) {
   wire::Bytes bytes(wire::kHeaderBytes);
   if (!socket_.receive(bytes, kLong).ok()) return false;
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   const auto status =
       wire::decode_header(std::span(bytes).first<wire::kHeaderBytes>(), wire::kMaxPayloadBytes, header);
   EXPECT_EQ(status, wire::HeaderStatus::ok);

@@ -201,7 +201,7 @@ void SessionRecord::sent(const std::string& who, MessageType type, const Message
 }
 
 bool SessionRecord::received(const std::string& who, const wire::MessageView& view) {
-  const wire::FrameHeader& header = view.header;
+  const wire::MessageHeader& header = view.header;
   const TypeFacts facts = facts_of(header.type);
   EXPECT_NE(facts.name, nullptr) << "message type " << static_cast<unsigned>(header.type);
   if (facts.name == nullptr) return false;

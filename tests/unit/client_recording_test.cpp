@@ -164,7 +164,7 @@ TEST(Recording, WhatAPowerFailureLeavesBehindIsNamedAndSkipped) {
 TEST(Recording, AFileOfNothingButHeadersEnds) {
   // Each header promises the most there may be, so that each candidate costs its CRC over all of it: searched
   // to the end, this would be a hundred gigabytes.
-  wire::FrameHeader header;
+  wire::MessageHeader header;
   header.type = MessageType::wedge_block;
   header.payload_length = wire::kMaxPayloadBytes;
   wire::HeaderBytes one;

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "proto/crc32c.h"
-#include "proto/frame_header.h"
 #include "proto/limits.h"
+#include "proto/message_header.h"
 
 namespace obliq::wire {
 namespace {
@@ -32,8 +32,8 @@ TEST(Crc32c, ContinuesOverParts) {
   EXPECT_EQ(crc32c({}), 0u);
 }
 
-FrameHeader sample_header() {
-  FrameHeader header;
+MessageHeader sample_header() {
+  MessageHeader header;
   header.type = MessageType::wedge_block;
   header.flags = 0x0102;
   header.payload_length = 0x00030201;
@@ -45,7 +45,7 @@ FrameHeader sample_header() {
   return header;
 }
 
-TEST(FrameHeader, LaysItsFieldsOutLittleEndianInTheDocumentedOrder) {
+TEST(MessageHeader, LaysItsFieldsOutLittleEndianInTheDocumentedOrder) {
   HeaderBytes bytes{};
   encode_header(sample_header(), bytes);
   constexpr std::array<unsigned char, kHeaderBytes> kExpected = {
@@ -62,12 +62,12 @@ TEST(FrameHeader, LaysItsFieldsOutLittleEndianInTheDocumentedOrder) {
   }
 }
 
-TEST(FrameHeader, ComesBackAsItWent) {
+TEST(MessageHeader, ComesBackAsItWent) {
   HeaderBytes bytes{};
   encode_header(sample_header(), bytes);
-  FrameHeader back;
+  MessageHeader back;
   ASSERT_EQ(decode_header(bytes, kMaxPayloadBytes, back), HeaderStatus::ok);
-  const FrameHeader sent = sample_header();
+  const MessageHeader sent = sample_header();
   EXPECT_EQ(back.type, sent.type);
   EXPECT_EQ(back.flags, sent.flags);
   EXPECT_EQ(back.payload_length, sent.payload_length);
@@ -82,11 +82,11 @@ HeaderStatus decode_changed(std::size_t offset, unsigned char value) {
   HeaderBytes bytes{};
   encode_header(sample_header(), bytes);
   bytes[offset] = static_cast<std::byte>(value);
-  FrameHeader header;
+  MessageHeader header;
   return decode_header(bytes, kMaxPayloadBytes, header);
 }
 
-TEST(FrameHeader, RefusesForeignBytesOtherMajorsAndImpossibleLengths) {
+TEST(MessageHeader, RefusesForeignBytesOtherMajorsAndImpossibleLengths) {
   EXPECT_EQ(decode_changed(0, 'G'), HeaderStatus::bad_magic);
   EXPECT_EQ(decode_changed(4, 2), HeaderStatus::version_mismatch);
   EXPECT_EQ(decode_changed(4, 0), HeaderStatus::version_mismatch);
@@ -97,14 +97,14 @@ TEST(FrameHeader, RefusesForeignBytesOtherMajorsAndImpossibleLengths) {
   EXPECT_EQ(decode_changed(14, 0x01), HeaderStatus::bad_length) << "descriptor longer than payload";
 }
 
-TEST(FrameHeader, AcceptsALaterMinorVersionWithALongerHeader) {
+TEST(MessageHeader, AcceptsALaterMinorVersionWithALongerHeader) {
   EXPECT_EQ(decode_changed(5, 9), HeaderStatus::ok);
   EXPECT_EQ(decode_changed(10, 64), HeaderStatus::ok);
   EXPECT_EQ(decode_changed(6, 0xEE), HeaderStatus::ok) << "an unknown type is the caller's to skip";
 }
 
-TEST(FrameHeader, SaysWhatWasFoundAndWhatIsAllowed) {
-  FrameHeader header;
+TEST(MessageHeader, SaysWhatWasFoundAndWhatIsAllowed) {
+  MessageHeader header;
   header.major = 7;
   header.minor = 3;
   EXPECT_NE(describe(HeaderStatus::version_mismatch, header, 10).find("found 7.3; allowed: 1.x"),

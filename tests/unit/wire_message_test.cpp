@@ -63,7 +63,7 @@ TEST(Message, WithALongerHeaderOfALaterMinorVersionIsRead) {
   const Bytes now = sample_message();
   Bytes later(now.begin(), now.begin() + kHeaderBytes);
   later.insert(later.end(), 8, std::byte{0xEE});
-  FrameHeader header;
+  MessageHeader header;
   ASSERT_EQ(decode_header(std::span<const std::byte>(later).first<kHeaderBytes>(), kMaxPayloadBytes, header),
             HeaderStatus::ok);
   header.minor = kMinorVersion + 1;

@@ -49,21 +49,21 @@ double milliseconds_of(std::int64_t ns) { return static_cast<double>(ns) * 1e-6;
 class TimedFrames : public client::FrameAssembler {
  public:
   using FrameAssembler::FrameAssembler;
-  client::Status on_begin(const wire::FrameHeader& header, const wire::FrameBegin& begin) override {
+  client::Status on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) override {
     first_wedge_ns_ = 0;
     utc_ns_ = header.utc_ns;
     scan_ = begin.has_scan() ? std::make_unique<wire::ScanPass>(begin.scan()) : nullptr;
     bytes_ = header.payload_length;
     return FrameAssembler::on_begin(header, begin);
   }
-  client::Status on_block(const wire::FrameHeader& header, const wire::WedgeBlock& block,
+  client::Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
                           std::span<const std::byte> values) override {
     if (first_wedge_ns_ == 0) first_wedge_ns_ = block.send_ns() - block.render_start_ns();
     pose_age_ns_ = block.pose_received_ns() == 0 ? 0 : block.send_ns() - block.pose_received_ns();
     bytes_ += header.payload_length;
     return FrameAssembler::on_block(header, block, values);
   }
-  client::Status on_end(const wire::FrameHeader& header, const wire::FrameEnd& end) override {
+  client::Status on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) override {
     // Between the clocks of two machines: exact on one machine, elsewhere as good as both are set.
     const double underway_ms = milliseconds_of(wire::utc_now_ns() - header.utc_ns);
     std::printf("%s %" PRIu64 ": ", scan_ ? "pass" : "frame", end.frame_id());
@@ -82,7 +82,7 @@ class TimedFrames : public client::FrameAssembler {
     warnings_.tell(std::move(warnings));
     return FrameAssembler::on_end(header, end);
   }
-  client::Status on_abort(const wire::FrameHeader& header, const wire::FrameAbort& abort) override {
+  client::Status on_abort(const wire::MessageHeader& header, const wire::FrameAbort& abort) override {
     std::printf("frame %" PRIu64 ": aborted, %s\n", abort.frame_id(), abort.reason().c_str());
     std::fflush(stdout);
     return FrameAssembler::on_abort(header, abort);

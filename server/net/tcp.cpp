@@ -1,14 +1,26 @@
-#include "server/net/tcp_options.h"
+#include "server/net/tcp.h"
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <boost/asio/ip/tcp.hpp>
 #include <cmath>
+#include <optional>
 
 namespace obliq::net {
 namespace {
+
+using boost::asio::ip::tcp;
+
+std::optional<tcp::endpoint> peer_of(int socket) {
+  tcp::endpoint peer;
+  auto size = static_cast<socklen_t>(peer.capacity());
+  if (::getpeername(socket, peer.data(), &size) != 0) return std::nullopt;
+  peer.resize(size);
+  return peer;
+}
 
 // Probes after the silence: more than one, since any may be lost.
 constexpr int kProbes = 3;
@@ -19,6 +31,21 @@ bool set(int fd, int level, int option, Value value) {
 }
 
 }  // namespace
+
+std::string endpoint_text(const std::string& host, std::uint16_t port) {
+  const bool is_v6 = host.find(':') != std::string::npos;
+  return (is_v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
+
+std::string host_of_peer(int socket) {
+  const auto peer = peer_of(socket);
+  return peer ? peer->address().to_string() : "?";
+}
+
+std::string endpoint_of_peer(int socket) {
+  const auto peer = peer_of(socket);
+  return peer ? endpoint_text(peer->address().to_string(), peer->port()) : "?";
+}
 
 bool watch_for_dead_peer(int socket_fd, double dead_after_s) {
   const int total_s = std::max(

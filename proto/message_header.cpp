@@ -1,4 +1,4 @@
-#include "proto/frame_header.h"
+#include "proto/message_header.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -28,7 +28,7 @@ T take(const std::byte*& at) {
 
 }  // namespace
 
-std::string describe(HeaderStatus status, const FrameHeader& header, std::uint32_t max_payload_bytes) {
+std::string describe(HeaderStatus status, const MessageHeader& header, std::uint32_t max_payload_bytes) {
   switch (status) {
     case HeaderStatus::ok:
       return "ok";
@@ -47,7 +47,7 @@ std::string describe(HeaderStatus status, const FrameHeader& header, std::uint32
   return "?";
 }
 
-void encode_header(const FrameHeader& header, std::span<std::byte, kHeaderBytes> out) {
+void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderBytes> out) {
   std::byte* at = out.data();
   put(at, kMagic);
   put(at, header.major);
@@ -65,7 +65,7 @@ void encode_header(const FrameHeader& header, std::span<std::byte, kHeaderBytes>
 }
 
 HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes, std::uint32_t max_payload_bytes,
-                           FrameHeader& header) {
+                           MessageHeader& header) {
   const std::byte* at = bytes.data();
   const auto magic = take<std::uint32_t>(at);
   header.major = take<std::uint8_t>(at);

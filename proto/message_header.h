@@ -20,7 +20,7 @@ constexpr std::size_t kCrcOffset = 40;
 
 using HeaderBytes = std::array<std::byte, kHeaderBytes>;
 
-struct FrameHeader {
+struct MessageHeader {
   std::uint8_t major = kMajorVersion;
   std::uint8_t minor = kMinorVersion;
   MessageType type{};
@@ -37,15 +37,15 @@ struct FrameHeader {
 enum class HeaderStatus { ok, bad_magic, version_mismatch, bad_length };
 
 /// One sentence for a log or an Error message: what was found and what is allowed.
-std::string describe(HeaderStatus status, const FrameHeader& header, std::uint32_t max_payload_bytes);
+std::string describe(HeaderStatus status, const MessageHeader& header, std::uint32_t max_payload_bytes);
 
 /// Writes all fields, the magic and the reserved zero; crc as it stands in `header`.
-void encode_header(const FrameHeader& header, std::span<std::byte, kHeaderBytes> out);
+void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderBytes> out);
 
 /// Reads the first kHeaderBytes of a message and checks magic, major version and lengths. When
 /// header_length is more than kHeaderBytes the caller reads the excess before the payload.
 [[nodiscard]] HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes,
-                                         std::uint32_t max_payload_bytes, FrameHeader& header);
+                                         std::uint32_t max_payload_bytes, MessageHeader& header);
 
 /// The CRC of a message, for header bytes (the whole header, any length) whose CRC field is taken as zero.
 std::uint32_t message_crc(std::span<const std::byte> header, std::span<const std::byte> payload);

@@ -1,0 +1,254 @@
+#include "server/net/radars.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/log/log_fields.h"
+#include "server/net/requests.h"
+#include "server/net/slow_watchers.h"
+#include "server/net/visits.h"
+#include "server/stream/frame_encoder.h"
+
+namespace obliq::net {
+
+using wire::ErrorNumber;
+using wire::MessageType;
+
+namespace {
+
+/// Watchers of a radar that cannot be rendered are told why at most this often.
+constexpr std::chrono::seconds kFaultPause{1};
+
+}  // namespace
+
+Radars::Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render)
+    : options_(options), render_(render) {
+  for (const RadarConfig& config : radars) {
+    const LiveRadar& radar = radars_.emplace_back(config, static_cast<std::uint32_t>(radars_.size() + 1));
+    render_.add_radar(radar.name, radar.stream_id, radar.view());
+  }
+}
+
+LiveRadar* Radars::find(const std::string& name) {
+  const auto at = std::ranges::find(radars_, name, &LiveRadar::name);
+  return at == radars_.end() ? nullptr : &*at;
+}
+
+void Radars::unsubscribe(LiveRadar& radar, const Peer& peer) {
+  const auto at = std::find_if(radar.watchers.begin(), radar.watchers.end(),
+                               [&](const Watcher& watcher) { return watcher.peer == &peer; });
+  if (at == radar.watchers.end()) return;
+  --at->peer->subscriptions;
+  at->peer->outbox.close_queue(radar.stream_id, "unsubscribed");
+  radar.watchers.erase(at);
+  update_demand(radar);
+}
+
+void Radars::watch(LiveRadar& radar, Peer& peer, Demand demand) {
+  demand.watch_id = ++last_watch_id_;
+  ++peer.subscriptions;
+  peer.outbox.open_live_queue(radar.stream_id, demand.choice,
+                              demand.lossless ? QueuePolicy::lossless : QueuePolicy::newest_wins);
+  radar.watchers.push_back({&peer, std::move(demand)});
+  update_demand(radar);
+}
+
+void Radars::watch_no_longer_lossless(LiveRadar& radar, Peer& peer) {
+  const auto at = std::ranges::find_if(radar.watchers, [&](const Watcher& watcher) {
+    return watcher.peer == &peer && watcher.demand.lossless;
+  });
+  if (at == radar.watchers.end()) return;
+  Demand demand = at->demand;
+  demand.lossless = false;
+  unsubscribe(radar, peer);
+  watch(radar, peer, std::move(demand));
+  spdlog::warn("radar {}: {} no longer watches without losses, its role is {} now; it gets the newest frames",
+               radar.name, peer.name, role_name(peer.role));
+}
+
+void Radars::check_windows(LiveRadar& radar) const {
+  const RadarSettings& settings = radar.settings.current()->settings;
+  for (Watcher& watcher : radar.watchers) {
+    const wire::Window& window = watcher.demand.choice.format.window;
+    std::vector<FieldError> errors;
+    if (window.azimuth.first >= static_cast<std::uint32_t>(settings.azimuth_bins)) {
+      errors.push_back({"window.first_azimuth", std::to_string(window.azimuth.first),
+                        "below " + std::to_string(settings.azimuth_bins)});
+    }
+    if (window.range.first >= static_cast<std::uint32_t>(settings.range_bins)) {
+      errors.push_back({"window.first_range", std::to_string(window.range.first),
+                        "below " + std::to_string(settings.range_bins)});
+    }
+    const bool told = std::exchange(watcher.window_lost, !errors.empty());
+    if (errors.empty() || told) continue;
+    watcher.peer->send(MessageType::error,
+                       make_error(0, ErrorNumber::window_outside_frame,
+                                  "radar " + radar.name + " no longer has the bins of this subscription",
+                                  errors, radar.name));
+  }
+}
+
+void Radars::update_demand(LiveRadar& radar) {
+  radar.rate_hz = 0;
+  std::vector<Demand> demands;
+  for (const Watcher& watcher : radar.watchers) {
+    Demand demand = watcher.demand;
+    if (radar.rate_limit_hz > 0) demand.rate_hz = std::min(demand.rate_hz, radar.rate_limit_hz);
+    radar.rate_hz = std::max(radar.rate_hz, demand.rate_hz);
+    demands.push_back(std::move(demand));
+  }
+  if (!radar.transmit) demands.clear();
+  render_.set_demand(radar.number(), std::move(demands));
+}
+
+void Radars::send_fault(const LiveRadar& radar, Peer& peer) const {
+  peer.send(MessageType::error,
+            make_error(0, ErrorNumber::invalid_value, "radar " + radar.name + " cannot be rendered as it is",
+                       radar.faults, radar.name));
+}
+
+void Radars::forget(Peer& peer) {
+  for (LiveRadar& radar : radars_) {
+    unsubscribe(radar, peer);
+    if (radar.controller == &peer) {
+      radar.controller = nullptr;
+      log_doing(peer, radar.name, "control released, " + peer.name + " has left");
+    }
+  }
+}
+
+void Radars::check_role(Peer& peer) {
+  if (peer.role >= Role::controller) return;
+  for (LiveRadar& radar : radars_) {
+    watch_no_longer_lossless(radar, peer);
+    if (radar.controller != &peer) continue;
+    radar.controller = nullptr;
+    spdlog::warn("radar {}: control released, the role of {} is {} now", radar.name, peer.name,
+                 role_name(peer.role));
+    peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low,
+                                             "control of radar " + radar.name +
+                                                 " needs the role controller; this client's token gives " +
+                                                 std::string(role_name(peer.role)) + " now",
+                                             {}, radar.name));
+  }
+}
+
+void Radars::publish_view(LiveRadar& radar) {
+  if (radar.frozen) return;  // the radar keeps what it shows after the thaw
+  radar.faults.clear();
+  render_.set_view(radar.number(), radar.view());
+  tell_places();
+}
+
+bool Radars::take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
+  const std::int64_t now_ns = monotonic_ns();
+  if (has_sim_time) {
+    if (!radar.poses->add(pose, now_ns)) return false;
+  } else {
+    radar.poses->set(pose, now_ns);
+  }
+  radar.pose = pose;
+  radar.pose_received_ns = now_ns;
+  radar.pose_has_sim_time = has_sim_time;
+  return true;
+}
+
+void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by) {
+  if (wanted.freeze && *wanted.freeze != radar.frozen) {
+    spdlog::info("radar {}: {} by {}", radar.name, *wanted.freeze ? "frozen" : "thawed", by);
+    radar.frozen = *wanted.freeze;
+    if (radar.frozen) {
+      LiveView held = radar.view().at(monotonic_ns());
+      held.poses = nullptr;  // the render thread keeps the settings and the pose of this moment
+      render_.set_view(radar.number(), std::move(held));
+    } else {
+      publish_view(radar);
+    }
+  }
+  if (wanted.transmit && *wanted.transmit != radar.transmit) {
+    spdlog::info("radar {}: transmit {} by {}", radar.name, *wanted.transmit ? "on" : "off", by);
+    radar.transmit = *wanted.transmit;
+    update_demand(radar);
+  }
+}
+
+void Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
+  if (!take_pose(radar, pose, has_sim_time)) return;
+  // The render thread reads the time line by itself; only a pose that applies at once has to wake it.
+  if (has_sim_time) {
+    tell_places();
+  } else {
+    publish_view(radar);
+  }
+}
+
+void Radars::tell_places() const {
+  if (!options_.on_moved) return;
+  std::vector<RadarPlace> places;
+  for (const LiveRadar& radar : radars_) {
+    places.push_back(
+        {{radar.pose.longitude_deg, radar.pose.latitude_deg}, radar.settings.current()->settings.r_max_m});
+  }
+  options_.on_moved(std::move(places));
+}
+
+void Radars::note_ground(LiveRadar& radar, const std::string& warning) {
+  const bool was_off = std::exchange(radar.off_the_map, !warning.empty());
+  if (was_off == radar.off_the_map) return;
+  const LogFields fields{{"radar", radar.name}};
+  if (was_off) {
+    spdlog::info("radar {}: is over ground that files cover again", radar.name);
+  } else {
+    spdlog::warn("radar {}: {}; name files of that ground in terrain.dem, or bring it back", radar.name,
+                 warning);
+  }
+}
+
+void Radars::deliver(std::size_t number, const LiveFramePtr& frame, const std::vector<BlockPtr>& blocks) {
+  for (const Watcher& watcher : radars_[number].watchers) {
+    if (!frame->is_for(watcher.demand.watch_id)) continue;
+    for (const BlockPtr& block : blocks) watcher.peer->outbox.push(block, frame);
+    watcher.peer->kick();
+  }
+}
+
+void Radars::count(std::size_t number, const RenderedFrame& frame) {
+  LiveRadar& radar = radars_[number];
+  ++radar.frames;
+  radar.last_render_s = frame.render_s;
+  radar.coverage = frame.coverage;
+  radar.rays = frame.rays;
+  radar.hits = frame.hits;
+  radar.faults.clear();
+  radar.dwells_missed += frame.dwells_missed;
+  if (options_.on_frame) options_.on_frame(radar.name, frame);
+}
+
+void Radars::relieve(std::size_t number, double held_up_s) {
+  net::relieve(radars_[number], options_, held_up_s);
+}
+
+void Radars::note_fault(std::size_t number, const LiveView& view, const std::vector<FieldError>& errors) {
+  LiveRadar& radar = radars_[number];
+  // Its controller may have corrected it in the meantime.
+  if (!radar.frozen) {
+    if (view.settings != radar.settings.current()) return;
+    if (!radar.pose_has_sim_time && view.pose_received_ns != radar.pose_received_ns) return;
+  }
+  radar.faults = errors;
+  // A pose that moves on brings a new fault with every frame.
+  const auto now = std::chrono::steady_clock::now();
+  if (radar.faults_settings == view.settings && now < radar.faults_told + kFaultPause) return;
+  radar.faults_settings = view.settings;
+  radar.faults_told = now;
+  const LogFields fields{{"radar", radar.name}};
+  for (const FieldError& error : errors)
+    spdlog::warn("radar {}: {}; no frames until its settings or its pose are changed", radar.name,
+                 error.text());
+  for (const Watcher& watcher : radar.watchers) send_fault(radar, *watcher.peer);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,70 @@
+#pragma once
+// The live radars: who watches and who controls them, how they look, and what has become of their frames.
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/net/live_radar.h"
+#include "server/net/options.h"
+#include "server/rendering/render_thread.h"
+
+namespace obliq::net {
+
+/// On the io thread.
+class Radars {
+ public:
+  /// The options and the render thread, to which the radars are added, must outlive this.
+  Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render);
+
+  const std::deque<LiveRadar>& all() const { return radars_; }
+  LiveRadar& at(std::size_t number) { return radars_.at(number); }
+  LiveRadar* find(const std::string& name);
+  LiveStream::Load load(const LiveRadar& radar) const { return render_.load(radar.number()); }
+
+  // Watchers:
+  void watch(LiveRadar& radar, Peer& peer, Demand demand);
+  void unsubscribe(LiveRadar& radar, const Peer& peer);
+  /// After a change of watchers, of transmit or of the rate limit.
+  void update_demand(LiveRadar& radar);
+  /// Tells the watchers of a part of the radar's frame that is no longer there.
+  void check_windows(LiveRadar& radar) const;
+  void send_fault(const LiveRadar& radar, Peer& peer) const;
+  /// A client has left: its subscriptions end, control is released.
+  void forget(Peer& peer);
+  /// A client's role may have become lower: it loses what the role does not allow.
+  void check_role(Peer& peer);
+
+  // How a radar looks:
+  /// Settings or pose have changed.
+  void publish_view(LiveRadar& radar);
+  /// False: the pose came late and was left out.
+  bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
+  void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// The only place where transmit and freeze change. `by` stands in the log.
+  void flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by);
+  /// Says in the log, once, that a radar has left the ground that files cover, or has come back. Empty: it is
+  /// there.
+  static void note_ground(LiveRadar& radar, const std::string& warning);
+
+  // What the render thread has told:
+  void deliver(std::size_t number, const LiveFramePtr& frame, const std::vector<BlockPtr>& blocks);
+  void count(std::size_t number, const RenderedFrame& frame);
+  void relieve(std::size_t number, double held_up_s);
+  void note_fault(std::size_t number, const LiveView& view, const std::vector<FieldError>& errors);
+
+ private:
+  void tell_places() const;
+  /// A subscription that held the radar up gets its newest frames from now on.
+  void watch_no_longer_lossless(LiveRadar& radar, Peer& peer);
+
+  const ServerOptions& options_;
+  RenderThread& render_;
+  std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
+  std::uint64_t last_watch_id_ = 0;
+};
+
+}  // namespace obliq::net
