@@ -16,6 +16,7 @@
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
 #include "terrain/grid_area.h"
 
@@ -26,10 +27,6 @@ constexpr int kTimings = 3;  ///< of a frame; the quickest counts
 constexpr double kStandardEarth = 4.0 / 3;
 /// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
 constexpr double kMostFineNodes = 0x1p25;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// A world with its ray-tracing structure, ready to render.
 struct Stage {

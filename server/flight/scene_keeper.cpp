@@ -12,11 +12,10 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
-
-using Seconds = std::chrono::duration<double>;
 
 /// How often it is looked whether the last frame of a scene has ended.
 constexpr std::chrono::milliseconds kLook{50};
@@ -117,7 +116,7 @@ void SceneKeeper::poses_changed(std::vector<RadarPlace> radars) {
 SceneKeeper::State SceneKeeper::state() const {
   const std::lock_guard lock(mutex_);
   State state = state_;
-  if (state.failures > 0 && state.last_error.empty()) state.well_s = Seconds(now_() - well_since_).count();
+  if (state.failures > 0 && state.last_error.empty()) state.well_s = to_seconds(now_() - well_since_);
   return state;
 }
 
@@ -256,7 +255,7 @@ void SceneKeeper::serve(Request request, const std::stop_token& stop, std::uniqu
   } else if (scene) {
     swap_(scene);
   }
-  const double build_s = Seconds(Clock::now() - start).count();
+  const double build_s = seconds_since(start);
   std::optional<SourceExtents> extents;
   if (scene && request.done) extents = extents_of(request.config);
   lock.lock();
@@ -298,7 +297,7 @@ void SceneKeeper::note_failure(const Request& request, const std::string& error)
     return;
   }
   pause_s_ = std::clamp(2 * pause_s_, kFirstPause_s, kLongestPause_s);
-  not_before_ = now_() + std::chrono::duration_cast<Clock::duration>(Seconds(pause_s_));
+  not_before_ = now_() + from_seconds(pause_s_);
   spdlog::error(
       "the next window of terrain cannot be loaded: {}; the old one serves on, its coverage says what is "
       "missing. Tried again in {:.0f} s; terrain.dem has to name elevation models of where the radars are",

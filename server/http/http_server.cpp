@@ -23,6 +23,7 @@
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::http {
 
@@ -93,10 +94,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   std::string limit_reached(const std::string& network) const;
   bool make_room(const std::string& network, const std::string& limit);
   void turn_away(tcp::socket socket, const std::string& limit) const;
-  std::chrono::nanoseconds timeout() const {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::chrono::duration<double>(options.timeout_s));
-  }
+  std::chrono::nanoseconds timeout() const { return from_seconds(options.timeout_s); }
 
   asio::io_context& io;
   asio::io_context& pages;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/modbus/encoding.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::modbus {
 namespace {
@@ -261,7 +262,7 @@ void Image::tick(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < units_.size(); ++i) {
     Unit& unit = units_[i];
-    if (!unit.armed || std::chrono::duration<double>(now - unit.last_beat).count() < watchdog_s_) continue;
+    if (!unit.armed || to_seconds(now - unit.last_beat) < watchdog_s_) continue;
     unit.armed = false;  // until it beats again
     unit.facts.watchdog_tripped = true;
     unit.facts.last_error = Fault::watchdog;

@@ -12,12 +12,12 @@
 #include "server/stream/frame_encoder.h"
 #include "server/timing/loopback.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Seconds = std::chrono::duration<double>;
 
 constexpr int kFewestPairs = 5;
 constexpr int kMostPairs = 31;
@@ -55,7 +55,7 @@ class FrameRunner {
     };
     render_wedges(*plan_, {0, plan_->bins().n_azimuth}, options);
     end(with_probes ? &serial : nullptr, sum, start);
-    run.wall_s = Seconds(Clock::now() - start).count();
+    run.wall_s = seconds_since(start);
     run.process_s = processor_s() - process_s;
     if (with_probes) take(run, serial, parallel);
     return run;
@@ -82,7 +82,7 @@ class FrameRunner {
     send([&] {
       wire::FrameSummary summary;
       summarise_frame(*plan_, sum.total(), summary);
-      return std::vector{encoder_->end(summary, Seconds(Clock::now() - start).count())};
+      return std::vector{encoder_->end(summary, seconds_since(start))};
     });
     const StageProbe probe(Stage::send);
     loopback_.drain();
@@ -135,7 +135,7 @@ Profile profile_frames(const ProfiledFrame& frame) {
   std::vector<double> wall_ratio, processor_ratio;
   const auto start = Clock::now();
   while (profiled.size() < kFewestPairs ||
-         (profiled.size() < kMostPairs && Seconds(Clock::now() - start).count() < kLongEnough_s)) {
+         (profiled.size() < kMostPairs && seconds_since(start) < kLongEnough_s)) {
     const bool first = profiled.size() % 2 == 0;
     Run with, without;
     if (first) with = runner.run(true);

@@ -18,6 +18,7 @@
 #include "server/apps/commands/reconnecting.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -91,8 +92,7 @@ class Recorder {
   bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
   std::string text(Clock::time_point start) const {
     return fmt::format("{} frames, {} left out on the way, {:.1f} MB, {:.1f} s", frames_, skipped_,
-                       static_cast<double>(writer_.bytes()) * 1e-6,
-                       std::chrono::duration<double>(Clock::now() - start).count());
+                       static_cast<double>(writer_.bytes()) * 1e-6, seconds_since(start));
   }
 
  private:

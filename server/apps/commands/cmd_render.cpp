@@ -21,6 +21,7 @@
 #include "server/scene/scene_memory.h"
 #include "server/timing/timing_run.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -40,7 +41,7 @@ class Stopwatch {
  public:
   double lap() {
     const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
+    const double seconds = to_seconds(now - last_);
     last_ = now;
     return seconds;
   }

@@ -42,6 +42,7 @@
 #include "terrain/base/background.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -253,7 +254,7 @@ void Daemon::load() {
     check_radar(*renderer_, radar, renderer_->scene()->world().report);
     metrics_.add_radar(radar.name);
   }
-  metrics_.scene_loaded(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  metrics_.scene_loaded(seconds_since(begin));
 }
 
 void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port) {
