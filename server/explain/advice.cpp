@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/accuracy/thresholds.h"
 #include "server/explain/table.h"
-#include "server/explain/thresholds.h"
 #include "server/explain/verdict.h"
 #include "server/radar/echo/scattering.h"
 #include "terrain/base/constants.h"

@@ -143,11 +143,6 @@ PoseSettings PoseTimeLine::newest() const {
   return poses_.back().pose;
 }
 
-std::int64_t PoseTimeLine::newest_received_ns() const {
-  const std::lock_guard lock(mutex_);
-  return poses_.back().received_ns;
-}
-
 std::uint64_t PoseTimeLine::late() const {
   const std::lock_guard lock(mutex_);
   return late_;

@@ -186,16 +186,16 @@ void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) 
   const LogFields fields{{"client", peer}};
   spdlog::warn("HTTP: a connection from {} was turned away: {} reached; raise that limit, or see who is here",
                peer, limit);
-  const std::string body = limit + " reached";
+  bhttp::response<bhttp::string_body> answer(bhttp::status::service_unavailable, 11, limit + " reached");
+  answer.set(bhttp::field::content_type, "text/plain");
   // By then connections that ask nothing have made room.
   const auto later_s = static_cast<long>(std::ceil(options.timeout_s));
-  const std::string answer = fmt::format(
-      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nRetry-After: "
-      "{}\r\nContent-Length: {}\r\n\r\n{}",
-      later_s, body.size(), body);
+  answer.set(bhttp::field::retry_after, std::to_string(later_s));
+  answer.keep_alive(false);
+  answer.prepare_payload();
   error_code ignored;
   socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(answer), ignored);
+  bhttp::write(socket, answer, ignored);
   socket.shutdown(tcp::socket::shutdown_send, ignored);
   // A request that has come already and was not read would make the kernel reset the connection.
   std::array<char, 4096> unwanted;

@@ -63,6 +63,10 @@ class ProgressLines {
 
 }  // namespace
 
+void say_on_terminal(const ReportLine& line) {
+  std::fprintf(stderr, "%s%s\n", line.warns ? "warning: " : "", line.text.c_str());
+}
+
 Progress terminal_progress() {
   const auto lines = std::make_shared<ProgressLines>(isatty(STDERR_FILENO) != 0);
   return [lines](std::string_view stage, double fraction) { lines->tell(stage, fraction); };

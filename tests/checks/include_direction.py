@@ -56,7 +56,7 @@ ALLOWED = {
     "server/explain": SERVER_CORE + ["server/accuracy"],
     "server/control": SERVER_CORE + ["proto", "server/security/networks"],
     "server/flight": SERVER_CORE + ["server/control"],
-    "server/output": TO_OUTPUT + ["server/explain/thresholds"],
+    "server/output": TO_OUTPUT,
     "server/loading": SERVER_CORE + ["server/truth", "server/accuracy", "server/control"],
     "server/frontier": TO_OUTPUT + ["server/loading"],
     "server/timing": TO_STREAM + ["client"],

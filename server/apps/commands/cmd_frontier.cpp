@@ -53,7 +53,7 @@ void add_frontier(CLI::App& app) {
   command
       ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
       ->delimiter(',')
-      ->check(whole_number_from(1, 16384));
+      ->check(whole_number_from(1, kMostSide));
   command
       ->add_option("--cells", options.range.cells_m,
                    "Cell sizes in metres beside the scene's own; the truth takes the finest. Without: "

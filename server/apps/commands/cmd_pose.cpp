@@ -52,7 +52,7 @@ void run(const PoseArguments& arguments) {
     wire::Ack ack;
     require(client.claim_control(radar));
     require(client.set_pose(radar, pose, ack));
-    for (const std::string& warning : ack.warnings()) say_on_terminal("warning: " + warning);
+    for (const std::string& warning : ack.warnings()) say_on_terminal({warning, true});
     require(client.get_radar(radar, info));
     require(client.release_control(radar));
   }

@@ -118,10 +118,10 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   write_frame_files(arguments.out, descriptor, summary, frame.bins, files);
   seconds["write_s"] = watch.lap();
   if (arguments.profile) {
-    Profile profile = profile_frames({scene, snapshot, pose, radar.name, config.name, threads});
-    profile.scene = time_parts(loading);
-    std::fputs(profile_text(profile).c_str(), stderr);
-    write_timing(arguments.out, seconds, profile_json(profile));
+    Timing timing = time_frames({scene, snapshot, pose, radar.name, config.name, threads});
+    timing.scene = time_parts(loading);
+    std::fputs(timing_text(timing).c_str(), stderr);
+    write_timing(arguments.out, seconds, timing_json(timing));
   } else {
     write_timing(arguments.out, seconds);
   }

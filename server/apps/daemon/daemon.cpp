@@ -225,10 +225,8 @@ Progress Daemon::progress() {
 
 void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
-  const auto say = [](const std::string& line) {
-    const bool warns = line.starts_with(kWarningPrefix);
-    spdlog::log(warns ? spdlog::level::warn : spdlog::level::info, "{}",
-                warns ? line.substr(std::string_view(kWarningPrefix).size()) : line);
+  const auto say = [](const ReportLine& line) {
+    spdlog::log(line.warns ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
   };
   const Progress tell = progress();
   for (const std::string& note : config_.notes) say(note);

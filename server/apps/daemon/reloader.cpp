@@ -23,8 +23,8 @@
 namespace obliq {
 namespace {
 
-/// Complaints of a line each as one line.
-std::string one_line(const std::string& text) {
+/// Complaints of a line each in one line.
+std::string joined(const std::string& text) {
   std::string line;
   for (const char c : text) line += c == '\n' ? "; " : std::string(1, c);
   return line;
@@ -81,7 +81,7 @@ void Reloader::read_security(int number, net::Server* server) {
       server == nullptr ? security_->reload() : server->reload_security();
   std::vector<std::string> faults;
   for (const std::string& fault : {reloaded.tokens_fault, reloaded.certificate_fault})
-    if (!fault.empty()) faults.push_back(one_line(fault));
+    if (!fault.empty()) faults.push_back(joined(fault));
   const bool tokens = security_->needs_token() && reloaded.tokens_fault.empty();
   const bool certificate = security_->has_tls() && reloaded.certificate_fault.empty();
   const std::string taken = tokens && certificate ? "tokens and certificate were taken over"
@@ -111,11 +111,11 @@ void Reloader::read_scene(int number, const std::string& taken) {
     go_on();
     read.wanted = load_scene_file(arguments_.file, {arguments_.set});
     read.to_build = read.wanted;
-    const auto say = [](const std::string& line) { spdlog::info("{}", line); };
+    const auto say = [](const ReportLine& line) { spdlog::info("{}", line.text); };
     meet_accuracy(read.to_build, say, [&](std::string_view, double) { go_on(); });
     go_on();
   } catch (const std::exception& e) {
-    read.fault = one_line(failure_text(e));
+    read.fault = joined(failure_text(e));
   }
   io_.post([this, number, taken, read = std::move(read)] { take_over(number, taken, read); });
 }
@@ -195,7 +195,7 @@ void Reloader::built(int number, const std::string& fault) {
     spdlog::info("reloaded: the new scene serves");
   } else {
     spdlog::error("reload: the old scene serves on{}: {}; mend it and send SIGHUP again", but(done.taken),
-                  one_line(fault));
+                  joined(fault));
   }
   rest();
 }
