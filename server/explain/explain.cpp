@@ -240,7 +240,7 @@ class Experiment {
     ranges.range_normalisation = input_.settings.range_normalisation;
     c.power = power_change(ground.power_w, geometric.power_w, ranges);
     c.costs = result_.costs;
-    c.costs.build_s = 0;  // nothing is made anew
+    c.costs.build_s = 0;  // nothing is built again
     c.costs.frame_s = is_ground ? geometric.frame_s : ground.frame_s;
     c.costs.load_s = 0;
     keep(std::move(c));

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kSlew = 10;  ///< the shown time gains or loses at most a 10th
 
-/// Poses that lie so far behind the shown time are of no more use to anyone.
+/// Poses that lie so far behind the shown time are of no more use.
 constexpr std::int64_t kHistory_ns = 2'000'000'000;
 constexpr std::size_t kMostPoses = 4096;
 

@@ -19,7 +19,7 @@ namespace {
 
 /// How often it is looked whether the last frame of a scene has ended.
 constexpr std::chrono::milliseconds kLook{50};
-/// A frame that nobody takes may not hold up a flight: after this long there may be a third scene.
+/// A frame that no client takes must not hold up a flight: after this long there may be a third scene.
 constexpr std::chrono::seconds kLongestFrame{90};
 
 constexpr double kFirstPause_s = 5;
@@ -293,14 +293,14 @@ void SceneKeeper::note_failure(const Request& request, const std::string& error)
   state_.last_error = state_.last_failure = error;
   reload_failed_ = request.done != nullptr;
   if (request.done) {
-    spdlog::error("the reloaded scene cannot be loaded, the old one serves on: {}", error);
+    spdlog::error("the reloaded scene cannot be loaded; still serving the previous one: {}", error);
     return;
   }
   pause_s_ = std::clamp(2 * pause_s_, kFirstPause_s, kLongestPause_s);
   not_before_ = now_() + from_seconds(pause_s_);
   spdlog::error(
-      "the next window of terrain cannot be loaded: {}; the old one serves on, its coverage says what is "
-      "missing. Tried again in {:.0f} s; terrain.dem has to name elevation models of where the radars are",
+      "the next window of terrain cannot be loaded: {}; still serving the previous one, whose coverage says "
+      "what is missing. Next attempt in {:.0f} s; terrain.dem must name elevation models around the radars",
       error, pause_s_);
 }
 

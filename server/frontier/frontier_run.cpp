@@ -159,16 +159,15 @@ class FrontierRun {
     const bool has_table = std::filesystem::exists(table);
     if (!earlier && !has_table) return;
     if (!earlier || earlier->key != header_.key)
-      throw InputError(
-          options_.out.string() +
-          ": found the table of another run (other scene, settings, options, machine or version); "
-          "allowed: another folder, or --restart to throw that table away");
+      throw InputError(options_.out.string() +
+                       ": found the table of another run (other scene, settings, options, machine or "
+                       "version); allowed: another folder, or --restart to discard that table");
     resumed_ = true;
     header_ = *earlier;
     if (has_table) rows_ = read_frontier_csv(table);
     drop_half_done();
     if (!rows_.empty())
-      say_on_terminal(fmt::format("going on after {} lines of {}", rows_.size(), table.string()));
+      say_on_terminal(fmt::format("resuming after {} lines of {}", rows_.size(), table.string()));
   }
 
   /// A sampling whose lines were not all written is measured again.
@@ -257,7 +256,7 @@ class FrontierRun {
     for (std::size_t k = 0; k < cases_.size(); ++k) {
       if (is_done(cases_[k])) continue;
       if (options_.stop_after > 0 && measured == options_.stop_after) {
-        say_on_terminal(fmt::format("stopped after {}; the same command goes on from here", measured));
+        say_on_terminal(fmt::format("stopped after {}; the same command resumes from here", measured));
         return false;
       }
       const std::vector<FrontierRow> rows = measure(cases_[k]);

@@ -172,7 +172,7 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
   if (!file || !std::getline(file, line) || line + "\n" != csv_header())
     throw InputError(path.string() +
                      ": found no table of this version; allowed: one that `obliq frontier` wrote, or "
-                     "--restart to begin anew");
+                     "--restart to begin again");
   std::vector<FrontierRow> rows;
   for (int number = 2; std::getline(file, line); ++number) {
     if (file.eof()) break;  // no newline behind it: it was cut off
@@ -180,7 +180,7 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
     if (!row)
       throw InputError(
           fmt::format("{}:{}: found a line that is none of this table's; allowed: what `obliq frontier` "
-                      "wrote, or --restart to begin anew",
+                      "wrote, or --restart to begin again",
                       path.string(), number));
     rows.push_back(*row);
   }

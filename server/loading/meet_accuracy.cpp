@@ -196,7 +196,7 @@ class AccuracySearch {
     return good_m;
   }
 
-  /// Pixels that the scene names, or its quality, do not win over [accuracy]; nobody is to be surprised.
+  /// Pixels that the scene names, or its quality, do not override [accuracy]; the change is reported.
   void say_what_changes(const RadarSettings& named, const SamplingCase& chosen) const {
     const bool sweep = chosen.kind == FrustumKind::sweep;
     if (named.pixel_columns == chosen.columns && (sweep || named.pixel_rows == chosen.rows)) return;

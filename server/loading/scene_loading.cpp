@@ -76,7 +76,7 @@ void say_notes(const SceneConfig& config) {
 
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program) {
   if (config.accuracy.asks())
-    say_on_terminal(program + ": [accuracy] is left out here; pixels and cells are those of the scene file");
+    say_on_terminal(program + ": [accuracy] is ignored here; pixels and cells are those of the scene file");
   for (const RadarConfig& radar : config.radars)
     if (radar.finds_pixels)
       say_on_terminal(
@@ -133,7 +133,7 @@ void print_world_report(const World& world) {
 
 std::string scene_memory_line(const Scene& scene) {
   const std::string text =
-      fmt::format("; process {:.0f} MB, {:.0f} MB at its most", static_cast<double>(resident_bytes()) / 1e6,
+      fmt::format("; process {:.0f} MB, peak {:.0f} MB", static_cast<double>(resident_bytes()) / 1e6,
                   static_cast<double>(peak_resident_bytes()) / 1e6);
   return memory_line(scene) + text;
 }

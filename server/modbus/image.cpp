@@ -203,7 +203,7 @@ Exception Image::change(std::size_t radar, bool apply, net::PanelChange wanted) 
       units_[radar].applying = true;
     }
   }
-  // Without the mutex: whoever waits here, waits alone.
+  // Without the mutex: a master that waits here delays no other.
   const net::PanelAnswer answer = panel_.change(radar, std::move(wanted), kPatience);
 
   const std::lock_guard lock(mutex_);

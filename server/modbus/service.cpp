@@ -87,7 +87,7 @@ struct Service::State {
         if (n > 0 && fds[0].revents != 0) accept_one();
         panel.refresh();
         image.tick(Image::Clock::now());
-      } catch (const std::exception& e) {  // no memory or no thread: who is here is served on
+      } catch (const std::exception& e) {  // no memory or no thread: the connected masters are still served
         spdlog::error("modbus: {}", failure_text(e));
         poll(nullptr, 0, kTick_ms);
       }
@@ -107,7 +107,7 @@ struct Service::State {
     const LogFields fields{{"client", host}};  // peers can cause these lines in masses
     const std::string refusal = why_not(host, fd);
     if (!refusal.empty()) {
-      spdlog::warn("modbus: a master at {} was turned away: {}", host, refusal);
+      spdlog::warn("modbus: a master at {} was refused: {}", host, refusal);
       close(fd);
       return;
     }
@@ -118,14 +118,14 @@ struct Service::State {
         serve_master(master.socket.get(), stop.get(), times, image);
         shutdown(master.socket.get(),
                  SHUT_RDWR);  // it hears of its end now; the socket is closed with the thread
-        spdlog::info("modbus: the master at {} has left", master.address);
+        spdlog::info("modbus: the master at {} disconnected", master.address);
         master.done = true;
       });
     } catch (...) {
       masters.pop_back();
       throw;
     }
-    spdlog::info("modbus: a master at {} has come", host);
+    spdlog::info("modbus: a master at {} connected", host);
   }
 
   std::string why_not(const std::string& host, int fd) const {

@@ -198,19 +198,19 @@ std::optional<GroundCache::Facts> GroundCache::load(const CacheKey& key, HeightG
   }
   if (!file.is_regular()) {
     notes_.push_back("terrain.cache: " + path +
-                     " is no file; as long as it is there, this grid is made anew");
+                     " is not a file; while it is there, this grid is made again at each start");
     return std::nullopt;
   }
   Head head;
   std::vector<std::uint8_t> water;
   const std::string fault = read_whole(file, key, grid, head, water);
   if (!fault.empty()) {
-    notes_.push_back(fmt::format("terrain.cache: {} is damaged ({}) and is made anew", path, fault));
+    notes_.push_back(fmt::format("terrain.cache: {} is damaged ({}) and is made again", path, fault));
     ::unlink(path.c_str());
     return std::nullopt;
   }
   (void)::futimens(file.fd.get(), nullptr);  // used just now; in vain in a folder that is read-only
-  notes_.push_back("terrain.cache: heights as they were made before, from " + path);
+  notes_.push_back("terrain.cache: heights read from " + path);
   return Facts{head.posts_filled,
                head.posts_absent,
                {head.error_posts, head.error_m[0], head.error_m[1], head.error_m[2], head.error_m[3]},

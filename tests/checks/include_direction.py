@@ -29,6 +29,9 @@ ALLOWED = {
     "terrain": [],
     "terrain/dem": BASE + ["terrain/cache/cache_key"] + ["terrain/" + f for f in
         ("world_spec", "frames", "grid_area", "height_grid", "polygon")],
+    "terrain/cache": BASE + ["terrain/height_grid", "terrain/dem/source_error"],
+    "terrain/buildings": BASE + ["terrain/dem"] + ["terrain/" + f for f in
+        ("world", "world_spec", "frames", "height_grid", "polygon")],
     "proto": [],
     "client": ["proto"],
     "server/security": BASE,

@@ -194,25 +194,24 @@ void add_fly(CLI::App& app) {
   auto arguments = std::make_shared<FlyArguments>();
   add_server_arguments(*command, arguments->server);
   command
-      ->add_option("TRACK", arguments->track,
-                   "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, "
-                   "degrees (with or without a header; further columns are passed by), or - for the "
-                   "standard input")
+      ->add_option(
+          "TRACK", arguments->track,
+          "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
+          "(with or without a header; other columns are ignored), or - for the standard input")
       ->required();
-  command->add_option("--speed", arguments->speed, "So many times as fast as the track's times say")
+  command->add_option("--speed", arguments->speed, "Speed factor: 2 flies the track twice as fast")
       ->type_name("FACTOR")
       ->default_val(1.0)
       ->check(number_from(kSlowest, kFastest));
   command
       ->add_option("--rate", arguments->rate_hz,
-                   "Where lines lie further apart than this many a second, poses on the straight way "
-                   "between them are sent; 0: none")
+                   "Send poses between the lines at this rate, on a straight path; 0: none")
       ->type_name("HZ")
       ->default_val(kUsualRate_hz)
       ->check(number_from(0, kMostRate_hz));
   command
       ->add_option("--height-reference", arguments->reference,
-                   "What heights count from; without it what the radar's own counts from now")
+                   "Reference of the heights; default: that of the radar's present height")
       ->check(CLI::IsMember({"datum", "ground", "ellipsoid"}));
   command->callback([arguments] { run(*arguments); });
 }

@@ -117,7 +117,7 @@ void add_get(CLI::App& app) {
   command
       ->add_option("--set", arguments->set,
                    "KEY=VALUE: render with this radar parameter instead of the server's, e.g. "
-                   "antenna.bearing_deg=90 (repeatable); the server's radar stays as it is")
+                   "antenna.bearing_deg=90 (repeatable); the server's radar does not change")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();

@@ -181,10 +181,10 @@ void add_record(CLI::App& app) {
       ->type_name("HZ")
       ->default_val(1.0)
       ->check(a_rate());
-  command->add_option("--frames", arguments->frames, "Stop after so many whole frames; 0: go on")
+  command->add_option("--frames", arguments->frames, "Stop after this many whole frames; 0: never")
       ->type_name("N")
       ->check(a_count());
-  command->add_option("--seconds", arguments->seconds, "Stop after so long; 0: go on")
+  command->add_option("--seconds", arguments->seconds, "Stop after this long; 0: never")
       ->type_name("S")
       ->check(number_from(0, kMostSeconds));
   command->add_flag("--lossless", arguments->lossless,

@@ -10,7 +10,9 @@
 namespace obliq::service_manager {
 namespace {
 
-void tell(const std::string& state) { (void)sd_notify(0, state.c_str()); }  // nobody there: nothing to do
+void tell(const std::string& state) {
+  (void)sd_notify(0, state.c_str());
+}  // fails where no service manager is
 
 }  // namespace
 
