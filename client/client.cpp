@@ -109,10 +109,10 @@ Status Client::State::explain_silence(Status status) const {
   std::snprintf(silence, sizeof silence, "%.3g",
                 std::chrono::duration<double>(options.hello_timeout).count());
   if (status.outcome == Outcome::timed_out)
-    status.text = std::string("something takes connections there, but has said nothing for ") + silence +
+    status.text = std::string("something accepts connections there, but has sent nothing for ") + silence +
                   " s: it is not obliqd, or too busy to answer";
   if (status.outcome == Outcome::closed)
-    status.text += "; it took the connection and said nothing: is it obliqd?";
+    status.text += "; it accepted the connection and sent nothing: is it obliqd?";
   return status;
 }
 

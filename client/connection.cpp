@@ -75,7 +75,7 @@ Status Connection::receive(Message& message, Timeout timeout) {
   return status;
 }
 
-// Bytes that are no obliq stream: with what waits behind them they tell who is there.
+// Bytes of something other than an obliq stream: they and what follows tell which program answers.
 Status Connection::foreign(std::span<const std::byte> magic) {
   wire::Bytes said(magic.begin(), magic.end());
   while (said.size() < kGreetingBytes && socket_.wait_readable(kGreetingPause).ok()) {

@@ -9,7 +9,7 @@ namespace {
 
 struct Known {
   std::string_view beginning;
-  std::string_view who;
+  std::string_view program;
 };
 // RFC 9112, RFC 4253 4.2, RFC 8446 5.1 (records of type alert and handshake), RFC 5321 and RFC 959 (220).
 constexpr Known kKnown[] = {
@@ -39,10 +39,10 @@ std::string shown(std::string_view text) {
 
 std::string foreign_greeting(std::span<const std::byte> first) {
   const std::string_view text(reinterpret_cast<const char*>(first.data()), first.size());
-  std::string_view who = "another program";
+  std::string_view program = "another program";
   for (const Known& known : kKnown)
-    if (text.starts_with(known.beginning)) who = known.who;
-  return "not an obliq stream: found " + shown(text) + ", which is " + std::string(who) +
+    if (text.starts_with(known.beginning)) program = known.program;
+  return "not an obliq stream: found " + shown(text) + ", which is " + std::string(program) +
          "; allowed: where obliqd listens (server.port, 7420 unless its scene file says otherwise)";
 }
 

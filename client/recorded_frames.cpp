@@ -191,7 +191,7 @@ bool RecordedFrames::take_message(RecordedFrame& frame, Found& found) {
     // A frame whose end is missing does not cost the one behind it.
     const bool begins = message.header.type == MessageType::frame_begin;
     if (begins && !dispatch().ok()) ++losses_.frames;
-    if (!begins && losses_.frames == lost_before) ++losses_.damages;  // of nobody knows which frame
+    if (!begins && losses_.frames == lost_before) ++losses_.damages;  // of an unknown frame
     return true;
   }
   if (collector_->state() == FrameAssembler::State::aborted) {

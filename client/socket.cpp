@@ -30,7 +30,7 @@ int poll_until(int fd, short events, Timeout timeout) {
   }
 }
 
-// Where nobody listens on a port of the range that outgoing connections take theirs from, TCP may connect a
+// Where nothing listens on a port of the range that outgoing connections take theirs from, TCP may connect a
 // socket to itself (RFC 793, simultaneous open). Who tries again and again meets that sooner or later.
 bool is_own_peer(int fd) {
   sockaddr_storage own{};

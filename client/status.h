@@ -12,7 +12,7 @@ namespace obliq::client {
 enum class Outcome {
   ok,
   bad_argument,    ///< of the caller: a malformed address, say
-  cannot_connect,  ///< nobody listens there, or the name is unknown
+  cannot_connect,  ///< nothing listens there, or the name is unknown
   timed_out,
   closed,      ///< the server has gone
   bad_stream,  ///< what arrived is not the protocol, or damaged

@@ -173,7 +173,7 @@ Progress Tls::shake_hands() {
     made.reason = "the server's certificate is not for " + state_->host;
   } else if (verified != X509_V_OK) {
     made.reason = std::string("the server's certificate is not trusted: ") +
-                  X509_verify_cert_error_string(verified) + " (--ca FILE names whom to trust)";
+                  X509_verify_cert_error_string(verified) + " (--ca FILE names the authorities to trust)";
   } else if (ERR_GET_REASON(ERR_peek_last_error()) == SSL_R_WRONG_VERSION_NUMBER) {
     made.reason = "the server does not speak TLS there";
   } else {

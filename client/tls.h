@@ -9,7 +9,7 @@ namespace obliq::client {
 
 struct TlsOptions {
   bool enabled = false;
-  std::string ca_file{};  ///< PEM, who to trust; empty: whom this machine trusts
+  std::string ca_file{};  ///< PEM of the trusted authorities; empty: this machine's
 };
 
 /// What came of trying to send, receive or shake hands without blocking.

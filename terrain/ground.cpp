@@ -11,6 +11,7 @@
 
 #include "terrain/base/errors.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/seconds.h"
 #include "terrain/cache/cache_key.h"
 #include "terrain/cache/ground_cache.h"
 #include "terrain/dem/auto_cell.h"
@@ -134,11 +135,6 @@ CacheKey key_of(const DemMosaic& mosaic, const World& world, const Polygon& area
   return key;
 }
 
-/// As files are stamped, but for a few milliseconds.
-double clock_of_files_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
 /// Elevation models on their way to a grid, whose cells may have to become finer.
 class DemLoader {
  public:
@@ -198,7 +194,8 @@ class DemLoader {
   }
 
   GroundCache::Facts make(double cell_m) {
-    const double begin_s = clock_of_files_s();
+    // As files are stamped, but for a few milliseconds.
+    const double begin_s = to_seconds(std::chrono::system_clock::now().time_since_epoch());
     world_.grid = empty_grid(rect_, cell_m);
     CacheKey before;
     if (cache_.in_use()) {

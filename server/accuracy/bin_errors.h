@@ -23,7 +23,7 @@ struct RangeBins {
 };
 
 /// P is the frame's power of a bin, T the truth's. Bins with T > 0 have M, the median of their q; lit: q >=
-/// 1e-3 M; dark: T = 0; the rest nobody cares for. Measures over lit bins are 0 when there is none, and the
+/// 1e-3 M; dark: T = 0; the rest is ignored. Measures over lit bins are 0 when there is none, and the
 /// decibels when none has P > 0: nothing was compared then, which is not the same as no error.
 struct BinErrors {
   std::uint64_t bins = 0;

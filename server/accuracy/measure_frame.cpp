@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -41,7 +42,7 @@ RenderedFrame timed_frame(const View& view, bool states, int threads) {
   };
   render_wedges(*frame.plan, {0, settings.azimuth_bins}, options);
   frame.stats = sum.total();
-  frame.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  frame.time_s = seconds_since(start);
   frame.processor_s = static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
   return frame;
 }

@@ -10,7 +10,6 @@ namespace obliq {
 namespace {
 
 constexpr int kPaperPixels = 2048;
-constexpr int kMostPixels = 16384;  // of frustum.pixel_columns and pixel_rows
 
 constexpr std::array kPlates{PlateKind::nearest, PlateKind::spread};
 
@@ -22,7 +21,7 @@ class CaseList {
     SamplingCase c{kind, plates, static_cast<int>(std::lround(columns)), static_cast<int>(std::lround(rows)),
                    cell_m_};
     const bool sweep = kind == FrustumKind::sweep;
-    if (c.columns < 1 || c.columns > kMostPixels || c.rows < (sweep ? 0 : 1) || c.rows > kMostPixels) return;
+    if (c.columns < 1 || c.columns > kMostSide || c.rows < (sweep ? 0 : 1) || c.rows > kMostSide) return;
     if (std::ranges::find(cases_, c) == cases_.end()) cases_.push_back(c);
   }
   std::vector<SamplingCase> take() { return std::move(cases_); }

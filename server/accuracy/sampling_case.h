@@ -7,6 +7,9 @@
 
 namespace obliq {
 
+/// Of pixel columns and rows (frustum.pixels).
+constexpr int kMostSide = 16384;
+
 /// One way to sample a frame, over ground of one cell size.
 struct SamplingCase {
   FrustumKind kind = FrustumKind::oblique;

@@ -5,8 +5,7 @@
 namespace obliq {
 namespace {
 
-constexpr int kMostPixels = 16384;  // of frustum.pixel_columns and pixel_rows
-constexpr std::array kSides{256, 512, 1024, 2048, 4096, 8192, 16384};
+constexpr std::array kSides{256, 512, 1024, 2048, 4096, 8192, kMostSide};
 constexpr std::array kPerBin{1, 2, 4, 8, 16};
 
 }  // namespace
@@ -21,7 +20,7 @@ std::vector<SamplingCase> sampling_ladder(const RadarSettings& s, double cell_m)
   for (const int per_bin : kPerBin) {
     const int columns = per_bin * s.azimuth_bins;
     const int rows = sweep ? 0 : per_bin * s.range_bins;
-    if (columns <= kMostPixels && rows <= kMostPixels)
+    if (columns <= kMostSide && rows <= kMostSide)
       ladder.push_back({s.frustum, s.plates, columns, rows, cell_m});
   }
   return ladder;

@@ -5,13 +5,13 @@
 #include <fstream>
 #include <optional>
 
+#include "terrain/base/checksum.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/hash.h"
 
 namespace obliq {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x3130485552545142;  // "BQTRUH01", read back on the same machine only
+constexpr std::uint64_t kMagic = 0x3230485552545142;  // "BQTRUH02", read back on the same machine only
 
 /// A building that has anything to say.
 struct BuildingRecord {
@@ -44,16 +44,6 @@ std::string record_of(const ReferenceBins& bins) {
   return bytes;
 }
 
-std::uint64_t hash_of(const std::string& bytes) {
-  std::uint64_t hash = bytes.size();
-  for (std::size_t k = 0; k + 8 <= bytes.size(); k += 8) {  // every record is a multiple of 8 bytes
-    std::uint64_t word;
-    std::memcpy(&word, bytes.data() + k, 8);
-    hash = mix64(hash ^ word);
-  }
-  return hash;
-}
-
 /// The next record if it is the one that is wanted, whole and undamaged.
 std::optional<ReferenceBins> read_record(std::ifstream& file, const AzimuthRange& wanted, int n_range,
                                          std::size_t n_buildings) {
@@ -70,7 +60,7 @@ std::optional<ReferenceBins> read_record(std::ifstream& file, const AzimuthRange
   bytes.resize(sizeof head + rest);
   std::uint64_t hash = 0;
   if (!file.read(bytes.data() + sizeof head, static_cast<std::streamsize>(rest)) ||
-      !file.read(reinterpret_cast<char*>(&hash), sizeof hash) || hash != hash_of(bytes))
+      !file.read(reinterpret_cast<char*>(&hash), sizeof hash) || hash != checksum(bytes.data(), bytes.size()))
     return std::nullopt;
 
   ReferenceBins bins{head.first_azimuth, head.n_azimuth, n_range, {}, {}, {}};
@@ -134,7 +124,7 @@ TruthBins integrate_truth_in_file(const std::filesystem::path& path, std::uint64
                                                    sampling, stretches[k].first, stretches[k].count);
     truth.append(bins);
     const std::string bytes = record_of(bins);
-    const std::uint64_t hash = hash_of(bytes);
+    const std::uint64_t hash = checksum(bytes.data(), bytes.size());
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.write(reinterpret_cast<const char*>(&hash), sizeof hash);
     file.flush();

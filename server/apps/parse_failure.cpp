@@ -54,7 +54,7 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
                      near.empty() ? " (`" : "; did you mean " + near + "? (`", program_of(app));
 }
 
-/// The first word of the line that nobody took.
+/// The first word of the line that no option took.
 std::string first_left_over(const CLI::App& app, int argc, const char* const* argv) {
   const std::vector<std::string> left = app.remaining(true);
   for (int i = 1; i < argc; ++i)

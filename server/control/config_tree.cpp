@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "terrain/base/regular_file.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 
@@ -17,16 +18,6 @@ namespace {
 constexpr std::size_t kLargestFile_bytes = 4u << 20;
 /// Tables in tables: the deepest key has four parts. Guards the stack against a.a.a.a... of any length.
 constexpr int kDeepest = 16;
-
-/// Control characters and broken UTF-8 have no business on the operator's terminal.
-std::string printable(std::string_view text) {
-  std::string clean(text);
-  for (char& c : clean) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte >= 0x7f) c = '?';
-  }
-  return clean;
-}
 
 std::string read_file(const std::filesystem::path& path) {
   const std::string name = path.string();
@@ -146,7 +137,7 @@ ConfigNode parse_config_text(const std::string& text, const std::string& name) {
     return convert(toml::parse(text, name), name, 0);
   } catch (const toml::parse_error& e) {
     throw InputError(name + ":" + std::to_string(e.source().begin.line) +
-                     ": found something that is not TOML: " + printable(e.description()));
+                     ": found something that is not TOML: " + printable_text(std::string(e.description())));
   }
 }
 
@@ -166,7 +157,7 @@ ConfigNode parse_config_value(std::string_view text, std::string where) {
   }
   const auto mark = [&](auto&& self, ConfigNode& n) -> void {
     n.where = where;
-    n.raw = printable(text);
+    n.raw = printable_text(std::string(text));
     n.from_file = false;
     for (ConfigNode& item : n.items) self(self, item);
   };

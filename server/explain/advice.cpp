@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/accuracy/thresholds.h"
 #include "server/explain/table.h"
-#include "server/explain/thresholds.h"
 #include "server/explain/verdict.h"
 #include "server/radar/echo/scattering.h"
 #include "terrain/base/constants.h"
@@ -191,7 +191,7 @@ std::string saving(const Comparison& c, const Explanation& all) {
   const double mb = (static_cast<double>(all.costs.bytes()) - static_cast<double>(c.costs.bytes())) / 1e6;
   std::string saves, costs;
   const auto add = [](std::string& to, const std::string& what) { to += (to.empty() ? "" : ", ") + what; };
-  // Roofs without walls exist for this comparison alone, as triangles with gaps: nobody can have that frame.
+  // Roofs without walls exist for this comparison alone, as triangles with gaps: no client gets that frame.
   if (c.ingredient != Ingredient::walls && std::abs(saved_s) > frame_repeats_within_s(all))
     add(saved_s > 0 ? saves : costs, fmt::format("{:.0f} ms a frame", 1000 * std::abs(saved_s)));
   if (std::abs(mb) >= std::max(0.5, 1e-8 * static_cast<double>(all.costs.bytes())))

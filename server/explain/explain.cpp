@@ -16,6 +16,7 @@
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
 #include "terrain/grid_area.h"
 
@@ -27,12 +28,8 @@ constexpr double kStandardEarth = 4.0 / 3;
 /// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
 constexpr double kMostFineNodes = 0x1p25;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// A world with its ray-tracing structure, ready to render.
-struct Stage {
+struct LoadedScene {
   std::shared_ptr<World> world;
   std::shared_ptr<const Scene> scene;
   Pose pose;
@@ -50,19 +47,19 @@ class Experiment {
       throw InputError("radar \"" + input_.radar +
                        "\": found radar.power_w = 0, which lights no bin; allowed to explain: more than 0");
     begin("loading terrain");
-    Stage stage = load(input_.world);
-    if (input_.on_loaded) input_.on_loaded(*stage.world);
-    measure_scene(stage);
-    compare_speckle(stage);
-    time_again(stage);
-    compare_materials(stage);
-    compare_buildings(stage);
-    stage = {};  // one world at a time
+    LoadedScene loaded = load(input_.world);
+    if (input_.on_loaded) input_.on_loaded(*loaded.world);
+    measure_scene(loaded);
+    compare_speckle(loaded);
+    time_again(loaded);
+    compare_materials(loaded);
+    compare_buildings(loaded);
+    loaded = {};  // one world at a time
     compare_earths();
     compare_cells();
     begin("the scene once more, for its time");
-    stage = load(input_.world);
-    time_again(stage);
+    loaded = load(input_.world);
+    time_again(loaded);
     std::ranges::stable_sort(result_.comparisons, {}, &Comparison::ingredient);
     for (Comparison& c : result_.comparisons) judge(c, result_);
     tell("done", 1);
@@ -78,47 +75,47 @@ class Experiment {
     tell(step_, static_cast<double>(steps_++) / all_steps_);
   }
 
-  Stage load(const WorldSpec& spec) {
-    Stage stage;
+  LoadedScene load(const WorldSpec& spec) {
+    LoadedScene loaded;
     const auto start = std::chrono::steady_clock::now();
-    stage.world = std::make_shared<World>(load_world(spec, [this](std::string_view, double fraction) {
+    loaded.world = std::make_shared<World>(load_world(spec, [this](std::string_view, double fraction) {
       tell(step_, (steps_ - 1 + fraction) / all_steps_);
     }));
-    stage.costs.load_s = seconds_since(start);
-    build(stage, input_.materials);
-    return stage;
+    loaded.costs.load_s = seconds_since(start);
+    build(loaded, input_.materials);
+    return loaded;
   }
 
-  static void take_down(Stage& stage) {
-    stage.own = stage.fine = nullptr;
-    stage.scene = nullptr;
+  static void take_down(LoadedScene& loaded) {
+    loaded.own = loaded.fine = nullptr;
+    loaded.scene = nullptr;
   }
 
-  /// Builds and plans anew from the stage's world.
-  void build(Stage& stage, const std::vector<Material>& materials) {
-    take_down(stage);  // the old one's memory goes first
-    stage.scene = std::make_shared<const Scene>(stage.world, materials, input_.threads, input_.rays);
-    stage.costs.grid_bytes = grid_bytes(*stage.world);
-    stage.costs.building_bytes = building_bytes(stage.world->buildings);
-    if (needs_tracer(*stage.scene, input_.settings.frustum)) {
-      const EmbreeTracer& tracer = stage.scene->tracer();
-      stage.costs.build_s = tracer.build_s();
-      stage.costs.tracer_bytes = tracer.bytes();
+  /// Builds and plans again from its world.
+  void build(LoadedScene& loaded, const std::vector<Material>& materials) {
+    take_down(loaded);  // the old one's memory goes first
+    loaded.scene = std::make_shared<const Scene>(loaded.world, materials, input_.threads, input_.rays);
+    loaded.costs.grid_bytes = grid_bytes(*loaded.world);
+    loaded.costs.building_bytes = building_bytes(loaded.world->buildings);
+    if (needs_tracer(*loaded.scene, input_.settings.frustum)) {
+      const EmbreeTracer& tracer = loaded.scene->tracer();
+      loaded.costs.build_s = tracer.build_s();
+      loaded.costs.tracer_bytes = tracer.bytes();
     }
     std::vector<FieldError> errors;
-    const auto pose = place_antenna(*stage.world, input_.pose, errors);
+    const auto pose = place_antenna(*loaded.world, input_.pose, errors);
     if (!pose) throw InputError("radar \"" + input_.radar + "\": " + all_text(errors));
-    stage.pose = *pose;
-    stage.own = plan(stage, input_.settings);
-    if (!stage.own->extent().any)
+    loaded.pose = *pose;
+    loaded.own = plan(loaded, input_.settings);
+    if (!loaded.own->extent().any)
       throw InputError("radar \"" + input_.radar + "\": no known ground in its sector");
-    if (columns_factor_ == 0) columns_factor_ = columns_factor(input_.settings, stage.world->grid.cell_m);
-    stage.fine = plan(stage, comparison(kComparisonSource, kComparisonDensity));
+    if (columns_factor_ == 0) columns_factor_ = columns_factor(input_.settings, loaded.world->grid.cell_m);
+    loaded.fine = plan(loaded, comparison(kComparisonSource, kComparisonDensity));
   }
 
-  std::shared_ptr<const FramePlan> plan(const Stage& stage, const RadarSettings& settings) const {
+  std::shared_ptr<const FramePlan> plan(const LoadedScene& loaded, const RadarSettings& settings) const {
     const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
-    const PlanResult planned = plan_frame(stage.scene, snapshot, stage.pose);
+    const PlanResult planned = plan_frame(loaded.scene, snapshot, loaded.pose);
     if (!planned.plan) throw InputError("radar \"" + input_.radar + "\": " + all_text(planned.errors));
     return planned.plan;
   }
@@ -131,69 +128,70 @@ class Experiment {
   std::vector<double> power(const FramePlan& frame) const {
     return render_sample(frame, wedges_, input_.threads, 1, false).power_w;
   }
-  std::vector<double> power_by(const Stage& stage, SampleKind source, Density density) const {
-    return power(*plan(stage, comparison(source, density)));
+  std::vector<double> power_by(const LoadedScene& loaded, SampleKind source, Density density) const {
+    return power(*plan(loaded, comparison(source, density)));
   }
 
   /// Largest differences from the same scene at other densities.
-  PowerChange noise_of(const Stage& stage, SampleKind source, const std::vector<double>& power_w) const {
+  PowerChange noise_of(const LoadedScene& loaded, SampleKind source,
+                       const std::vector<double>& power_w) const {
     PowerChange noise;
     for (const Density& density : kOtherDensities)
-      noise = larger_of(noise, power_change(power_w, power_by(stage, source, density), ranges_));
+      noise = larger_of(noise, power_change(power_w, power_by(loaded, source, density), ranges_));
     return noise;
   }
 
   /// Time of the scene's own frame, states included, as the user gets it.
-  WedgePlanes own_frame(Stage& stage) const {
-    WedgePlanes planes = render_sample(*stage.own, wedges_, input_.threads, kTimings, true);
-    stage.costs.frame_s = planes.frame_s;
-    stage.costs.spread_s = planes.spread_s;
+  WedgePlanes own_frame(LoadedScene& loaded) const {
+    WedgePlanes planes = render_sample(*loaded.own, wedges_, input_.threads, kTimings, true);
+    loaded.costs.frame_s = planes.frame_s;
+    loaded.costs.spread_s = planes.spread_s;
     return planes;
   }
 
   /// The machine drifts while the changes are timed: the scene's own time, taken again, tells how much.
-  void time_again(Stage& stage) {
+  void time_again(LoadedScene& loaded) {
     const Costs first = result_.costs;
-    own_frame(stage);
+    own_frame(loaded);
     const double slowest_s =
-        std::max(first.frame_s + first.spread_s, stage.costs.frame_s + stage.costs.spread_s);
-    result_.costs.frame_s = std::min(first.frame_s, stage.costs.frame_s);
+        std::max(first.frame_s + first.spread_s, loaded.costs.frame_s + loaded.costs.spread_s);
+    result_.costs.frame_s = std::min(first.frame_s, loaded.costs.frame_s);
     result_.costs.spread_s = slowest_s - result_.costs.frame_s;
   }
 
-  void measure_scene(Stage& stage) {
+  void measure_scene(LoadedScene& loaded) {
     begin("the scene as it is");
     wedges_ = even_wedges(input_.settings);
-    ranges_ = range_bins_of(stage.fine->bins());
-    probes_.emplace(*stage.fine, wedges_);
-    note_facts(stage);
+    ranges_ = range_bins_of(loaded.fine->bins());
+    probes_.emplace(*loaded.fine, wedges_);
+    note_facts(loaded);
     all_steps_ +=
-        static_cast<int>(materials_used(*stage.world).size()) + (result_.facts.buildings > 0 ? 2 : 0);
-    power_w_ = power(*stage.fine);
+        static_cast<int>(materials_used(*loaded.world).size()) + (result_.facts.buildings > 0 ? 2 : 0);
+    power_w_ = power(*loaded.fine);
     if (std::ranges::none_of(power_w_, [](double w) { return w > 0; }))
       throw InputError("radar \"" + input_.radar +
                        "\": found no power in the bins; allowed: a scene with visible, "
                        "reflecting ground in sector and range");
-    result_.unsampled = unsampled_warning(own_frame(stage).stats, input_.settings);
-    result_.costs = stage.costs;
-    stage.costs.load_s = 0;  // what is made of this world from now on is not loaded again
+    result_.unsampled = unsampled_warning(own_frame(loaded).stats, input_.settings);
+    result_.costs = loaded.costs;
+    loaded.costs.load_s = 0;  // what is made of this world from now on is not loaded again
 
     begin("sampling noise");
-    result_.measurement_noise = noise_of(stage, kComparisonSource, power_w_);
-    if (!stage.world->buildings.list.empty()) {
-      wall_power_w_ = power_by(stage, kWallSource, kComparisonDensity);
-      result_.wall_noise = noise_of(stage, kWallSource, wall_power_w_);
+    result_.measurement_noise = noise_of(loaded, kComparisonSource, power_w_);
+    if (!loaded.world->buildings.list.empty()) {
+      wall_power_w_ = power_by(loaded, kWallSource, kComparisonDensity);
+      result_.wall_noise = noise_of(loaded, kWallSource, wall_power_w_);
     }
     RadarSettings own = input_.settings;
     own.range_normalisation = false;
     own.power_w = 1;
     own.gain_db = 0;
-    result_.frustum_noise = power_change(power_w_, power(*plan(stage, own)), ranges_);
+    result_.frustum_noise = power_change(power_w_, power(*plan(loaded, own)), ranges_);
   }
 
-  void note_facts(const Stage& stage) {
+  void note_facts(const LoadedScene& loaded) {
     SceneFacts& f = result_.facts;
-    const World& world = *stage.world;
+    const World& world = *loaded.world;
     f.scene = input_.scene;
     f.radar = input_.radar;
     f.settings = input_.settings;
@@ -201,8 +199,8 @@ class Experiment {
     f.radius_factor = world.frame.radius_factor();
     f.earth_factor = std::isfinite(f.radius_factor) ? f.radius_factor : kStandardEarth;
     f.height_m =
-        world.frame.geodetic_from_world(stage.pose.antenna).height_m - stage.own->extent().median_height_m;
-    f.range_spacing_m = stage.own->bins().range_spacing_m;
+        world.frame.geodetic_from_world(loaded.pose.antenna).height_m - loaded.own->extent().median_height_m;
+    f.range_spacing_m = loaded.own->bins().range_spacing_m;
     f.cell_m = world.grid.cell_m;
     f.nodes = world.grid.y_m.size();
     f.source_error = world.report.source_error;
@@ -225,12 +223,12 @@ class Experiment {
   }
   void keep(Comparison c) { result_.comparisons.push_back(std::move(c)); }
 
-  void compare_speckle(Stage& stage) {
+  void compare_speckle(LoadedScene& loaded) {
     begin("speckle");
     const auto frame = [&](SpeckleKind kind) {
       RadarSettings settings = input_.settings;
       settings.speckle = kind;
-      return render_sample(*plan(stage, settings), wedges_, input_.threads, kTimings, true);
+      return render_sample(*plan(loaded, settings), wedges_, input_.threads, kTimings, true);
     };
     const WedgePlanes ground = frame(SpeckleKind::ground);
     const WedgePlanes geometric = frame(SpeckleKind::geometric);
@@ -242,64 +240,64 @@ class Experiment {
     ranges.range_normalisation = input_.settings.range_normalisation;
     c.power = power_change(ground.power_w, geometric.power_w, ranges);
     c.costs = result_.costs;
-    c.costs.build_s = 0;  // nothing is made anew
+    c.costs.build_s = 0;  // nothing is built again
     c.costs.frame_s = is_ground ? geometric.frame_s : ground.frame_s;
     c.costs.load_s = 0;
     keep(std::move(c));
   }
 
-  void compare_materials(Stage& stage) {
-    for (const std::uint8_t id : materials_used(*stage.world)) {
+  void compare_materials(LoadedScene& loaded) {
+    for (const std::uint8_t id : materials_used(*loaded.world)) {
       Comparison c = named(Ingredient::material, "material " + input_.materials[id].name, "as terrain");
       begin(c.name + ", " + c.change);
       c.material = id;
-      c.on_buildings = std::ranges::any_of(stage.world->buildings.list,
+      c.on_buildings = std::ranges::any_of(loaded.world->buildings.list,
                                            [&](const Building& building) { return building.material == id; });
       std::vector<Material> materials = input_.materials;
       materials[id] = materials[0];
-      build(stage, materials);
-      finish(c, stage, power_w_);
+      build(loaded, materials);
+      finish(c, loaded, power_w_);
       keep(std::move(c));
     }
   }
 
-  void compare_buildings(Stage& stage) {
-    if (stage.world->buildings.list.empty()) return;
+  void compare_buildings(LoadedScene& loaded) {
+    if (loaded.world->buildings.list.empty()) return;
     const auto compare = [&](Ingredient ingredient, const std::string& name, const std::string& change) {
       Comparison c = named(ingredient, name, change);
       begin(name + ", " + change);
-      build(stage, input_.materials);
-      finish(c, stage, ingredient == Ingredient::walls ? wall_power_w_ : power_w_);
+      build(loaded, input_.materials);
+      finish(c, loaded, ingredient == Ingredient::walls ? wall_power_w_ : power_w_);
       keep(std::move(c));
     };
     // No one else holds this world between two scenes: it may be changed.
-    take_down(stage);
-    stage.world->buildings = without_walls(stage.world->buildings);
+    take_down(loaded);
+    loaded.world->buildings = without_walls(loaded.world->buildings);
     compare(Ingredient::walls, "building walls", "roofs only");
-    take_down(stage);
-    stage.world->buildings = {};
+    take_down(loaded);
+    loaded.world->buildings = {};
     compare(Ingredient::buildings, "buildings", "none");
   }
 
-  /// Compares the stage's bins, and its ground where it may have moved.
-  void finish(Comparison& c, Stage& stage, const std::vector<double>& against_w) {
+  /// Compares the scene's bins, and its ground where it may have moved.
+  void finish(Comparison& c, LoadedScene& loaded, const std::vector<double>& against_w) {
     const bool walls = c.ingredient == Ingredient::walls;
     c.power = power_change(
-        against_w, walls ? power_by(stage, kWallSource, kComparisonDensity) : power(*stage.fine), ranges_);
-    own_frame(stage);
-    c.costs = stage.costs;
+        against_w, walls ? power_by(loaded, kWallSource, kComparisonDensity) : power(*loaded.fine), ranges_);
+    own_frame(loaded);
+    c.costs = loaded.costs;
   }
 
   /// Loads a changed world and compares it; what cannot be loaded or rendered becomes the reason.
   void compare_world(Comparison& c, const WorldSpec& spec, const std::vector<double>& against_w,
-                     const GroundProbes& probes, Stage* kept = nullptr) {
+                     const GroundProbes& probes, LoadedScene* kept = nullptr) {
     begin(c.name + ", " + c.change);
     try {
-      Stage stage = load(spec);
-      finish(c, stage, against_w);
-      c.shift = probes.shift_in(*stage.world, stage.pose);
-      c.source_error = stage.world->report.source_error;
-      if (kept) *kept = std::move(stage);
+      LoadedScene loaded = load(spec);
+      finish(c, loaded, against_w);
+      c.shift = probes.shift_in(*loaded.world, loaded.pose);
+      c.source_error = loaded.world->report.source_error;
+      if (kept) *kept = std::move(loaded);
     } catch (const InputError& error) {
       c.reason = error.what();
     }
@@ -316,7 +314,7 @@ class Experiment {
     curvature.adds = flat;
     curvature.value = spec.radius_factor = flat ? kStandardEarth : kFlat;
     curvature.change = flat ? "with k = " + short_number(spec.radius_factor, 4) : "flat earth";
-    Stage curved;
+    LoadedScene curved;
     compare_world(curvature, spec, power_w_, *probes_, flat ? &curved : nullptr);
 
     Comparison refraction = named(Ingredient::refraction, "refraction", "");

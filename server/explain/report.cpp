@@ -6,6 +6,7 @@
 
 #include "server/explain/advice.h"
 #include "server/explain/table.h"
+#include "terrain/base/csv.h"
 #include "terrain/base/text.h"
 
 namespace obliq {

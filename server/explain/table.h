@@ -25,7 +25,4 @@ std::string markdown_table(const Table& table);
 /// the label takes that room on the first line, or a line of its own where it is longer.
 std::string wrapped(const std::string& label, const std::string& text, std::size_t width, std::size_t indent);
 
-/// A CSV field: in quotes, quotes doubled, where it needs them (RFC 4180).
-std::string csv_field(const std::string& text);
-
 }  // namespace obliq

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kSlew = 10;  ///< the shown time gains or loses at most a 10th
 
-/// Poses that lie so far behind the shown time are of no more use to anyone.
+/// Poses that lie so far behind the shown time are of no more use.
 constexpr std::int64_t kHistory_ns = 2'000'000'000;
 constexpr std::size_t kMostPoses = 4096;
 
@@ -141,11 +141,6 @@ PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
 PoseSettings PoseTimeLine::newest() const {
   const std::lock_guard lock(mutex_);
   return poses_.back().pose;
-}
-
-std::int64_t PoseTimeLine::newest_received_ns() const {
-  const std::lock_guard lock(mutex_);
-  return poses_.back().received_ns;
 }
 
 std::uint64_t PoseTimeLine::late() const {

@@ -47,7 +47,6 @@ class PoseTimeLine {
   PoseAt at(std::int64_t now_ns) const;
   /// As it was sent, with the fields that its sender left out.
   PoseSettings newest() const;
-  std::int64_t newest_received_ns() const;
   std::uint64_t late() const;  ///< since construction
 
  private:

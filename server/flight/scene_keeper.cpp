@@ -12,15 +12,14 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
 
-using Seconds = std::chrono::duration<double>;
-
 /// How often it is looked whether the last frame of a scene has ended.
 constexpr std::chrono::milliseconds kLook{50};
-/// A frame that nobody takes may not hold up a flight: after this long there may be a third scene.
+/// A frame that no client takes must not hold up a flight: after this long there may be a third scene.
 constexpr std::chrono::seconds kLongestFrame{90};
 
 constexpr double kFirstPause_s = 5;
@@ -117,7 +116,7 @@ void SceneKeeper::poses_changed(std::vector<RadarPlace> radars) {
 SceneKeeper::State SceneKeeper::state() const {
   const std::lock_guard lock(mutex_);
   State state = state_;
-  if (state.failures > 0 && state.last_error.empty()) state.well_s = Seconds(now_() - well_since_).count();
+  if (state.failures > 0 && state.last_error.empty()) state.well_s = to_seconds(now_() - well_since_);
   return state;
 }
 
@@ -256,7 +255,7 @@ void SceneKeeper::serve(Request request, const std::stop_token& stop, std::uniqu
   } else if (scene) {
     swap_(scene);
   }
-  const double build_s = Seconds(Clock::now() - start).count();
+  const double build_s = seconds_since(start);
   std::optional<SourceExtents> extents;
   if (scene && request.done) extents = extents_of(request.config);
   lock.lock();
@@ -294,14 +293,14 @@ void SceneKeeper::note_failure(const Request& request, const std::string& error)
   state_.last_error = state_.last_failure = error;
   reload_failed_ = request.done != nullptr;
   if (request.done) {
-    spdlog::error("the reloaded scene cannot be loaded, the old one serves on: {}", error);
+    spdlog::error("the reloaded scene cannot be loaded; still serving the previous one: {}", error);
     return;
   }
   pause_s_ = std::clamp(2 * pause_s_, kFirstPause_s, kLongestPause_s);
-  not_before_ = now_() + std::chrono::duration_cast<Clock::duration>(Seconds(pause_s_));
+  not_before_ = now_() + from_seconds(pause_s_);
   spdlog::error(
-      "the next window of terrain cannot be loaded: {}; the old one serves on, its coverage says what is "
-      "missing. Tried again in {:.0f} s; terrain.dem has to name elevation models of where the radars are",
+      "the next window of terrain cannot be loaded: {}; still serving the previous one, whose coverage says "
+      "what is missing. Next attempt in {:.0f} s; terrain.dem must name elevation models around the radars",
       error, pause_s_);
 }
 

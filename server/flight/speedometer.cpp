@@ -1,10 +1,12 @@
 #include "server/flight/speedometer.h"
 
+#include "terrain/base/seconds.h"
+
 namespace obliq {
 
 void Speedometer::note(std::span<const RadarPlace> radars, Time now) {
   heard_ = now;
-  const double elapsed_s = std::chrono::duration<double>(now - since_).count();
+  const double elapsed_s = to_seconds(now - since_);
   const bool comparable = to_.size() == radars.size();
   if (comparable && elapsed_s < 0.5) return;
   from_ = to_;

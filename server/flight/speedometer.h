@@ -16,7 +16,7 @@ class Speedometer {
   static constexpr std::chrono::seconds kStandsAfter{2};
 
   void note(std::span<const RadarPlace> radars, Time now);
-  /// Where they, who are here now, will be so much later if they go on as they do.
+  /// Where these radars will be `later_s` from now if they keep their speeds.
   std::vector<RadarPlace> ahead(std::span<const RadarPlace> radars, double later_s, Time now) const;
 
  private:

@@ -78,7 +78,7 @@ std::optional<FrontierHeader> read_frontier_header(const std::filesystem::path& 
     return h;
   } catch (const nlohmann::json::exception& e) {
     throw InputError(path.string() + ": found no header of a frontier (" + e.what() +
-                     "); allowed: one that `obliq frontier` wrote, or --restart to begin anew");
+                     "); allowed: one that `obliq frontier` wrote, or --restart to begin again");
   }
 }
 

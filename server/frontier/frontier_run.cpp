@@ -23,8 +23,9 @@
 #include "server/output/frame_files.h"
 #include "server/radar/frame_plan.h"
 #include "server/scene/embree_tracer.h"
+#include "terrain/base/checksum.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/hash.h"
+#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
@@ -41,29 +42,9 @@ struct Ground {
   double cell_m() const { return world().grid.cell_m; }
 };
 
-std::string duration_text(double seconds) {
-  const int whole = static_cast<int>(std::ceil(seconds));
-  if (whole < 100) return fmt::format("{} s", whole);
-  return fmt::format("{} min", (whole + 59) / 60);
-}
-
-std::uint64_t hash_bytes(std::uint64_t hash, const void* data, std::size_t n) {
-  const auto* bytes = static_cast<const unsigned char*>(data);
-  for (std::size_t k = 0; k < n; k += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes + k, std::min<std::size_t>(8, n - k));
-    hash = mix64(hash ^ word);
-  }
-  return hash;
-}
-
-template <class T>
-std::uint64_t hash_list(std::uint64_t hash, const std::vector<T>& list) {
-  return hash_bytes(mix64(hash ^ list.size()), list.data(), list.size() * sizeof(T));
-}
-
-std::uint64_t hash_text(std::uint64_t hash, const std::string& text) {
-  return hash_bytes(mix64(hash ^ text.size()), text.data(), text.size());
+template <class List>
+std::uint64_t hash_list(std::uint64_t hash, const List& list) {
+  return checksum(list.data(), list.size() * sizeof list[0], hash);
 }
 
 /// Everything that the truth depends on besides its sampling.
@@ -165,7 +146,7 @@ class FrontierRun {
          {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,
           1.0 * options_.truth_planes, options_.truth_step_m, 1.0 * options_.most_truth_planes})
       text += fmt::format("{} ", number);
-    key_ = world_hash(finest_.world(), hash_text(1, text + radar_.name));
+    key_ = world_hash(finest_.world(), hash_list(1, text + radar_.name));
     header_.key = fmt::format("{:016x}", key_);
   }
 
@@ -178,16 +159,15 @@ class FrontierRun {
     const bool has_table = std::filesystem::exists(table);
     if (!earlier && !has_table) return;
     if (!earlier || earlier->key != header_.key)
-      throw InputError(
-          options_.out.string() +
-          ": found the table of another run (other scene, settings, options, machine or version); "
-          "allowed: another folder, or --restart to throw that table away");
+      throw InputError(options_.out.string() +
+                       ": found the table of another run (other scene, settings, options, machine or "
+                       "version); allowed: another folder, or --restart to discard that table");
     resumed_ = true;
     header_ = *earlier;
     if (has_table) rows_ = read_frontier_csv(table);
     drop_half_done();
     if (!rows_.empty())
-      say_on_terminal(fmt::format("going on after {} lines of {}", rows_.size(), table.string()));
+      say_on_terminal(fmt::format("resuming after {} lines of {}", rows_.size(), table.string()));
   }
 
   /// A sampling whose lines were not all written is measured again.
@@ -276,7 +256,7 @@ class FrontierRun {
     for (std::size_t k = 0; k < cases_.size(); ++k) {
       if (is_done(cases_[k])) continue;
       if (options_.stop_after > 0 && measured == options_.stop_after) {
-        say_on_terminal(fmt::format("stopped after {}; the same command goes on from here", measured));
+        say_on_terminal(fmt::format("stopped after {}; the same command resumes from here", measured));
         return false;
       }
       const std::vector<FrontierRow> rows = measure(cases_[k]);
@@ -286,7 +266,7 @@ class FrontierRun {
       rows_.insert(rows_.end(), rows.begin(), rows.end());
       ++measured;
       done += weight(cases_[k]);
-      const double spent_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double spent_s = seconds_since(start);
       say_on_terminal(
           fmt::format("[{}/{}] {}{}", k + 1, cases_.size(), row_text(rows.front()),
                       done < work ? "; " + duration_text(spent_s / done * (work - done)) + " left" : ""));

@@ -8,7 +8,9 @@
 #include <fstream>
 #include <optional>
 
+#include "terrain/base/csv.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -61,37 +63,6 @@ std::optional<double> number_of(const std::string& text) {
   return value;
 }
 
-std::string quoted(const std::string& text) {
-  if (text.empty()) return text;
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c == '\n' ? ' ' : c;
-  }
-  return out + '"';
-}
-
-/// Fields of a line; those in quotes may hold commas and doubled quotes.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool inside = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    if (line[k] == '"') {
-      if (inside && k + 1 < line.size() && line[k + 1] == '"') {
-        fields.back() += '"';
-        ++k;
-      } else {
-        inside = !inside;
-      }
-    } else if (line[k] == ',' && !inside) {
-      fields.emplace_back();
-    } else {
-      fields.back() += line[k];
-    }
-  }
-  return fields;
-}
-
 template <class T, std::size_t n>
 bool choose(const std::string& text, const std::array<T, n>& values, std::string (*name)(T), T& chosen) {
   const auto found = std::ranges::find_if(values, [&](T value) { return name(value) == text; });
@@ -100,7 +71,7 @@ bool choose(const std::string& text, const std::array<T, n>& values, std::string
 }
 
 std::optional<FrontierRow> row_of(const std::string& line) {
-  const std::vector<std::string> fields = fields_of(line);
+  const std::vector<std::string> fields = csv_fields(line);
   if (fields.size() != kFields) return std::nullopt;
   FrontierRow row;
   SamplingCase& c = row.sampling;
@@ -192,7 +163,7 @@ std::string csv_line(const FrontierRow& row) {
   std::string text = fmt::format("{},{},{},{},{},{}", frustum_name(c.kind), c.columns, c.rows,
                                  plates_name(c.plates), number_text(c.cell_m), returns_name(row.returns));
   for (const Column& column : kColumns) text += "," + number_text(row.*column.value);
-  return text + "," + quoted(row.not_possible) + "\n";
+  return text + "," + csv_field(one_line(row.not_possible)) + "\n";
 }
 
 std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
@@ -201,7 +172,7 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
   if (!file || !std::getline(file, line) || line + "\n" != csv_header())
     throw InputError(path.string() +
                      ": found no table of this version; allowed: one that `obliq frontier` wrote, or "
-                     "--restart to begin anew");
+                     "--restart to begin again");
   std::vector<FrontierRow> rows;
   for (int number = 2; std::getline(file, line); ++number) {
     if (file.eof()) break;  // no newline behind it: it was cut off
@@ -209,7 +180,7 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path) {
     if (!row)
       throw InputError(
           fmt::format("{}:{}: found a line that is none of this table's; allowed: what `obliq frontier` "
-                      "wrote, or --restart to begin anew",
+                      "wrote, or --restart to begin again",
                       path.string(), number));
     rows.push_back(*row);
   }

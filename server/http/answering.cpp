@@ -45,8 +45,8 @@ Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Se
     if (!may_read(route, asked.authorization, security)) {
       const LogFields fields{{"client", asked.peer}};
       spdlog::warn(
-          "HTTP: {} refused to {}: no token, or one that is not in server.tokens; give the one who asks a "
-          "viewer's",
+          "HTTP: {} refused to {}: no token, or one that is not in server.tokens; give that client a "
+          "viewer's token",
           route.path, asked.peer);
       return error_page(401, "Authorization: Bearer TOKEN is needed");
     }

@@ -1,7 +1,8 @@
 #include "server/http/http_client.h"
 
-#include <chrono>
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
+
+#include "terrain/base/seconds.h"
 // The order matters, see above.
 #include <boost/asio.hpp>
 #include <boost/asio/ssl.hpp>
@@ -61,8 +62,7 @@ Answer ask(const Question& question) {
   Answer answer;
   asio::io_context io;
   asio::co_spawn(io, ask_on(io, question, answer), asio::detached);
-  io.run_for(std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(question.timeout_s)));
+  io.run_for(from_seconds(question.timeout_s));
   if (answer.status == 0 && answer.error.empty()) answer.error = "no answer in time";
   return answer;
 }

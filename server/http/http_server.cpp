@@ -23,6 +23,7 @@
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::http {
 
@@ -61,7 +62,7 @@ Asked asked_by(const Request& parser, std::string peer) {
           .has_body = !parser.is_done()};
 }
 
-/// What answers a header that cannot be read; nothing when nobody is left to answer.
+/// What answers a header that cannot be read; none when the client is gone.
 std::optional<Page> refusal(const error_code& error) {
   if (error == bhttp::error::header_limit || error == bhttp::error::buffer_overflow)
     return error_page(431, "the header is too long");
@@ -89,14 +90,11 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   asio::awaitable<bool> answer(Stream& stream, const Page& page, bool head, bool keep_alive,
                                unsigned version);
   asio::awaitable<void> part(PlainStream& stream);
-  /// What limit leaves no room for the newcomer: "http.max_connections"; empty when there is room.
+  /// What limit leaves no room for a new connection: "http.max_connections"; empty when there is room.
   std::string limit_reached(const std::string& network) const;
   bool make_room(const std::string& network, const std::string& limit);
   void turn_away(tcp::socket socket, const std::string& limit) const;
-  std::chrono::nanoseconds timeout() const {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::chrono::duration<double>(options.timeout_s));
-  }
+  std::chrono::nanoseconds timeout() const { return from_seconds(options.timeout_s); }
 
   asio::io_context& io;
   asio::io_context& pages;
@@ -116,8 +114,8 @@ void HttpServer::State::listen() {
     acceptor.listen(asio::socket_base::max_listen_connections);
   } catch (const std::exception& e) {
     throw InputError(
-        fmt::format("http.port {}, http.address {}: {}; another port, http.port=0 (any free one) or "
-                    "http.enabled=false would do",
+        fmt::format("http.port {}, http.address {}: {}; choose another port, http.port=0 (any free one) or "
+                    "http.enabled=false",
                     options.port, options.address, e.what()));
   }
 }
@@ -175,7 +173,8 @@ bool HttpServer::State::make_room(const std::string& network, const std::string&
       open, [&](const Connection& c) { return !c.asked && !c.gone && c.network == most; });
   const LogFields fields{{"client", oldest->peer}};
   spdlog::warn(
-      "HTTP: {} asks nothing and makes room for a newcomer: {} reached; raise that limit, or see who is here",
+      "HTTP: {} sent no request and was closed for a new connection: {} reached; raise that limit, or look "
+      "at the open connections",
       oldest->peer, limit);
   oldest->gone = true;
   oldest->stream->close();
@@ -186,18 +185,19 @@ bool HttpServer::State::make_room(const std::string& network, const std::string&
 void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) const {
   const std::string peer = net::endpoint_of_peer(socket.native_handle());
   const LogFields fields{{"client", peer}};
-  spdlog::warn("HTTP: a connection from {} was turned away: {} reached; raise that limit, or see who is here",
-               peer, limit);
-  const std::string body = limit + " reached";
+  spdlog::warn(
+      "HTTP: a connection from {} was refused: {} reached; raise that limit, or look at the open connections",
+      peer, limit);
+  bhttp::response<bhttp::string_body> answer(bhttp::status::service_unavailable, 11, limit + " reached");
+  answer.set(bhttp::field::content_type, "text/plain");
   // By then connections that ask nothing have made room.
   const auto later_s = static_cast<long>(std::ceil(options.timeout_s));
-  const std::string answer = fmt::format(
-      "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nRetry-After: "
-      "{}\r\nContent-Length: {}\r\n\r\n{}",
-      later_s, body.size(), body);
+  answer.set(bhttp::field::retry_after, std::to_string(later_s));
+  answer.keep_alive(false);
+  answer.prepare_payload();
   error_code ignored;
   socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(answer), ignored);
+  bhttp::write(socket, answer, ignored);
   socket.shutdown(tcp::socket::shutdown_send, ignored);
   // A request that has come already and was not read would make the kernel reset the connection.
   std::array<char, 4096> unwanted;
@@ -242,7 +242,7 @@ asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream, Connection
   if (error) {
     const LogFields fields{{"client", connection.peer}};
     spdlog::warn(
-        "HTTP: {}: the TLS handshake failed: {}; whoever asks here needs https:// and the certificate "
+        "HTTP: {}: the TLS handshake failed: {}; clients need https:// and the certificate "
         "server.tls_certificate",
         connection.peer, error.message());
     co_return;

@@ -42,7 +42,7 @@ struct HttpOptions {
 };
 
 /// Answers GET and HEAD for a few paths, through TLS where there is a certificate, and those that are not
-/// open only to who brings a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
+/// open only with a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
 /// body, other methods, long or slow headers are refused; of too many connections, in all or from one
 /// address, the oldest that asks nothing goes, or else the newest is refused. All on the thread of `io`, but
 /// the constructor.

@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "terrain/base/process_memory.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::http {
 namespace {
@@ -219,8 +220,7 @@ Metrics::Metrics(const BuildInfo& build) : state_(std::make_unique<State>()) {
       .Set(1);
   for (const char* level : {"debug", "info", "warning", "error"})
     state_->lines[level] = &state_->log_lines.Add({{"level", level}});
-  state_->started_s =
-      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  state_->started_s = to_seconds(std::chrono::system_clock::now().time_since_epoch());
 }
 
 Metrics::~Metrics() = default;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/accuracy/sampling_case.h"
 #include "server/loading/scene_loading.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
@@ -15,7 +16,6 @@ namespace obliq {
 namespace {
 
 constexpr int kFirstSide = 512;
-constexpr int kMostSide = 16384;  // of frustum.pixel_columns and pixel_rows
 constexpr int kProbeWedges = 8;
 
 struct Pixels {
@@ -117,7 +117,7 @@ class PixelSearch {
 }  // namespace
 
 void find_pixels(const std::shared_ptr<const Scene>& scene, RadarConfig& radar, const PixelLimits& limits,
-                 const std::function<void(const std::string&)>& say, const Progress& progress) {
+                 const Say& say, const Progress& progress) {
   if (!radar.finds_pixels) return;
   PixelSearch search(scene, radar, limits, progress);
   const Pixels found = search.run();

@@ -1,12 +1,11 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
 #include "server/control/sections/radar.h"
+#include "server/loading/terminal_progress.h"
 #include "server/scene/scene.h"
-#include "terrain/base/progress.h"
 
 namespace obliq {
 
@@ -21,6 +20,6 @@ struct PixelLimits {
 /// what was found. Does nothing for other radars. Throws InputError, with the best that there is, where no
 /// pixels do.
 void find_pixels(const std::shared_ptr<const Scene>& scene, RadarConfig& radar, const PixelLimits& limits,
-                 const std::function<void(const std::string&)>& say, const Progress& progress);
+                 const Say& say, const Progress& progress);
 
 }  // namespace obliq

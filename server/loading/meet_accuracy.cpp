@@ -33,8 +33,7 @@ struct ProbedRadar {
 
 class AccuracySearch {
  public:
-  AccuracySearch(SceneConfig& config, const std::function<void(const std::string&)>& say,
-                 const Progress& progress)
+  AccuracySearch(SceneConfig& config, const Say& say, const Progress& progress)
       : config_(config),
         limit_{config.accuracy.max_power_error_db, config.accuracy.max_gap_fraction},
         say_(say),
@@ -147,7 +146,7 @@ class AccuracySearch {
   }
 
   [[noreturn]] void refuse(const RadarConfig& radar, const std::vector<TriedSampling>& tried) const {
-    std::string best = "no sampling within 16384 pixels";
+    std::string best = fmt::format("no sampling within {} pixels", kMostSide);
     if (!tried.empty()) {
       const auto& b = *std::ranges::min_element(tried, {}, [](const TriedSampling& t) {
         return std::tuple(t.errors.compared() == 0, t.errors.median_db, t.errors.gap_fraction());
@@ -197,7 +196,7 @@ class AccuracySearch {
     return good_m;
   }
 
-  /// Pixels that the scene names, or its quality, do not win over [accuracy]; nobody is to be surprised.
+  /// Pixels that the scene names, or its quality, do not override [accuracy]; the change is reported.
   void say_what_changes(const RadarSettings& named, const SamplingCase& chosen) const {
     const bool sweep = chosen.kind == FrustumKind::sweep;
     if (named.pixel_columns == chosen.columns && (sweep || named.pixel_rows == chosen.rows)) return;
@@ -224,7 +223,7 @@ class AccuracySearch {
 
   SceneConfig& config_;
   AccuracyLimit limit_;
-  const std::function<void(const std::string&)>& say_;
+  const Say& say_;
   const Progress& progress_;
   std::shared_ptr<const Scene> finest_;  ///< the truth's
   std::shared_ptr<const Scene> ground_;  ///< of the samplings that are tried
@@ -235,8 +234,7 @@ class AccuracySearch {
 
 }  // namespace
 
-void meet_accuracy(SceneConfig& config, const std::function<void(const std::string&)>& say,
-                   const Progress& progress) {
+void meet_accuracy(SceneConfig& config, const Say& say, const Progress& progress) {
   if (config.accuracy.asks()) AccuracySearch(config, say, progress).run();
 }
 

@@ -1,9 +1,8 @@
 #pragma once
-#include <functional>
 #include <string>
 
 #include "server/control/scene_config.h"
-#include "terrain/base/progress.h"
+#include "server/loading/terminal_progress.h"
 
 namespace obliq {
 
@@ -12,7 +11,6 @@ namespace obliq {
 /// finest sensible grid, stay within what is asked. `say` hears what was chosen and its measured error.
 /// Without an [accuracy] it does nothing. Throws InputError, with the best that was reached, when nothing is
 /// good enough.
-void meet_accuracy(SceneConfig& config, const std::function<void(const std::string&)>& say,
-                   const Progress& progress);
+void meet_accuracy(SceneConfig& config, const Say& say, const Progress& progress);
 
 }  // namespace obliq

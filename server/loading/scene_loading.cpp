@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "server/radar/frame_plan.h"
 #include "server/scene/scene_memory.h"
@@ -71,15 +70,13 @@ Pose place_radar(const World& world, const RadarConfig& radar) {
   throw InputError("radar \"" + radar.name + "\": " + all_text(errors));
 }
 
-void say_on_terminal(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
-
 void say_notes(const SceneConfig& config) {
   for (const std::string& note : config.notes) say_on_terminal(note);
 }
 
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program) {
   if (config.accuracy.asks())
-    say_on_terminal(program + ": [accuracy] is left out here; pixels and cells are those of the scene file");
+    say_on_terminal(program + ": [accuracy] is ignored here; pixels and cells are those of the scene file");
   for (const RadarConfig& radar : config.radars)
     if (radar.finds_pixels)
       say_on_terminal(
@@ -88,10 +85,10 @@ void say_accuracy_is_ignored(const SceneConfig& config, const std::string& progr
                       program, radar.name, radar.settings.pixel_columns, radar.settings.pixel_rows));
 }
 
-std::vector<std::string> world_report_lines(const World& world) {
+std::vector<ReportLine> world_report_lines(const World& world) {
   const HeightGrid& grid = world.grid;
   const LoadReport& report = world.report;
-  std::vector<std::string> lines;
+  std::vector<ReportLine> lines;
   std::string line =
       fmt::format("terrain: {} x {} posts of {:.5g} m ({:.1f} x {:.1f} km)", grid.nx, grid.nz, grid.cell_m,
                   (grid.nx - 1) * grid.cell_m / 1000, (grid.nz - 1) * grid.cell_m / 1000);
@@ -126,27 +123,26 @@ std::vector<std::string> world_report_lines(const World& world) {
     if (heights.found > 0 || heights.by_default > 0) lines.push_back(heights_line(heights));
   }
   lines.insert(lines.end(), report.notes.begin(), report.notes.end());
-  for (const std::string& warning : report.warnings) lines.push_back(kWarningPrefix + warning);
+  for (const std::string& warning : report.warnings) lines.emplace_back(warning, true);
   return lines;
 }
 
 void print_world_report(const World& world) {
-  for (const std::string& line : world_report_lines(world)) say_on_terminal(line);
+  for (const ReportLine& line : world_report_lines(world)) say_on_terminal(line);
 }
 
 std::string scene_memory_line(const Scene& scene) {
   const std::string text =
-      fmt::format("; process {:.0f} MB, {:.0f} MB at its most", static_cast<double>(resident_bytes()) / 1e6,
+      fmt::format("; process {:.0f} MB, peak {:.0f} MB", static_cast<double>(resident_bytes()) / 1e6,
                   static_cast<double>(peak_resident_bytes()) / 1e6);
   return memory_line(scene) + text;
 }
 
-std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
-                                         const std::function<void(const std::string&)>& say,
+std::shared_ptr<const Scene> build_scene(const SceneConfig& config, const Say& say,
                                          const Progress& progress) {
   say("scene " + config.name + ": loading terrain");
   auto world = std::make_shared<const World>(load_world(config.world, progress));
-  for (const std::string& line : world_report_lines(*world)) say(line);
+  for (const ReportLine& line : world_report_lines(*world)) say(line);
   auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, config.rays);
   if (std::ranges::any_of(config.radars, [&](const RadarConfig& radar) {
         return needs_tracer(*scene, radar.settings.frustum);

@@ -1,7 +1,6 @@
 #pragma once
 // What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
 // terminal. The daemon logs the same report.
-#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -15,8 +14,6 @@
 
 namespace obliq {
 
-inline constexpr const char* kWarningPrefix = "warning: ";
-
 /// Of several radars, the one that is taken where none is named.
 constexpr std::string_view kUsualRadar = "main";
 
@@ -29,9 +26,6 @@ const RadarConfig& choose_radar(const SceneConfig& config, const std::string& na
 /// Places the radar's antenna. Throws InputError with every reason why it cannot stand there.
 Pose place_radar(const World& world, const RadarConfig& radar);
 
-/// One line on stderr.
-void say_on_terminal(const std::string& line);
-
 /// What was chosen for the user, a line each on stderr.
 void say_notes(const SceneConfig& config);
 
@@ -40,8 +34,8 @@ void say_notes(const SceneConfig& config);
 void say_accuracy_is_ignored(const SceneConfig& config, const std::string& program);
 
 /// What was loaded, a sentence or two each: grid, heights, voids, buildings with every count that is not
-/// zero, notes, and warnings behind kWarningPrefix.
-std::vector<std::string> world_report_lines(const World& world);
+/// zero, notes, and warnings.
+std::vector<ReportLine> world_report_lines(const World& world);
 
 /// Prints those lines on stderr.
 void print_world_report(const World& world);
@@ -51,9 +45,7 @@ std::string scene_memory_line(const Scene& scene);
 
 /// Loads terrain and buildings and, when a radar's rays are traced, builds the ray-tracing scene; `say` gets
 /// what was found, a sentence each.
-std::shared_ptr<const Scene> build_scene(const SceneConfig& config,
-                                         const std::function<void(const std::string&)>& say,
-                                         const Progress& progress);
+std::shared_ptr<const Scene> build_scene(const SceneConfig& config, const Say& say, const Progress& progress);
 
 /// Loads the same without a word, on the calling thread alone but for Embree's part, for which `threads` of
 /// the configuration is taken as 1. New grids are not kept in the cache. Throws InputError soon after stop is

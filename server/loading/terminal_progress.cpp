@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "terrain/base/seconds.h"
+
 namespace obliq {
 namespace {
 
@@ -32,20 +34,16 @@ class ProgressLines {
     if (terminal_) return write_over(stage, now);
     const bool is_new = stage != stage_;
     stage_ = stage;
-    if (seconds(start_, now) < kQuick_s || fraction >= 1) return;
-    if (!is_new && seconds(written_, now) < kPause_s) return;
+    if (to_seconds(now - start_) < kQuick_s || fraction >= 1) return;
+    if (!is_new && to_seconds(now - written_) < kPause_s) return;
     written_ = now;
     std::fprintf(stderr, "%s\n", text(stage, now).c_str());
   }
 
  private:
-  static double seconds(Clock::time_point from, Clock::time_point to) {
-    return std::chrono::duration<double>(to - from).count();
-  }
-
   std::string text(std::string_view stage, Clock::time_point now) const {
     const std::string line = fmt::format("{} {:3.0f} %", stage, 100 * fraction_);
-    const double spent_s = seconds(start_, now);
+    const double spent_s = to_seconds(now - start_);
     const double done = fraction_ - start_fraction_;
     if (spent_s < kQuick_s || done < kLeastShare) return line;
     return line + fmt::format(", {:.0f} s left", spent_s / done * (1 - fraction_));
@@ -64,6 +62,10 @@ class ProgressLines {
 };
 
 }  // namespace
+
+void say_on_terminal(const ReportLine& line) {
+  std::fprintf(stderr, "%s%s\n", line.warns ? "warning: " : "", line.text.c_str());
+}
 
 Progress terminal_progress() {
   const auto lines = std::make_shared<ProgressLines>(isatty(STDERR_FILENO) != 0);

@@ -106,8 +106,8 @@ class ServiceSink : public spdlog::sinks::base_sink<std::mutex> {
       const Budget over = std::exchange(budget, {});
       if (over.suppressed == 0) continue;
       const std::string text = fmt::format(
-          "{} more lines ({}) about clients were left out: if they do not end, find who connects with a "
-          "packet filter's log or `ss -tn`, and bar the address",
+          "{} more lines ({}) about clients were left out: if they continue, find the address with a packet "
+          "filter's log or `ss -tn`, and block it",
           over.suppressed, level_name(level));
       write(spdlog::details::log_msg("", spdlog::level::warn, text));
     }

@@ -11,12 +11,12 @@ namespace obliq {
 /// counted and the count is written.
 constexpr int kPeerLinesPerSecond = 20;
 
-/// Becomes spdlog's default logger. Control characters in a line are made visible, so that nobody can forge
-/// another line. Call again to change format or level.
+/// Becomes spdlog's default logger. Control characters in a line are made visible, so that no client can
+/// forge another line. Call again to change format or level.
 void open_log(const LogConfig& config);
 
 /// Hears the level of every line, also of those left out: "debug", "info", "warning" or "error". From the
-/// thread that logs; must not log. Empty: nobody.
+/// thread that logs; must not log. Empty: none.
 void on_log_line(std::function<void(const std::string& level)> call);
 
 /// Writes the count of the lines left out, if there are any and their second is over. Once a second or so.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/modbus/encoding.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::modbus {
 namespace {
@@ -202,7 +203,7 @@ Exception Image::change(std::size_t radar, bool apply, net::PanelChange wanted) 
       units_[radar].applying = true;
     }
   }
-  // Without the mutex: whoever waits here, waits alone.
+  // Without the mutex: a master that waits here delays no other.
   const net::PanelAnswer answer = panel_.change(radar, std::move(wanted), kPatience);
 
   const std::lock_guard lock(mutex_);
@@ -261,7 +262,7 @@ void Image::tick(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < units_.size(); ++i) {
     Unit& unit = units_[i];
-    if (!unit.armed || std::chrono::duration<double>(now - unit.last_beat).count() < watchdog_s_) continue;
+    if (!unit.armed || to_seconds(now - unit.last_beat) < watchdog_s_) continue;
     unit.armed = false;  // until it beats again
     unit.facts.watchdog_tripped = true;
     unit.facts.last_error = Fault::watchdog;

@@ -1,6 +1,6 @@
 // One master's conversation. Requests are received here, not by modbus_receive(): libmodbus 3.1.6 allows its
-// byte_timeout anew for each byte, so a master that dribbles is never cut off, and a malformed frame costs it
-// half a second and whatever else has arrived. We read whole frames against one deadline, check them
+// byte_timeout again for each byte, so a master that dribbles is never cut off, and a malformed frame costs
+// it half a second and whatever else has arrived. We read whole frames against one deadline, check them
 // (request.cpp), and have libmodbus make and send the answers.
 #include "server/modbus/master.h"
 
@@ -93,7 +93,7 @@ class Answers {
     return modbus_reply_exception(context_.get(), frame.data(), static_cast<unsigned>(exception)) >= 0;
   }
 
-  /// Writes have been done already: libmodbus repeats them in its own mapping, which nobody else sees.
+  /// Writes have been done already: libmodbus repeats them in its own mapping, which nothing else reads.
   bool reply(std::span<const std::uint8_t> frame, const Registers& registers) {
     std::ranges::copy(registers.coils, mapping_->tab_bits);
     std::ranges::copy(registers.discrete, mapping_->tab_input_bits);
@@ -117,7 +117,7 @@ bool serve_request(const Socket& socket, const MasterTimes& times, Image& image,
   if (!socket.receive(std::span(frame).subspan(1), deadline)) return false;
   const std::size_t rest = bytes_to_come(std::span<const std::uint8_t, kHeadBytes>(frame));
   if (rest == 0) {
-    spdlog::warn("modbus: a master sends what is no Modbus/TCP; it is disconnected");
+    spdlog::warn("modbus: a master sent something other than Modbus/TCP and is disconnected");
     return false;
   }
   frame.resize(kHeadBytes + rest);

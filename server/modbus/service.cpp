@@ -23,6 +23,7 @@
 #include "server/security/networks.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
+#include "terrain/base/unique_fd.h"
 
 namespace obliq::modbus {
 namespace {
@@ -32,26 +33,11 @@ constexpr int kTick_ms = 100;
 
 std::string system_text() { return std::generic_category().message(errno); }
 
-/// A descriptor that is closed in the end.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  operator int() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 struct Master {
   Master(std::string host, int fd) : address(std::move(host)), socket(fd) {}
 
   std::string address;
-  Descriptor socket;
+  UniqueFd socket;
   std::atomic<bool> done = false;
   std::jthread thread;  ///< last: joined before the socket is closed
 };
@@ -76,24 +62,24 @@ struct Service::State {
         listener(reserved.release()),
         stop(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     // Not blocking: a connection may be gone again when we come to accept it.
-    if (stop < 0 || fcntl(listener, F_SETFL, O_NONBLOCK) != 0 || listen(listener, SOMAXCONN) != 0)
+    if (!stop || fcntl(listener.get(), F_SETFL, O_NONBLOCK) != 0 || listen(listener.get(), SOMAXCONN) != 0)
       throw InputError("modbus: cannot listen on " + address + ": " + system_text());
     thread = std::jthread([this] { run(); });
   }
 
   ~State() {
     const std::uint64_t one = 1;
-    while (write(stop, &one, sizeof one) < 0 && errno == EINTR) {
+    while (write(stop.get(), &one, sizeof one) < 0 && errno == EINTR) {
     }
     thread.join();
     // Every one of them sees the stop, but for those whose answer waits for a master that does not read.
-    for (Master& master : masters) shutdown(master.socket, SHUT_RDWR);
+    for (Master& master : masters) shutdown(master.socket.get(), SHUT_RDWR);
     masters.clear();  // joins
   }
 
   void run() {
     for (;;) {
-      pollfd fds[] = {{listener, POLLIN, 0}, {stop, POLLIN, 0}};
+      pollfd fds[] = {{listener.get(), POLLIN, 0}, {stop.get(), POLLIN, 0}};
       const int n = poll(fds, 2, kTick_ms);
       if (n > 0 && fds[1].revents != 0) return;
       try {
@@ -101,7 +87,7 @@ struct Service::State {
         if (n > 0 && fds[0].revents != 0) accept_one();
         panel.refresh();
         image.tick(Image::Clock::now());
-      } catch (const std::exception& e) {  // no memory or no thread: who is here is served on
+      } catch (const std::exception& e) {  // no memory or no thread: the connected masters are still served
         spdlog::error("modbus: {}", failure_text(e));
         poll(nullptr, 0, kTick_ms);
       }
@@ -111,7 +97,7 @@ struct Service::State {
   void accept_one() {
     sockaddr_storage peer{};
     socklen_t length = sizeof peer;
-    const int fd = accept4(listener, reinterpret_cast<sockaddr*>(&peer), &length, SOCK_CLOEXEC);
+    const int fd = accept4(listener.get(), reinterpret_cast<sockaddr*>(&peer), &length, SOCK_CLOEXEC);
     if (fd < 0) {
       if (errno != EINTR && errno != EAGAIN && errno != ECONNABORTED)
         throw InputError("accept: " + system_text());
@@ -121,7 +107,7 @@ struct Service::State {
     const LogFields fields{{"client", host}};  // peers can cause these lines in masses
     const std::string refusal = why_not(host, fd);
     if (!refusal.empty()) {
-      spdlog::warn("modbus: a master at {} was turned away: {}", host, refusal);
+      spdlog::warn("modbus: a master at {} was refused: {}", host, refusal);
       close(fd);
       return;
     }
@@ -129,16 +115,17 @@ struct Service::State {
     try {
       master.thread = std::jthread([this, &master] {
         const LogFields of_master{{"client", master.address}};
-        serve_master(master.socket, stop, times, image);
-        shutdown(master.socket, SHUT_RDWR);  // it hears of its end now; the socket is closed with the thread
-        spdlog::info("modbus: the master at {} has left", master.address);
+        serve_master(master.socket.get(), stop.get(), times, image);
+        shutdown(master.socket.get(),
+                 SHUT_RDWR);  // it hears of its end now; the socket is closed with the thread
+        spdlog::info("modbus: the master at {} disconnected", master.address);
         master.done = true;
       });
     } catch (...) {
       masters.pop_back();
       throw;
     }
-    spdlog::info("modbus: a master at {} has come", host);
+    spdlog::info("modbus: a master at {} connected", host);
   }
 
   std::string why_not(const std::string& host, int fd) const {
@@ -155,8 +142,8 @@ struct Service::State {
   net::Panel& panel;
   Image image;
   const std::string address;
-  const Descriptor listener;
-  const Descriptor stop;
+  const UniqueFd listener;
+  const UniqueFd stop;
   std::list<Master> masters;  ///< of run() alone; a list: masters stay where they are
   std::jthread thread;
 };

@@ -14,6 +14,7 @@
 #include "server/net/room.h"
 #include "server/net/visits.h"
 #include "server/stream/frame_encoder.h"
+#include "terrain/base/text.h"
 
 namespace obliq::net {
 
@@ -48,11 +49,7 @@ wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::
 }
 
 std::string presentable(const std::string& text) {
-  std::string clean = text.substr(0, wire::kMaxNameBytes);
-  for (char& c : clean) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return clean;
+  return printable_text(text.substr(0, wire::kMaxNameBytes));
 }
 
 void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {

@@ -8,6 +8,7 @@
 #include "server/net/room.h"
 #include "server/net/visits.h"
 #include "server/security/security.h"
+#include "terrain/base/text.h"
 
 namespace obliq::net {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "proto/obliq.pb.h"
+#include "server/accuracy/thresholds.h"
 #include "server/control/settings_message.h"
-#include "server/explain/thresholds.h"
 #include "server/output/describe_load.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"

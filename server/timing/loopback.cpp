@@ -27,32 +27,29 @@ void check(const client::Status& status) {
 }  // namespace
 
 Loopback::Loopback() {
-  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const UniqueFd listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   socklen_t size = sizeof address;
   auto* const any = reinterpret_cast<sockaddr*>(&address);
-  if (::bind(listener, any, size) == 0 && ::listen(listener, 1) == 0 &&
-      ::getsockname(listener, any, &size) == 0 &&
+  if (::bind(listener.get(), any, size) == 0 && ::listen(listener.get(), 1) == 0 &&
+      ::getsockname(listener.get(), any, &size) == 0 &&
       client::Socket::connect({"127.0.0.1", ntohs(address.sin_port)}, kLong, socket_).ok())
-    fd_ = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
-  const std::string failure = std::strerror(errno);
-  ::close(listener);
-  if (fd_ < 0) refuse(failure);
+    reader_end_.reset(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  if (!reader_end_) refuse(std::strerror(errno));
   reader_ = std::jthread([this] { read(); });
 }
 
 Loopback::~Loopback() {
   socket_.close();
   reader_.join();
-  ::close(fd_);
 }
 
 void Loopback::read() {
   std::vector<std::byte> buffer(std::size_t{1} << 20);
   for (;;) {
-    const ssize_t n = ::read(fd_, buffer.data(), buffer.size());
+    const ssize_t n = ::read(reader_end_.get(), buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) break;
     received_ += static_cast<std::uint64_t>(n);

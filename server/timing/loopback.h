@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "client/socket.h"
+#include "terrain/base/unique_fd.h"
 
 namespace obliq {
 
@@ -27,7 +28,7 @@ class Loopback {
  private:
   void read();
 
-  int fd_ = -1;  ///< the reader's end
+  UniqueFd reader_end_;
   client::Socket socket_;
   std::uint64_t sent_ = 0;
   std::atomic<std::uint64_t> received_{0};

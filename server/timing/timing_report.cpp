@@ -48,35 +48,35 @@ TimeParts time_parts(const StageTimes& times) {
   return parts;
 }
 
-std::string profile_text(const Profile& profile) {
-  std::string text = fmt::format("the scene, {:.2f} s, one stage after the other:\n", profile.scene.whole_s);
-  text += rows(profile.scene, "ms");
+std::string timing_text(const Timing& timing) {
+  std::string text = fmt::format("the scene, {:.2f} s, one stage after the other:\n", timing.scene.whole_s);
+  text += rows(timing.scene, "ms");
   text +=
       fmt::format("a frame, {:.2f} ms on {} threads, from plan to last byte at a reader on the loopback:\n",
-                  1000 * profile.frame_s, profile.threads);
-  text += rows(profile.frame, "thread ms");
+                  1000 * timing.frame_s, timing.threads);
+  text += rows(timing.frame, "thread ms");
   text += fmt::format(
       "  = {} threads x {:.2f} ms; without a processor, which others had, for {:.1f} % of the stages\n",
-      profile.threads, 1000 * profile.frame_s,
-      100 * std::max(0.0, 1 - profile.processor_s / measured_s(profile.frame)));
+      timing.threads, 1000 * timing.frame_s,
+      100 * std::max(0.0, 1 - timing.processor_s / measured_s(timing.frame)));
   text += fmt::format(
       "  probes: {:+.1f} % processor time, {:+.1f} % wall time (median of {} pairs of frames with and "
       "without)\n",
-      100 * (profile.processor_ratio - 1), 100 * (profile.wall_ratio - 1), profile.pairs);
+      100 * (timing.processor_ratio - 1), 100 * (timing.wall_ratio - 1), timing.pairs);
   return text;
 }
 
-std::string profile_json(const Profile& profile) {
+std::string timing_json(const Timing& timing) {
   nlohmann::ordered_json root;
-  root["scene"] = {{"whole_s", profile.scene.whole_s}, {"stages", to_json(profile.scene)}};
-  root["frame"] = {{"wall_s", profile.frame_s},
-                   {"threads", profile.threads},
-                   {"whole_thread_s", profile.frame.whole_s},
-                   {"processor_s", profile.processor_s},
-                   {"stages", to_json(profile.frame)}};
-  root["probes"] = {{"pairs", profile.pairs},
-                    {"wall_ratio", profile.wall_ratio},
-                    {"processor_ratio", profile.processor_ratio}};
+  root["scene"] = {{"whole_s", timing.scene.whole_s}, {"stages", to_json(timing.scene)}};
+  root["frame"] = {{"wall_s", timing.frame_s},
+                   {"threads", timing.threads},
+                   {"whole_thread_s", timing.frame.whole_s},
+                   {"processor_s", timing.processor_s},
+                   {"stages", to_json(timing.frame)}};
+  root["probes"] = {{"pairs", timing.pairs},
+                    {"wall_ratio", timing.wall_ratio},
+                    {"processor_ratio", timing.processor_ratio}};
   return root.dump();
 }
 

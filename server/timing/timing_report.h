@@ -16,7 +16,7 @@ struct TimeParts {
   void add(const std::string& name, double seconds) { part_s.emplace_back(name, seconds); }
 };
 
-struct Profile {
+struct Timing {
   TimeParts scene;  ///< wall time: the stages follow one another
   /// Thread time. The whole is threads x wall time; what no stage of any thread has is "idle": serial stages,
   /// the end of the frame, threads that begin late.
@@ -34,8 +34,8 @@ struct Profile {
 TimeParts time_parts(const StageTimes& times);
 
 /// Tables with bars, some 80 characters wide.
-std::string profile_text(const Profile& profile);
+std::string timing_text(const Timing& timing);
 /// The same as a JSON object.
-std::string profile_json(const Profile& profile);
+std::string timing_json(const Timing& timing);
 
 }  // namespace obliq

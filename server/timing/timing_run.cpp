@@ -12,12 +12,12 @@
 #include "server/stream/frame_encoder.h"
 #include "server/timing/loopback.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Seconds = std::chrono::duration<double>;
 
 constexpr int kFewestPairs = 5;
 constexpr int kMostPairs = 31;
@@ -37,7 +37,7 @@ struct Run {
 
 class FrameRunner {
  public:
-  explicit FrameRunner(const ProfiledFrame& frame) : frame_(frame) {}
+  explicit FrameRunner(const TimedFrame& frame) : frame_(frame) {}
 
   Run run(bool with_probes) {
     Run run;
@@ -55,7 +55,7 @@ class FrameRunner {
     };
     render_wedges(*plan_, {0, plan_->bins().n_azimuth}, options);
     end(with_probes ? &serial : nullptr, sum, start);
-    run.wall_s = Seconds(Clock::now() - start).count();
+    run.wall_s = seconds_since(start);
     run.process_s = processor_s() - process_s;
     if (with_probes) take(run, serial, parallel);
     return run;
@@ -82,7 +82,7 @@ class FrameRunner {
     send([&] {
       wire::FrameSummary summary;
       summarise_frame(*plan_, sum.total(), summary);
-      return std::vector{encoder_->end(summary, Seconds(Clock::now() - start).count())};
+      return std::vector{encoder_->end(summary, seconds_since(start))};
     });
     const StageProbe probe(Stage::send);
     loopback_.drain();
@@ -113,7 +113,7 @@ class FrameRunner {
     run.stages.add("idle", idle_s);
   }
 
-  ProfiledFrame frame_;
+  TimedFrame frame_;
   Loopback loopback_;
   std::shared_ptr<const FramePlan> plan_;
   wire::FrameDescriptor descriptor_;
@@ -128,35 +128,35 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-Profile profile_frames(const ProfiledFrame& frame) {
+Timing time_frames(const TimedFrame& frame) {
   FrameRunner runner(frame);
   runner.run(false);  // memory, connection
-  std::vector<Run> profiled;
+  std::vector<Run> measured;
   std::vector<double> wall_ratio, processor_ratio;
   const auto start = Clock::now();
-  while (profiled.size() < kFewestPairs ||
-         (profiled.size() < kMostPairs && Seconds(Clock::now() - start).count() < kLongEnough_s)) {
-    const bool first = profiled.size() % 2 == 0;
+  while (measured.size() < kFewestPairs ||
+         (measured.size() < kMostPairs && seconds_since(start) < kLongEnough_s)) {
+    const bool first = measured.size() % 2 == 0;
     Run with, without;
     if (first) with = runner.run(true);
     without = runner.run(false);
     if (!first) with = runner.run(true);
     wall_ratio.push_back(with.wall_s / without.wall_s);
     processor_ratio.push_back(with.process_s / without.process_s);
-    profiled.push_back(std::move(with));
+    measured.push_back(std::move(with));
   }
-  const auto middle = profiled.begin() + static_cast<std::ptrdiff_t>(profiled.size() / 2);
-  std::nth_element(profiled.begin(), middle, profiled.end(),
+  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
+  std::nth_element(measured.begin(), middle, measured.end(),
                    [](const Run& a, const Run& b) { return a.wall_s < b.wall_s; });
-  Profile profile;
-  profile.frame = std::move(middle->stages);
-  profile.frame_s = middle->wall_s;
-  profile.threads = middle->threads;
-  profile.processor_s = middle->processor_s;
-  profile.pairs = static_cast<int>(profiled.size());
-  profile.wall_ratio = median(wall_ratio);
-  profile.processor_ratio = median(processor_ratio);
-  return profile;
+  Timing timing;
+  timing.frame = std::move(middle->stages);
+  timing.frame_s = middle->wall_s;
+  timing.threads = middle->threads;
+  timing.processor_s = middle->processor_s;
+  timing.pairs = static_cast<int>(measured.size());
+  timing.wall_ratio = median(wall_ratio);
+  timing.processor_ratio = median(processor_ratio);
+  return timing;
 }
 
 }  // namespace obliq

@@ -10,7 +10,7 @@
 namespace obliq {
 
 /// What a frame is of.
-struct ProfiledFrame {
+struct TimedFrame {
   std::shared_ptr<const Scene> scene;
   SettingsPtr settings;
   Pose pose;
@@ -20,7 +20,7 @@ struct ProfiledFrame {
 };
 
 /// Frames as the daemon makes them, planned, rendered, encoded with all planes and sent over the loopback,
-/// with and without probes in turns for a few seconds. All of the profile but the scene's part.
-Profile profile_frames(const ProfiledFrame& frame);
+/// with and without probes in turns for a few seconds. All of the timing but the scene's part.
+Timing time_frames(const TimedFrame& frame);
 
 }  // namespace obliq

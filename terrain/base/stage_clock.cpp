@@ -3,14 +3,14 @@
 #include <ctime>
 #include <numeric>
 
+#include "terrain/base/seconds.h"
+
 namespace obliq {
 namespace {
 
 constexpr std::array<const char*, kStages> kNames = {
     "load",      "grid",   "outlines", "build", "plan",   "rays",   "trace", "refine", "plates",
     "buildings", "ground", "scatter",  "bin",   "states", "encode", "send",  "wait",   "other"};
-
-double to_seconds(StageTimes::Duration time) { return std::chrono::duration<double>(time).count(); }
 
 /// This thread's.
 double processor_time_s() {

@@ -17,7 +17,7 @@ enum class Stage {
   plan,       ///< what the wedges of a frame share
   rays,       ///< rays of a frustum: directions and solid angles
   trace,      ///< what rays meet: marched, or by Embree
-  refine,     ///< hits again in double, leaks answered anew
+  refine,     ///< hits again in double, leaks traced again
   plates,     ///< spread plates: which bins a pixel covers
   buildings,  ///< the sweep: strands at buildings, with the ground before and behind them
   ground,     ///< the sweep: bare ground
@@ -73,7 +73,7 @@ class StageClock {
   /// The time until now belongs to the stage so far. Returns that one.
   Stage enter(Stage stage);
 
-  /// Of this thread; null where nobody measures. Thread-local, so that a stage deep down in the pipeline
+  /// Of this thread; null where nothing is measured. Thread-local, so that a stage deep down in the pipeline
   /// needs no parameter through all that calls it.
   static constinit thread_local StageClock* current_;
 

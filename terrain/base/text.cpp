@@ -23,4 +23,20 @@ std::string percent_text(double fraction) { return short_number(100 * fraction) 
 
 std::string metres_text(double value_m) { return fmt::format("{:.2f} m", value_m); }
 
+std::string duration_text(double seconds) {
+  const int whole = static_cast<int>(std::ceil(seconds));
+  return whole < 100 ? fmt::format("{} s", whole) : fmt::format("{} min", (whole + 59) / 60);
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+std::string printable_text(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 }  // namespace obliq

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers as readers want them.
+// Numbers as readers want them, and text of strangers made fit to show.
 #include <string>
 
 namespace obliq {
@@ -11,5 +11,13 @@ std::string short_number(double value, int digits = 3);
 std::string percent_text(double fraction);
 /// A length as error messages show it: "12.30 m".
 std::string metres_text(double value_m);
+/// "45 s", "12 min", rounded up.
+std::string duration_text(double seconds);
+
+/// With spaces for line breaks.
+std::string one_line(std::string text);
+/// With '?' for everything but printable ASCII: control characters and broken UTF-8 have no business on an
+/// operator's terminal.
+std::string printable_text(std::string text);
 
 }  // namespace obliq

@@ -149,8 +149,9 @@ void paint_classes(World& world, const SurfaceSpec& surface) {
   const std::string count =
       fmt::format("{} cells ({:.2g} %) are of a class without a material in the scheme \"", without.load(),
                   100 * static_cast<double>(without) / cells);
-  world.report.notes.push_back(fmt::format("[[surfaces]] {}: {}{}\" ({}); they stay what they are without it",
-                                           surface.source, count, surface.scheme, legend.without()));
+  world.report.notes.push_back(
+      fmt::format("[[surfaces]] {}: {}{}\" ({}); they keep the material that they have without it",
+                  surface.source, count, surface.scheme, legend.without()));
 }
 
 }  // namespace obliq

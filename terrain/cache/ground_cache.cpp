@@ -16,6 +16,7 @@
 
 #include "terrain/base/checksum.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/unique_fd.h"
 
 namespace obliq {
 namespace {
@@ -30,7 +31,7 @@ constexpr std::size_t kPiece_posts = std::size_t{1} << 20;
 /// The file: this, the key's text, the heights, the bits of water.
 struct Head {
   char magic[8] = {'O', 'B', 'L', 'I', 'Q', 'G', 'R', 'D'};
-  std::uint32_t format = 2;
+  std::uint32_t format = 3;  ///< 3: sums by XXH3
   std::uint32_t key_bytes = 0;
   std::uint64_t posts = 0;
   std::uint64_t posts_filled = 0;
@@ -41,38 +42,29 @@ struct Head {
 };
 static_assert(sizeof(Head) == 88);
 
-class File {
- public:
-  explicit File(int descriptor) : descriptor_(descriptor) {}
-  ~File() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-
-  bool good() const { return descriptor_ >= 0; }
-  int descriptor() const { return descriptor_; }
+/// Reads and writes wholes.
+struct File {
+  UniqueFd fd;
 
   std::uint64_t size() const {
     struct stat status {};
-    return ::fstat(descriptor_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+    return ::fstat(fd.get(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
   }
   bool is_regular() const {
     struct stat status {};
-    return ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+    return ::fstat(fd.get(), &status) == 0 && S_ISREG(status.st_mode);
   }
   bool read(void* to, std::size_t size, std::uint64_t at) const {
     return whole(size, [&](std::size_t done) {
-      return ::pread(descriptor_, static_cast<char*>(to) + done, size - done, static_cast<off_t>(at + done));
+      return ::pread(fd.get(), static_cast<char*>(to) + done, size - done, static_cast<off_t>(at + done));
     });
   }
   bool write(const void* from, std::size_t size) const {
     return whole(size, [&](std::size_t done) {
-      return ::write(descriptor_, static_cast<const char*>(from) + done, size - done);
+      return ::write(fd.get(), static_cast<const char*>(from) + done, size - done);
     });
   }
 
- private:
   template <typename Step>
   static bool whole(std::size_t size, const Step& step) {
     for (std::size_t done = 0; done < size;) {
@@ -83,8 +75,6 @@ class File {
     }
     return true;
   }
-
-  int descriptor_;
 };
 
 /// Calls work(piece, first post, number of posts) for pieces of the heights, on all cores.
@@ -199,27 +189,28 @@ std::string GroundCache::path_of(const CacheKey& key) const { return folder_ + "
 std::optional<GroundCache::Facts> GroundCache::load(const CacheKey& key, HeightGrid& grid) const {
   if (!usable(key)) return std::nullopt;
   const std::string path = path_of(key);
-  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe would never open
-  if (!file.good()) {
+  const File file{
+      UniqueFd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))};  // a pipe would never open
+  if (!file.fd) {
     if (errno != ENOENT && errno != ENOTDIR)
       notes_.push_back("terrain.cache: " + path + " cannot be read: " + std::strerror(errno));
     return std::nullopt;
   }
   if (!file.is_regular()) {
     notes_.push_back("terrain.cache: " + path +
-                     " is no file; as long as it is there, this grid is made anew");
+                     " is not a file; while it is there, this grid is made again at each start");
     return std::nullopt;
   }
   Head head;
   std::vector<std::uint8_t> water;
   const std::string fault = read_whole(file, key, grid, head, water);
   if (!fault.empty()) {
-    notes_.push_back(fmt::format("terrain.cache: {} is damaged ({}) and is made anew", path, fault));
+    notes_.push_back(fmt::format("terrain.cache: {} is damaged ({}) and is made again", path, fault));
     ::unlink(path.c_str());
     return std::nullopt;
   }
-  (void)::futimens(file.descriptor(), nullptr);  // used just now; in vain in a folder that is read-only
-  notes_.push_back("terrain.cache: heights as they were made before, from " + path);
+  (void)::futimens(file.fd.get(), nullptr);  // used just now; in vain in a folder that is read-only
+  notes_.push_back("terrain.cache: heights read from " + path);
   return Facts{head.posts_filled,
                head.posts_absent,
                {head.error_posts, head.error_m[0], head.error_m[1], head.error_m[2], head.error_m[3]},
@@ -244,21 +235,20 @@ void GroundCache::store(const CacheKey& key, const HeightGrid& grid, const Facts
   fs::create_directories(folder_, made);
   const std::string path = path_of(key);
   std::string half = path + ".XXXXXX";
-  const File file(::mkostemp(half.data(), O_CLOEXEC));
-  bool good = file.good() && file.write(&head, sizeof head) &&
-              file.write(key.text().data(), key.text().size()) &&
+  const File file{UniqueFd(::mkostemp(half.data(), O_CLOEXEC))};
+  bool good = file.fd && file.write(&head, sizeof head) && file.write(key.text().data(), key.text().size()) &&
               file.write(grid.y_m.data(), grid.y_m.size() * sizeof(float)) &&
-              file.write(facts.water.data(), facts.water.size()) && ::fsync(file.descriptor()) == 0 &&
+              file.write(facts.water.data(), facts.water.size()) && ::fsync(file.fd.get()) == 0 &&
               ::rename(half.c_str(), path.c_str()) == 0;
   if (!good) {
     notes_.push_back(fmt::format(
         "terrain.cache: nothing can be kept in {} ({}); the next start reads the elevation models again",
         folder_, made ? made.message() : std::strerror(errno)));
-    if (file.good()) ::unlink(half.c_str());
+    if (file.fd) ::unlink(half.c_str());
     return;
   }
-  const File folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder.good()) (void)::fsync(folder.descriptor());
+  if (const UniqueFd folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); folder)
+    (void)::fsync(folder.get());
   prune(folder_, path, most_bytes);
 }
 

@@ -16,8 +16,8 @@ namespace obliq {
 /// empty, or none is set.
 std::string usual_cache_folder();
 
-/// Several processes may share a folder: files come whole under their names, and go when nobody reads them
-/// any more. What goes wrong is a note for the operator, never a failure.
+/// Several processes may share a folder: files come whole under their names, and are deleted when no process
+/// reads them. What goes wrong is a note for the operator, never a failure.
 class GroundCache {
  public:
   /// What is known of a grid besides its heights.

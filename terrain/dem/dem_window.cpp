@@ -265,7 +265,7 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
       if (progress) progress("elevation", (r0 + static_cast<double>(r1 - r0) * c1 / window.nx) / window.nz);
     }
   }
-  // A file of floats may have been made of whole numbers, but for a few posts that somebody filled.
+  // A file of floats may have been made of whole numbers, but for a few filled posts.
   window.has_fractions = static_cast<double>(fractions) > 0.01 * static_cast<double>(values);
   return window;
 }

@@ -11,7 +11,7 @@ namespace obliq {
 struct HeightUnit {
   double metres = 1;     ///< one unit in metres
   std::string name;      ///< as the file or the scene has it
-  bool assumed = false;  ///< nobody names it: metres
+  bool assumed = false;  ///< not named: metres
 };
 
 /// The given unit, else the band's, else its vertical system's, else metres. Throws InputError on a unit that

@@ -27,6 +27,9 @@ ALLOWED = {
     "terrain": [],
     "terrain/dem": BASE + ["terrain/cache/cache_key"] + ["terrain/" + f for f in
         ("world_spec", "frames", "grid_area", "height_grid", "polygon")],
+    "terrain/cache": BASE + ["terrain/height_grid", "terrain/dem/source_error"],
+    "terrain/buildings": BASE + ["terrain/dem"] + ["terrain/" + f for f in
+        ("world", "world_spec", "frames", "height_grid", "polygon")],
     "proto": [],
     "client": ["proto"],
     "server/security": BASE,
@@ -54,7 +57,7 @@ ALLOWED = {
     "server/explain": SERVER_CORE + ["server/accuracy"],
     "server/control": SERVER_CORE + ["proto", "server/security/networks"],
     "server/flight": SERVER_CORE + ["server/control"],
-    "server/output": TO_OUTPUT + ["server/explain/thresholds"],
+    "server/output": TO_OUTPUT,
     "server/loading": SERVER_CORE + ["server/truth", "server/accuracy", "server/control"],
     "server/frontier": TO_OUTPUT + ["server/loading"],
     "server/timing": TO_OUTPUT + ["server/stream", "client"],

@@ -21,9 +21,8 @@ using wire::MessageType;
 using Script = std::function<wire::Bytes(MessageType type, std::uint64_t request_id)>;
 
 constexpr const char* kWhatToDo =
-    "; start obliqd there (`obliqd SCENE.toml`), or say where it listens with --server HOST:PORT; --wait "
-    "SECONDS "
-    "tries again until it has loaded\n";
+    "; start obliqd there (`obliqd SCENE.toml`), or give its address with --server HOST:PORT; --wait "
+    "SECONDS retries until it has loaded\n";
 
 /// Serves one client after a script.
 class ScriptedServer {
@@ -213,7 +212,7 @@ TEST(CommandFailures, AServerThatTakesConnectionsAndSaysNothingIsNotWaitedForLon
       OBLIQ_PROGRAM, {"status", "--server", std::to_string(ntohs(address.sin_port))}, folder.path());
   close(listener);
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("has said nothing for 2 s: it is not obliqd, or too busy to answer"),
+  EXPECT_NE(outcome.err.find("has sent nothing for 2 s: it is not obliqd, or too busy to answer"),
             std::string::npos)
       << outcome.err;
 }

@@ -61,7 +61,7 @@ TEST_F(DaemonReload, TheNewGroundShowsAndTheClientStays) {
   ASSERT_FALSE(flat.empty());
   folder.write("scene.toml", scene_text(kHighRidge));
   daemon.send_signal(SIGHUP);
-  ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
+  ASSERT_TRUE(frames_until_log("reloaded: serving the new scene"));
   (void)next_frame();  // one that had begun before
   const std::vector<double> ridge = next_frame();
   EXPECT_NE(ridge, flat);
@@ -86,7 +86,7 @@ TEST_F(DaemonReload, ABrokenFileChangesNothingAndTheLogSaysWhy) {
   // And when it is mended, the next signal is heeded.
   folder.write("scene.toml", scene_text(kHighRidge));
   daemon.send_signal(SIGHUP);
-  ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
+  ASSERT_TRUE(frames_until_log("reloaded: serving the new scene"));
 }
 
 TEST_F(DaemonReload, AFileThatIsGoneOrAnElevationModelThatIsNotThereChangesNothing) {
@@ -122,7 +122,7 @@ TEST_F(DaemonReload, APipeWhereAFileBelongsIsRefusedByNameAndLaterReloadsGoOn) {
   std::filesystem::remove(scene);
   folder.write("scene.toml", scene_text(kHighRidge));
   daemon.send_signal(SIGHUP);
-  ASSERT_TRUE(frames_until_log("reloaded: the new scene serves"));
+  ASSERT_TRUE(frames_until_log("reloaded: serving the new scene"));
 }
 
 TEST_F(DaemonReload, LimitsChangeAtOnceAndPortsAreNamedAsNeedingARestart) {
@@ -153,7 +153,7 @@ TEST_F(DaemonReload, ParametersWhoseTextHasChangedAreTakenOverAndOthersStayAsCli
   wire::Ack ack;
   ASSERT_TRUE(other.set_settings("main", settings, ack).ok());
   write("[radar]\nr_min_m = 2000.0\nr_max_m = 7000.0\n");
-  ASSERT_TRUE(frames_until_log("radar main: is under control by pilot"));
+  ASSERT_TRUE(frames_until_log("radar main: is controlled by pilot"));
   EXPECT_NE(daemon.log().find("\"radar.r_max_m is now 7000.0\""), std::string::npos) << daemon.log();
   wire::RadarInfo info;
   ASSERT_TRUE(other.get_radar("main", info).ok());

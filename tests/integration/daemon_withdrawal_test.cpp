@@ -89,14 +89,14 @@ TEST_F(Withdrawal, HoldsWhereASceneIsBeingBuiltAndTheNewSignalSupersedesIt) {
   withdraw();
   expect_gone();
   await_log("reloaded: the scene is the same");
-  EXPECT_EQ(daemon.log().find("new scene serves"), std::string::npos) << daemon.log();
+  EXPECT_EQ(daemon.log().find("serving the new scene"), std::string::npos) << daemon.log();
 }
 
 TEST_F(Withdrawal, AFaultyTokenFileChangesNothingAndIsNamed) {
   (void)tokens_of({kStays});
   ASSERT_EQ(chmod((folder / "tokens").c_str(), 0644), 0);
   daemon.send_signal(SIGHUP);
-  await_log("the old one stays in force");
+  await_log("the old one stays in effect");
   EXPECT_NE(daemon.log().find("found mode 644"), std::string::npos) << daemon.log();
   wire::RadarList list;
   EXPECT_TRUE(goes.list_radars(list).ok());

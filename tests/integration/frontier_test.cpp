@@ -59,7 +59,7 @@ TEST_F(FrontierCommand, GoesOnWhereItStoppedAndItsTableAddsUp) {
   }
   const auto second = frontier(scene, {});
   ASSERT_EQ(second.code, 0) << second.err;
-  EXPECT_NE(second.err.find("going on after 6 lines"), std::string::npos) << second.err;
+  EXPECT_NE(second.err.find("resuming after 6 lines"), std::string::npos) << second.err;
   EXPECT_EQ(text_of(folder_ / "files" / "frontier.csv").substr(0, begun.size()), begun);
 
   const std::vector<CsvRow> rows = table();

@@ -9,6 +9,7 @@
 #include "server/explain/table.h"
 #include "server/explain/variants.h"
 #include "server/explain/verdict.h"
+#include "terrain/base/csv.h"
 #include "terrain/base/text.h"
 #include "tests/support/scenes.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/explain/thresholds.h"
+#include "server/accuracy/thresholds.h"
 
 namespace obliq {
 namespace {

@@ -54,7 +54,7 @@ class TerrainCacheTest : public testing::Test {
     return std::ranges::any_of(world.report.notes,
                                [&](const std::string& note) { return note.find(what) != std::string::npos; });
   }
-  static bool from_cache(const World& world) { return says(world, "as they were made before"); }
+  static bool from_cache(const World& world) { return says(world, "heights read from"); }
 
   static void expect_same(const World& a, const World& b) {
     ASSERT_EQ(a.grid.y_m.size(), b.grid.y_m.size());
@@ -262,14 +262,14 @@ TEST_F(TerrainCacheTest, WhatIsNoFileInAFilesPlaceIsNamedAndPassedBy) {
   fs::remove(grid);
   ASSERT_EQ(mkfifo(grid.c_str(), 0600), 0);
   World world = load_world(spec);
-  EXPECT_TRUE(says(world, grid.string() + " is no file"));
+  EXPECT_TRUE(says(world, grid.string() + " is not a file"));
   expect_same(world, fresh());
   EXPECT_TRUE(from_cache(load_world(spec))) << "a pipe is replaced";
   fs::remove(grid);
   fs::create_directory(grid);
   for (int start = 0; start < 2; ++start) {
     world = load_world(spec);
-    EXPECT_TRUE(says(world, grid.string() + " is no file"));
+    EXPECT_TRUE(says(world, grid.string() + " is not a file"));
     EXPECT_FALSE(says(world, "is damaged"));
     expect_same(world, fresh());
   }

@@ -19,6 +19,7 @@
 #include "server/apps/commands/warning_changes.h"
 #include "server/control/key.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -81,8 +82,7 @@ class Flight {
   /// now: the pose that the radar has, with what its height counts from.
   void print_summary(const char* end, const wire::Pose& now) const {
     std::printf("%s: %s after %llu poses in %.1f s, %.1f s of the track", radar_.c_str(), end,
-                static_cast<unsigned long long>(sent_),
-                std::chrono::duration<double>(Clock::now() - start_).count(), last_.time_s - first_s_);
+                static_cast<unsigned long long>(sent_), seconds_since(start_), last_.time_s - first_s_);
     if (late_s_ > 0.01) std::printf(", at most %.2f s late", late_s_);
     std::printf("; it stays at %s\n", pose_text(now).c_str());
   }
@@ -91,10 +91,7 @@ class Flight {
  private:
   /// Since the start, when the point is due.
   double elapsed_s(const TrackPoint& point) const { return (point.time_s - first_s_) / arguments_.speed; }
-  Clock::time_point due(const TrackPoint& point) const {
-    return start_ +
-           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(elapsed_s(point)));
-  }
+  Clock::time_point due(const TrackPoint& point) const { return start_ + from_seconds(elapsed_s(point)); }
 
   /// Poses between two lines that lie far apart, but for those whose time has passed.
   bool fill_in(const TrackPoint& to, const std::string& where) {
@@ -139,7 +136,7 @@ class Flight {
     if (arguments_.reference == "datum") pose.set_height_reference(wire::DATUM);
     if (arguments_.reference == "ground") pose.set_height_reference(wire::GROUND);
     if (arguments_.reference == "ellipsoid") pose.set_height_reference(wire::ELLIPSOID);
-    late_s_ = std::max(late_s_, std::chrono::duration<double>(Clock::now() - due(point)).count());
+    late_s_ = std::max(late_s_, seconds_since(due(point)));
     wire::Ack ack;
     if (const client::Status status = client_.set_pose(radar_, pose, ack); !status.ok())
       throw InputError(where + ": " + status.sentence());
@@ -197,25 +194,24 @@ void add_fly(CLI::App& app) {
   auto arguments = std::make_shared<FlyArguments>();
   add_server_arguments(*command, arguments->server);
   command
-      ->add_option("TRACK", arguments->track,
-                   "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, "
-                   "degrees (with or without a header; further columns are passed by), or - for the "
-                   "standard input")
+      ->add_option(
+          "TRACK", arguments->track,
+          "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
+          "(with or without a header; other columns are ignored), or - for the standard input")
       ->required();
-  command->add_option("--speed", arguments->speed, "So many times as fast as the track's times say")
+  command->add_option("--speed", arguments->speed, "Speed factor: 2 flies the track twice as fast")
       ->type_name("FACTOR")
       ->default_val(1.0)
       ->check(number_from(kSlowest, kFastest));
   command
       ->add_option("--rate", arguments->rate_hz,
-                   "Where lines lie further apart than this many a second, poses on the straight way "
-                   "between them are sent; 0: none")
+                   "Send poses between the lines at this rate, on a straight path; 0: none")
       ->type_name("HZ")
       ->default_val(kUsualRate_hz)
       ->check(number_from(0, kMostRate_hz));
   command
       ->add_option("--height-reference", arguments->reference,
-                   "What heights count from; without it what the radar's own counts from now")
+                   "Reference of the heights; default: that of the radar's present height")
       ->check(CLI::IsMember({"datum", "ground", "ellipsoid"}));
   command->callback([arguments] { run(*arguments); });
 }

@@ -32,14 +32,13 @@ void make_quick(const CLI::App& command, FrontierOptions& options) {
 }  // namespace
 
 void add_frontier(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "frontier",
-      "Time and error of every way to sample a scene: a table and a picture. Goes on where it was "
-      "interrupted");
+  CLI::App* command = app.add_subcommand("frontier",
+                                         "Time and error of every way to sample a scene: a table and a "
+                                         "picture. Resumes where it was interrupted");
   auto arguments = std::make_shared<FrontierArguments>();
   FrontierOptions& options = arguments->options;
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", options.radar, "Which radar; without: the only one, or the one named main")
+  command->add_option("--radar", options.radar, "Radar; default: the only one, or the one named main")
       ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for table, report and pictures (made if missing)")
       ->type_name("DIR");
@@ -53,7 +52,7 @@ void add_frontier(CLI::App& app) {
   command
       ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
       ->delimiter(',')
-      ->check(whole_number_from(1, 16384));
+      ->check(whole_number_from(1, kMostSide));
   command
       ->add_option("--cells", options.range.cells_m,
                    "Cell sizes in metres beside the scene's own; the truth takes the finest. Without: "
@@ -62,7 +61,7 @@ void add_frontier(CLI::App& app) {
       ->check(number_from(0.03125, 10000));
   command->add_option("--repeats", options.repeats, "Timed frames for each sampling")
       ->check(whole_number_from(1, 1000));
-  command->add_option("--threads", options.threads, "Threads; 0: as the scene file says")
+  command->add_option("--threads", options.threads, "Threads; 0: as in the scene file")
       ->check(whole_number_from(0, 1024));
   command->add_option("--truth-planes", options.truth_planes, "Planes in each azimuth bin to begin with")
       ->check(whole_number_from(1, 65536));
@@ -74,7 +73,7 @@ void add_frontier(CLI::App& app) {
       ->check(number_from(0.001, 1000));
   command->add_option("--stop-after", options.stop_after, "Stop after that many samplings; 0: do all")
       ->check(whole_number_from(0, 100000));
-  command->add_flag("--restart", options.restart, "Throw away what an earlier run left in the folder");
+  command->add_flag("--restart", options.restart, "Discard what an earlier run left in the folder");
   command->callback([arguments, command] {
     const auto config = open_scene(arguments->scene);
     if (!config) return;

@@ -158,8 +158,7 @@ void add_frustum(CLI::App& app) {
   auto arguments = std::make_shared<FrustumArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
   command->get_option("SCENE")->required(false);
-  command
-      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
+  command->add_option("--radar", arguments->radar, "Radar; default: the only one, or the one named main")
       ->type_name("NAME");
   command->add_flag("--flat-check", arguments->flat_check,
                     "Step sizes over flat ground, the paper's simplification");

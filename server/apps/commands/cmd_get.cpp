@@ -18,6 +18,7 @@
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -32,10 +33,6 @@ struct GetArguments {
 
 // A frame may wait behind others', and its first wedge takes a while.
 constexpr client::Timeout kLongestSilence{600000};
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// A frame on request is whole and taken at once.
 std::string why_not_of_one_frame(const Parameter& parameter) {
@@ -120,7 +117,7 @@ void add_get(CLI::App& app) {
   command
       ->add_option("--set", arguments->set,
                    "KEY=VALUE: render with this radar parameter instead of the server's, e.g. "
-                   "antenna.bearing_deg=90 (repeatable); the server's radar stays as it is")
+                   "antenna.bearing_deg=90 (repeatable); the server's radar does not change")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();

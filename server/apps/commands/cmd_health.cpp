@@ -30,11 +30,10 @@ std::string own_address(const std::string& address) {
 }
 
 void run(const HealthArguments& arguments) {
-  if (arguments.file.empty())
-    throw InputError("found no scene file; allowed: that of the daemon to be asked");
+  if (arguments.file.empty()) throw InputError("found no scene file; allowed: that of the daemon to check");
   const SceneConfig config = load_scene_file(arguments.file, {arguments.set});
   if (!config.http.enabled)
-    throw InputError("http.enabled: found false; allowed: true, for a daemon to be asked");
+    throw InputError("http.enabled: found false; allowed: true, for a daemon to check");
   if (config.http.port == 0)
     throw InputError(
         "http.port: found 0 (any free one); allowed: the port that the daemon has, by --set http.port=N");
@@ -59,17 +58,16 @@ void run(const HealthArguments& arguments) {
 void add_health(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "health",
-      "Ask the daemon of a scene file, on this machine, how it is: exit code 0 when it is healthy, else 1");
+      "Check the health of a scene file's daemon on this machine: exit code 0 when it is healthy, else 1");
   auto arguments = std::make_shared<HealthArguments>();
   command->add_option("SCENE,--config", arguments->file,
-                      "Scene file (TOML) of the daemon: its [http] says where to ask");
+                      "Scene file (TOML) of the daemon, whose [http] gives the address");
   command->add_option("--set", arguments->set, "KEY=VALUE, as the daemon was given it (repeatable)")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();
-  command->add_flag("--ready", arguments->ready,
-                    "Ask whether it serves already (/readyz), not only whether it runs");
-  command->add_option("--timeout", arguments->timeout_s, "Seconds for the answer")
+  command->add_flag("--ready", arguments->ready, "Check that it serves (/readyz), not only that it runs");
+  command->add_option("--timeout", arguments->timeout_s, "Seconds to wait for the answer")
       ->check(number_from(0.1, 3600))
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

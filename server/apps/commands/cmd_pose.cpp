@@ -52,7 +52,7 @@ void run(const PoseArguments& arguments) {
     wire::Ack ack;
     require(client.claim_control(radar));
     require(client.set_pose(radar, pose, ack));
-    for (const std::string& warning : ack.warnings()) say_on_terminal("warning: " + warning);
+    for (const std::string& warning : ack.warnings()) say_on_terminal({warning, true});
     require(client.get_radar(radar, info));
     require(client.release_control(radar));
   }
@@ -62,7 +62,7 @@ void run(const PoseArguments& arguments) {
 }  // namespace
 
 void add_pose(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("pose", "Show or set where a server's radar stands and looks");
+  CLI::App* command = app.add_subcommand("pose", "Show or set the pose of a server's radar");
   auto arguments = std::make_shared<PoseArguments>();
   add_server_arguments(*command, arguments->server, true);
   command->add_option("--set", arguments->set, "KEY=VALUE, e.g. antenna.bearing_deg=90 (repeatable)")

@@ -18,6 +18,7 @@
 #include "server/apps/commands/reconnecting.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -89,8 +90,7 @@ class Recorder {
   bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
   std::string text(Clock::time_point start) const {
     return fmt::format("{} frames, {} left out on the way, {:.1f} MB, {:.1f} s", frames_, skipped_,
-                       static_cast<double>(writer_.bytes()) * 1e-6,
-                       std::chrono::duration<double>(Clock::now() - start).count());
+                       static_cast<double>(writer_.bytes()) * 1e-6, seconds_since(start));
   }
 
  private:
@@ -179,10 +179,10 @@ void add_record(CLI::App& app) {
       ->type_name("HZ")
       ->default_val(1.0)
       ->check(a_rate());
-  command->add_option("--frames", arguments->frames, "Stop after so many whole frames; 0: go on")
+  command->add_option("--frames", arguments->frames, "Stop after this many whole frames; 0: never")
       ->type_name("N")
       ->check(a_count());
-  command->add_option("--seconds", arguments->seconds, "Stop after so long; 0: go on")
+  command->add_option("--seconds", arguments->seconds, "Stop after this long; 0: never")
       ->type_name("S")
       ->check(number_from(0, kMostSeconds));
   command->add_flag("--lossless", arguments->lossless,

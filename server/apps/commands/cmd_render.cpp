@@ -21,6 +21,7 @@
 #include "server/scene/scene_memory.h"
 #include "server/timing/timing_run.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -40,7 +41,7 @@ class Stopwatch {
  public:
   double lap() {
     const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
+    const double seconds = to_seconds(now - last_);
     last_ = now;
     return seconds;
   }
@@ -117,10 +118,10 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   write_frame_files(arguments.out, descriptor, summary, frame.bins, files);
   seconds["write_s"] = watch.lap();
   if (arguments.profile) {
-    Profile profile = profile_frames({scene, snapshot, pose, radar.name, config.name, threads});
-    profile.scene = time_parts(loading);
-    std::fputs(profile_text(profile).c_str(), stderr);
-    write_timing(arguments.out, seconds, profile_json(profile));
+    Timing timing = time_frames({scene, snapshot, pose, radar.name, config.name, threads});
+    timing.scene = time_parts(loading);
+    std::fputs(timing_text(timing).c_str(), stderr);
+    write_timing(arguments.out, seconds, timing_json(timing));
   } else {
     write_timing(arguments.out, seconds);
   }
@@ -136,17 +137,15 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Render one frame of a scene to files, without a server");
   auto arguments = std::make_shared<RenderArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command
-      ->add_option("--radar", arguments->radar, "Which radar; without: the only one, or the one named main")
+  command->add_option("--radar", arguments->radar, "Radar; default: the only one, or the one named main")
       ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
   add_picture_arguments(*command, arguments->picture);
-  command->add_flag(
-      "--profile", arguments->profile,
-      "Say where the time of loading and of a frame goes, on stderr and in timing.json; renders "
-      "some more frames for it");
-  command->add_option("--threads", arguments->threads, "Threads; 0: as the scene file says")
+  command->add_flag("--profile", arguments->profile,
+                    "Report where the time of loading and of a frame goes, on stderr and in timing.json; "
+                    "renders some extra frames");
+  command->add_option("--threads", arguments->threads, "Threads; 0: as in the scene file")
       ->check(whole_number_from(0, 1024));
   command->callback([arguments] {
     auto config = open_scene(arguments->scene);

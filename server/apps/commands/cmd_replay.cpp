@@ -45,7 +45,7 @@ struct ReplayArguments {
   bool unprotected = false;
 };
 
-// A frame of a 20th of its time is nothing anyone can see, and a month in a second is no replay.
+// Slower than a 100th or faster than a million times, a replay shows nothing.
 constexpr double kSlowestReplay = 0.01;
 constexpr double kFastestReplay = 1e6;
 
@@ -165,10 +165,9 @@ RadarConfig radar_of(const client::RecordingStart& start, const std::string& pat
 
 void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
   if (!net::resolves_to_loopback(arguments.address) && !arguments.unprotected) {
-    throw InputError(
-        "--address: found " + arguments.address +
-        "; allowed: a loopback address, unless --unprotected says that anyone who reaches the port "
-        "may watch");
+    throw InputError("--address: found " + arguments.address +
+                     "; allowed: a loopback address, unless --unprotected says that any client that reaches "
+                     "the port may watch");
   }
   if (start.descriptor->has_window()) {
     throw InputError("--serve: found " + arguments.file +
@@ -216,18 +215,21 @@ void add_replay(CLI::App& app) {
       "Exit code: 0 all frames replayed (of a recording that was cut, those before the cut), 1 nothing could "
       "be replayed, 2 frames were lost or the file is damaged, and what is whole has been replayed.");
   auto arguments = std::make_shared<ReplayArguments>();
-  command->add_option("file", arguments->file, "What `obliq record` wrote")->required()->type_name("FILE");
-  command->add_option("--radar", arguments->radar, "Which radar; without: that of the first frame")
+  command->add_option("file", arguments->file, "A recording by `obliq record`")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--radar", arguments->radar, "Radar; default: that of the first frame")
       ->type_name("NAME");
   command
       ->add_option(
           "--speed", arguments->speed,
-          "Times the original speed, or max: without waiting. Pauses of more than 5 minutes are cut to that")
+          "Speed factor, or max: without waiting. Pauses of more than 5 minutes are cut to 5 minutes")
       ->type_name("FACTOR")
       ->default_val("1");
-  CLI::Option* frames = command->add_option("--frames", arguments->frames, "Stop after so many; 0: all")
-                            ->type_name("N")
-                            ->check(a_count());
+  CLI::Option* frames =
+      command->add_option("--frames", arguments->frames, "Stop after this many frames; 0: all")
+          ->type_name("N")
+          ->check(a_count());
   CLI::Option* out =
       command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
           ->type_name("DIR");

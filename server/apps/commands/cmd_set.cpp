@@ -163,8 +163,8 @@ void add_set(CLI::App& app) {
   add_server_arguments(*command, arguments->server);
   command
       ->add_option("SETTING", arguments->settings,
-                   "KEY=VALUE, as many as you like: taken together or not at all, e.g. radar.r_max_m=20000 "
-                   "(`obliq parameters` lists them). None: the settings in effect are printed")
+                   "KEY=VALUE (repeatable), applied together or not at all, e.g. radar.r_max_m=20000 (`obliq "
+                   "parameters` lists them). None: the settings in effect are printed")
       ->type_name("KEY=VALUE");
   const CLI::Validator on_or_off{
       [](std::string& found) {
@@ -181,7 +181,7 @@ void add_set(CLI::App& app) {
                    "On: frames keep the settings and the pose of this moment until it is off again")
       ->type_name("on|off")
       ->check(on_or_off);
-  command->add_flag("--json", arguments->json, "Print all that is in effect as JSON");
+  command->add_flag("--json", arguments->json, "Print all settings in effect as JSON");
   command->callback([arguments] { run(*arguments); });
 }
 

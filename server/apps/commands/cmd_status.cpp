@@ -57,7 +57,7 @@ void print_server(const client::Client& client, const wire::Status& status) {
   if (!status.window_error().empty()) {
     std::printf("; at present: %s", status.window_error().c_str());
   } else if (status.window_well_s() > 0) {
-    std::printf("; all is well since %.0f s, before that: %s", status.window_well_s(),
+    std::printf("; well for %.0f s, before that: %s", status.window_well_s(),
                 status.window_failure().c_str());
   }
   std::printf("\n");
@@ -69,7 +69,7 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
               radar.controller().empty() ? "nobody" : radar.controller().c_str(), radar.subscribers(),
               radar.rate_hz(), radar.frames());
   if (radar.frames() > 0) std::printf(", the last in %.1f ms", 1000 * radar.last_render_s());
-  if (radar.frames_shed() > 0) std::printf(", %" PRIu64 " shed for want of time", radar.frames_shed());
+  if (radar.frames_shed() > 0) std::printf(", %" PRIu64 " shed for lack of time", radar.frames_shed());
   if (radar.rate_limit_hz() > 0) std::printf(", at most %g Hz", radar.rate_limit_hz());
   if (radar.transmit_off()) std::printf(", transmit off");
   if (radar.frozen()) std::printf(", frozen");
@@ -131,11 +131,10 @@ void run(const StatusArguments& arguments) {
 }  // namespace
 
 void add_status(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("status", "Show what a server is doing and how its radars stand and look");
+  CLI::App* command = app.add_subcommand("status", "Show the state of a server and of its radars");
   auto arguments = std::make_shared<StatusArguments>();
   add_server_arguments(*command, arguments->server, true);
-  command->add_flag("--json", arguments->json, "Print it as JSON, with everything that the server tells");
+  command->add_flag("--json", arguments->json, "Print everything that the server reports, as JSON");
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -178,8 +178,8 @@ void add_watch(CLI::App& app) {
       ->default_val(1.0)
       ->check(a_rate());
   command->add_flag("--lossless", arguments->lossless,
-                    "Leave no frame out: the radar waits for this client, who needs the role controller");
-  command->add_option("--frames", arguments->frames, "Stop after so many; 0: go on")
+                    "Leave no frame out: the radar waits for this client, which needs the role controller");
+  command->add_option("--frames", arguments->frames, "Stop after this many frames; 0: never")
       ->type_name("N")
       ->check(a_count());
   command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
@@ -187,8 +187,7 @@ void add_watch(CLI::App& app) {
   command
       ->add_option(
           "--picture", arguments->picture_file,
-          "Picture that always shows the newest frame, ten a second and more; put into place whole, so "
-          "that a viewer may open it at any time")
+          "Picture of the newest frame, replaced as a whole, so that a viewer may open it at any time")
       ->type_name("FILE.png");
   command->add_option("--picture-side", arguments->picture_side, "Pixels of the longer side of its map")
       ->type_name("PIXELS")

@@ -31,7 +31,7 @@ int complain(std::string what, int code = kFailed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A file that may grow no further (ulimit -f) is reported by whoever writes it, not by the signal's
+  // A file that may grow no further (ulimit -f) is reported by its writer, not by the signal's
   // default, which is to die without a word.
   (void)std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{

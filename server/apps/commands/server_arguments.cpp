@@ -98,22 +98,22 @@ std::string read_token(const std::string& path) {
 
 void add_server_arguments(CLI::App& app, ServerArguments& arguments, bool positional) {
   app.add_option(positional ? "SERVER,--server" : "--server", arguments.server,
-                 "Where obliqd listens: HOST:PORT, HOST, :PORT or PORT, [IPv6]:PORT")
+                 "Address of obliqd: HOST:PORT, HOST, :PORT or PORT, [IPv6]:PORT")
       ->type_name("HOST:PORT")
       ->envname("OBLIQ_SERVER")
       ->default_val("127.0.0.1:7420");
-  app.add_option("--radar", arguments.radar, "Which radar; without: the only one, or the one named main")
+  app.add_option("--radar", arguments.radar, "Radar; default: the only one, or the one named main")
       ->type_name("NAME");
   app.add_flag("--tls", arguments.tls.enabled, "The server speaks TLS");
   app.add_option("--ca", arguments.tls.ca_file,
-                 "Whom to trust to vouch for the server, instead of whom this machine trusts; with --tls")
+                 "PEM file of the authorities to trust instead of this machine's; with --tls")
       ->type_name("FILE");
   app.add_option("--token-file", arguments.token_file,
-                 "A file with the token that the server wants, in its first line; its mode should be 600")
+                 "File with the server's token in its first line; its mode should be 600")
       ->type_name("FILE")
       ->envname("OBLIQ_TOKEN_FILE");
   app.add_option("--wait", arguments.wait_s,
-                 "Where no server answers yet, as while obliqd loads, try again for so long")
+                 "Retry for this long while no server answers, as while obliqd loads")
       ->type_name("SECONDS")
       ->default_val(0)
       ->check(whole_number_from(0, kMaxWait_s));
@@ -144,11 +144,11 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
     if (!may_come_up(status.outcome) || std::chrono::steady_clock::now() >= end) {
       if (waiting) status.text += fmt::format(" (waited {} s)", arguments.wait_s);
       if (status.outcome == client::Outcome::timed_out)
-        status.text += "; --server HOST:PORT says where obliqd listens, --wait SECONDS gives it longer";
+        status.text += "; --server HOST:PORT gives obliqd's address, --wait SECONDS more time";
       if (status.outcome == client::Outcome::cannot_connect)
         status.text +=
-            "; start obliqd there (`obliqd SCENE.toml`), or say where it listens with --server HOST:PORT; "
-            "--wait SECONDS tries again until it has loaded";
+            "; start obliqd there (`obliqd SCENE.toml`), or give its address with --server HOST:PORT; --wait "
+            "SECONDS retries until it has loaded";
       require(status);
     }
     if (!waiting) {

@@ -46,10 +46,9 @@ void add_stream_arguments(CLI::App& app, StreamArguments& arguments) {
       ->default_val(wire::compression_name(Compression::none));
   app.add_option(
          "--azimuths", arguments.azimuths,
-         "Only these azimuth bins, those below END, every STEP-th; all parts may be left out: 100:200, "
-         "::4")
+         "Only these azimuth bins, those below END, every STEP-th; any part may be left out: 100:200, ::4")
       ->type_name("FIRST:END:STEP");
-  app.add_option("--ranges", arguments.ranges, "Only these range bins, alike")->type_name("FIRST:END:STEP");
+  app.add_option("--ranges", arguments.ranges, "The same for range bins")->type_name("FIRST:END:STEP");
   app.add_option("--planes", arguments.planes, "Only these of iq,power,count,state; without: all")
       ->type_name("NAMES");
 }

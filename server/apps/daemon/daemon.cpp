@@ -42,6 +42,7 @@
 #include "terrain/base/background.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -51,7 +52,7 @@ constexpr double kLastWords_s = 0.5;
 
 namespace asio = boost::asio;
 
-/// A radar that cannot be rendered as it is configured is a mistake to hear of now, not from a client.
+/// Fails at start-up, rather than on the first subscription, where a radar cannot be rendered as configured.
 void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar, const LoadReport& loaded) {
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   const auto plan = renderer.plan(snapshot, radar.pose);
@@ -97,7 +98,7 @@ class Daemon {
   std::shared_ptr<net::Security> security_;
   http::Readiness readiness_;
   http::Metrics metrics_;
-  net::IoThread http_io_;  ///< HTTP's own, so that its TLS handshakes keep nobody waiting
+  net::IoThread http_io_;  ///< HTTP's own, so that its TLS handshakes delay no stream
   net::IoThread io_;
   asio::signal_set signals_{io_.context()};
   asio::steady_timer pulse_{io_.context()};
@@ -140,12 +141,12 @@ void Daemon::wait_for_signal() {
   });
 }
 
-// What cannot be interrupted (a wedge that takes minutes, Embree's build of a new scene) must not hold the
-// end up: by then every client has been told, and nothing is left that a longer life would save.
+// Work that cannot be interrupted (a wedge that takes minutes, Embree's build of a new scene) must not delay
+// the end: by then every client has its last message, and nothing is left to save.
 void Daemon::end_by(double limit_s) {
   std::thread([limit_s] {
     std::this_thread::sleep_for(std::chrono::duration<double>(limit_s));
-    spdlog::warn("stopped at server.stop_limit_s with work unfinished, which is given up");
+    spdlog::warn("stopped at server.stop_limit_s; unfinished work was dropped");
     spdlog::default_logger()->flush();
     _exit(0);
   }).detach();
@@ -155,7 +156,7 @@ void Daemon::on_signal() {
   if (serving_ == nullptr) {
     spdlog::info("stopping while loading");
     spdlog::default_logger()->flush();
-    _exit(0);  // nobody is served yet, and loading cannot be interrupted
+    _exit(0);  // no client is served yet, and loading cannot be interrupted
   }
   readiness_.stopping();
   service_manager::stopping();
@@ -164,7 +165,7 @@ void Daemon::on_signal() {
   server_->stop();
 }
 
-// From the io thread: systemd hears nothing when that thread hangs, and starts the daemon anew.
+// From the io thread: when it hangs, systemd misses the pulse and restarts the daemon.
 void Daemon::keep_pulse() {
   static constexpr std::chrono::microseconds kUsual = std::chrono::seconds(1);
   const auto watched = service_manager::watchdog_period();
@@ -224,10 +225,8 @@ Progress Daemon::progress() {
 
 void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
-  const auto say = [](const std::string& line) {
-    const bool warns = line.starts_with(kWarningPrefix);
-    spdlog::log(warns ? spdlog::level::warn : spdlog::level::info, "{}",
-                warns ? line.substr(std::string_view(kWarningPrefix).size()) : line);
+  const auto say = [](const ReportLine& line) {
+    spdlog::log(line.warns ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
   };
   const Progress tell = progress();
   for (const std::string& note : config_.notes) say(note);
@@ -253,7 +252,7 @@ void Daemon::load() {
     check_radar(*renderer_, radar, renderer_->scene()->world().report);
     metrics_.add_radar(radar.name);
   }
-  metrics_.scene_loaded(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  metrics_.scene_loaded(seconds_since(begin));
 }
 
 void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port) {
@@ -289,7 +288,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
 
 extern "C" void end_before_start(int) {
   constexpr std::string_view kLine = "obliqd: stopping while loading\n";
-  (void)!write(STDERR_FILENO, kLine.data(), kLine.size());  // nobody is left to be told if that fails
+  (void)!write(STDERR_FILENO, kLine.data(), kLine.size());  // a failure could be reported nowhere
   _exit(0);
 }
 

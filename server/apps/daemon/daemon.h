@@ -9,7 +9,7 @@ namespace obliq {
 void heed_signals_before_start();
 
 /// Takes the ports, answers HTTP, loads the scene and serves it until a signal says stop. SIGHUP reads the
-/// scene file anew, with the same arguments. Throws InputError.
+/// scene file again, with the same arguments. Throws InputError.
 void run_daemon(SceneConfig config, SceneArguments arguments);
 
 }  // namespace obliq

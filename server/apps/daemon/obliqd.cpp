@@ -31,11 +31,9 @@ void keep_memory_together() {
 int main(int argc, char** argv) {
   keep_memory_together();
   CLI::App app{
-      "Serves radar ground maps of real terrain over TCP. The port is taken at once; until the terrain is "
-      "loaded "
-      "connections are refused (`obliq get --wait SECONDS` tries again). SIGTERM and SIGINT stop it in good "
-      "order, a "
-      "second one at once; SIGHUP reads the scene file anew.",
+      "Serves radar ground maps of real terrain over TCP. The port is opened at once; connections are "
+      "refused until the terrain is loaded (`obliq get --wait SECONDS` retries). SIGTERM and SIGINT shut it "
+      "down cleanly, a second one at once; SIGHUP reads the scene file again.",
       "obliqd"};
   app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
   obliq::SceneArguments arguments;

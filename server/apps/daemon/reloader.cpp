@@ -23,8 +23,8 @@
 namespace obliq {
 namespace {
 
-/// Complaints of a line each as one line.
-std::string one_line(const std::string& text) {
+/// Complaints of a line each in one line.
+std::string joined(const std::string& text) {
   std::string line;
   for (const char c : text) line += c == '\n' ? "; " : std::string(1, c);
   return line;
@@ -81,7 +81,7 @@ void Reloader::read_security(int number, net::Server* server) {
       server == nullptr ? security_->reload() : server->reload_security();
   std::vector<std::string> faults;
   for (const std::string& fault : {reloaded.tokens_fault, reloaded.certificate_fault})
-    if (!fault.empty()) faults.push_back(one_line(fault));
+    if (!fault.empty()) faults.push_back(joined(fault));
   const bool tokens = security_->needs_token() && reloaded.tokens_fault.empty();
   const bool certificate = security_->has_tls() && reloaded.certificate_fault.empty();
   const std::string taken = tokens && certificate ? "tokens and certificate were taken over"
@@ -94,7 +94,7 @@ void Reloader::read_security(int number, net::Server* server) {
 void Reloader::security_was_read(int number, const std::string& taken,
                                  const std::vector<std::string>& faults) {
   for (const std::string& fault : faults)
-    spdlog::error("reload: {}; the old one stays in force: mend it and send SIGHUP again", fault);
+    spdlog::error("reload: {}; the old one stays in effect; fix it and send SIGHUP again", fault);
   for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
   if (!taken.empty()) spdlog::info("reload: {}", taken);
   if (server_ != nullptr && number == newest_)
@@ -111,11 +111,11 @@ void Reloader::read_scene(int number, const std::string& taken) {
     go_on();
     read.wanted = load_scene_file(arguments_.file, {arguments_.set});
     read.to_build = read.wanted;
-    const auto say = [](const std::string& line) { spdlog::info("{}", line); };
+    const auto say = [](const ReportLine& line) { spdlog::info("{}", line.text); };
     meet_accuracy(read.to_build, say, [&](std::string_view, double) { go_on(); });
     go_on();
   } catch (const std::exception& e) {
-    read.fault = one_line(failure_text(e));
+    read.fault = joined(failure_text(e));
   }
   io_.post([this, number, taken, read = std::move(read)] { take_over(number, taken, read); });
 }
@@ -125,7 +125,7 @@ void Reloader::take_over(int number, const std::string& taken, Read read) {
   reading_ = false;
   if (!read.fault.empty()) {
     spdlog::error(
-        "reload refused, scene, radars and limits stay as they were{}: {}; mend it and send SIGHUP again",
+        "reload refused; scene, radars and limits are unchanged{}: {}; fix it and send SIGHUP again",
         but(taken), read.fault);
     return rest();
   }
@@ -167,11 +167,11 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
       *known = wanted.radars[i];
     } else if (answer.verdict == net::PanelVerdict::controlled) {
       spdlog::warn(
-          "radar {}: is under control by {}; it keeps what it has, and takes \"{}\" at a SIGHUP when nobody "
+          "radar {}: is controlled by {}; it keeps its settings and takes \"{}\" at a SIGHUP while no client "
           "controls it",
           known->name, answer.controller, text);
     } else {
-      spdlog::error("radar {}: not taken over: {}: {}; mend it and send SIGHUP again", known->name, text,
+      spdlog::error("radar {}: not applied: {}: {}; fix it and send SIGHUP again", known->name, text,
                     all_text(answer.errors));
     }
   }
@@ -192,10 +192,10 @@ void Reloader::built(int number, const std::string& fault) {
   const Building done = *std::exchange(building_, std::nullopt);
   if (fault.empty()) {
     signature_ = done.signature;
-    spdlog::info("reloaded: the new scene serves");
+    spdlog::info("reloaded: serving the new scene");
   } else {
-    spdlog::error("reload: the old scene serves on{}: {}; mend it and send SIGHUP again", but(done.taken),
-                  one_line(fault));
+    spdlog::error("reload failed; still serving the previous scene{}: {}; fix it and send SIGHUP again",
+                  but(done.taken), joined(fault));
   }
   rest();
 }

@@ -60,7 +60,7 @@ class Reloader {
   SceneConfig in_file_;
   std::string signature_;  ///< of the scene that serves
   std::string serving_text_;
-  net::Server* server_ = nullptr;  ///< null: nobody is served yet
+  net::Server* server_ = nullptr;  ///< null: no client is served yet
   SceneKeeper* keeper_ = nullptr;
   bool wanted_ = false;          ///< a signal came too early
   std::atomic<int> newest_ = 0;  ///< signals so far

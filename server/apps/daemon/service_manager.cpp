@@ -5,18 +5,14 @@
 
 #include <ctime>
 
+#include "terrain/base/text.h"
+
 namespace obliq::service_manager {
 namespace {
 
-// A status is one line.
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (c == '\n') c = ' ';
-  }
-  return text;
-}
-
-void tell(const std::string& state) { (void)sd_notify(0, state.c_str()); }  // nobody there: nothing to do
+void tell(const std::string& state) {
+  (void)sd_notify(0, state.c_str());
+}  // fails where no service manager is
 
 }  // namespace
 

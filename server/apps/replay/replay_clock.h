@@ -22,7 +22,7 @@ class ReplayClock {
   /// before it, or a second where there was none.
   void begin_again();
 
-  /// The next time is due now: nobody looked, and time stood still.
+  /// The next time is due now: no client watched, and time stood still.
   void stand_still() { newest_ns_.reset(); }
 
   /// How long a recorded time takes here.

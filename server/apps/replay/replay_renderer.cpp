@@ -15,7 +15,7 @@ using Clock = ReplayClock::Clock;
 
 // The render thread is stopped between plans: it shall not wait for a frame for longer than this.
 constexpr std::chrono::milliseconds kLongestWait{100};
-// Later than this: nobody was there to ask. Frames are left out to catch up with less.
+// Later than this, no client was watching. A shorter delay is caught up by leaving frames out.
 constexpr std::chrono::seconds kMostLate{2};
 
 /// False when stopped before.
@@ -31,7 +31,7 @@ bool wait_until(Clock::time_point due, const std::stop_token& stop) {
 /// The rows of some azimuth bins.
 template <typename T>
 std::vector<T> rows(const std::vector<T>& plane, std::size_t first, std::size_t count, std::size_t n_range) {
-  // A plane that was not recorded; the server sends it to nobody.
+  // A plane that was not recorded; the server does not send it.
   if (plane.empty()) return std::vector<T>(count * n_range);
   const auto begin = plane.begin() + static_cast<std::ptrdiff_t>(first * n_range);
   return {begin, begin + static_cast<std::ptrdiff_t>(count * n_range)};

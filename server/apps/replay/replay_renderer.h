@@ -19,7 +19,7 @@ struct ReplayOptions {
 };
 
 /// Hands out the recorded frames of one radar at their times, each wedge when it was sent. Time begins with
-/// the first frame asked for and stands still while nobody asks; a frame that was not asked for in time is
+/// the first frame asked for and stands still while no client asks; a frame that was not asked for in time is
 /// left out when the next one is due, as by a radar.
 class ReplayRenderer : public net::FrameRenderer {
  public:

@@ -1,4 +1,4 @@
-#include "server/explain/thresholds.h"
+#include "server/accuracy/thresholds.h"
 
 #include <algorithm>
 #include <cmath>
