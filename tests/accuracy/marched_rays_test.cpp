@@ -25,6 +25,7 @@ void compare(const FramePlan& plan, AzimuthRange range, const std::string& scene
   const glm::dvec3& antenna = plan.sector().antenna_m;
   FirstHits trace(plan, range);
   const auto source = make_ray_source(plan, range);
+  if (!source) return;  // no ground in the sector
   const auto rays = std::make_unique<RayBatch>();
   std::vector<RoughHit> rough(kBatch);
   while (source->generate(*rays)) {

@@ -187,7 +187,7 @@ TEST_F(DaemonTest, APortInUseIsKnownBeforeAnythingIsLoaded) {
   EXPECT_EQ(second.err,
             "obliqd: cannot listen on " + running.address() +
                 ": Address already in use; end what listens there (another obliqd?), or take another "
-                "port: 0 takes any that is free\n");
+                "port (0: any free one)\n");
 }
 
 TEST_F(DaemonTest, APoseIsPrintedWithItsHemispheres) {
