@@ -131,10 +131,10 @@ TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
     }
     return bits;
   };
-  const auto first = cast(all_kernels().front().aim);
+  const auto first = cast(all_kernels().front().pixel_rays);
   EXPECT_GT(first.size(), 5 * 100u);
   EXPECT_LT(first.size(), 5 * 1021u) << "some are to miss the swath";
-  for (const Kernels& kernels : all_kernels()) EXPECT_EQ(cast(kernels.aim), first) << kernels.name;
+  for (const Kernels& kernels : all_kernels()) EXPECT_EQ(cast(kernels.pixel_rays), first) << kernels.name;
 }
 
 }  // namespace
