@@ -9,7 +9,7 @@
 
 namespace obliq {
 
-/// What is wrong with a configuration, collected so that the operator hears all of it at once.
+/// What is wrong with a configuration, collected so that all of it is reported at once.
 class Complaints {
  public:
   void add(const std::string& where, const FieldError& error) { add(where + ": " + error.text()); }

@@ -125,7 +125,7 @@ ConfigNode* ConfigNode::table(std::string_view name) {
 std::string ConfigNode::found_text() const {
   switch (kind) {
     case Kind::value:
-      return from_file ? toml_text(value) : raw;
+      return layer == 0 ? toml_text(value) : raw;
     case Kind::array:
       return "a list";
     case Kind::table:
@@ -150,7 +150,7 @@ ConfigNode parse_config_text(const std::string& text, const std::string& name) {
   }
 }
 
-ConfigNode parse_config_value(std::string_view text, std::string where) {
+ConfigNode parse_config_value(std::string_view text, std::string where, int layer) {
   ConfigNode node;
   node.kind = ConfigNode::Kind::value;
   node.value = std::string(text);
@@ -167,7 +167,7 @@ ConfigNode parse_config_value(std::string_view text, std::string where) {
   const auto mark = [&](auto&& self, ConfigNode& n) -> void {
     n.where = where;
     n.raw = printable(text);
-    n.from_file = false;
+    n.layer = layer;
     for (ConfigNode& item : n.items) self(self, item);
   };
   mark(mark, node);
@@ -180,7 +180,7 @@ ConfigNode nest(std::string_view dotted_key, ConfigNode value) {
   value.key = std::string(dot == std::string_view::npos ? dotted_key : dotted_key.substr(dot + 1));
   ConfigNode table;
   table.where = value.where;
-  table.from_file = value.from_file;
+  table.layer = value.layer;
   table.items.push_back(std::move(value));
   return dot == std::string_view::npos ? table : nest(dotted_key.substr(0, dot), std::move(table));
 }

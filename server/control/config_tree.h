@@ -1,5 +1,5 @@
 #pragma once
-// A configuration as it was written, before anyone knows what it means: names, values, and where each stood.
+// A configuration as written, not yet interpreted: names, values, and the place of each in its source.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -18,9 +18,7 @@ struct ConfigNode {
   std::vector<ConfigNode> items;  ///< of an array or a table
   std::string where;              ///< "scene.toml:12", "--set radar.r_max_m", "OBLIQ_RADAR_R_MAX_M"
   std::string raw;                ///< as typed, for flags and environment; a file's nodes have none
-  bool from_file = true;
-  double per_bin = 0;     ///< above 0: the value will be so many for each bin, once the bins are known
-  bool searched = false;  ///< the value will be found by rendering (server/loading/find_pixels.h)
+  int layer = 0;                  ///< 0: the file's; each variable and each flag is one above those before it
 
   const ConfigNode* find(std::string_view name) const;
   ConfigNode* find(std::string_view name);
@@ -36,7 +34,7 @@ ConfigNode parse_config_file(const std::filesystem::path& path);
 ConfigNode parse_config_text(const std::string& text, const std::string& name);
 
 /// One typed value from a flag or the environment: TOML where it is TOML, else the text itself.
-ConfigNode parse_config_value(std::string_view text, std::string where);
+ConfigNode parse_config_value(std::string_view text, std::string where, int layer = 1);
 
 /// Wraps a value into the tables of a dotted key: "a.b" = 1 becomes {a: {b: 1}}.
 ConfigNode nest(std::string_view dotted_key, ConfigNode value);

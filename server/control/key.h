@@ -24,7 +24,7 @@ enum class RayMethod : std::uint8_t;
 enum class LogFormat;
 enum class LogLevel;
 
-/// A value on its way in or out, before it has found its place. Enumerations travel by name.
+/// A value between its source and its place. Enumerations go by name.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
 /// Where a value lives. An optional number is "auto" where it is empty.
@@ -69,8 +69,8 @@ struct Key {
   std::string_view summary = {};  ///< one sentence
 };
 
-/// Puts a value in its place if its type fits; otherwise changes nothing and says what would fit. Integers
-/// serve as real numbers. Limits are not looked at: check() does.
+/// Puts a value in its place if its type fits; otherwise changes nothing and returns what would fit. Integers
+/// serve as real numbers. Limits are left to check().
 std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& value);
 
 /// Compares what is in place with the limits.

@@ -14,8 +14,8 @@ void add(std::vector<KeyText>& list, KeyGroup group, const std::string& prefix, 
   scene.materials = shipped_materials();
   for (const auto& [key, form, read, print, default_text, change] : keys.special) {
     const std::string value = default_text.empty() ? print(defaults, scene) : std::string(default_text);
-    list.push_back(
-        {group, prefix + std::string(key.name), key, "special", value, allowed_text(key, form), change});
+    list.push_back({group, prefix + std::string(key.name), key, key.choices.empty() ? "other" : "choice",
+                    value, allowed_text(key, form), change, "", -1, true});
   }
   for (const auto& [key, slot, change] : keys.rows)
     list.push_back({group, prefix + std::string(key.name), key, std::string(type_name(slot(defaults))),

@@ -20,12 +20,13 @@ struct KeyText {
   KeyGroup group;
   std::string name;  ///< "radar.r_max_m", "materials.NAME.gamma_db"
   Key key;           ///< unit, limits, choices, summary
-  std::string type;  ///< "number", "integer", "boolean", "text", "choice"; "special": none of these
+  std::string type;  ///< "number", "integer", "boolean", "text", "choice"; "other": a list, a path
   std::string default_text;
   std::string allowed;
   Change change;
   std::string message_field = {};  ///< "RadarSettings.r_max_m"
   int modbus_address = -1;
+  bool special = false;  ///< no row holds it
 };
 
 /// In the order of the reference page.

@@ -1,6 +1,10 @@
 #include "server/control/parameter_reference.h"
 
+#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include "server/control/key_list.h"
+#include "server/control/markdown.h"
 #include "server/control/quality_presets.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
@@ -9,32 +13,20 @@ namespace obliq {
 
 namespace {
 
+using markdown::code;
+using markdown::row;
+using Json = nlohmann::ordered_json;
+
 std::string padded(std::string text, std::size_t width) {
   text.append(text.size() < width ? width - text.size() : 0, ' ');
   return text + "  ";
-}
-
-/// A table cell: the bar separates columns, so it has to be escaped inside one.
-std::string cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
-  return " " + text + " |";
-}
-
-std::string code(std::string_view text) {
-  return text.empty() ? std::string() : "`" + std::string(text) + "`";
-}
-
-std::string row(std::string_view name, std::string_view default_text, std::string_view allowed,
-                std::string_view summary) {
-  return "|" + cell(code(name)) + cell(std::string(default_text)) + cell(std::string(allowed)) +
-         cell(std::string(summary)) + "\n";
 }
 
 constexpr auto kSceneHeader = "| key | default | allowed | meaning |\n|---|---|---|---|\n";
 
 /// Whether the default is a value, not words about one.
 bool is_toml(const KeyText& key) {
-  return key.type != "special" || key.default_text.starts_with('"') || key.default_text.starts_with('[');
+  return !key.special || key.default_text.starts_with('"') || key.default_text.starts_with('[');
 }
 
 /// The rows of the keys whose names begin so.
@@ -42,8 +34,8 @@ std::string rows(KeyGroup group, std::string_view prefix = "") {
   std::string text;
   for (const KeyText& key : all_keys())
     if (key.group == group && key.name.starts_with(prefix))
-      text += row(key.name, is_toml(key) ? code(key.default_text) : key.default_text, key.allowed,
-                  key.key.summary);
+      text += row({code(key.name), is_toml(key) ? code(key.default_text) : key.default_text, key.allowed,
+                   key.key.summary});
   return text;
 }
 
@@ -52,8 +44,8 @@ std::string shipped_rows() {
   for (const Material& m : shipped_materials()) {
     MaterialKeys keys{m, 0};
     const Row<MaterialKeys>& model = material_rows().front();
-    text += "|" + cell(code(m.name)) + cell(code(toml_text(load(model.key, model.slot(keys))))) +
-            cell(toml_number(to_db(m.gamma))) + "\n";
+    text +=
+        row({code(m.name), code(toml_text(load(model.key, model.slot(keys)))), toml_number(to_db(m.gamma))});
   }
   return text;
 }
@@ -75,10 +67,10 @@ std::string quality_page() {
       "the lit bins, weighted by power; gaps: lit\nbins without a return.\n\n| quality | kind | plates | "
       "pixel_columns | pixel_rows | for | measured |\n|---|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
-    page += "|" + cell(code(p.name)) + cell(std::string(p.kind)) + cell(std::string(p.plates)) +
-            cell(p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins")) +
-            cell(p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins")) +
-            cell(std::string(p.meaning)) + cell(std::string(p.measured)) + "\n";
+    page += row({code(p.name), p.kind, p.plates,
+                 p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins"),
+                 p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins"), p.meaning,
+                 p.measured});
   return page;
 }
 
@@ -110,7 +102,39 @@ std::string scene_pages() {
          shipped_rows();
 }
 
+Json limits_json(const Key& key) {
+  Json limits = Json::object();
+  if (std::isfinite(key.limits.low)) limits[key.limits.low_open ? "above" : "at_least"] = key.limits.low;
+  if (std::isfinite(key.limits.high)) limits[key.limits.high_open ? "below" : "at_most"] = key.limits.high;
+  if (!key.choices.empty()) {
+    limits["one_of"] = Json::array();
+    for (const Choice& choice : key.choices) limits["one_of"].push_back(choice.name);
+  }
+  return limits;
+}
+
+/// TOML's numbers, texts, lists and truths are JSON's; what is not ("inf", words) becomes a text.
+Json default_json(const std::string& text) {
+  const Json value = Json::parse(text, nullptr, false);
+  return value.is_discarded() ? Json(text) : value;
+}
+
 }  // namespace
+
+std::string parameters_json() {
+  Json list = Json::array();
+  for (const KeyText& key : all_keys())
+    list.push_back({{"key", key.name},
+                    {"message_field", key.message_field.empty() ? Json() : Json(key.message_field)},
+                    {"type", key.type},
+                    {"unit", key.key.unit},
+                    {"default", default_json(key.default_text)},
+                    {"limits", limits_json(key.key)},
+                    {"allowed", key.allowed},
+                    {"change", change_name(key.change)},
+                    {"text", key.key.summary}});
+  return list.dump(1) + "\n";
+}
 
 std::string parameters_text() {
   std::string text;
@@ -124,7 +148,8 @@ std::string parameters_text() {
 std::string parameters_markdown() {
   std::string page =
       "# Parameters\n\nWritten by `obliq parameters --markdown` from the tables in `sections/`; do not "
-      "edit.\n\n## Radar parameters\n\nEach can be set in a scene file, by an "
+      "edit. `obliq parameters --json` prints the same keys for programs.\n\n## Radar parameters\n\nEach can "
+      "be set in a scene file, by an "
       "environment variable (`OBLIQ_` plus the key in capitals with underscores for\npoints: "
       "`OBLIQ_RADAR_R_MAX_M`), by the flag `--set KEY=VALUE` (`--set RADAR:KEY=VALUE` for one of several "
       "radars), and\nby a message. A flag overrides the environment, the environment the file, the file the "
@@ -136,10 +161,9 @@ std::string parameters_markdown() {
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const KeyText& key : all_keys()) {
     if (key.group != KeyGroup::radar) continue;
-    page += "|" + cell(code(key.name)) + cell(key.type) + cell(code(key.default_text)) + cell(key.allowed) +
-            cell(std::string(change_name(key.change))) + cell(code(key.message_field)) +
-            cell(key.modbus_address < 0 ? "" : std::to_string(key.modbus_address)) +
-            cell(std::string(key.key.summary)) + "\n";
+    page += row({code(key.name), key.type, code(key.default_text), key.allowed, change_name(key.change),
+                 code(key.message_field), key.modbus_address < 0 ? "" : std::to_string(key.modbus_address),
+                 key.key.summary});
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";

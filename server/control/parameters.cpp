@@ -25,8 +25,8 @@ void check_limits(RadarConfig config, WireMessage message, std::vector<FieldErro
   }
 }
 
-/// How the fields fit each other. Fields that are wrong by themselves have had their say: a comparison with
-/// NaN is false and adds nothing.
+/// How the fields fit each other. Fields outside their limits are reported already: a comparison
+/// with NaN is false and adds nothing.
 void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
   if (s.r_min_m >= s.r_max_m) {
     errors.push_back({"radar.r_min_m",

@@ -49,7 +49,7 @@ const Parameter* find_parameter(std::string_view name);
 /// The parameter's value in a configuration.
 Value value_of(const Parameter& parameter, RadarConfig config);
 
-/// EVERY reason why no radar can run like this, empty when one can: limits, NaN and infinity, and how the
+/// Every reason why a radar cannot run like this, empty if it can: limits, NaN and infinity, and how the
 /// fields fit each other. What depends on the scene is plan_frame's and place_antenna's to say.
 std::vector<FieldError> validate(const RadarConfig& config);
 std::vector<FieldError> validate(const RadarSettings& settings);

@@ -25,24 +25,56 @@ constexpr std::array kPresets{
                   "1491 ms; E 0.0014, median 0.0008 dB, gaps 0.09 %, no building missed"},
 };
 
-ConfigNode text_node(std::string_view key, std::string_view text, const ConfigNode& quality) {
-  ConfigNode node = quality;
-  node.key = key;
-  node.value = std::string(text);
-  node.raw.clear();
-  return node;
+/// Within the limits of frustum.pixel_columns and pixel_rows.
+int pixels_for_bins(double per_bin, int bins) {
+  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, kMostPixels)));
 }
 
-ConfigNode pixel_node(std::string_view key, int pixels, double per_bin, bool searched,
-                      const ConfigNode& quality) {
-  ConfigNode node = text_node(key, "", quality);
-  node.value = std::int64_t{pixels};
-  node.per_bin = pixels > 0 ? 0 : per_bin;
-  node.searched = searched;
-  return node;
+/// Sets a key to what a short form stands for, unless the same layer or a later one names the key itself.
+bool put(ConfigNode& table, std::string_view key, ConfigNode node) {
+  node.key = key;
+  ConfigNode* there = table.find(key);
+  if (there == nullptr) {
+    table.items.push_back(std::move(node));
+  } else if (there->layer < node.layer) {
+    *there = std::move(node);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool put(ConfigNode& table, std::string_view key, Value value, const ConfigNode& quality) {
+  ConfigNode node = quality;
+  node.value = std::move(value);
+  node.raw.clear();
+  return put(table, key, std::move(node));
+}
+
+/// pixels = 512 or [512, 256] becomes pixel_columns and pixel_rows.
+void split_pixels(ConfigNode& frustum) {
+  const ConfigNode* found = frustum.find("pixels");
+  if (found == nullptr) return;
+  const ConfigNode pixels = *found;
+  for (const std::string_view side : {"pixel_columns", "pixel_rows"})
+    if (const ConfigNode* named = frustum.find(side); named != nullptr && named->layer == pixels.layer)
+      return;
+  const bool pair = pixels.kind == ConfigNode::Kind::array && pixels.items.size() == 2;
+  if (!pair && pixels.kind != ConfigNode::Kind::value) return;
+  std::erase_if(frustum.items, [](const ConfigNode& n) { return n.key == "pixels"; });
+  put(frustum, "pixel_columns", pair ? pixels.items[0] : pixels);
+  put(frustum, "pixel_rows", pair ? pixels.items[1] : pixels);
 }
 
 }  // namespace
+
+int QualityPreset::columns_for(int azimuth_bins) const {
+  return columns > 0 ? columns : pixels_for_bins(columns_per_bin, azimuth_bins);
+}
+
+int QualityPreset::rows_for(int range_bins) const {
+  return rows > 0 ? rows : pixels_for_bins(rows_per_bin, range_bins);
+}
 
 std::span<const QualityPreset> quality_presets() { return kPresets; }
 
@@ -60,14 +92,25 @@ std::span<const Choice> quality_choices() {
   return choices;
 }
 
-std::vector<ConfigNode> quality_nodes(const QualityPreset& preset, const ConfigNode& quality) {
-  return {text_node("kind", preset.kind, quality), text_node("plates", preset.plates, quality),
-          pixel_node("pixel_columns", preset.columns, preset.columns_per_bin, preset.searched, quality),
-          pixel_node("pixel_rows", preset.rows, preset.rows_per_bin, preset.searched, quality)};
-}
-
-int pixels_for_bins(double per_bin, int bins) {
-  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, kMostPixels)));
+Frustum resolved_frustum(ConfigNode table, int azimuth_bins, int range_bins) {
+  split_pixels(table);
+  Frustum frustum{std::move(table), {}};
+  const ConfigNode* found = frustum.table.find("quality");
+  const auto* name = found != nullptr ? std::get_if<std::string>(&found->value) : nullptr;
+  const QualityPreset* preset = name != nullptr ? find_quality(*name) : nullptr;
+  if (preset != nullptr) {
+    const ConfigNode quality = *found;
+    std::erase_if(frustum.table.items, [](const ConfigNode& n) { return n.key == "quality"; });
+    put(frustum.table, "kind", std::string(preset->kind), quality);
+    put(frustum.table, "plates", std::string(preset->plates), quality);
+    const bool columns =
+        put(frustum.table, "pixel_columns", std::int64_t{preset->columns_for(azimuth_bins)}, quality);
+    const bool rows = put(frustum.table, "pixel_rows", std::int64_t{preset->rows_for(range_bins)}, quality);
+    frustum.finds_pixels = preset->searched && columns && rows;
+  } else if (frustum.table.find("pixel_columns") != nullptr || frustum.table.find("pixel_rows") != nullptr) {
+    frustum.finds_pixels = false;
+  }
+  return frustum;
 }
 
 }  // namespace obliq

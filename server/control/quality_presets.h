@@ -1,8 +1,8 @@
 #pragma once
 // frustum.quality: one word for how a frame is sampled.
+#include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "server/control/config_tree.h"
 
@@ -17,14 +17,17 @@ struct QualityPreset {
   int rows = 0;     ///< 0: rows_per_bin for each range bin
   double columns_per_bin = 0;
   double rows_per_bin = 0;
-  bool searched = false;      ///< columns and rows are to be found; those above are a beginning
-  std::string_view meaning;   ///< for whom it is, in a sentence
+  bool searched = false;      ///< columns and rows are found by rendering, from those above
+  std::string_view meaning;   ///< its use, in a sentence
   std::string_view measured;  ///< error and time, on what scene
+
+  int columns_for(int azimuth_bins) const;
+  int rows_for(int range_bins) const;
 };
 
 std::span<const QualityPreset> quality_presets();
 
-/// Of a scene that names nothing of its frustum.
+/// Of a scene whose [frustum] is empty.
 constexpr std::string_view kDefaultQuality = "standard";
 
 /// The preset of that name, or null.
@@ -33,11 +36,13 @@ const QualityPreset* find_quality(std::string_view name);
 /// The names of all presets.
 std::span<const Choice> quality_choices();
 
-/// The keys of [frustum] that the preset stands for. A number of pixels that depends on the bins is a node
-/// with per_bin set and no value yet: settle_pixels() gives it one.
-std::vector<ConfigNode> quality_nodes(const QualityPreset& preset, const ConfigNode& quality);
-
-/// Pixels for so many bins, within the limits of frustum.pixel_columns and pixel_rows.
-int pixels_for_bins(double per_bin, int bins);
+/// A radar's [frustum], or the one that all radars share, with pixels and quality written out as the keys
+/// that they stand for. A key that the table names in the same layer or a later one stays. What is no preset
+/// or no number of pixels stays too, for the reader to refuse.
+struct Frustum {
+  ConfigNode table;
+  std::optional<bool> finds_pixels;  ///< empty: it names no pixels
+};
+Frustum resolved_frustum(ConfigNode table, int azimuth_bins, int range_bins);
 
 }  // namespace obliq

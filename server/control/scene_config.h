@@ -34,7 +34,7 @@ struct SceneConfig {
   LogConfig log;
   FlightConfig flight;
   ModbusConfig modbus;
-  std::vector<std::string> notes;  ///< what the user did not say and was chosen for him, a sentence each
+  std::vector<std::string> notes;  ///< what was chosen where the file says nothing, a sentence each
   AccuracyWish
       accuracy;  ///< what the pixels and the cell size are to be chosen by (server/loading/meet_accuracy.h)
 };

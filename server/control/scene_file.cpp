@@ -30,7 +30,7 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   config.name = path.stem().string();
 
   Complaints complaints;
-  apply_overrides(root, options.set, complaints, config.notes);
+  apply_overrides(root, options.set, complaints);
 
   SectionReader top(root, "", complaints);
   SceneReading scene{config, top, complaints, std::filesystem::absolute(path).parent_path()};
@@ -44,7 +44,7 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   complaints.throw_if_any();
 
   place_radars(config, missing);
-  aim_world(config);
+  set_terrain_reach(config);
   return config;
 }
 

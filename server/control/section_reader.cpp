@@ -41,7 +41,7 @@ bool SectionReader::read_unchecked(std::string_view name, const Key& key, const 
   const ConfigNode* node = take(name);
   if (node == nullptr) return false;
   // A flag's text needs no quotes, even if it looks like a number.
-  const bool bare_text = !node->from_file && std::holds_alternative<std::string*>(slot) && !is_text(*node);
+  const bool bare_text = node->layer > 0 && std::holds_alternative<std::string*>(slot) && !is_text(*node);
   const Value value = bare_text ? Value(node->raw) : node->value;
   const bool fits = (bare_text || node->kind == Kind::value) && !store(key, slot, value);
   if (!fits) complain(*node, name, allowed_text(key, slot));

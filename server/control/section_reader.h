@@ -10,8 +10,8 @@
 
 namespace obliq {
 
-/// Reads one table of a configuration. Remembers which keys it was asked for; finish() refuses the others,
-/// naming the one that was probably meant.
+/// Reads one table of a configuration. Remembers which keys were asked for; finish() refuses the others
+/// and suggests the nearest name.
 class SectionReader {
  public:
   /// prefix: the table's dotted name, for messages; empty at the top.
@@ -23,7 +23,7 @@ class SectionReader {
   /// Reads and checks one value into its place. False when it is not there or refused.
   bool read(std::string_view name, const Key& key, const Slot& slot);
 
-  /// Reads one value into its place by type alone; limits are for whoever looks at the whole.
+  /// Reads one value into its place by type alone, without its limits.
   bool read_unchecked(std::string_view name, const Key& key, const Slot& slot);
 
   /// A list of numbers within limits, of at least and at most so many; or one number, if at_least is 1.

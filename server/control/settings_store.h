@@ -9,7 +9,7 @@
 namespace obliq {
 
 /// The published settings of one live radar. What is published never changes: a change is a new snapshot with
-/// the next version, and who renders holds on to the one it began with. Safe from any thread.
+/// the next version, and a renderer keeps the one it began with. Safe from any thread.
 class SettingsStore {
  public:
   /// Publishes version 1. Throws InputError if these settings are not valid.

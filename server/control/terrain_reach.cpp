@@ -26,7 +26,7 @@ double sampling_footprint_m(const RadarSettings& s) {
 
 double loaded_radius_m(double r_max_m) { return kReachMargin * r_max_m; }
 
-void aim_world(SceneConfig& config) {
+void set_terrain_reach(SceneConfig& config) {
   WorldSpec& world = config.world;
   const auto place = [](const RadarConfig& radar) {
     return LonLat{radar.pose.longitude_deg, radar.pose.latitude_deg};

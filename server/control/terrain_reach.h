@@ -9,6 +9,6 @@ double loaded_radius_m(double r_max_m);
 
 /// Tells the terrain where the configured radars stand, how far they look and how finely they sample: the
 /// first one's position is the scene's origin.
-void aim_world(SceneConfig& config);
+void set_terrain_reach(SceneConfig& config);
 
 }  // namespace obliq

@@ -4,18 +4,14 @@
 
 #include <cmath>
 
+#include "server/control/markdown.h"
 #include "server/modbus/encoding.h"
 #include "server/modbus/register_map.h"
 
 namespace obliq::modbus {
 namespace {
 
-std::string cell(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
-  return " " + text + " |";
-}
-
-std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
+using markdown::code;
 
 std::string words_text(ModbusWords words) {
   switch (words) {
@@ -65,7 +61,7 @@ std::string row(int address, int n, const std::string& type, const std::string& 
                 const std::string& name, const std::string& last) {
   const std::string registers =
       n == 1 ? std::to_string(address) : fmt::format("{} to {}", address, address + n - 1);
-  return fmt::format("|{}{}{}{}{}\n", cell(registers), cell(type), cell(count), cell(name), cell(last));
+  return markdown::row({registers, type, count, name, last});
 }
 
 std::string status_rows(int from, int to) {
@@ -80,15 +76,13 @@ std::string status_rows(int from, int to) {
 std::string setpoint_rows() {
   std::string text;
   for (const Setpoint& s : setpoints())
-    text += fmt::format("|{}{}{}{}{}{}\n", cell(std::to_string(s.address)), cell(words_text(s.words)),
-                        cell(count_text(s.counts_per_unit, s.unit)), cell(name_text(s)), cell(allowed(s)),
-                        cell(std::string(s.summary)));
+    text += markdown::row({std::to_string(s.address), words_text(s.words),
+                           count_text(s.counts_per_unit, s.unit), name_text(s), allowed(s), s.summary});
   return text;
 }
 
 std::string bit_row(std::size_t address, const BitText& bit) {
-  return fmt::format("|{}{}{}\n", cell(std::to_string(address)), cell(code(bit.name)),
-                     cell(std::string(bit.summary)));
+  return markdown::row({std::to_string(address), code(bit.name), bit.summary});
 }
 
 std::string bits() {
@@ -111,13 +105,14 @@ std::string errors() {
       "`last_error`, which gives the reason, and `last_error_address`, which gives the setpoint:\n\n| "
       "last_error | meaning |\n|---|---|\n";
   for (const FaultText& fault : fault_texts())
-    text += "|" + cell(std::to_string(static_cast<int>(fault.fault))) + cell(std::string(fault.text)) + "\n";
+    text += markdown::row({std::to_string(static_cast<int>(fault.fault)), fault.text});
   return text;
 }
 
 constexpr auto kIntroduction =
     "# Modbus registers\n\nWritten by `obliq parameters --modbus` from the tables in `register_map.cpp` and "
-    "`server/control/parameters.cpp`; do not edit.\n\n`[modbus] enabled = true` makes obliqd a Modbus/TCP "
+    "`server/control/sections/radar.cpp`; do not edit.\n\n`[modbus] enabled = true` makes obliqd a "
+    "Modbus/TCP "
     "slave, by default on 127.0.0.1:1502. Unit id 1 is the first radar\nof the scene file, 2 the second, and "
     "so on. Addresses below are those in the frame, counted from 0: a master that\ncounts from 1 adds 1, or "
     "40001 for holding and 30001 for input registers. The functions are 01 to 06, 15, 16, 22 and 23.\nA "

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 #include <sstream>
@@ -95,6 +97,38 @@ TEST(Parameters, ThePageInTheRepositoryIsTheTable) {
   text << file.rdbuf();
   EXPECT_EQ(text.str(), parameters_markdown())
       << "run: obliq parameters --markdown > server/control/PARAMETERS.md";
+}
+
+TEST(Parameters, TheJsonHasEveryKeyOfThePageWithItsDefaultAndUnit) {
+  std::map<std::string, nlohmann::json> by_key;
+  for (const auto& key : nlohmann::json::parse(parameters_json()))
+    EXPECT_TRUE(by_key.emplace(key.at("key").get<std::string>(), key).second) << key;
+  EXPECT_EQ(by_key.at("radar.r_max_m").at("limits"), nlohmann::json({{"above", 0.0}, {"at_most", 500e3}}));
+  EXPECT_EQ(by_key.at("radar.r_max_m").at("message_field"), "RadarSettings.r_max_m");
+  EXPECT_EQ(by_key.at("server.port").at("change"), "restart");
+  std::ifstream page(OBLIQ_PARAMETERS_PAGE);
+  std::size_t rows = 0;
+  bool typed = false;  // whether the table has a column of types
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("| key |")) typed = line.starts_with("| key | type |");
+    if (!line.starts_with("| `") || line.find('.') > line.find('`', 3)) continue;
+    std::vector<std::string> cells;
+    for (std::size_t at = 2, end; (end = line.find(" | ", at)) != std::string::npos; at = end + 3)
+      cells.push_back(line.substr(at, end - at));
+    const auto plain = [](std::string text) {
+      std::erase(text, '`');
+      return text;
+    };
+    ++rows;
+    const std::string name = plain(cells.at(0));
+    ASSERT_TRUE(by_key.contains(name)) << name;
+    const nlohmann::json& key = by_key.at(name);
+    const std::string text = plain(cells.at(typed ? 2 : 1));
+    const auto value = nlohmann::json::parse(text, nullptr, false);
+    EXPECT_EQ(key.at("default"), value.is_discarded() ? nlohmann::json(text) : value) << name;
+    EXPECT_TRUE(cells.at(typed ? 3 : 2).ends_with(key.at("unit").get<std::string>())) << name;
+  }
+  EXPECT_EQ(rows + 2, by_key.size());  // frustum.quality and frustum.pixels have paragraphs of their own
 }
 
 TEST(Validate, DefaultsAreValid) { EXPECT_TRUE(validate(RadarConfig{}).empty()); }

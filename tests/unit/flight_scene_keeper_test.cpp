@@ -26,7 +26,7 @@ SceneConfig flat_config() {
   config.radars[0].settings.r_max_m = kRMax_m;
   config.radars[0].pose.latitude_deg = 33;
   config.radars[0].pose.longitude_deg = -99;
-  aim_world(config);
+  set_terrain_reach(config);
   return config;
 }
 
@@ -176,7 +176,7 @@ TEST(SceneKeeper, AFastFlightAtShortRangeLoadsAWindowForEveryHalfMargin) {
   constexpr double kShort_m = 4000;  // margin 1 km
   SceneConfig config = flat_config();
   config.radars[0].settings.r_max_m = kShort_m;
-  aim_world(config);
+  set_terrain_reach(config);
   Yard yard;
   TestClock clock;
   SceneKeeper keeper(config, tiny_scene(), yard.build(), yard.swap(), clock.now());

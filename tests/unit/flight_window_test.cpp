@@ -13,7 +13,7 @@ SceneConfig equator_config(double r_max_m) {
   SceneConfig config;
   config.radars.emplace_back();
   config.radars[0].settings.r_max_m = r_max_m;
-  aim_world(config);
+  set_terrain_reach(config);
   return config;
 }
 

@@ -16,8 +16,12 @@ void add_parameters(CLI::App& app) {
   auto modbus = std::make_shared<bool>(false);
   command->add_flag("--modbus", *modbus, "The Modbus registers instead: the page server/modbus/REGISTERS.md")
       ->excludes("--markdown");
-  command->callback([markdown, modbus] {
-    std::cout << (*modbus     ? modbus::registers_markdown()
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "Every key with unit, default and limits as a JSON array")
+      ->excludes("--markdown", "--modbus");
+  command->callback([markdown, modbus, json] {
+    std::cout << (*json       ? parameters_json()
+                  : *modbus   ? modbus::registers_markdown()
                   : *markdown ? parameters_markdown()
                               : parameters_text());
   });

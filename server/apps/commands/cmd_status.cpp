@@ -32,12 +32,9 @@ std::string sampling_text(const wire::RadarSettings& settings) {
   if (!sweeps) text += fmt::format(" x {}", settings.pixel_rows());
   text += sweeps ? " columns" : " pixels, " + plates + " plates";
   for (const QualityPreset& preset : quality_presets()) {
-    const int columns = preset.columns > 0 ? preset.columns
-                                           : pixels_for_bins(preset.columns_per_bin, settings.azimuth_bins());
-    const int rows =
-        preset.rows > 0 ? preset.rows : pixels_for_bins(preset.rows_per_bin, settings.range_bins());
-    if (preset.kind == kind && columns == settings.pixel_columns() &&
-        (sweeps || (preset.plates == plates && rows == settings.pixel_rows())))
+    if (preset.kind == kind && preset.columns_for(settings.azimuth_bins()) == settings.pixel_columns() &&
+        (sweeps ||
+         (preset.plates == plates && preset.rows_for(settings.range_bins()) == settings.pixel_rows())))
       return text + " (" + std::string(preset.name) + ")";
   }
   return text;

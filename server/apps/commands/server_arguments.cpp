@@ -178,7 +178,9 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
   std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
   });
-  std::vector<ConfigNode> per_bin;  // pixels that wait for the bins
+  // What gives the pixels that no flag names, once all bins are known.
+  const QualityPreset* of_columns = nullptr;
+  const QualityPreset* of_rows = nullptr;
   for (const std::string& flag : ordered) {
     const std::size_t equals = flag.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -190,7 +192,8 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
     const ConfigNode node =
         parse_config_value(std::string_view(flag).substr(equals + 1), rules.where + " " + name);
     const auto set = [&](const std::string& key, const ConfigNode& value) {
-      std::erase_if(per_bin, [&](const ConfigNode& waiting) { return "frustum." + waiting.key == key; });
+      if (key == "frustum.pixel_columns") of_columns = nullptr;
+      if (key == "frustum.pixel_rows") of_rows = nullptr;
       set_parameter(key, value, rules, radar, complaints);
     };
     // The short forms, as in a scene file.
@@ -211,21 +214,19 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
                         "frustum.kind=oblique with frustum.pixels, or another quality"});
         continue;
       }
-      for (const ConfigNode& expanded : quality_nodes(*preset, node)) {
-        if (expanded.per_bin > 0)
-          per_bin.push_back(expanded);
-        else
-          set("frustum." + expanded.key, expanded);
-      }
+      ConfigNode value = node;
+      value.value = std::string(preset->kind);
+      set("frustum.kind", value);
+      value.value = std::string(preset->plates);
+      set("frustum.plates", value);
+      of_columns = of_rows = preset;
     } else {
       set(name, node);
     }
   }
-  for (const ConfigNode& waiting : per_bin) {
-    const bool columns = waiting.key == "pixel_columns";
-    (columns ? radar.settings.pixel_columns : radar.settings.pixel_rows) =
-        pixels_for_bins(waiting.per_bin, columns ? radar.settings.azimuth_bins : radar.settings.range_bins);
-  }
+  RadarSettings& settings = radar.settings;
+  if (of_columns != nullptr) settings.pixel_columns = of_columns->columns_for(settings.azimuth_bins);
+  if (of_rows != nullptr) settings.pixel_rows = of_rows->rows_for(settings.range_bins);
   complaints.throw_if_any();
 }
 

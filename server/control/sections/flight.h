@@ -8,7 +8,7 @@ struct Section;
 /// How the daemon moves its loaded terrain with radars that fly.
 struct FlightConfig {
   bool enabled = true;
-  double reorigin_km = 20;  ///< the first radar further than this from the scene's origin: a new origin
+  double reorigin_km = 20;  ///< the origin moves to the first radar when it is further than this from it
   double max_reach_km = 0;  ///< what is loaded around a radar is never for more range; 0: its r_max at start
   double max_megaposts = 64;  ///< a larger window is not loaded while serving
 };

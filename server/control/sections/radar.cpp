@@ -140,10 +140,15 @@ const std::array kShortForms{
                          "Sets pixel_columns and pixel_rows.", nullptr, nullptr, "2048", Change::live),
 };
 
+/// What the scene says about a radar's frustum.
+enum class FrustumChoice { named, no_kind, nothing };
+constexpr std::string_view kFrustum = "frustum";
+
 /// One radar while it is read: its values, and where each was set.
 struct RadarReading {
   RadarConfig config;
   std::map<std::string, std::string> set_at;
+  FrustumChoice choice = FrustumChoice::named;
 };
 
 /// Reads the parameters of one section from a table that holds them.
@@ -155,35 +160,26 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
     if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
       radar.set_at[name] = reader.table().find(local)->where;
   }
-  if (section == "frustum") {
-    // What a radar names itself beats what all share.
-    bool any = false;
-    bool searched = true;
-    for (const char* side : {"pixel_columns", "pixel_rows"})
-      if (const ConfigNode* node = reader.table().find(side)) {
-        any = true;
-        searched &= node->searched;
-      }
-    if (any) radar.config.finds_pixels = searched;
-    // Good ones have become other keys before (overrides.h).
-    for (const auto& [key, form, read, print, default_text, change] : kShortForms)
-      if (const ConfigNode* node = reader.take(name_in("frustum", key.name)))
-        reader.complain(*node, name_in("frustum", key.name), allowed_text(key, form));
-  }
 }
 
-void read_sub_sections(SectionReader& holder, Complaints& complaints, RadarReading& radar) {
-  for (const std::string_view section : kRadarTables) {
-    const ConfigNode* table = holder.take(section);
-    if (table == nullptr) continue;
-    if (table->kind != Kind::table) {
-      holder.complain(*table, section, "a table");
-      continue;
-    }
-    SectionReader reader(*table, std::string(section), complaints);
-    read_parameters(reader, std::string(section), radar);
-    reader.finish();
-  }
+/// The table of that name; null if there is none.
+const ConfigNode* table_in(SectionReader& holder, std::string_view name) {
+  const ConfigNode* table = holder.take(name);
+  if (table == nullptr || table->kind == Kind::table) return table;
+  holder.complain(*table, name, "a table");
+  return nullptr;
+}
+
+void read_frustum(const ConfigNode& table, RadarReading& radar, Complaints& complaints) {
+  const RadarSettings& settings = radar.config.settings;
+  const Frustum frustum = resolved_frustum(table, settings.azimuth_bins, settings.range_bins);
+  if (frustum.finds_pixels) radar.config.finds_pixels = *frustum.finds_pixels;
+  SectionReader reader(frustum.table, std::string(kFrustum), complaints);
+  read_parameters(reader, std::string(kFrustum), radar);
+  for (const auto& [key, form, read, print, default_text, change] : kShortForms)
+    if (const ConfigNode* node = reader.take(name_in(kFrustum, key.name)))
+      reader.complain(*node, name_in(kFrustum, key.name), allowed_text(key, form));
+  reader.finish();
 }
 
 void read_name(SectionReader& reader, std::string& name) {
@@ -194,14 +190,53 @@ void read_name(SectionReader& reader, std::string& name) {
     reader.complain(*reader.table().find("name"), "name", "1 to 64 letters, digits, _ - .");
 }
 
+/// Gives a radar whose frustum nobody names that of kDefaultQuality.
+FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
+  const auto empty = [](const ConfigNode& frustum) { return frustum.items.empty(); };
+  const auto names_kind = [](const ConfigNode& f) {
+    return f.find("kind") != nullptr || f.find("quality") != nullptr;
+  };
+  if (std::ranges::any_of(frusta, names_kind)) return FrustumChoice::named;
+  if (!std::ranges::all_of(frusta, empty)) return FrustumChoice::no_kind;
+  ConfigNode quality;
+  quality.kind = Kind::value;
+  quality.where = "default";
+  quality.value = std::string(kDefaultQuality);
+  frusta = {nest("quality", quality)};
+  return FrustumChoice::nothing;
+}
+
+/// Says which radars have a frustum that nobody named.
+void note_choice(SceneConfig& config, const std::vector<std::string>& radars, const std::string& text) {
+  if (radars.empty()) return;
+  std::string whose;
+  if (radars.size() < config.radars.size())
+    for (const std::string& name : radars) whose += (whose.empty() ? "radar " : ", ") + name;
+  config.notes.push_back(whose + (whose.empty() ? "" : ": ") + text);
+}
+
 RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   RadarReading radar;
-  read_sub_sections(scene.top, scene.complaints, radar);
-  SectionReader reader(table, "radar", scene.complaints);
-  read_name(reader, radar.config.name);
-  read_parameters(reader, "radar", radar);
-  read_sub_sections(reader, scene.complaints, radar);
-  reader.finish();
+  SectionReader own(table, "radar", scene.complaints);
+  read_name(own, radar.config.name);
+  read_parameters(own, "radar", radar);
+  std::vector<ConfigNode> frusta;
+  for (SectionReader* holder : {&scene.top, &own}) {  // what a radar names itself beats what all share
+    for (const std::string_view name : kRadarTables) {
+      const ConfigNode* found = table_in(*holder, name);
+      if (found == nullptr) continue;
+      if (name == kFrustum) {
+        frusta.push_back(*found);
+        continue;
+      }
+      SectionReader reader(*found, std::string(name), scene.complaints);
+      read_parameters(reader, std::string(name), radar);
+      reader.finish();
+    }
+  }
+  own.finish();
+  radar.choice = choose_frustum(frusta);
+  for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
 
   radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   for (const FieldError& error : validate(radar.config)) {
@@ -218,7 +253,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
 
 std::string printed_parameters(std::string_view table, RadarConfig radar) {
   std::string text;
-  if (radar.finds_pixels && table == "frustum")
+  if (radar.finds_pixels && table == kFrustum)
     text +=
         printed_line("quality", "\"oblique\"", "Finds pixel_columns and pixel_rows when the scene is loaded.",
                      choices_text(quality_choices()), Change::reload);
@@ -239,6 +274,7 @@ std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortFor
 
 std::vector<MissingPosition> read_radars(SceneReading& scene) {
   std::vector<MissingPosition> missing;
+  std::vector<std::string> nothing, no_kind;
   const auto read_one = [&](const ConfigNode& table) {
     const RadarReading radar = read_radar(scene, table);
     std::vector<RadarConfig>& radars = scene.config.radars;
@@ -248,10 +284,19 @@ std::vector<MissingPosition> read_radars(SceneReading& scene) {
     const bool no_latitude = !radar.set_at.contains("antenna.latitude_deg");
     const bool no_longitude = !radar.set_at.contains("antenna.longitude_deg");
     if (no_latitude || no_longitude) missing.push_back({radars.size(), no_latitude, no_longitude});
+    if (radar.choice == FrustumChoice::nothing) nothing.push_back(radar.config.name);
+    if (radar.choice == FrustumChoice::no_kind) no_kind.push_back(radar.config.name);
     radars.push_back(radar.config);
   };
   // apply_overrides has made a [radar] where there was none, but `radar = []` remains possible.
   scene.top.each_table("radar", read_one);
+  note_choice(scene.config, nothing,
+              "no frustum named: sweep \"" + std::string(kDefaultQuality) +
+                  "\"; frustum.kind = \"oblique\" casts rays with Embree");
+  note_choice(
+      scene.config, no_kind,
+      "frustum.kind is not named: \"oblique\", rays cast with Embree; frustum.quality = \"standard\" takes "
+      "the sweep");
   if (scene.config.radars.empty() && scene.complaints.empty())
     scene.complaints.add(scene.config.path.string(), {"radar", "an empty list", "at least one [[radar]]"});
   const int most = scene.config.server.max_radars;

@@ -1,5 +1,5 @@
 #pragma once
-// [accuracy] and [run]: how good the frames shall be and how they are rendered.
+// [accuracy] and [run]: the error allowed in frames, and how they are rendered.
 #include <cmath>
 #include <limits>
 
@@ -7,7 +7,7 @@ namespace obliq {
 
 struct Section;
 
-/// [accuracy] of a scene file: how wrong the user's frames may be. Cell size and pixels then follow from it.
+/// [accuracy] of a scene file: the largest error allowed in frames. Cell size and pixels follow from it.
 struct AccuracyWish {
   double max_power_error_db =
       std::numeric_limits<double>::infinity();       ///< median |10 log10 P/T|; infinity: any

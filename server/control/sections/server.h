@@ -1,5 +1,5 @@
 #pragma once
-// [server]: where the daemon listens and what it lets a peer ask of it.
+// [server]: where the daemon listens, and the limits of what a peer may ask.
 #include <cstdint>
 #include <string>
 
@@ -7,8 +7,7 @@ namespace obliq {
 
 struct Section;
 
-/// What the daemon lets a peer ask of it. A daemon that runs takes over all of this when it reads its file
-/// anew; times in seconds.
+/// What a peer may ask of the daemon. All of it is reloaded at SIGHUP. Times in seconds.
 struct ServerLimits {
   int max_clients = 64;
   int max_clients_per_address = 32;  ///< of IPv6, a /64 network
@@ -16,9 +15,9 @@ struct ServerLimits {
   int max_request_bytes = 1 << 20;
   double handshake_timeout_s = 10;  ///< from connection to Hello
   double message_timeout_s = 10;    ///< from the first byte of a message to its last
-  double stall_timeout_s = 30;      ///< a client that takes no byte for so long is dropped
+  double stall_timeout_s = 30;      ///< a client that takes no byte for this long is dropped
   double heartbeat_s = 10;          ///< the longest silence of the server, and of a client before it is asked
-  double idle_timeout_s = 0;        ///< a client that says nothing for so long is closed; 0: never
+  double idle_timeout_s = 0;        ///< a client that sends nothing for this long is closed; 0: never
   std::int64_t max_bins = 8192LL * 8192LL;      ///< in one frame
   std::int64_t max_pixels = 16384LL * 16384LL;  ///< in one frame
   /// Pixels and bins of all clients' unfinished RenderOnce requests: here three of the largest frames.

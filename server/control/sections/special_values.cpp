@@ -11,19 +11,19 @@ std::string resolved_path(const ConfigNode& node, const std::filesystem::path& f
   const std::size_t colon = text.find(':');
   const bool has_scheme = colon != std::string::npos && colon > 0 && text.find('/') > colon;
   if (text.front() == '/' || has_scheme) return text;
-  const auto base = node.from_file ? folder : std::filesystem::current_path();
+  const auto base = node.layer == 0 ? folder : std::filesystem::current_path();
   return (base / text).lexically_normal().string();
 }
 
 std::vector<LonLat> polygon_of(const ConfigNode& node) {
   std::vector<LonLat> corners;
   for (const ConfigNode& item : node.items) {
-    Complaints unheard;
+    Complaints ignored;
     ConfigNode holder;
     holder.items = {item};
     holder.items[0].key = "corner";
     // Beyond 180: outlines across the antimeridian run on.
-    const auto pair = SectionReader(holder, "", unheard).numbers("corner", closed(-360, 360), 2, 2);
+    const auto pair = SectionReader(holder, "", ignored).numbers("corner", closed(-360, 360), 2, 2);
     if (pair.size() != 2 || std::abs(pair[1]) > 90) return {};
     corners.push_back({pair[0], pair[1]});
   }
