@@ -148,7 +148,8 @@ std::string parameters_text() {
 std::string parameters_markdown() {
   std::string page =
       "# Parameters\n\nWritten by `obliq parameters --markdown` from the tables in `sections/`; do not "
-      "edit.\n\n## Radar parameters\n\nEach can be set in a scene file, by an "
+      "edit. `obliq parameters --json` prints the same keys for programs.\n\n## Radar parameters\n\nEach can "
+      "be set in a scene file, by an "
       "environment variable (`OBLIQ_` plus the key in capitals with underscores for\npoints: "
       "`OBLIQ_RADAR_R_MAX_M`), by the flag `--set KEY=VALUE` (`--set RADAR:KEY=VALUE` for one of several "
       "radars), and\nby a message. A flag overrides the environment, the environment the file, the file the "
