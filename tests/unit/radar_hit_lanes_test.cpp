@@ -61,7 +61,7 @@ class HitLanes : public testing::Test {
 TEST_F(HitLanes, GiveTheBitsOfOneRayAtATimeOrNoAnswer) {
   for (const Kernels& kernels : all_kernels()) {
     SCOPED_TRACE(kernels.name);
-    const auto hits = answer(kernels.meet_ground);
+    const auto hits = answer(kernels.refine_ground_hits);
     int answered = 0;
     for (std::size_t k = 0; k < kRays; ++k) {
       if (std::isnan(hits->slant_range_m[k])) continue;
@@ -87,7 +87,7 @@ TEST_F(HitLanes, GiveTheBitsOfOneRayAtATimeOrNoAnswer) {
 TEST_F(HitLanes, LeaveWhatMetNoGround) {
   for (const Kernels& kernels : all_kernels()) {
     SCOPED_TRACE(kernels.name);
-    const auto hits = answer(kernels.meet_ground);
+    const auto hits = answer(kernels.refine_ground_hits);
     for (std::size_t k = 0; k < kRays; ++k) {
       if (std::isnan(rough_m_[k])) {
         EXPECT_TRUE(std::isnan(hits->slant_range_m[k])) << k;

@@ -113,14 +113,14 @@ TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
   const PixelCamera camera{-900, 1.5, 0.6, 0.8, 3.7e6, 1300.0 * 1300, {1250, 1100, 1500, 6000}, 20};
   const auto pixels = std::make_unique<PixelList>();
   pixels->n = 1021;
-  for (int k = 0; k < PixelList::kMost; ++k) {
+  for (int k = 0; k < kBatch; ++k) {
     pixels->column[k] = 37 * k % 1200;
     pixels->up_m[k] = -1200;
     pixels->ahead_m[k] = 5.0 * k - 300;
   }
   const auto cast = [&](decltype(Kernels::pixel_rays) kernel) {
-    std::vector<double> found(4 * PixelList::kMost);
-    std::vector<std::int32_t> from(PixelList::kMost);
+    std::vector<double> found(4 * kBatch);
+    std::vector<std::int32_t> from(kBatch);
     double* const x = found.data();
     const int n = kernel(camera, *pixels, {x, x + 1024, x + 2048, x + 3072, from.data()});
     std::vector<std::uint64_t> bits;
@@ -131,10 +131,10 @@ TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
     }
     return bits;
   };
-  const auto first = cast(all_kernels().front().aim);
+  const auto first = cast(all_kernels().front().pixel_rays);
   EXPECT_GT(first.size(), 5 * 100u);
   EXPECT_LT(first.size(), 5 * 1021u) << "some are to miss the swath";
-  for (const Kernels& kernels : all_kernels()) EXPECT_EQ(cast(kernels.aim), first) << kernels.name;
+  for (const Kernels& kernels : all_kernels()) EXPECT_EQ(cast(kernels.pixel_rays), first) << kernels.name;
 }
 
 }  // namespace
