@@ -28,7 +28,7 @@ void compare(const FramePlan& plan, AzimuthRange range, const std::string& scene
   if (!source) return;  // no ground in the sector
   const auto rays = std::make_unique<RayBatch>();
   std::vector<RoughHit> rough(kBatch);
-  while (source->generate(*rays)) {
+  while (source && source->generate(*rays)) {
     trace.trace(*rays, rough.data());
     for (std::size_t k = 0; k < static_cast<std::size_t>(rays->n); ++k) {
       const glm::dvec3 direction(rays->dir_x[k], rays->dir_y[k], rays->dir_z[k]);
