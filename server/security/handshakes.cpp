@@ -4,7 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <thread>
 
-#include "terrain/base/background.h"
+#include "terrain/base/process.h"
 
 namespace obliq::net {
 
