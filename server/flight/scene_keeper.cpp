@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "server/scene/scene.h"
-#include "terrain/base/background.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/process.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq {

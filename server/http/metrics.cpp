@@ -10,7 +10,7 @@
 #include <map>
 #include <mutex>
 
-#include "terrain/base/process_memory.h"
+#include "terrain/base/process.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq::http {

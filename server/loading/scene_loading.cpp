@@ -7,7 +7,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/process_memory.h"
+#include "terrain/base/process.h"
 
 namespace obliq {
 

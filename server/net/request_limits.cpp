@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "server/radar/wedge_memory.h"
-#include "terrain/base/process_memory.h"
+#include "terrain/base/process.h"
 
 namespace obliq::net {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "server/net/tcp.h"
 #include "server/security/networks.h"
-#include "terrain/base/background.h"
+#include "terrain/base/process.h"
 
 namespace obliq::net {
 

@@ -8,7 +8,7 @@
 #include "server/net/request_limits.h"
 #include "server/radar/wedge_memory.h"
 #include "server/security/exposure.h"
-#include "terrain/base/process_memory.h"
+#include "terrain/base/process.h"
 #include "tests/integration/net_fixture.h"
 
 namespace obliq::test {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "terrain/base/process_memory.h"
+#include "terrain/base/process.h"
 
 namespace obliq {
 namespace {

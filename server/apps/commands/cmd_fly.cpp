@@ -11,12 +11,11 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
+#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/interrupts.h"
 #include "server/apps/commands/number_option.h"
-#include "server/apps/commands/pose_text.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/track_reader.h"
-#include "server/apps/commands/warning_changes.h"
 #include "server/control/key.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"

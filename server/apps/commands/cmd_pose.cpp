@@ -5,7 +5,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/pose_text.h"
+#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"

@@ -18,7 +18,6 @@
 #include "server/apps/commands/newest_files.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/picture_arguments.h"
-#include "server/apps/commands/received_bins.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/replay/replay_renderer.h"
 #include "server/control/settings_message.h"

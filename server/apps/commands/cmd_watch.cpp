@@ -10,14 +10,13 @@
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
+#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/newest_files.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/picture_arguments.h"
-#include "server/apps/commands/received_bins.h"
 #include "server/apps/commands/reconnecting.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
-#include "server/apps/commands/warning_changes.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

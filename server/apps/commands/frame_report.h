@@ -1,11 +1,12 @@
 #pragma once
-// What render and get say about a frame that has been written.
+// What commands say about frames, their warnings and poses.
 #include <string>
 #include <vector>
 
 namespace obliq::wire {
 class FrameDescriptor;
 class FrameSummary;
+class Pose;
 }  // namespace obliq::wire
 
 namespace obliq {
@@ -18,5 +19,19 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
 
 /// "12 ms".
 std::string milliseconds_text(double seconds);
+
+/// Position and bearing of an antenna.
+std::string pose_text(const wire::Pose& pose);
+
+/// Reports on stderr when a warning begins and when it is over. Two that differ in their numbers only are the
+/// same one.
+class WarningChanges {
+ public:
+  /// All that hold now. `where`: the beginning of each line, such as "FILE:7: ".
+  void tell(std::vector<std::string> now, const std::string& where = {});
+
+ private:
+  std::vector<std::string> held_;
+};
 
 }  // namespace obliq

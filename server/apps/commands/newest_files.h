@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "client/frame_assembler.h"
 #include "server/output/steady_scale.h"
 
 namespace obliq {
@@ -36,5 +37,8 @@ class NewestPicture {
   PictureOptions picture_;
   SteadyScale scale_;
 };
+
+/// A received frame's planes as the file writer takes them; they are moved out of the frame.
+BinBlock take_bins(client::AssembledFrame& frame);
 
 }  // namespace obliq

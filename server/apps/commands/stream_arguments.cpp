@@ -1,17 +1,37 @@
 #include "server/apps/commands/stream_arguments.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <array>
 #include <charconv>
+#include <sstream>
 #include <string_view>
 
 #include "proto/obliq.pb.h"
 #include "proto/plane_coding.h"
-#include "server/apps/commands/plane_argument.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {
+
+/// "iq,power" as a set of planes; throws InputError that lists the names.
+wire::PlaneSet planes_from_names(const std::string& names) {
+  wire::PlaneSet set = 0;
+  std::istringstream in(names);
+  for (std::string name; std::getline(in, name, ',');) {
+    int plane = 0;
+    while (plane < wire::kPlanes && name != wire::plane_name(static_cast<wire::Plane>(plane))) ++plane;
+    if (plane == wire::kPlanes) {
+      set = 0;
+      break;
+    }
+    set = static_cast<wire::PlaneSet>(set | wire::plane_bit(static_cast<wire::Plane>(plane)));
+  }
+  if (set != 0) return set;
+  throw InputError(fmt::format("--planes: found \"{}\"; allowed: one or more of {}, with commas between them",
+                               names, wire::plane_names(wire::kAllPlanes)));
+}
 
 template <typename Request>
 void write_request(const StreamArguments& arguments, Request& request) {

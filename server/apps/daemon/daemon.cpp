@@ -39,9 +39,9 @@
 #include "server/rendering/scene_renderer.h"
 #include "server/scene/scene_memory.h"
 #include "server/security/security.h"
-#include "terrain/base/background.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/failure_text.h"
+#include "terrain/base/process.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq {

@@ -1,0 +1,25 @@
+#pragma once
+// This process and the machine that it runs on.
+#include <cstdint>
+#include <string>
+
+namespace obliq {
+
+/// Memory of this process that is resident, from /proc/self/statm (proc(5)); 0 where that cannot be read.
+std::int64_t resident_bytes();
+
+/// The most that it ever was: VmHWM of /proc/self/status (proc(5)), 0 where that cannot be read. Not
+/// getrusage's ru_maxrss, which a process inherits from the one that started it.
+std::int64_t peak_resident_bytes();
+
+/// Makes the calling thread, and the threads that it will start, yield to others that want the processor.
+/// Says whether that worked.
+bool lower_own_priority();
+
+/// The processor's name as the system reports it; "unknown processor" where it does not.
+std::string processor_name();
+
+/// Programs that wanted to run, mean over the last minute; 0 where the system does not say.
+double load_average();
+
+}  // namespace obliq
