@@ -1,6 +1,7 @@
 #pragma once
 // Polygons in the world's (x, z) plane. Rings are closed implicitly; inside is decided by the even-odd rule,
 // so that holes need no special treatment.
+#include <cstddef>
 #include <glm/vec2.hpp>
 #include <vector>
 
@@ -32,5 +33,11 @@ double signed_area_m2(const Ring& ring);
 /// Sorted x of the polygon's edges where they cross the line at z. Between crossings 2n and 2n + 1 the line
 /// is inside. An edge owns its lower end and not its upper one, so that vertices count once.
 void crossings(const Polygon& polygon, double z_m, std::vector<double>& x_m);
+
+using FloatRing = std::vector<glm::vec2>;   ///< closed implicitly
+using FloatRings = std::vector<FloatRing>;  ///< of one polygon, the outer one first
+
+/// How many pairs of edges have a point in common, neighbours at a corner not counted; stops at `most`.
+std::size_t count_crossings(const FloatRings& rings, std::size_t most);
 
 }  // namespace obliq

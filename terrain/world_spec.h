@@ -47,7 +47,8 @@ struct TerrainSpec {
   std::vector<LonLat> area;      ///< polygon; empty: the union of the reaches
   std::optional<double> cell_m;  ///< empty: auto
   double most_auto_posts = 0;    ///< auto cells become no finer than this many posts; 0: than the posting
-  /// What water that the elevation models show is made of (terrain/dem/water.h); empty: none is looked for.
+  /// What water that the elevation models show is made of (terrain/dem/water_cells.h); empty: none is looked
+  /// for.
   std::optional<std::uint8_t> water_material;
   /// Voids no wider than this are filled by interpolation; empty: the larger of 200 m and three postings.
   std::optional<double> fill_void_m;

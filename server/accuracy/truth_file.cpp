@@ -5,8 +5,8 @@
 #include <fstream>
 #include <optional>
 
-#include "terrain/base/checksum.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/hash.h"
 
 namespace obliq {
 namespace {

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "server/explain/ground_probes.h"
 #include "server/explain/measurement.h"
-#include "server/explain/power_change.h"
 #include "server/explain/variants.h"
+#include "server/explain/verdict.h"
 #include "terrain/dem/source_error.h"
 
 namespace obliq {

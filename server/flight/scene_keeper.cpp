@@ -9,7 +9,6 @@
 
 #include "server/scene/scene.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/failure_text.h"
 #include "terrain/base/parallel.h"
 #include "terrain/base/process.h"
 #include "terrain/base/seconds.h"

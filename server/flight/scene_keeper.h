@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "server/flight/keeper_state.h"
-#include "server/flight/speedometer.h"
 #include "server/flight/window.h"
 #include "terrain/dem/source_extents.h"
 

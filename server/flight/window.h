@@ -1,6 +1,7 @@
 #pragma once
 // Which part of the world a scene is built for, and when the radars have flown too far for it. Pure
 // functions.
+#include <chrono>
 #include <span>
 #include <vector>
 
@@ -52,5 +53,25 @@ LonLat towards(const LonLat& from, const LonLat& to, double share);
 
 /// Great-circle distance on a sphere, within 0.6 % of the ellipsoid's.
 double distance_m(const LonLat& a, const LonLat& b);
+
+/// How fast radars move over the ground, from where they are told to be, measured over at least half a
+/// second. Radars of which nothing is heard for kStandsAfter stand still: the last pose may have been a jump,
+/// or the last of a flight. For one thread.
+class Speedometer {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  static constexpr std::chrono::seconds kStandsAfter{2};
+
+  void note(std::span<const RadarPlace> radars, Time now);
+  /// Where these radars will be `later_s` from now if they keep their speeds.
+  std::vector<RadarPlace> ahead(std::span<const RadarPlace> radars, double later_s, Time now) const;
+
+ private:
+  std::vector<RadarPlace> from_;
+  std::vector<RadarPlace> to_;
+  Time since_;
+  Time heard_;
+  double elapsed_s_ = 0;  ///< between the two
+};
 
 }  // namespace obliq

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/frontier/frontier_comparison.h"
+#include "server/frontier/frontier_table.h"
 #include "terrain/base/text.h"
 
 namespace obliq {

@@ -1,13 +1,17 @@
 #include "server/http/answering.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/beast/core/string.hpp>
+#include <utility>
 
 #include "server/log/log_fields.h"
 #include "server/security/security.h"
 
 namespace obliq::http {
+
 namespace {
 
 /// Of "/metrics?x=1" and of the absolute form "http://host/metrics", which servers must accept (RFC 9112
@@ -55,6 +59,31 @@ Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Se
   std::string known;
   for (const Route& route : routes) known += (known.empty() ? "" : ", ") + route.path;
   return error_page(404, "nothing here; there are " + known);
+}
+
+Page health_page() { return {200, "text/plain; charset=utf-8", "ok\n"}; }
+
+Page readiness_page(const Readiness::State& state) {
+  Page page;
+  switch (state.phase) {
+    case Readiness::Phase::loading: {
+      const int percent = static_cast<int>(100 * std::clamp(state.fraction, 0.0, 1.0));
+      page.body = fmt::format("loading: {}, {} %\n", state.stage, percent);
+      break;
+    }
+    case Readiness::Phase::ready:
+      page.body = "ready\n";
+      break;
+    case Readiness::Phase::stopping:
+      page.body = "stopping\n";
+      break;
+  }
+  page.status = state.phase == Readiness::Phase::ready ? 200 : 503;
+  return page;
+}
+
+Page metrics_page(std::string text) {
+  return {200, "text/plain; version=0.0.4; charset=utf-8", std::move(text)};
 }
 
 }  // namespace obliq::http

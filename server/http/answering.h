@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/http/http_server.h"
+#include "server/http/readiness.h"
 
 namespace obliq::http {
 
@@ -21,5 +22,14 @@ struct Asked {
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security);
 
 Page error_page(int status, const std::string& text);
+
+/// 200 as long as the process answers at all, also while it loads.
+Page health_page();
+
+/// 200 when the terrain is committed and the TCP port listens; else 503 with what it waits for.
+Page readiness_page(const Readiness::State& state);
+
+/// Prometheus' text format, version 0.0.4.
+Page metrics_page(std::string text);
 
 }  // namespace obliq::http

@@ -17,12 +17,10 @@
 
 #include "server/http/answering.h"
 #include "server/log/log_fields.h"
-#include "server/net/reserved_port.h"
 #include "server/net/tcp.h"
 #include "server/security/exposure.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/failure_text.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq::http {

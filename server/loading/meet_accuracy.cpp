@@ -7,7 +7,7 @@
 #include <limits>
 #include <tuple>
 
-#include "server/accuracy/sampling_ladder.h"
+#include "server/accuracy/sampling_case.h"
 #include "server/accuracy/truth_search.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"

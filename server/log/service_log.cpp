@@ -13,7 +13,7 @@
 #include <mutex>
 #include <utility>
 
-#include "server/log/line_format.h"
+#include "server/log/log_fields.h"
 
 namespace obliq {
 namespace {

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::modbus {
 namespace {

@@ -22,7 +22,6 @@
 #include "server/modbus/master.h"
 #include "server/security/networks.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/failure_text.h"
 #include "terrain/base/unique_fd.h"
 
 namespace obliq::modbus {

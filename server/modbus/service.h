@@ -8,7 +8,7 @@
 
 #include "server/control/sections/modbus.h"
 #include "server/net/panel.h"
-#include "server/net/reserved_port.h"
+#include "server/net/tcp.h"
 
 namespace obliq::modbus {
 

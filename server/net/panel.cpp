@@ -7,7 +7,7 @@
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/stream/frame_encoder.h"
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 namespace {

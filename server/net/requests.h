@@ -7,7 +7,7 @@
 #include "proto/error_number.h"
 #include "proto/message_type.h"
 #include "proto/plane.h"
-#include "server/security/role.h"
+#include "server/security/token_file.h"
 #include "terrain/base/errors.h"
 
 namespace obliq::wire {

@@ -14,7 +14,6 @@
 #include "server/net/transport.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/failure_text.h"
 
 namespace obliq::net {
 

@@ -15,7 +15,7 @@
 #include "server/net/room.h"
 #include "server/net/transport.h"
 #include "server/net/visits.h"
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 

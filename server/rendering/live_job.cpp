@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 

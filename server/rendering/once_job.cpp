@@ -7,7 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/stream/frame_encoder.h"
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 namespace {

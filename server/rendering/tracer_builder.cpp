@@ -7,7 +7,7 @@
 
 #include "server/scene/scene.h"
 #include "server/scene/scene_memory.h"
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 namespace {

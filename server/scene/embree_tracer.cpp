@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/scene/grid_tiling.h"
+#include "server/scene/tile_bounds.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "terrain/base/errors.h"
-#include "terrain/base/regular_file.h"
+#include "terrain/base/unique_fd.h"
 
 namespace obliq::net {
 

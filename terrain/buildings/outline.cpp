@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "terrain/buildings/ring_crossings.h"
+#include "terrain/polygon.h"
 
 namespace obliq {
 namespace {

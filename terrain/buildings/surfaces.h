@@ -8,4 +8,8 @@ namespace obliq {
 /// InputError.
 void paint_surfaces(World& world, const WorldSpec& spec, const Progress& progress);
 
+/// Gives the surface's material to every ground cell whose centre lies in a pixel of one of its classes.
+/// world.surface_material must have its size. Throws InputError when the raster cannot be used or read.
+void paint_classes(World& world, const SurfaceSpec& surface);
+
 }  // namespace obliq

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "terrain/base/errors.h"
-#include "terrain/base/regular_file.h"
+#include "terrain/base/unique_fd.h"
 #include "terrain/dem/gdal_messages.h"
 #include "terrain/dem/projection.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "terrain/base/checksum.h"
+#include "terrain/base/hash.h"
 
 namespace obliq {
 namespace {

@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "terrain/base/checksum.h"
+#include "terrain/base/hash.h"
 #include "terrain/base/parallel.h"
 #include "terrain/base/unique_fd.h"
 

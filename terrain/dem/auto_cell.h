@@ -3,7 +3,6 @@
 // cut ridges off and fill valleys.
 #include <string>
 
-#include "terrain/dem/dem_accuracy.h"
 #include "terrain/dem/source_error.h"
 
 namespace obliq {

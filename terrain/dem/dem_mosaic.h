@@ -5,7 +5,6 @@
 
 #include "terrain/base/progress.h"
 #include "terrain/cache/cache_key.h"
-#include "terrain/dem/dem_accuracy.h"
 #include "terrain/dem/height_unit.h"
 #include "terrain/dem/load_report.h"
 #include "terrain/dem/raster.h"

@@ -10,7 +10,7 @@
 #include "terrain/base/stage_clock.h"
 #include "terrain/dem/gdal_messages.h"
 #include "terrain/dem/height_unit.h"
-#include "terrain/dem/raster_level.h"
+#include "terrain/dem/raster.h"
 
 namespace obliq {
 namespace {

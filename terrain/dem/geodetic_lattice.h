@@ -1,9 +1,11 @@
 #pragma once
 // The exact map from world (x, z) and height to the earth, kept sparsely.
+#include <functional>
 #include <vector>
 
 #include "terrain/dem/raster.h"
 #include "terrain/frames.h"
+#include "terrain/height_grid.h"
 #include "terrain/polygon.h"
 
 namespace obliq {
@@ -70,5 +72,10 @@ class LatticeRow {
   double x0_m_;
   std::vector<LatticePoint> points_;
 };
+
+/// Calls at(i, column, row) for the cells of one row of the grid: where the ground over the cell's centre
+/// lies in a raster's post coordinates.
+void for_each_cell_place(const HeightGrid& grid, int j, const PostLattice& lattice,
+                         const std::function<void(int i, double column, double row)>& at);
 
 }  // namespace obliq

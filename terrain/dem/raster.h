@@ -1,5 +1,7 @@
 #pragma once
 // A georeferenced raster that GDAL can open: where its posts are, without its values.
+class GDALDataset;
+class GDALRasterBand;
 #include <array>
 #include <memory>
 #include <optional>
@@ -8,9 +10,6 @@
 
 #include "terrain/dem/projection.h"
 #include "terrain/world_spec.h"
-
-class GDALDataset;
-class GDALRasterBand;
 
 namespace obliq {
 
@@ -79,5 +78,23 @@ class Raster {
   double posting_m_ = 0;
   std::vector<LonLat> edge_;
 };
+
+/// A raster's own pixels, or those of one of its overviews.
+struct RasterLevel {
+  GDALRasterBand* band = nullptr;
+  int factor = 1;  ///< pixels of the raster per pixel of the level, along a side
+  PixelRect rect;  ///< what is wanted, in the level's own pixels
+};
+
+/// So many pixels of one file take about a minute.
+constexpr double kMostPixels = 0x1p31;
+
+/// What a compressed block takes in memory at once.
+constexpr double kMostBlock_bytes = 0x1p31;
+
+/// The finest level of which `rect`, a rectangle of the raster's pixels, has at most kMostPixels: the raster
+/// itself nearly always. No coarser one than `step`, the side in pixels of what becomes one post. Throws
+/// InputError when there is none, or when blocks are larger than kMostBlock_bytes.
+RasterLevel level_to_read(const Raster& raster, const PixelRect& rect, int step);
 
 }  // namespace obliq

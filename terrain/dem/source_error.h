@@ -2,9 +2,11 @@
 // How far the grid's surface lies from the heights that it was made of.
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <string>
 #include <vector>
 
 #include "terrain/dem/post_sample.h"
+#include "terrain/dem/raster.h"
 #include "terrain/frames.h"
 #include "terrain/height_grid.h"
 
@@ -53,5 +55,14 @@ class SourceErrors {
   double spacing_m_;
   std::vector<Distance> distances_;
 };
+
+/// How far an elevation model is from the truth, as its maker or a survey has found.
+struct DemAccuracy {
+  std::string product;  ///< what it was taken for
+  double rmse_m = 0;    ///< vertical; 0: not known
+};
+
+/// By the file's name, its format and its posting.
+DemAccuracy dem_accuracy(const Raster& raster);
 
 }  // namespace obliq

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/http/pages.h"
+#include "server/http/answering.h"
 #include "server/net/io_thread.h"
 #include "terrain/base/errors.h"
 #include "tests/integration/http_peer.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "server/accuracy/sampling_ladder.h"
+#include "server/accuracy/sampling_case.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "server/explain/advice.h"
-#include "server/explain/power_change.h"
 #include "server/explain/report.h"
 #include "server/explain/table.h"
 #include "server/explain/variants.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "server/flight/speedometer.h"
+#include "server/flight/window.h"
 
 namespace obliq::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "server/log/line_format.h"
+#include "server/log/log_fields.h"
 #include "server/log/service_log.h"
 
 namespace obliq::test {

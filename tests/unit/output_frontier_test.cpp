@@ -6,7 +6,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/frontier/frontier_comparison.h"
 #include "server/frontier/frontier_header.h"
 #include "server/frontier/frontier_markdown.h"
 #include "server/frontier/frontier_plot.h"

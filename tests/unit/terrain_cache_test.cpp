@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "terrain/base/checksum.h"
+#include "terrain/base/hash.h"
 #include "terrain/cache/ground_cache.h"
 #include "terrain/library_versions.h"
 #include "tests/unit/terrain_files.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "terrain/buildings/ring_crossings.h"
+#include "terrain/polygon.h"
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {

@@ -8,7 +8,6 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/parse_failure.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/failure_text.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include "server/apps/parse_failure.h"
 #include "server/apps/scene_arguments.h"
 #include "server/log/service_log.h"
-#include "terrain/base/failure_text.h"
+#include "terrain/base/errors.h"
 
 namespace {
 

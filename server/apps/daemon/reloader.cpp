@@ -18,7 +18,6 @@
 #include "server/net/server.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/failure_text.h"
 
 namespace obliq {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "server/radar/geometry/pose.h"
 #include "server/radar/settings.h"
+#include "server/radar/simd/pixel_rays.h"
 
 namespace obliq {
 
@@ -45,5 +46,9 @@ struct SectorBox {
   SectorBox(double antenna_above_bottom_m, double height_m, double r_min_m, double r_max_m,
             double sector_rad);
 };
+
+inline SwathTest swath_test(const SectorBox& box, const Sector& sector) {
+  return {box.antenna_above_bottom_m, box.kappa_m, sector.r_min_m, sector.r_max_m};
+}
 
 }  // namespace obliq

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "server/radar/geometry/swath.h"
+#include "server/radar/geometry/sector.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/geometry/swath.h"
+#include "server/radar/geometry/sector.h"
 #include "server/radar/rays/packets.h"
 #include "server/radar/rays/ray_batch.h"
 #include "server/radar/simd/exact_math.h"

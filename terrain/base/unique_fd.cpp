@@ -1,4 +1,4 @@
-#include "terrain/base/regular_file.h"
+#include "terrain/base/unique_fd.h"
 
 #include <filesystem>
 

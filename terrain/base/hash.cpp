@@ -1,4 +1,4 @@
-#include "terrain/base/checksum.h"
+#include "terrain/base/hash.h"
 
 #include <xxhash.h>
 
