@@ -9,6 +9,25 @@
 
 namespace obliq::net {
 
+/// What a client may do; each role includes the ones before it.
+enum class Role : std::uint8_t {
+  viewer,      ///< list, watch, status, RenderOnce
+  controller,  ///< claims radars, sets them, subscribes without losses
+  admin,       ///< takes control from others
+};
+
+constexpr std::string_view role_name(Role role) {
+  switch (role) {
+    case Role::viewer:
+      return "viewer";
+    case Role::controller:
+      return "controller";
+    case Role::admin:
+      break;
+  }
+  return "admin";
+}
+
 constexpr std::size_t kMinTokenBytes = 16;
 constexpr std::size_t kMaxTokenBytes = 256;
 
@@ -41,24 +60,5 @@ class TokenFile {
 
   std::vector<Grant> entries_;
 };
-
-/// What a client may do; each role includes the ones before it.
-enum class Role : std::uint8_t {
-  viewer,      ///< list, watch, status, RenderOnce
-  controller,  ///< claims radars, sets them, subscribes without losses
-  admin,       ///< takes control from others
-};
-
-constexpr std::string_view role_name(Role role) {
-  switch (role) {
-    case Role::viewer:
-      return "viewer";
-    case Role::controller:
-      return "controller";
-    case Role::admin:
-      break;
-  }
-  return "admin";
-}
 
 }  // namespace obliq::net
