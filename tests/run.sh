@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what the tests need, builds, runs every test. The last line is ctest's own summary.
 #
-#   tests/run.sh            everything (25 minutes at most on two cores, build included)
-#   tests/run.sh --quick    without the tests labelled slow (5 minutes)
+#   tests/run.sh            everything (10 minutes on two cores after the quick start, 15 without it)
+#   tests/run.sh --quick    without the tests labelled slow (7 minutes)
 #
 # OBLIQ_SHARED=DIR points at extra elevation models; tests that need them are skipped without.
 set -euo pipefail

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/explain/measurement.h"
-#include "server/explain/variants.h"
 #include "server/explain/power_change.h"
+#include "server/explain/variants.h"
 #include "terrain/dem/source_error.h"
 
 namespace obliq {
