@@ -5,9 +5,11 @@
 #include <optional>
 
 #include "server/radar/echo/echo_bins.h"
+#include "server/radar/echo/echo_cells.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/render.h"
+#include "server/radar/sweep/sweep_echoes.h"
 #include "server/radar/visibility/wedge_visibility.h"
 
 namespace obliq {
@@ -24,13 +26,19 @@ struct FrameTables {
 struct WedgeWork {
   const FramePlan& plan;
   EchoBins echo;
+  EchoCells cells;
   SampleBatch samples;
-  std::unique_ptr<SampleSource> source;  ///< null: no wedge in hand
+  std::unique_ptr<SampleSource> source;  ///< of samples, or
+  std::unique_ptr<SweepEchoes> sweep;    ///< of echoes; both null: no wedge in hand
   std::optional<WedgeVisibility> visibility;
   Wedge wedge;
 
-  WedgeWork(const FramePlan& frame_plan, const FrameTables& tables, Surfaces surfaces)
-      : plan(frame_plan), echo(plan, tables.scattering, tables.speckle, {}, surfaces) {}
+  WedgeWork(const FramePlan& frame_plan, const FrameTables& tables, const RenderOptions& options)
+      : plan(frame_plan),
+        echo(plan, tables.scattering, tables.speckle, {}, options.surfaces),
+        cells(plan, tables.scattering, tables.speckle, options.surfaces, options.voltages) {}
+
+  bool begun() const { return source || sweep; }
 };
 
 /// Takes wedge `index` in hand.

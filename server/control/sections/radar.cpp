@@ -113,6 +113,10 @@ const std::array kParameters{
     row<&RadarSettings::pixel_rows>(
         "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
         "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
+    row<&RadarSettings::sub_columns>("frustum.sub_columns", "", closed(0, 1024), "sub_columns", {260, u16},
+                                     "Parts of an azimuth bin that see its buildings, of the sweep; 16 or "
+                                     "more, a power of two or the next "
+                                     "one; 0: exact planes at each building."),
     row<&RadarSettings::azimuth_bins>("bins.azimuth", "", closed(1, 8192), "azimuth_bins", {254, u16},
                                       "Azimuth bins in the sector."),
     row<&RadarSettings::range_bins>("bins.range", "", closed(1, 8192), "range_bins", {255, u16},

@@ -1,0 +1,68 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/echo/echo_cells.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/simd/sub_columns.h"
+
+namespace obliq {
+
+/// The buildings of one azimuth bin as its sub-columns see them, one after the other by distance, and what
+/// they leave of the light of its planes' ground. A sub-column is narrower than a building: its horizon of
+/// buildings is one slope. There are more of them farther out, where the bin is wider.
+class BuildingView {
+ public:
+  /// The most parts that a step looks at.
+  static constexpr int kMostParts = 512;
+
+  explicit BuildingView(const FramePlan& plan);
+
+  /// Begins with another azimuth bin; `profile`: its place in the wedge. False: no building is near it.
+  bool start(int azimuth_bin, int profile);
+  /// Goes on; false when all buildings have been seen.
+  bool step(EchoCells& cells);
+
+  /// Writes the share of a plane's light that buildings leave in each range bin to kept[bin * 8], and marks
+  /// in `cells` where they leave none.
+  void kept_shares(int plane, float* kept, EchoCells& cells) const;
+
+ private:
+  struct Corner {
+    float right_m, ahead_m, tangent;
+  };
+  struct Part {
+    std::uint64_t order;  // by distance, then as loaded
+    std::uint32_t building, part;
+    std::uint32_t first, n;  // into corners_
+    float from, to;          // tangents
+  };
+  SinCos bearing(double position) const;
+  void set_out(SinCos centre);
+  void collect(std::uint32_t building);
+  void see(const Part& part, EchoCells& cells);
+  void fill_shape(const Part& part);
+  void refine(float near_m);
+  void set_fineness(int n);
+  void add_echoes(const Part& part, EchoCells& cells);
+
+  const FramePlan& plan_;
+  int planes_;
+  int least_n_;
+  int most_n_;
+  int profile_ = 0;
+  SinCos centre_{};
+  float half_ = 0;  // tangent of half the bin
+  std::span<const std::uint32_t> buildings_;
+  std::size_t collected_ = 0;
+  std::size_t seen_ = 0;
+  std::vector<Corner> corners_;
+  std::vector<Part> parts_;
+  SubColumns columns_{};
+  std::vector<float> horizon_, clearance_, range_bin_, hidden_;  // [planes][stride]
+  std::vector<float> roofs_, per_plane_;
+  ConvexShape shape_{};
+  PartEchoes echoes_{};
+};
+
+}  // namespace obliq
