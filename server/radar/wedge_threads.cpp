@@ -1,5 +1,5 @@
-// The threads of a rendering: who renders which wedge, pauses, delivery. Wedges know nothing of each other,
-// so the bits are the same for any number of threads and any pauses.
+// The threads of a rendering: which of them renders which wedge, pauses, delivery. Wedges know nothing of
+// each other, so the bits are the same for any number of threads and any pauses.
 #include <algorithm>
 #include <atomic>
 #include <exception>

@@ -194,7 +194,7 @@ void read_name(SectionReader& reader, std::string& name) {
     reader.complain(*reader.table().find("name"), "name", "1 to 64 letters, digits, _ - .");
 }
 
-/// Gives a radar whose frustum nobody names that of kDefaultQuality.
+/// Gives a radar without a named frustum that of kDefaultQuality.
 FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
   const auto empty = [](const ConfigNode& frustum) { return frustum.items.empty(); };
   const auto names_kind = [](const ConfigNode& f) {
@@ -210,13 +210,13 @@ FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
   return FrustumChoice::nothing;
 }
 
-/// Says which radars have a frustum that nobody named.
+/// Says which radars have a frustum that no source names.
 void note_choice(SceneConfig& config, const std::vector<std::string>& radars, const std::string& text) {
   if (radars.empty()) return;
-  std::string whose;
+  std::string of_radars;
   if (radars.size() < config.radars.size())
-    for (const std::string& name : radars) whose += (whose.empty() ? "radar " : ", ") + name;
-  config.notes.push_back(whose + (whose.empty() ? "" : ": ") + text);
+    for (const std::string& name : radars) of_radars += (of_radars.empty() ? "radar " : ", ") + name;
+  config.notes.push_back(of_radars + (of_radars.empty() ? "" : ": ") + text);
 }
 
 RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
