@@ -127,6 +127,19 @@ FrameMeasurement measure_frame(const View& view, const TruthBins& truth,
   return measured;
 }
 
+TruthBins render_truth(const View& view, const AzimuthRuns& runs, int threads) {
+  TruthBins truth;
+  truth.runs = runs;
+  truth.n_range = view.settings->settings.range_bins;
+  const auto plan = plan_or_throw(view);
+  truth.ground_w = render_runs(*plan, runs, Surfaces::ground, threads);
+  truth.building_w = render_runs(*plan, runs, Surfaces::buildings, threads);
+  truth.buildings.resize(view.scene->world().buildings.list.size());
+  for (std::uint32_t i = 0; i < truth.buildings.size(); ++i)
+    if (plan->seen().has(i)) truth.buildings[i] = {1, 1, 1};
+  return truth;
+}
+
 FrameMeasurement measure_errors(const View& view, const TruthBins& truth,
                                 const std::vector<std::uint32_t>& match, int threads) {
   FrameMeasurement measured;

@@ -46,6 +46,10 @@ struct FrameMeasurement {
 FrameMeasurement measure_frame(const View& view, const TruthBins& truth,
                                const std::vector<std::uint32_t>& match, const MeasureOptions& options);
 
+/// What stands for the truth where that would take hours: the power of a frame of many planes. It sees the
+/// buildings that it has a sample of.
+TruthBins render_truth(const View& view, const AzimuthRuns& runs, int threads);
+
 /// The errors alone, from rendering no more than the truth's azimuths.
 FrameMeasurement measure_errors(const View& view, const TruthBins& truth,
                                 const std::vector<std::uint32_t>& match, int threads);

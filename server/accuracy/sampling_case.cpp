@@ -94,6 +94,10 @@ std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const Fr
                              : few_samplings(settings, range, range.cells_m[k]);
     cases.insert(cases.end(), more.begin(), more.end());
   }
+  if (!range.kinds.empty())
+    std::erase_if(cases, [&](const SamplingCase& c) {
+      return std::ranges::find(range.kinds, c.kind) == range.kinds.end();
+    });
   return cases;
 }
 

@@ -40,10 +40,11 @@ struct FrontierRange {
   std::vector<double> per_range{0.5, 1, 2};   ///< polar rows per range bin
   std::vector<double> sweeps{1, 2, 4, 8};     ///< the sweep's azimuths per azimuth bin
   std::vector<double> cells_m;                ///< the first is the scene's: all samplings; others: a few
+  std::vector<FrustumKind> kinds;             ///< those alone; empty: all
 };
 
 /// Every case once, grouped by cell in the order of cells_m, cheap ones first within a kind. The paper's
-/// setting over the scene's cell is always among them.
+/// setting over the scene's cell is always among them where its kind is.
 std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const FrontierRange& range);
 
 /// What a user allows: see [accuracy] in a scene file.

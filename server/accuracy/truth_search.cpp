@@ -36,22 +36,26 @@ std::vector<TruthCheck> SmallestErrors::check(const BinErrors (&own)[3], bool ha
   return checks;
 }
 
+std::vector<TruthCheck> check_truth(const TruthBins& truth, const TruthBins& finer, const RangeBins& ranges,
+                                    const SmallestErrors& smallest) {
+  BinErrors own[3];
+  for (int k = 0; k < 3; ++k) {
+    const auto returns = static_cast<Returns>(k);
+    own[k] = bin_errors(truth.power_w(returns), finer.power_w(returns), ranges);
+  }
+  return smallest.check(own, !truth.buildings.empty());
+}
+
 TruthQuality search_truth(const FramePlan& plan, const AzimuthRuns& probe, ReferenceSampling start,
                           int most_planes, const std::function<SmallestErrors(const TruthBins&)>& measure,
                           const Progress& progress) {
   const RangeBins ranges = range_bins(plan.settings());
-  const bool has_buildings = !plan.scene().world().buildings.list.empty();
   const auto truth = [&](const ReferenceSampling& sampling) {
     return integrate_truth(plan, probe, sampling, progress);
   };
   SmallestErrors smallest;
   const auto check = [&](const TruthBins& coarse, const TruthBins& fine) {
-    BinErrors own[3];
-    for (int k = 0; k < 3; ++k) {
-      const auto returns = static_cast<Returns>(k);
-      own[k] = bin_errors(coarse.power_w(returns), fine.power_w(returns), ranges);
-    }
-    return smallest.check(own, has_buildings);
+    return check_truth(coarse, fine, ranges, smallest);
   };
   const auto all_hold = [](const std::vector<TruthCheck>& checks) {
     return std::ranges::all_of(checks, &TruthCheck::holds);

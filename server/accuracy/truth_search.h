@@ -37,6 +37,10 @@ class SmallestErrors {
   Values smallest_[3];
 };
 
+/// How far a truth is from a finer one.
+std::vector<TruthCheck> check_truth(const TruthBins& truth, const TruthBins& finer, const RangeBins& ranges,
+                                    const SmallestErrors& smallest);
+
 struct TruthQuality {
   ReferenceSampling sampling;      ///< good enough, or the last that was allowed
   std::vector<TruthCheck> checks;  ///< of that sampling, on the probe's azimuths

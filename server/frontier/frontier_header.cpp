@@ -31,6 +31,7 @@ void write_frontier_header(const std::filesystem::path& path, const FrontierHead
       {"azimuths_compared", h.azimuths_compared},
       {"buildings", h.buildings},
       {"scene_cell_m", h.scene_cell_m},
+      {"against", h.against == Against::truth ? "truth" : "reference"},
       {"truth",
        {{"cell_m", h.truth_cell_m},
         {"planes_per_bin", h.truth.planes_per_bin},
@@ -68,6 +69,7 @@ std::optional<FrontierHeader> read_frontier_header(const std::filesystem::path& 
     json.at("azimuths_compared").get_to(h.azimuths_compared);
     json.at("buildings").get_to(h.buildings);
     json.at("scene_cell_m").get_to(h.scene_cell_m);
+    h.against = json.at("against") == "reference" ? Against::reference : Against::truth;
     const ordered_json& truth = json.at("truth");
     truth.at("cell_m").get_to(h.truth_cell_m);
     truth.at("planes_per_bin").get_to(h.truth.planes_per_bin);

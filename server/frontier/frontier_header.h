@@ -9,6 +9,10 @@
 
 namespace obliq {
 
+/// What frames are compared with: the reference renderer; or, where that would take hours, a frame of the
+/// sweep with the reference quality's planes.
+enum class Against { truth, reference };
+
 struct FrontierHeader {
   std::string
       key;  ///< hash of scene, settings, options, machine and version: a run with another is another run
@@ -26,7 +30,8 @@ struct FrontierHeader {
   int buildings = 0;
   double scene_cell_m = 0;
   double truth_cell_m = 0;
-  ReferenceSampling truth;
+  Against against = Against::truth;
+  ReferenceSampling truth;  ///< Against::reference: planes alone
   std::vector<TruthCheck> truth_checks;
   int truth_check_azimuths = 0;
 };

@@ -46,9 +46,8 @@ std::string comparison_rows(const std::vector<FrontierRow>& rows, double scene_c
 
 std::string comparison_tables(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
   if (compare_with_paper(rows, h.scene_cell_m).empty())
-    return "The paper's setting (oblique 2048 x 2048, nearest bin) cannot see this scene, so there is "
-           "nothing to "
-           "compare with.\n";
+    return "The paper's setting (oblique 2048 x 2048, nearest bin) was not asked for or cannot see this "
+           "scene, so there is nothing to compare with.\n";
   std::string text =
       "For each kind the sampling of least E that takes no more time than the paper's setting (the quickest "
       "one "
@@ -70,7 +69,7 @@ std::string error_table(const std::vector<FrontierRow>& rows, Returns returns) {
   for (const FrontierRow& row : rows) {
     if (row.returns != returns || !row.possible()) continue;
     text += fmt::format(
-        "| {} | {} | {:.1f} | {:.1f} | {:.0f} | {} | {} | {} | {:+.2f} % | {} | {} | {} | {} |\n",
+        "| {} | {} | {:.1f} | {:.1f} | {:.0f} | {} | {} | {} | {:+.3g} % | {} | {} | {} | {} |\n",
         sampling_cell(row), short_number(row.sampling.cell_m), row.frame_ms, row.bare_ms, row.processor_ms,
         short_number(row.power_error),
         row.has_decibels() ? short_number(row.median_db) + " | " + short_number(row.percentile95_db)
@@ -110,13 +109,18 @@ TruthCheck against_rows(TruthCheck check, const std::vector<FrontierRow>& rows) 
 }
 
 std::string truth_text(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
+  const bool reference = h.against == Against::reference;
   std::string text = fmt::format(
-      "Truth: {} planes in each azimuth bin, steps of {} m, on the grid of {} m, compared on {} of {} "
-      "azimuth bins.\nIts own error (against twice the planes and half the step, {} azimuth bins), to be at "
-      "most a tenth of the smallest error shown:\n\n| measure | truth's own | smallest shown | "
-      "|\n|---|---|---|---|\n",
-      h.truth.planes_per_bin, short_number(h.truth.step_m), short_number(h.truth_cell_m), h.azimuths_compared,
-      h.azimuth_bins, h.truth_check_azimuths);
+      "Truth: {}{} planes in each azimuth bin{}, on the grid of {} m, compared on {} of {} azimuth bins.\n",
+      reference ? "the sweep with " : "", h.truth.planes_per_bin,
+      reference ? std::string(" (quality \"reference\")")
+                : ", steps of " + short_number(h.truth.step_m) + " m",
+      short_number(h.truth_cell_m), h.azimuths_compared, h.azimuth_bins);
+  if (h.truth_checks.empty()) return text + "Its own error was not measured.\n";
+  text += fmt::format(
+      "Its own error (against twice the planes{}, {} azimuth bins), to be at most a tenth of the smallest "
+      "error shown:\n\n| measure | truth's own | smallest shown | |\n|---|---|---|---|\n",
+      reference ? "" : " and half the step", h.truth_check_azimuths);
   for (const TruthCheck& expected : h.truth_checks) {
     const TruthCheck check = against_rows(expected, rows);
     text += fmt::format("| {} | {} | {} | {} |\n", check.measure, short_number(check.own),
@@ -166,19 +170,15 @@ std::string frontier_markdown(const FrontierHeader& h, const std::vector<Frontie
   return text +
          "\n## How it was measured\n\n"
          "Frame: plan, render and every plane of the whole sector, as a client gets it. Without states: the "
-         "same "
-         "without the\n`state` plane. Processor: time of all threads together. T is the truth's power of a "
-         "bin, P the frame's, q = r^3 T, M the "
-         "median of q "
-         "over T > 0. Lit: q >= 1e-3 M.\nDark: T = 0. E = sqrt(sum q^2 (P/T - 1)^2 / sum q^2) over lit bins; "
-         "dB: "
-         "|10 log10 P/T| over lit bins with P > 0; mean error:\nmean of min(|P/T - 1|, 1); gaps: lit, P = 0, "
-         "of "
-         "the lit; false light: dark, P > 0, of the dark, and its share of the truth's\nenergy. A building "
-         "is "
-         "missed when the truth sees at least 1 % of it and of one bin's power, and no sample is on "
-         "it.\nRows of "
-         "another cell size are compared with the same truth.\n\n" +
+         "same without the\n`state` plane. Processor: time of all threads together. T is the truth's power "
+         "of a bin, P the frame's, q = r^3 T, M the median of q over T > 0. Lit: q >= 1e-3 M.\nDark: T = 0. "
+         "E = sqrt(sum q^2 (P/T - 1)^2 / sum q^2) over lit bins; dB: |10 log10 P/T| over lit bins with P > "
+         "0; "
+         "mean error:\nmean of min(|P/T - 1|, 1); gaps: lit, P = 0, of the lit; false light: dark, P > 0, of "
+         "the dark, and its share of the truth's\nenergy. A building is missed when the truth " +
+         std::string(h.against == Against::reference ? "has a sample on it"
+                                                     : "sees at least 1 % of it and of one bin's power") +
+         ", and the frame has none.\nRows of another cell size are compared with the same truth.\n\n" +
          truth_text(h, rows);
 }
 

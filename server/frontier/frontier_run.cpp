@@ -14,6 +14,7 @@
 #include "server/accuracy/truth_search.h"
 #include "server/control/parameters.h"
 #include "server/control/print_config.h"
+#include "server/control/quality_presets.h"
 #include "server/frontier/frontier_header.h"
 #include "server/frontier/frontier_markdown.h"
 #include "server/frontier/frontier_plot.h"
@@ -77,7 +78,8 @@ class FrontierRun {
     load_first_grounds();
     find_cases();
     open_table();
-    make_truth();
+    options_.against == Against::truth ? make_truth() : make_reference();
+    if (!truth_.lit()) say_on_terminal("nothing is lit here: nothing to compare");
     const bool complete = measure_all();
     report();
     return complete;
@@ -93,7 +95,11 @@ class FrontierRun {
     Ground ground;
     ground.pose = place_radar(*world, radar_);
     ground.scene = std::make_shared<const Scene>(world, config.materials, threads_, config.rays);
-    if (needs_tracer(*ground.scene, FrustumKind::oblique))
+    const auto& kinds = options_.range.kinds;
+    const bool sweeps_alone = !kinds.empty() && std::ranges::all_of(kinds, [](FrustumKind kind) {
+      return kind == FrustumKind::sweep;
+    });
+    if (!sweeps_alone && needs_tracer(*ground.scene, FrustumKind::oblique))
       ground.scene->tracer(terminal_progress());  // not while a frame is timed
     return ground;
   }
@@ -120,8 +126,8 @@ class FrontierRun {
   }
 
   void find_cases() {
-    cases_ = frontier_cases(radar_.settings, range_);
     const RadarSettings& s = radar_.settings;
+    cases_ = frontier_cases(s, range_);
     header_.view = fmt::format("{:.4g} to {:.4g} km, {:.4g} degrees, {} x {} bins", s.r_min_m / 1000,
                                s.r_max_m / 1000, s.sector_deg, s.azimuth_bins, s.range_bins);
     header_.version = OBLIQ_VERSION;
@@ -139,12 +145,17 @@ class FrontierRun {
     header_.buildings = static_cast<int>(finest_.world().buildings.list.size());
     header_.scene_cell_m = scene_cell_m_;
     header_.truth_cell_m = finest_.cell_m();
+    header_.against = options_.against;
+    if (options_.against == Against::reference) {
+      header_.truth = {find_quality("reference")->columns_for(s.azimuth_bins) / s.azimuth_bins, 0, threads_};
+      std::erase(cases_, exact_sweep(header_.truth.planes_per_bin));
+    }
 
     std::string text = print_config(what_counts(config_)) + header_.version + header_.cpu + header_.tracer;
     for (const SamplingCase& c : cases_) text += fmt::format("{} {}\n", sampling_text(c), c.cell_m);
-    for (const double number :
-         {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,
-          1.0 * options_.truth_planes, options_.truth_step_m, 1.0 * options_.most_truth_planes})
+    for (const double number : {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,
+                                1.0 * options_.truth_planes, options_.truth_step_m,
+                                1.0 * options_.most_truth_planes, 1.0 * static_cast<int>(options_.against)})
       text += fmt::format("{} ", number);
     key_ = world_hash(finest_.world(), hash_list(1, text + radar_.name));
     header_.key = fmt::format("{:016x}", key_);
@@ -203,7 +214,34 @@ class FrontierRun {
     print_truth();
     truth_ = integrate_truth_in_file(file("truth.bin"), key_, *planned.plan, runs_, header_.truth,
                                      terminal_progress());
-    if (!truth_.lit()) say_on_terminal("nothing is lit here: nothing to compare");
+  }
+
+  /// The sweep with so many planes in each azimuth bin, over the truth's ground.
+  SamplingCase exact_sweep(int planes_per_bin) const {
+    return {FrustumKind::sweep, PlateKind::spread, planes_per_bin * header_.azimuth_bins, 0,
+            finest_.cell_m()};
+  }
+
+  TruthBins render_exact(int planes_per_bin, const AzimuthRuns& runs) const {
+    const RadarSettings settings = with_sampling(radar_.settings, exact_sweep(planes_per_bin));
+    const std::vector<FieldError> errors = validate(settings);
+    if (!errors.empty()) throw InputError("frontier: --against reference: " + all_text(errors));
+    return render_truth(view_of(finest_, settings), runs, threads_);
+  }
+
+  /// Rendered anew in each run: that takes seconds.
+  void make_reference() {
+    const int planes = header_.truth.planes_per_bin;
+    say_on_terminal(fmt::format("reference: the sweep with {} planes in each azimuth bin", planes));
+    truth_ = render_exact(planes, runs_);
+    if (resumed_) return;
+    if (exact_sweep(2 * planes).columns <= kMostSide) {
+      const AzimuthRuns probe = choose_azimuths(header_.azimuth_bins, kProbeAzimuths);
+      header_.truth_checks = check_truth(render_exact(planes, probe), render_exact(2 * planes, probe),
+                                         range_bins(radar_.settings), {});
+      header_.truth_check_azimuths = azimuth_count(probe);
+    }
+    write_frontier_header(file("frontier.json"), header_);
   }
 
   /// The errors that the finest samplings will show.
@@ -286,9 +324,11 @@ class FrontierRun {
     const std::string text =
         sampling_text(row.sampling) + ", cell " + short_number(row.sampling.cell_m) + " m: ";
     if (!row.possible()) return text + "not possible here: " + row.not_possible;
-    return fmt::format("{}{} ms, E {}, gaps {}, false light {}", text, short_number(row.frame_ms),
-                       short_number(row.power_error), percent_text(row.gap_fraction),
-                       percent_text(row.false_light_fraction));
+    return fmt::format(
+        "{}{} ms, E {}, energy {:+.2g}, gaps {}, false light {}, {:.0f} of {:.0f} buildings missed", text,
+        short_number(row.frame_ms), short_number(row.power_error), row.energy_error,
+        percent_text(row.gap_fraction), percent_text(row.false_light_fraction), row.buildings_missed,
+        row.buildings_visible);
   }
 
   std::vector<FrontierRow> measure(const SamplingCase& c) {

@@ -4,6 +4,7 @@
 
 #include "server/accuracy/sampling_case.h"
 #include "server/control/scene_config.h"
+#include "server/frontier/frontier_header.h"
 
 namespace obliq {
 
@@ -16,6 +17,7 @@ struct FrontierOptions {
   int azimuths = 0;  ///< compared with the truth; 0: all
   int threads = 0;
   int repeats = 3;
+  Against against = Against::truth;
   int truth_planes = 32;  ///< to begin with
   double truth_step_m = 2;
   int most_truth_planes = 512;

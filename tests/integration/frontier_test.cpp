@@ -150,6 +150,39 @@ TEST_F(FrontierCommand, WhatCannotSeeTheSceneIsListedWithItsReason) {
   EXPECT_NE(text_of(folder_ / "files" / "frontier.md").find("## Not possible here"), std::string::npos);
 }
 
+TEST_F(FrontierCommand, AgainstTheReferenceItMeasuresTheDistanceFromEightPlanes) {
+  const std::string scene = folder_.write("scene.toml", kScene);
+  const auto errors_against = [&](const std::string& what) {
+    const auto run = test::run_program(OBLIQ_PROGRAM,
+                                       {"frontier", scene, "--out", (folder_ / what).string(), "--against",
+                                        what, "--kinds", "sweep", "--repeats", "1", "--cells", "80"},
+                                       folder_.path());
+    EXPECT_EQ(run.code, 0) << run.err;
+    std::map<std::string, CsvRow> rows;
+    for (const CsvRow& row : test::csv_rows(text_of(folder_ / what / "frontier.csv")))
+      rows[row.at("columns") + " " + row.at("cell_m") + " " + row.at("returns")] = row;
+    return rows;
+  };
+  const auto truth = errors_against("truth"), reference = errors_against("reference");
+  // 1, 2, 4 and 8 planes over the scene's cells, 1, 2 and 4 over others; 8 is the reference itself.
+  ASSERT_EQ(truth.size(), 7u * 3);
+  ASSERT_EQ(reference.size(), 6u * 3);
+  for (const auto& [key, row] : reference) {
+    const CsvRow& same = truth.at(key);
+    const CsvRow& eight = truth.at("128 40 " + row.at("returns"));
+    // Bin by bin the frame is as far from the reference as from the truth, but for the reference's own error.
+    EXPECT_NEAR(number(row, "power_error"), number(same, "power_error"), 1.2 * number(eight, "power_error"))
+        << key;
+    // Sums of the same powers in another order.
+    EXPECT_NEAR(1 + number(row, "energy_error"),
+                (1 + number(same, "energy_error")) / (1 + number(eight, "energy_error")), 1e-9)
+        << key;
+    EXPECT_GE(number(row, "buildings_visible"), number(same, "buildings_visible")) << key;
+  }
+  const std::string report = text_of(folder_ / "reference" / "frontier.md");
+  EXPECT_NE(report.find("the sweep with 8 planes in each azimuth bin"), std::string::npos) << report;
+}
+
 TEST_F(FrontierCommand, MaterialsWithoutATruthAreRefused) {
   const std::string scene = folder_.write("scene.toml", kScene);
   const auto run = frontier(scene, {"--set", "materials.building.model=flat_plate"});

@@ -1,5 +1,6 @@
 // `obliq frontier`: frame time against error, for every sampling, over one scene.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "server/apps/commands/commands.h"
@@ -16,6 +17,8 @@ struct FrontierArguments {
   SceneArguments scene;
   FrontierOptions options;
   std::string out;
+  std::string against = "truth";
+  std::vector<std::string> kinds;
   bool quick = false;
 };
 
@@ -28,6 +31,9 @@ void make_quick(const CLI::App& command, FrontierOptions& options) {
   options.scene_cell_only = true;
   if (command.count("--azimuths") == 0) options.azimuths = 64;
 }
+
+constexpr FrustumKind kKinds[] = {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar,
+                                  FrustumKind::sweep};
 
 }  // namespace
 
@@ -49,6 +55,15 @@ void add_frontier(CLI::App& app) {
                    "Azimuth bins to compare with the truth, in wedges spread evenly over the sector; 0: all. "
                    "Times are always of whole frames")
       ->check(whole_number_from(0, 8192));
+  command
+      ->add_option(
+          "--against", arguments->against,
+          "What frames are compared with. truth: the reference renderer. reference: the sweep with the "
+          "planes of quality = \"reference\", where the truth would take hours")
+      ->check(CLI::IsMember({"truth", "reference"}));
+  command->add_option("--kinds", arguments->kinds, "Frusta to measure; without: all")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"symmetric", "oblique", "polar", "sweep"}));
   command
       ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
       ->delimiter(',')
@@ -80,6 +95,10 @@ void add_frontier(CLI::App& app) {
     if (arguments->out.empty())
       throw InputError("frontier: --out: found nothing; allowed: a folder for the table and the pictures");
     arguments->options.out = arguments->out;
+    if (arguments->against == "reference") arguments->options.against = Against::reference;
+    for (const FrustumKind kind : kKinds)
+      if (std::ranges::find(arguments->kinds, frustum_name(kind)) != arguments->kinds.end())
+        arguments->options.range.kinds.push_back(kind);
     if (arguments->quick) make_quick(*command, arguments->options);
     say_notes(*config);
     say_accuracy_is_ignored(*config, "frontier");
