@@ -87,8 +87,7 @@ void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
   const StageProbe probe(Stage::bin);
   work.source.reset();
   work.sweep.reset();
-  const bool echoes =
-      work.plan.settings().frustum == FrustumKind::sweep && sub_columns_suffice(work.plan, range);
+  const bool echoes = work.tables.sub_columns.all_of(range);
   work.visibility.emplace(work.plan, range, !echoes);
   if (echoes) {
     work.cells.restart(range);
@@ -102,7 +101,8 @@ void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
 FrameTables::FrameTables(const FramePlan& plan)
     : scattering(plan.scene().materials(), plan.wavelength_m()),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
-              plan.bins().azimuth_width_rad, plan.settings().speckle_seed) {}
+              plan.bins().azimuth_width_rad, plan.settings().speckle_seed),
+      sub_columns(plan) {}
 
 FrameStats FrameSum::total() const {
   FrameStats total;

@@ -18,6 +18,7 @@ namespace obliq {
 struct FrameTables {
   ScatteringTable scattering;
   SpeckleField speckle;
+  SubColumnBins sub_columns;
 
   explicit FrameTables(const FramePlan& plan);
 };
@@ -25,6 +26,7 @@ struct FrameTables {
 /// The wedge that a thread has in hand, and its buffers, reused from wedge to wedge.
 struct WedgeWork {
   const FramePlan& plan;
+  const FrameTables& tables;
   EchoBins echo;
   EchoCells cells;
   SampleBatch samples;
@@ -33,8 +35,9 @@ struct WedgeWork {
   std::optional<WedgeVisibility> visibility;
   Wedge wedge;
 
-  WedgeWork(const FramePlan& frame_plan, const FrameTables& tables, const RenderOptions& options)
+  WedgeWork(const FramePlan& frame_plan, const FrameTables& frame_tables, const RenderOptions& options)
       : plan(frame_plan),
+        tables(frame_tables),
         echo(plan, tables.scattering, tables.speckle, {}, options.surfaces),
         cells(plan, tables.scattering, tables.speckle, options.surfaces, options.voltages) {}
 

@@ -21,8 +21,18 @@ float as_float(double x) { return static_cast<float>(x); }
 
 }  // namespace
 
+double lowest_slope_in_swath(const FramePlan& plan) {
+  const double lowest_m = plan.scene().tiles().lowest_m() - plan.sector().antenna_m.y;
+  if (lowest_m >= 0) return 0;
+  const double r_min_m = plan.bins().r_min_m;
+  if (r_min_m <= -lowest_m) return -HUGE_VAL;
+  return lowest_m / std::sqrt((r_min_m - lowest_m) * (r_min_m + lowest_m));
+}
+
 BuildingView::BuildingView(const FramePlan& plan)
-    : plan_(plan), planes_(sweep_columns_per_bin(plan.settings())) {
+    : plan_(plan),
+      planes_(sweep_columns_per_bin(plan.settings())),
+      lowest_slope_(lowest_slope_in_swath(plan)) {
   const BinGrid& bins = plan.bins();
   const HeightGrid& grid = plan.scene().world().grid;
   const auto power_of_two = [](int n) {
@@ -61,6 +71,7 @@ bool BuildingView::start(int azimuth_bin, int profile) {
   if (buildings_.empty()) return false;
   profile_ = profile;
   collected_ = seen_ = 0;
+  of_parts_.clear();
   corners_.clear();
   parts_.clear();
   centre_ = bearing(azimuth_bin + 0.5);
@@ -124,37 +135,48 @@ void BuildingView::refine(float near_m) {
   }
 }
 
-/// A building's corners in the bin's axes.
 void BuildingView::collect(std::uint32_t b) {
   const Buildings& all = plan_.scene().world().buildings;
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
   const Building& building = all.list[b];
+  for (std::uint32_t p = building.first_part; p < building.first_part + building.n_parts; ++p)
+    collect(b, p, std::span(all.part_xz_m).subspan(all.parts[p].first_corner, all.parts[p].n_corners));
+  if (building.n_parts > 0) return;
   const std::uint32_t begin = all.ring_start[building.first_ring];
-  const std::uint32_t end = all.ring_start[building.first_ring + 1];
+  collect(b, kWhole,
+          std::span(all.ring_xz_m).subspan(begin, all.ring_start[building.first_ring + 1] - begin));
+}
+
+/// A part's corners in the bin's axes.
+void BuildingView::collect(std::uint32_t b, std::uint32_t of, std::span<const glm::vec2> outline) {
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
   const auto first = static_cast<std::uint32_t>(corners_.size());
   float near_m = HUGE_VALF;
+  float far_m = 0;
   float from = HUGE_VALF;
   float to = -HUGE_VALF;
-  for (std::uint32_t k = begin; k < end; ++k) {
-    const double dx = static_cast<double>(all.ring_xz_m[k].x) - antenna.x;
-    const double dz = static_cast<double>(all.ring_xz_m[k].y) - antenna.z;
+  for (const glm::vec2& corner : outline) {
+    const double dx = static_cast<double>(corner.x) - antenna.x;
+    const double dz = static_cast<double>(corner.y) - antenna.z;
     const float right = as_float(dx * centre_.cos - dz * centre_.sin);
     const float ahead = as_float(dx * centre_.sin + dz * centre_.cos);
     const float tangent = right / ahead;
     near_m = std::min(near_m, ahead);
+    far_m = std::max(far_m, ahead);
     from = std::min(from, tangent);
     to = std::max(to, tangent);
     corners_.push_back({right, ahead, tangent});
   }
-  if (!(near_m > 0) || static_cast<double>(near_m) > plan_.building_reach_m() || to <= -half_ ||
-      from >= half_ || end - begin < 3 || end - begin > ConvexShape::kMost) {
+  const double roof_m = static_cast<double>(plan_.scene().world().buildings.list[b].roof_y_m) - antenna.y;
+  const double top_slope = roof_m / (1.001 * static_cast<double>(far_m));
+  if (!(near_m > 0) || static_cast<double>(near_m) > plan_.building_reach_m() || !(to > -half_) ||
+      !(from < half_) || (roof_m < 0 && top_slope < lowest_slope_)) {
     corners_.resize(first);
     return;
   }
   // The bits of positive floats are in the order of the floats.
   const std::uint64_t order = static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(near_m)) << 32 |
                               static_cast<std::uint32_t>(parts_.size());
-  parts_.push_back({order, b, 0, first, end - begin, from, to});
+  parts_.push_back({order, b, of, first, static_cast<std::uint32_t>(outline.size()), from, to});
 }
 
 bool BuildingView::step(EchoCells& cells) {
@@ -167,11 +189,14 @@ bool BuildingView::step(EchoCells& cells) {
   }
   const std::size_t end = std::min(seen_ + kMostParts, parts_.size());
   for (; seen_ < end; ++seen_) see(parts_[seen_], cells);
-  return seen_ < parts_.size();
+  if (seen_ < parts_.size()) return true;
+  add_parts_together(cells);
+  return false;
 }
 
 void BuildingView::fill_shape(const Part& part) {
-  const Building& building = plan_.scene().world().buildings.list[part.building];
+  const Buildings& all = plan_.scene().world().buildings;
+  const Building& building = all.list[part.building];
   const Corner* const corner = corners_.data() + part.first;
   shape_.n = static_cast<int>(part.n);
   for (std::uint32_t k = 0; k <= part.n; ++k) {
@@ -181,6 +206,10 @@ void BuildingView::fill_shape(const Part& part) {
     shape_.tangent[k] = c.tangent;
   }
   shape_.walls = ~std::uint64_t{0};
+  if (part.of != kWhole)
+    for (std::uint32_t k = 0; k < part.n; ++k)
+      if (all.part_wall[all.parts[part.of].first_corner + k] == kNoFace)
+        shape_.walls &= ~(std::uint64_t{1} << k);
   shape_.roof_m = building.roof_y_m - columns_.ground.antenna_y_m;
   shape_.base_m = building.base_y_m - columns_.ground.antenna_y_m;
 }
@@ -205,18 +234,17 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
 
 void BuildingView::add_echoes(const Part& part, EchoCells& cells) {
   const Buildings& all = plan_.scene().world().buildings;
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
   plan_.seen().mark(part.building);
-  const std::uint32_t first_face = all.list[part.building].first_face;
+  const std::uint32_t roof = all.list[part.building].first_face;
   // Sixteen sub-columns at a time: what several of them saw of a face in a bin is one echo.
-  const auto begin = echoes_.echo;
-  auto end = begin + echoes_.n;
+  PartEchoes::Echo* const begin = echoes_.echo;
+  PartEchoes::Echo* end = begin + echoes_.n;
   if (part.to - part.from > 16 * columns_.width) {
     std::sort(begin, end, [](const PartEchoes::Echo& p, const PartEchoes::Echo& q) {
       return p.edge != q.edge ? p.edge < q.edge : p.bin < q.bin;
     });
-    auto last = begin;
-    for (auto echo = begin + 1; echo < end; ++echo) {
+    PartEchoes::Echo* last = begin;
+    for (PartEchoes::Echo* echo = begin + 1; echo < end; ++echo) {
       if (echo->edge == last->edge && echo->bin == last->bin) {
         last->solid_angle_sr += echo->solid_angle_sr;
         last->tangent_sr += echo->tangent_sr;
@@ -226,40 +254,68 @@ void BuildingView::add_echoes(const Part& part, EchoCells& cells) {
     }
     end = last + 1;
   }
-  for (auto echo = begin; echo < end; ++echo) {
-    FaceEcho face{};
-    face.range_bin = echo->bin;
-    face.face = first_face + static_cast<std::uint32_t>(echo->edge + 1);
-    face.solid_angle_sr = static_cast<double>(echo->solid_angle_sr);
-    face.range_m = static_cast<double>(echo->range_m);
-    const double tangent = static_cast<double>(echo->tangent_sr) / face.solid_angle_sr;
-    const double roof_m = static_cast<double>(shape_.roof_m);
-    double ahead_m = 0;
-    double height_m = roof_m;
-    double plane_distance_m = std::abs(roof_m);
-    const double secant2 = 1 + tangent * tangent;
-    if (echo->edge == PartEchoes::kRoof) {
-      ahead_m = std::sqrt(std::max(0.0, face.range_m * face.range_m - roof_m * roof_m) / secant2);
+  for (PartEchoes::Echo* echo = begin; echo < end; ++echo) {
+    FaceEcho face = face_echo(*echo);
+    if (part.of == kWhole) {
+      face.face = roof + static_cast<std::uint32_t>(echo->edge + 1);
+      cells.add(profile_, face);
     } else {
-      const auto e = static_cast<std::size_t>(echo->edge);
-      const double right0 = static_cast<double>(shape_.right_m[e]);
-      const double ahead0 = static_cast<double>(shape_.ahead_m[e]);
-      const double dr = static_cast<double>(shape_.right_m[e + 1]) - right0;
-      const double da = static_cast<double>(shape_.ahead_m[e + 1]) - ahead0;
-      const double cross = ahead0 * dr - right0 * da;
-      const double low = std::min(ahead0, ahead0 + da);
-      ahead_m = std::clamp(cross / (dr - tangent * da), low, low + std::abs(da));
-      plane_distance_m = cross / std::sqrt(dr * dr + da * da);
-      const double up = std::sqrt(std::max(0.0, face.range_m * face.range_m - ahead_m * ahead_m * secant2));
-      height_m = -up >= static_cast<double>(shape_.base_m) ? std::min(-up, roof_m) : std::min(up, roof_m);
+      face.face =
+          echo->edge == PartEchoes::kRoof
+              ? roof
+              : all.part_wall[all.parts[part.of].first_corner + static_cast<std::uint32_t>(echo->edge)];
+      of_parts_.push_back(face);
     }
-    const double middle = static_cast<double>(echo->middle_m);
-    face.sec2_incidence =
-        std::max(1.0, middle * middle / std::max(plane_distance_m * plane_distance_m, 1e-6));
-    const double right_m = ahead_m * tangent;
-    face.at_m = {antenna.x + ahead_m * centre_.sin + right_m * centre_.cos, antenna.y + height_m,
-                 antenna.z + ahead_m * centre_.cos - right_m * centre_.sin};
-    cells.add(profile_, face);
+  }
+}
+
+/// What an echo of the part in hand is, but for the face's number.
+FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo) const {
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  FaceEcho face{};
+  face.range_bin = echo.bin;
+  face.solid_angle_sr = static_cast<double>(echo.solid_angle_sr);
+  face.range_m = static_cast<double>(echo.range_m);
+  const double tangent = static_cast<double>(echo.tangent_sr) / face.solid_angle_sr;
+  const double secant2 = 1 + tangent * tangent;
+  const double range2 = face.range_m * face.range_m;
+  const double roof_m = static_cast<double>(shape_.roof_m);
+  double height_m = roof_m;
+  double plane_distance_m = std::abs(roof_m);
+  double ahead_m = std::sqrt(std::max(0.0, range2 - roof_m * roof_m) / secant2);
+  if (echo.edge != PartEchoes::kRoof) {
+    const auto e = static_cast<std::size_t>(echo.edge);
+    const double right0 = static_cast<double>(shape_.right_m[e]);
+    const double ahead0 = static_cast<double>(shape_.ahead_m[e]);
+    const double dr = static_cast<double>(shape_.right_m[e + 1]) - right0;
+    const double da = static_cast<double>(shape_.ahead_m[e + 1]) - ahead0;
+    const double cross = ahead0 * dr - right0 * da;
+    const double low = std::min(ahead0, ahead0 + da);
+    ahead_m = std::clamp(cross / (dr - tangent * da), low, low + std::abs(da));
+    plane_distance_m = cross / std::sqrt(dr * dr + da * da);
+    const double up = std::sqrt(std::max(0.0, range2 - ahead_m * ahead_m * secant2));
+    height_m = std::min(-up >= static_cast<double>(shape_.base_m) ? -up : up, roof_m);
+  }
+  const double middle = static_cast<double>(echo.middle_m);
+  face.sec2_incidence = std::max(1.0, middle * middle / std::max(plane_distance_m * plane_distance_m, 1e-6));
+  const double right_m = ahead_m * tangent;
+  face.at_m = {antenna.x + ahead_m * centre_.sin + right_m * centre_.cos, antenna.y + height_m,
+               antenna.z + ahead_m * centre_.cos - right_m * centre_.sin};
+  return face;
+}
+
+/// A face that several parts of a building share is one scatterer.
+void BuildingView::add_parts_together(EchoCells& cells) {
+  std::ranges::stable_sort(of_parts_, [](const FaceEcho& p, const FaceEcho& q) {
+    return p.face != q.face ? p.face < q.face : p.range_bin < q.range_bin;
+  });
+  for (std::size_t k = 0; k < of_parts_.size();) {
+    FaceEcho sum = of_parts_[k];
+    for (++k;
+         k < of_parts_.size() && of_parts_[k].face == sum.face && of_parts_[k].range_bin == sum.range_bin;
+         ++k)
+      sum.solid_angle_sr += of_parts_[k].solid_angle_sr;
+    cells.add(profile_, sum);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
@@ -7,6 +8,10 @@
 #include "server/radar/simd/sub_columns.h"
 
 namespace obliq {
+
+/// The slope (height above the antenna over ground distance) that all surface in the swath stands above: what
+/// lies lower is nearer, and hides nothing in the swath.
+double lowest_slope_in_swath(const FramePlan& plan);
 
 /// The buildings of one azimuth bin as its sub-columns see them, one after the other by distance, and what
 /// they leave of the light of its planes' ground. A sub-column is narrower than a building: its horizon of
@@ -31,20 +36,25 @@ class BuildingView {
   struct Corner {
     float right_m, ahead_m, tangent;
   };
+  static constexpr std::uint32_t kWhole = 0xffffffffu;
   struct Part {
     std::uint64_t order;  // by distance, then as loaded
-    std::uint32_t building, part;
+    std::uint32_t building;
+    std::uint32_t of;        // into Buildings::parts; kWhole: the outline
     std::uint32_t first, n;  // into corners_
     float from, to;          // tangents
   };
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
   void collect(std::uint32_t building);
+  void collect(std::uint32_t building, std::uint32_t of, std::span<const glm::vec2> outline);
   void see(const Part& part, EchoCells& cells);
   void fill_shape(const Part& part);
   void refine(float near_m);
   void set_fineness(int n);
   void add_echoes(const Part& part, EchoCells& cells);
+  FaceEcho face_echo(const PartEchoes::Echo& echo) const;
+  void add_parts_together(EchoCells& cells);
 
   const FramePlan& plan_;
   int planes_;
@@ -53,6 +63,7 @@ class BuildingView {
   int profile_ = 0;
   SinCos centre_{};
   float half_ = 0;  // tangent of half the bin
+  double lowest_slope_;
   std::span<const std::uint32_t> buildings_;
   std::size_t collected_ = 0;
   std::size_t seen_ = 0;
@@ -63,6 +74,7 @@ class BuildingView {
   std::vector<float> roofs_, per_plane_;
   ConvexShape shape_{};
   PartEchoes echoes_{};
+  std::vector<FaceEcho> of_parts_;  // of buildings that have several
 };
 
 }  // namespace obliq

@@ -18,21 +18,56 @@ constexpr double kDegree_rad = std::numbers::pi / 180;
 /// Nearer buildings fill too much of a bin's elevation to be spread over range evenly.
 constexpr double kNearest_m = 100;
 
+bool has_flat_plates(const Scene& scene) {
+  return std::ranges::any_of(scene.materials(), [](const Material& material) {
+    return material.model == ScatteringModel::flat_plate;
+  });
+}
+
+/// Of which some part is no farther than kNearest_m, and some that are.
+std::vector<std::uint32_t> near_buildings(const FramePlan& plan) {
+  const BuildingIndex& index = plan.scene().building_index();
+  std::vector<std::uint32_t> found;
+  if (index.empty()) return found;
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  const double step_m = BuildingIndex::kCells * plan.scene().world().grid.cell_m;
+  const int steps = static_cast<int>(kNearest_m / step_m) + 1;
+  for (int i = -steps; i <= steps; ++i)
+    for (int j = -steps; j <= steps; ++j) {
+      const auto near = index.near(antenna.x + i * step_m, antenna.z + j * step_m);
+      found.insert(found.end(), near.begin(), near.end());
+    }
+  std::ranges::sort(found);
+  found.erase(std::ranges::unique(found).begin(), found.end());
+  return found;
+}
+
 }  // namespace
 
-bool sub_columns_suffice(const FramePlan& plan, AzimuthRange range) {
+SubColumnBins::SubColumnBins(const FramePlan& plan)
+    : suffices_(static_cast<std::size_t>(plan.bins().n_azimuth)) {
   const RadarSettings& settings = plan.settings();
-  if (settings.sub_columns == 0 || settings.speckle == SpeckleKind::geometric) return false;
   const BinGrid& bins = plan.bins();
-  if (bins.azimuth_width_rad > kDegree_rad || bins.range_spacing_m > 0.1 * bins.r_max_m) return false;
-  const std::vector<Material>& materials = plan.scene().materials();
-  if (std::ranges::any_of(
-          materials, [](const Material& material) { return material.model == ScatteringModel::flat_plate; }))
-    return false;
-  for (int bin = range.first; bin < range.first + range.count; ++bin)
-    for (const std::uint32_t b : plan.buildings_in(bin))
-      if (bounds_of(plan.scene().world().buildings, plan.sector(), b).near_m < kNearest_m) return false;
-  return true;
+  if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
+      settings.speckle == SpeckleKind::geometric || bins.azimuth_width_rad > kDegree_rad ||
+      bins.range_spacing_m > 0.1 * bins.r_max_m || has_flat_plates(plan.scene()))
+    return;
+  suffices_.assign(suffices_.size(), true);
+  const double lowest_slope = lowest_slope_in_swath(plan);
+  for (const std::uint32_t b : near_buildings(plan)) {
+    const Silhouette seen = silhouette_of(plan.scene().world().buildings, plan.sector(), b);
+    if (seen.near_m > kNearest_m || seen.top_slope < lowest_slope) continue;
+    for (int bin = 0; bin < bins.n_azimuth; ++bin)
+      for (int turn = -1; turn <= 1; ++turn)
+        if (bins.azimuth_edge_rad(bin + 1.0) + turn * 2 * std::numbers::pi > seen.from_rad &&
+            bins.azimuth_edge_rad(bin) + turn * 2 * std::numbers::pi < seen.to_rad)
+          suffices_[static_cast<std::size_t>(bin)] = false;
+  }
+}
+
+bool SubColumnBins::all_of(AzimuthRange range) const {
+  const auto first = suffices_.begin() + range.first;
+  return std::all_of(first, first + range.count, [](bool suffices) { return suffices; });
 }
 
 SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells)

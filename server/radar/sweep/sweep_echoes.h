@@ -6,10 +6,17 @@
 
 namespace obliq {
 
-/// Whether the sub-columns of azimuth bins see their buildings well enough. They do not very near to the
-/// antenna, in very wide bins, and where power is not proportional to area; frustum.sub_columns = 0 wants
-/// none.
-bool sub_columns_suffice(const FramePlan& plan, AzimuthRange range);
+/// Which azimuth bins have sub-columns. Those do not whose buildings stand very near to the antenna, and none
+/// do that are very wide or have materials whose power is not proportional to area; frustum.sub_columns = 0
+/// wants none.
+class SubColumnBins {
+ public:
+  explicit SubColumnBins(const FramePlan& plan);
+  bool all_of(AzimuthRange range) const;
+
+ private:
+  std::vector<bool> suffices_;  // [n_azimuth]
+};
 
 /// The sweep, without samples in between: first the buildings of each azimuth bin by sub-columns, then bare
 /// ground along the bins' planes, those that stand at the same place in their bins side by side.
