@@ -20,10 +20,10 @@ struct Trial {
   /// Both materials have constant gamma, so that powers can be worked out by hand.
   explicit Trial(std::uint64_t seed, const RandomSceneOptions& options = {})
       : Trial(random_scene(seed, options)) {}
-  explicit Trial(RandomScene random)
+  explicit Trial(RandomScene random, std::vector<Material> materials = constant_gamma_materials())
       : pose(random.pose), settings(random.settings), text(std::move(random.text)) {
     scene = std::make_shared<const Scene>(std::make_shared<const World>(std::move(random.world)),
-                                          constant_gamma_materials(), 1);
+                                          std::move(materials), 1);
   }
 
   /// The plan for a source; null where its frustum cannot look from this pose or at this sector.
