@@ -39,7 +39,7 @@ struct WedgeWork {
       : plan(frame_plan),
         tables(frame_tables),
         echo(plan, tables.scattering, tables.speckle, {}, options.surfaces),
-        cells(plan, tables.scattering, tables.speckle, options.surfaces, options.voltages) {}
+        cells(plan, tables.scattering, tables.speckle, options.surfaces, options.iq) {}
 
   bool begun() const { return source || sweep; }
 };
