@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client/connection.h"
-#include "client/frame_handler.h"
+#include "client/frame_dispatch.h"
 #include "proto/plane.h"
 
 namespace obliq::wire {

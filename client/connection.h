@@ -1,6 +1,8 @@
 #pragma once
 // Messages over a socket: framing, limits, CRC. Knows nothing of what they mean.
 #include <array>
+#include <cstddef>
+#include <span>
 
 #include "client/socket.h"
 #include "proto/message_codec.h"

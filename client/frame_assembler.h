@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/frame_handler.h"
+#include "client/frame_dispatch.h"
 #include "proto/bin_window.h"
 #include "proto/plane.h"
 

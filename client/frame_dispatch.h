@@ -2,9 +2,33 @@
 #include <cstddef>
 #include <span>
 
-#include "client/frame_handler.h"
+#include "client/status.h"
+#include "proto/message_header.h"
+
+namespace obliq::wire {
+class FrameBegin;
+class WedgeBlock;
+class FrameEnd;
+class FrameAbort;
+}  // namespace obliq::wire
 
 namespace obliq::client {
+
+/// Receives the frames that arrive. A status that is not ok ends the client's receive call with it.
+class FrameHandler {
+ public:
+  virtual ~FrameHandler() = default;
+  virtual Status on_begin(const wire::MessageHeader&, const wire::FrameBegin&) { return {}; }
+  /// plane: the values of the block's rectangle, coded as the block says (wire::plain_values decodes them).
+  /// The coding is a possible one, and the length has been checked unless they are compressed.
+  virtual Status on_block(const wire::MessageHeader&, const wire::WedgeBlock&, std::span<const std::byte>) {
+    return {};
+  }
+  virtual Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) { return {}; }
+  virtual Status on_abort(const wire::MessageHeader&, const wire::FrameAbort&) { return {}; }
+  /// The connection is gone: of a frame that has begun, no more will come.
+  virtual void on_lost() {}
+};
 
 /// Whether a message belongs to a frame.
 bool is_frame(wire::MessageType type);

@@ -1,18 +1,31 @@
 #pragma once
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "client/endpoint.h"
 #include "client/status.h"
 #include "client/tls.h"
 
 namespace obliq::client {
 
 using Timeout = std::chrono::milliseconds;
+
+struct Endpoint {
+  std::string host;
+  std::uint16_t port = 0;
+
+  std::string text() const;
+};
+
+/// "HOST", "HOST:PORT", ":PORT", "PORT", "[IPv6]" or "[IPv6]:PORT"; without a port the default one, without a
+/// host 127.0.0.1. Nothing if it is none of these.
+std::optional<Endpoint> parse_endpoint(std::string_view text);
 
 /// A TCP connection, with or without TLS, with deadlines: no call blocks for longer than its timeout without
 /// progress. One thread at a time. Closed by the destructor.

@@ -52,11 +52,4 @@ std::optional<Plane> plane_from_number(int number) {
   return static_cast<Plane>(number);
 }
 
-std::uint64_t plane_bytes(Plane plane, const Rectangle& rectangle) {
-  const std::uint64_t bins = std::uint64_t{rectangle.n_azimuth} * rectangle.n_range;
-  // Saturate: 2^32 x 2^32 bins of 8 bytes would not fit, and is refused by any limit anyway.
-  if (bins > (std::uint64_t{1} << 60)) return ~std::uint64_t{0};
-  return bins * bytes_per_bin(plane);
-}
-
 }  // namespace obliq::wire

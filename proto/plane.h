@@ -36,7 +36,4 @@ struct Rectangle {
   std::uint32_t n_range = 0;
 };
 
-/// Bytes of plane data in a rectangle; 64 bits hold any product of the fields.
-std::uint64_t plane_bytes(Plane plane, const Rectangle& rectangle);
-
 }  // namespace obliq::wire

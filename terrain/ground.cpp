@@ -1,5 +1,3 @@
-#include "terrain/ground.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -14,13 +12,14 @@
 #include "terrain/base/seconds.h"
 #include "terrain/cache/cache_key.h"
 #include "terrain/cache/ground_cache.h"
-#include "terrain/dem/auto_cell.h"
 #include "terrain/dem/dem_mosaic.h"
+#include "terrain/dem/gdal_messages.h"
+#include "terrain/dem/resample.h"
+#include "terrain/dem/source_error.h"
 #include "terrain/dem/synthetic.h"
-#include "terrain/dem/voids.h"
 #include "terrain/dem/water_cells.h"
 #include "terrain/grid_area.h"
-#include "terrain/library_versions.h"
+#include "terrain/world.h"
 
 namespace obliq {
 namespace {

@@ -13,7 +13,6 @@
 #include "terrain/dem/dem_mosaic.h"
 #include "terrain/dem/gdal_messages.h"
 #include "terrain/grid_area.h"
-#include "terrain/ground.h"
 
 namespace obliq {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 #include "terrain/buildings/buildings.h"
 #include "terrain/dem/load_report.h"
 #include "terrain/frames.h"
@@ -42,5 +42,8 @@ LonLat dem_centre(const TerrainSpec& terrain);
 
 /// Loads terrain, surfaces and buildings. Throws InputError that names the file and what is wrong.
 World load_world(const WorldSpec& spec, const Progress& progress = {});
+
+/// Fills world.grid and its part of world.report from [terrain]; world.frame must be set. Throws InputError.
+void load_ground(World& world, const WorldSpec& spec, const Progress& progress);
 
 }  // namespace obliq

@@ -1,7 +1,12 @@
 #pragma once
 // How far a frame's power is from the truth: the measures of design section 3, "Truth and error".
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <vector>
+
+#include "server/truth/reference.h"
+#include "terrain/buildings/buildings.h"
 
 namespace obliq {
 
@@ -67,5 +72,22 @@ BinErrors bin_errors(std::span<const double> power_w, std::span<const double> tr
 /// Whether the truth sees a building: at least 1 % of its unoccluded solid angle, and at least 1 % of the
 /// power of one bin. A source that then has no sample of it has missed it.
 bool truth_sees_building(double visible_sr, double unoccluded_sr, double largest_share);
+
+// Which buildings a frame missed (design section 3).
+
+struct BuildingErrors {
+  std::uint32_t visible = 0;  ///< the truth sees them (truth_sees_building)
+  std::uint32_t missed = 0;   ///< of those, no sample carries their id
+};
+
+constexpr std::uint32_t kNoBuilding = 0xffffffffu;
+
+/// truth[i] is of building i of the truth's world; seen(i) whether the frame has a sample of it.
+BuildingErrors missed_buildings(const std::vector<BuildingTruth>& truth,
+                                const std::function<bool(std::uint32_t)>& seen);
+
+/// For each building of one world the index of the building with the same outline in another, kNoBuilding
+/// where there is none. The two differ in cell size: roofs then differ, outlines do not.
+std::vector<std::uint32_t> match_buildings(const Buildings& from, const Buildings& to);
 
 }  // namespace obliq

@@ -2,7 +2,7 @@
 // What a frame costs and how wrong it is, from the same frame.
 #include <memory>
 
-#include "server/accuracy/building_errors.h"
+#include "server/accuracy/bin_errors.h"
 #include "server/accuracy/truth_bins.h"
 #include "server/radar/frame_plan.h"
 

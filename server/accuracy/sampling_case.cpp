@@ -68,6 +68,9 @@ std::vector<SamplingCase> few_samplings(const RadarSettings& settings, const Fro
   return list.take();
 }
 
+constexpr std::array kSides{256, 512, 1024, 2048, 4096, 8192, kMostSide};
+constexpr std::array kPerBin{1, 2, 4, 8, 16};
+
 }  // namespace
 
 SamplingCase paper_sampling(double cell_m) {
@@ -100,13 +103,6 @@ std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const Fr
     });
   return cases;
 }
-
-namespace {
-
-constexpr std::array kSides{256, 512, 1024, 2048, 4096, 8192, kMostSide};
-constexpr std::array kPerBin{1, 2, 4, 8, 16};
-
-}  // namespace
 
 std::vector<SamplingCase> sampling_ladder(const RadarSettings& s, double cell_m) {
   std::vector<SamplingCase> ladder;

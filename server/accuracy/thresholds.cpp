@@ -72,6 +72,4 @@ double cell_of_error_m(double cell_m, double error_m, double order, double allow
   return cell_m * std::pow(allowed_error_m / error_m, 1 / order);
 }
 
-double phasor_sum_contrast(double phasors) { return std::sqrt(1 - 1 / phasors); }
-
 }  // namespace obliq

@@ -43,8 +43,4 @@ double vertical_tolerance_m(double shift_m, double depression_rad);
 /// Cell size at which a vertical error that grows as cell^order reaches another size.
 double cell_of_error_m(double cell_m, double error_m, double order, double allowed_error_m);
 
-/// Contrast (standard deviation over mean of the intensity) of the sum of n phasors of one length and random
-/// phases: sqrt(1 - 1/n) (Goodman, Speckle Phenomena in Optics, 2007, section 3.2: second moment 2 - 1/n).
-double phasor_sum_contrast(double phasors);
-
 }  // namespace obliq

@@ -1,7 +1,7 @@
 #pragma once
 // The truth of a frame, on all of its azimuth bins or on wedges chosen evenly from them.
 #include <cstdint>
-#include <span>
+#include <filesystem>
 #include <vector>
 
 #include "server/accuracy/bin_errors.h"
@@ -46,5 +46,15 @@ TruthBins integrate_truth(const FramePlan& plan, const AzimuthRuns& runs, const 
 
 /// Those azimuths of a block, in the truth's order: [azimuth_count(runs)][n_range].
 std::vector<double> power_of_runs(const BinBlock& block, const AzimuthRuns& runs);
+
+// Truth that outlives an interrupted run: each stretch of azimuths is appended to a file as it is done.
+
+/// Integrates the truth of every run, in stretches of one wedge; what the file holds already is taken from
+/// there. `key` names everything that the truth depends on: a file of another key is replaced. A stretch that
+/// was cut off or damaged, and all behind it, is integrated again. Throws InputError when it cannot be
+/// written.
+TruthBins integrate_truth_in_file(const std::filesystem::path& path, std::uint64_t key, const FramePlan& plan,
+                                  const AzimuthRuns& runs, const ReferenceSampling& sampling,
+                                  const Progress& progress = {});
 
 }  // namespace obliq

@@ -8,7 +8,8 @@
 
 namespace CLI {
 class App;
-}
+class ParseError;
+}  // namespace CLI
 
 namespace obliq {
 
@@ -28,5 +29,12 @@ void add_scene_arguments(CLI::App& app, const std::string& name, SceneArguments&
 /// Loads the scene file. Nothing when --check-config or --print-config was asked for: that has then been
 /// done, and the program is to end. Throws InputError.
 std::optional<SceneConfig> open_scene(const SceneArguments& arguments);
+
+// What to say of a command line that does not parse.
+
+/// One sentence: the word that is not understood, what was likely meant, and where all of them stand. `app`
+/// has parsed the line as far as it goes.
+std::string explain_parse_failure(const CLI::App& app, const CLI::ParseError& error, int argc,
+                                  const char* const* argv);
 
 }  // namespace obliq

@@ -1,11 +1,14 @@
 #pragma once
 // A configuration as written, not yet interpreted: names, values, and the place of each in its source.
+#include <algorithm>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "server/control/key.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 
@@ -41,5 +44,29 @@ ConfigNode nest(std::string_view dotted_key, ConfigNode value);
 
 /// Lays `patch` over `base`: tables join, anything else is replaced.
 void merge(ConfigNode& base, const ConfigNode& patch);
+
+/// What is wrong with a configuration, collected so that all of it is reported at once.
+class Complaints {
+ public:
+  void add(const std::string& where, const FieldError& error) { add(where + ": " + error.text()); }
+  void add(std::string line) {
+    if (std::ranges::find(lines_, line) == lines_.end()) lines_.push_back(std::move(line));
+  }
+  bool empty() const { return lines_.empty(); }
+
+  /// Throws InputError, one complaint a line, if there is any.
+  void throw_if_any() const {
+    if (lines_.empty()) return;
+    std::string text;
+    for (const std::string& line : lines_) text += (text.empty() ? "" : "\n") + line;
+    throw InputError(text);
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+/// The candidate that `word` is most likely a slip of, or empty if none is near.
+std::string nearest_name(std::string_view word, std::span<const std::string> candidates);
 
 }  // namespace obliq

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "server/control/key_list.h"
-#include "server/control/markdown.h"
 #include "server/control/quality_presets.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
@@ -13,8 +12,6 @@ namespace obliq {
 
 namespace {
 
-using markdown::code;
-using markdown::row;
 using Json = nlohmann::ordered_json;
 
 std::string padded(std::string text, std::size_t width) {
@@ -34,8 +31,9 @@ std::string rows(KeyGroup group, std::string_view prefix = "") {
   std::string text;
   for (const KeyText& key : all_keys())
     if (key.group == group && key.name.starts_with(prefix))
-      text += row({code(key.name), is_toml(key) ? code(key.default_text) : key.default_text, key.allowed,
-                   key.key.summary});
+      text += markdown_row({markdown_code(key.name),
+                            is_toml(key) ? markdown_code(key.default_text) : key.default_text, key.allowed,
+                            key.key.summary});
   return text;
 }
 
@@ -44,8 +42,8 @@ std::string shipped_rows() {
   for (const Material& m : shipped_materials()) {
     MaterialKeys keys{m, 0};
     const Row<MaterialKeys>& model = material_rows().front();
-    text +=
-        row({code(m.name), code(toml_text(load(model.key, model.slot(keys)))), toml_number(to_db(m.gamma))});
+    text += markdown_row({markdown_code(m.name), markdown_code(toml_text(load(model.key, model.slot(keys)))),
+                          toml_number(to_db(m.gamma))});
   }
   return text;
 }
@@ -67,10 +65,10 @@ std::string quality_page() {
       "the lit bins, weighted by power; gaps: lit\nbins without a return.\n\n| quality | kind | plates | "
       "pixel_columns | pixel_rows | for | measured |\n|---|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
-    page += row({code(p.name), p.kind, p.plates,
-                 p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins"),
-                 p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins"), p.meaning,
-                 p.measured});
+    page += markdown_row({markdown_code(p.name), p.kind, p.plates,
+                          p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins"),
+                          p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins"), p.meaning,
+                          p.measured});
   return page;
 }
 
@@ -161,14 +159,28 @@ std::string parameters_markdown() {
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const KeyText& key : all_keys()) {
     if (key.group != KeyGroup::radar) continue;
-    page += row({code(key.name), key.type, code(key.default_text), key.allowed, change_name(key.change),
-                 code(key.message_field), key.modbus_address < 0 ? "" : std::to_string(key.modbus_address),
-                 key.key.summary});
+    page += markdown_row({markdown_code(key.name), key.type, markdown_code(key.default_text), key.allowed,
+                          change_name(key.change), markdown_code(key.message_field),
+                          key.modbus_address < 0 ? "" : std::to_string(key.modbus_address), key.key.summary});
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";
   page += "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) gives its encoding.\n";
   return page + quality_page() + scene_pages();
+}
+
+std::string markdown_code(std::string_view text) {
+  return text.empty() ? std::string() : "`" + std::string(text) + "`";
+}
+
+std::string markdown_row(std::initializer_list<std::string_view> cells) {
+  std::string line = "|";
+  for (const std::string_view cell : cells) {
+    line += ' ';
+    for (const char c : cell) line += c == '|' ? "\\|" : std::string(1, c);
+    line += " |";
+  }
+  return line + '\n';
 }
 
 }  // namespace obliq

@@ -1,5 +1,7 @@
 #pragma once
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 namespace obliq {
 
@@ -12,5 +14,10 @@ std::string parameters_json();
 
 /// The reference page server/control/PARAMETERS.md; a test compares the two.
 std::string parameters_markdown();
+
+/// Of the reference pages' Markdown: text as code; empty stays empty.
+std::string markdown_code(std::string_view text);
+/// "| a | b |" and a line break; bars inside a cell are escaped.
+std::string markdown_row(std::initializer_list<std::string_view> cells);
 
 }  // namespace obliq

@@ -4,15 +4,12 @@
 #include <vector>
 
 #include "server/control/sections/flight.h"
-#include "server/control/sections/http.h"
 #include "server/control/sections/log.h"
 #include "server/control/sections/modbus.h"
 #include "server/control/sections/radar.h"
 #include "server/control/sections/run.h"
 #include "server/control/sections/server.h"
 #include "server/control/sections/sources.h"
-#include "server/control/sections/stream.h"
-#include "server/control/sections/terrain.h"
 #include "server/scene/materials.h"
 #include "server/scene/ray_method.h"
 #include "terrain/world_spec.h"
@@ -36,7 +33,7 @@ struct SceneConfig {
   ModbusConfig modbus;
   std::vector<std::string> notes;  ///< what was chosen where the file says nothing, a sentence each
   AccuracyWish
-      accuracy;  ///< what the pixels and the cell size are to be chosen by (server/loading/meet_accuracy.h)
+      accuracy;  ///< what the pixels and the cell size are to be chosen by (server/loading/scene_loading.h)
 };
 
 }  // namespace obliq

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include "server/control/complaints.h"
 #include "server/control/config_tree.h"
 #include "server/control/key.h"
 

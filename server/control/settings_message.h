@@ -1,5 +1,7 @@
 #pragma once
 // Settings and poses to and from their messages, field by field through the table of parameters.
+#include <functional>
+#include <mutex>
 #include <vector>
 
 #include "server/radar/settings.h"
@@ -22,5 +24,32 @@ namespace obliq {
 /// Writes every field.
 void write_message(const RadarSettings& settings, wire::RadarSettings& message);
 void write_message(const PoseSettings& pose, wire::Pose& message);
+
+/// The published settings of one live radar. What is published never changes: a change is a new snapshot with
+/// the next version, and a renderer keeps the one it began with. Safe from any thread.
+class SettingsStore {
+ public:
+  /// Publishes version 1. Throws InputError if these settings are not valid.
+  explicit SettingsStore(const RadarSettings& initial);
+
+  SettingsPtr current() const;
+
+  struct Outcome {
+    SettingsPtr published;           ///< null when refused
+    std::vector<FieldError> errors;  ///< all reasons of a refusal
+  };
+
+  /// Edits a copy of the current settings, and publishes it if it is valid and `edit` found no fault of its
+  /// own. A refused change leaves everything as it was. No other update comes between reading and publishing;
+  /// `edit` runs under the store's lock and must not come back to it.
+  Outcome update(const std::function<std::vector<FieldError>(RadarSettings&)>& edit);
+
+  /// Publishes complete settings if they are valid.
+  Outcome set(const RadarSettings& settings);
+
+ private:
+  mutable std::mutex mutex_;
+  SettingsPtr current_;
+};
 
 }  // namespace obliq

@@ -1,18 +1,17 @@
-#include "server/explain/advice.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "server/accuracy/thresholds.h"
+#include "server/explain/explanation.h"
 #include "server/explain/table.h"
-#include "server/explain/verdict.h"
 #include "server/radar/echo/scattering.h"
 #include "terrain/base/constants.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
+
 namespace {
 
 constexpr double kTenth_db = 0.1;
@@ -253,6 +252,10 @@ std::string words(const Comparison& c, const Explanation& all) {
   return "not measured.";
 }
 
+struct Measure {
+  double value, noticeable, noise;
+};
+
 }  // namespace
 
 double frame_repeats_within_s(const Explanation& all) {
@@ -265,6 +268,38 @@ void judge(Comparison& c, const Explanation& all) {
   decide(c, all);
   c.threshold = threshold(c, all);
   c.advice = words(c, all);
+}
+
+void decide(Comparison& c, const Explanation& all) {
+  if (!c.reason.empty()) return;
+  // Another material changes no ray: nothing of it is noise.
+  const PowerChange none;
+  const PowerChange& noise = c.ingredient == Ingredient::material ? none
+                             : c.ingredient == Ingredient::walls  ? all.wall_noise
+                                                                  : all.measurement_noise;
+  const Measure measures[] = {
+      {c.power.median_db, kNoticeableMedian_db, noise.median_db},
+      {c.power.percentile95_db, kNoticeable95_db, noise.percentile95_db},
+      {c.power.over_1_db, kNoticeableShare, noise.over_1_db},
+      {c.power.vanished + c.power.appeared, kNoticeableShare, noise.vanished + noise.appeared},
+      {std::abs(c.power.total_db()), kNoticeableTotal_db, std::abs(noise.total_db())},
+      {c.shift ? c.shift->slant_m : 0, kNoticeableShift_bins * all.facts.range_spacing_m, 0},
+  };
+  c.verdict = Verdict::not_needed;
+  for (const Measure& m : measures) {
+    const bool of_power = &m != std::end(measures) - 1;
+    if (of_power && !c.power_counts) continue;
+    if (!(m.value >= m.noticeable)) continue;
+    if (m.value > kAboveNoise * m.noise) {
+      c.verdict = Verdict::needed;
+      break;
+    }
+    c.verdict = Verdict::beyond_measure;
+  }
+  const PowerChange& frustum = all.frustum_noise;
+  c.below_frustum_noise = frustum.nothing_left() || (c.power.median_db < frustum.median_db &&
+                                                     c.power.percentile95_db < frustum.percentile95_db &&
+                                                     c.power.over_1_db < frustum.over_1_db);
 }
 
 }  // namespace obliq

@@ -1,5 +1,3 @@
-#include "server/explain/explain.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,9 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "server/explain/advice.h"
+#include "server/explain/explanation.h"
 #include "server/explain/table.h"
-#include "server/explain/verdict.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
 #include "server/scene/embree_tracer.h"

@@ -2,14 +2,17 @@
 // What `obliq explain` has found out about one radar of a scene: plain values, for text, Markdown and CSV
 // alike.
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/explain/measurement.h"
-#include "server/explain/power_change.h"
 #include "server/explain/variants.h"
+#include "server/scene/ray_method.h"
+#include "terrain/base/parallel.h"
 #include "terrain/dem/source_error.h"
+#include "terrain/world_spec.h"
 
 namespace obliq {
 
@@ -90,5 +93,50 @@ struct Explanation {
   SpeckleMeasure geometric_speckle;
   std::vector<Comparison> comparisons;
 };
+
+/// For a terminal of 100 columns.
+std::string plain_report(const Explanation& explanation);
+std::string markdown_report(const Explanation& explanation);
+/// A header line, then a line for the scene, for each of the two noises and for every comparison; RFC 4180.
+std::string csv_report(const Explanation& explanation);
+
+/// Frame times that differ by less are not told apart: a twentieth, or what repetitions of any of them and
+/// the scene itself from the first to the last measurement differed by. In whole milliseconds, rounded up.
+double frame_repeats_within_s(const Explanation& all);
+
+/// Completes a comparison: the verdict, the threshold for this scene's own numbers with its formula, and both
+/// in words.
+void judge(Comparison& comparison, const Explanation& all);
+
+// A change counts when it reaches any of these. A tenth of a decibel and half a range bin are what thresholds
+// are worked out for; a radar that is calibrated to a decibel is a good one.
+constexpr double kNoticeableMedian_db = 0.1;
+constexpr double kNoticeable95_db = 1;
+constexpr double kNoticeableShare = 0.01;  ///< of the lit bins: by more than 1 dB, gone or new
+constexpr double kNoticeableTotal_db = 0.1;
+constexpr double kNoticeableShift_bins = 0.5;  ///< range bins
+
+/// A change must be this much larger than the measurement's own noise to be told from it.
+constexpr double kAboveNoise = 2;
+
+/// Sets verdict and below_frustum_noise from the numbers.
+void decide(Comparison& comparison, const Explanation& all);
+
+struct ExplainInput {
+  std::string scene;
+  std::string radar;
+  WorldSpec world;
+  std::vector<Material> materials;
+  RadarSettings settings;
+  PoseSettings pose;
+  int threads = 0;  ///< 0: all cores
+  RayMethod rays = RayMethod::march;
+  std::function<void(const World&)> on_loaded;  ///< told of the scene as it is, before anything is changed
+};
+
+/// Renders some wedges of the scene as it is and with one ingredient after the other changed, one changed
+/// world in memory at a time. Throws InputError when the scene itself cannot be loaded or rendered; a change
+/// that cannot is a comparison with a reason.
+Explanation explain_scene(const ExplainInput& input, const Progress& progress = {});
 
 }  // namespace obliq

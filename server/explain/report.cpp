@@ -1,12 +1,9 @@
-#include "server/explain/report.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 
-#include "server/explain/advice.h"
+#include "server/explain/explanation.h"
 #include "server/explain/table.h"
-#include "terrain/base/csv.h"
 #include "terrain/base/text.h"
 
 namespace obliq {

@@ -31,6 +31,8 @@ double outline_area_m2(const Buildings& buildings, const Building& building) {
   return std::abs(doubled) / 2;
 }
 
+constexpr int kDistances = 512;  ///< along each azimuth, evenly from under the antenna to r_max
+
 }  // namespace
 
 Buildings without_walls(const Buildings& buildings) {
@@ -96,12 +98,6 @@ std::uint64_t available_bytes() {
   }
   return 0;
 }
-
-namespace {
-
-constexpr int kDistances = 512;  ///< along each azimuth, evenly from under the antenna to r_max
-
-}  // namespace
 
 GroundProbes::GroundProbes(const FramePlan& plan, const std::vector<AzimuthRange>& wedges) {
   const HeightGrid& grid = plan.scene().world().grid;

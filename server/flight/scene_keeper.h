@@ -1,7 +1,6 @@
 #pragma once
 // Builds scenes while the server serves another one: the next window of a flight, or a reloaded scene file.
 #include <condition_variable>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -11,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "server/flight/keeper_state.h"
 #include "server/flight/window.h"
 #include "terrain/dem/source_extents.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/control/terrain_reach.h"
+#include "server/control/scene_file.h"
 #include "terrain/base/constants.h"
 #include "terrain/base/seconds.h"
 

@@ -2,7 +2,9 @@
 // Which part of the world a scene is built for, and when the radars have flown too far for it. Pure
 // functions.
 #include <chrono>
+#include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/control/scene_config.h"
@@ -72,6 +74,24 @@ class Speedometer {
   Time since_;
   Time heard_;
   double elapsed_s_ = 0;  ///< between the two
+};
+
+/// What the files of a scene have for an antenna.
+struct GroundThere {
+  double coverage = 1;  ///< part of the disc within r_max for which there are files; voids are not looked for
+  std::string warning;  ///< empty: the place itself is covered
+};
+
+/// What a SceneKeeper does and has done.
+struct KeeperState {
+  bool building = false;
+  std::uint64_t swaps = 0;     ///< windows and reloads that serve or served
+  std::uint64_t failures = 0;  ///< windows and reloads that could not be loaded
+  std::string last_error;  ///< why ground is missing, or a reload was refused, at present; empty: all is well
+  std::string last_failure;  ///< the newest, however long ago
+  double well_s = 0;         ///< since it was over; 0: it is not, or there was none
+  double last_build_s = 0;
+  SceneWindow window;  ///< of the scene that serves
 };
 
 }  // namespace obliq

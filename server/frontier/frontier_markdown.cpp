@@ -1,9 +1,6 @@
-#include "server/frontier/frontier_markdown.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "server/frontier/frontier_table.h"

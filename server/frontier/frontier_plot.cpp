@@ -1,5 +1,3 @@
-#include "server/frontier/frontier_plot.h"
-
 #include <cairo-svg.h>
 #include <cairo.h>
 
@@ -9,7 +7,7 @@
 #include <memory>
 #include <numbers>
 
-#include "server/frontier/frontier_markdown.h"
+#include "server/frontier/frontier_table.h"
 #include "server/frontier/log_axis.h"
 #include "terrain/base/errors.h"
 

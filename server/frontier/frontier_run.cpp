@@ -4,20 +4,16 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <thread>
 
-#include "server/accuracy/truth_file.h"
+#include "server/accuracy/truth_bins.h"
 #include "server/accuracy/truth_search.h"
 #include "server/control/parameters.h"
 #include "server/control/print_config.h"
 #include "server/control/quality_presets.h"
-#include "server/frontier/frontier_header.h"
-#include "server/frontier/frontier_markdown.h"
-#include "server/frontier/frontier_plot.h"
+#include "server/control/scene_file.h"
 #include "server/frontier/frontier_table.h"
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"

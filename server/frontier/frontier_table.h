@@ -2,11 +2,13 @@
 // frontier.csv: one line for each sampling and part of the returns. Everything that is drawn or summed up is
 // read back from here, so that an interrupted run and a whole one give the same pictures.
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/accuracy/measure_frame.h"
 #include "server/accuracy/sampling_case.h"
+#include "server/accuracy/truth_search.h"
 
 namespace obliq {
 
@@ -75,5 +77,52 @@ struct PaperComparison {
 /// quickest one where all take more). Empty when the paper's setting cannot see the scene.
 std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
                                                 Returns returns = Returns::all);
+
+// frontier.json: which run a frontier.csv belongs to, and on what machine it was measured.
+
+/// What frames are compared with: the reference renderer; or, where that would take hours, a frame of the
+/// sweep with the reference quality's planes.
+enum class Against { truth, reference };
+
+struct FrontierHeader {
+  std::string
+      key;  ///< hash of scene, settings, options, machine and version: a run with another is another run
+  std::string version;
+  std::string scene;
+  std::string radar;
+  std::string view;  ///< one line: ranges, sector, bins
+  std::string cpu;
+  int threads = 0;
+  std::string tracer;  ///< "Embree 3.13.5"
+  int repeats = 0;
+  int azimuth_bins = 0;
+  int range_bins = 0;
+  int azimuths_compared = 0;
+  int buildings = 0;
+  double scene_cell_m = 0;
+  double truth_cell_m = 0;
+  Against against = Against::truth;
+  ReferenceSampling truth;  ///< Against::reference: planes alone
+  std::vector<TruthCheck> truth_checks;
+  int truth_check_azimuths = 0;
+};
+
+void write_frontier_header(const std::filesystem::path& path, const FrontierHeader& header);
+
+/// Nothing when there is no such file. Throws InputError when it is no frontier's.
+std::optional<FrontierHeader> read_frontier_header(const std::filesystem::path& path);
+
+/// frontier.md: what was measured and how, the comparison with the paper's setting, one table for each part
+/// of the returns, and what was not possible.
+std::string frontier_markdown(const FrontierHeader& header, const std::vector<FrontierRow>& rows);
+
+/// One line: machine, threads, tracer, repeats.
+std::string machine_text(const FrontierHeader& header);
+
+/// Writes frontier.svg and frontier.png into the folder: frame time against E, median dB, gaps and false
+/// light of all returns, one colour for each kind, the paper's setting as a star. Throws InputError that
+/// names the file.
+void draw_frontier(const std::filesystem::path& folder, const FrontierHeader& header,
+                   const std::vector<FrontierRow>& rows);
 
 }  // namespace obliq

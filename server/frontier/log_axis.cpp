@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/frontier/frontier_markdown.h"
+#include "server/frontier/frontier_table.h"
 #include "terrain/base/text.h"
 
 namespace obliq {

@@ -7,7 +7,7 @@
 #include <boost/beast/core/string.hpp>
 #include <utility>
 
-#include "server/log/log_fields.h"
+#include "server/log/service_log.h"
 #include "server/security/security.h"
 
 namespace obliq::http {

@@ -1,13 +1,41 @@
 #pragma once
 // What a request is answered: the page of its route, or why not.
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "server/http/http_server.h"
-#include "server/http/readiness.h"
 
 namespace obliq::http {
+
+/// How far the daemon is, for /readyz. From any thread.
+class Readiness {
+ public:
+  enum class Phase { loading, ready, stopping };
+  struct State {
+    Phase phase = Phase::loading;
+    std::string stage = "starting";  ///< of loading
+    double fraction = 0;             ///< of the stage
+  };
+
+  /// Without effect once stopping.
+  void loading(const std::string& stage, double fraction) { set({Phase::loading, stage, fraction}); }
+  void ready() { set({Phase::ready, "", 1}); }
+  void stopping() { set({Phase::stopping, "", 0}); }
+  State state() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+ private:
+  void set(State state) {
+    const std::lock_guard lock(mutex_);
+    if (state_.phase != Phase::stopping) state_ = std::move(state);
+  }
+  mutable std::mutex mutex_;
+  State state_;
+};
 
 /// Of a request, what its answer depends on.
 struct Asked {

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "server/http/answering.h"
-#include "server/log/log_fields.h"
+#include "server/log/service_log.h"
 #include "server/net/tcp.h"
-#include "server/security/exposure.h"
+#include "server/security/networks.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"

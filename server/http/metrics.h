@@ -1,9 +1,8 @@
 #pragma once
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "server/net/statistics.h"
+#include "server/net/options.h"
 #include "server/rendering/rendered.h"
 #include "server/scene/scene_memory.h"
 

@@ -1,5 +1,3 @@
-#include "server/loading/find_pixels.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,5 +1,3 @@
-#include "server/loading/meet_accuracy.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,16 +1,18 @@
 #pragma once
 // What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
 // terminal. The daemon logs the same report.
+#include <cstdint>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "server/control/scene_config.h"
+#include "server/control/sections/radar.h"
 #include "server/loading/terminal_progress.h"
 #include "server/radar/geometry/pose.h"
 #include "server/scene/scene.h"
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 
 namespace obliq {
 
@@ -54,5 +56,25 @@ std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const
 
 /// Loads terrain and buildings and prints what was found, one line per note, on stderr.
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);
+
+/// When the scene has an [accuracy]: chooses each radar's pixels and, where it is "auto", the cell size, such
+/// that median error and gaps, measured on a few wedges of the user's own view against the truth of the
+/// finest sensible grid, stay within what is asked. `say` hears what was chosen and its measured error.
+/// Without an [accuracy] it does nothing. Throws InputError, with the best that was reached, when nothing is
+/// good enough.
+void meet_accuracy(SceneConfig& config, const Say& say, const Progress& progress);
+
+/// What bounds the search.
+struct PixelLimits {
+  std::int64_t most_pixels;  ///< of one frame (server.max_pixels)
+  int threads;               ///< 0: all cores
+};
+
+/// For frustum.quality = "oblique": gives the radar about the fewest pixel columns and rows that leave no
+/// more than kMostUnsampled of its lit bins without a sample, as counted in frames of the scene. `say` hears
+/// what was found. Does nothing for other radars. Throws InputError, with the best that there is, where no
+/// pixels do.
+void find_pixels(const std::shared_ptr<const Scene>& scene, RadarConfig& radar, const PixelLimits& limits,
+                 const Say& say, const Progress& progress);
 
 }  // namespace obliq

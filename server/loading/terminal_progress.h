@@ -2,7 +2,7 @@
 #include <functional>
 #include <string>
 
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 
 namespace obliq {
 

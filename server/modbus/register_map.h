@@ -4,6 +4,7 @@
 // server/modbus/REGISTERS.md is written from it.
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -115,5 +116,8 @@ struct DiscreteInput {
   bool (*value)(const StatusView&);
 };
 std::span<const DiscreteInput> discrete_inputs();
+
+/// The page server/modbus/REGISTERS.md.
+std::string registers_markdown();
 
 }  // namespace obliq::modbus

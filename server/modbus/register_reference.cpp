@@ -1,17 +1,13 @@
-#include "server/modbus/register_reference.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 
-#include "server/control/markdown.h"
+#include "server/control/parameter_reference.h"
 #include "server/modbus/encoding.h"
 #include "server/modbus/register_map.h"
 
 namespace obliq::modbus {
 namespace {
-
-using markdown::code;
 
 std::string words_text(ModbusWords words) {
   switch (words) {
@@ -39,7 +35,7 @@ std::string count_text(double counts_per_unit, std::string_view unit) {
 
 std::string name_text(const Setpoint& setpoint) {
   return setpoint.words == ModbusWords::wavelength ? "wavelength of `" + std::string(setpoint.name) + "`"
-                                                   : code(setpoint.name);
+                                                   : markdown_code(setpoint.name);
 }
 
 std::string allowed(const Setpoint& setpoint) {
@@ -61,7 +57,7 @@ std::string row(int address, int n, const std::string& type, const std::string& 
                 const std::string& name, const std::string& last) {
   const std::string registers =
       n == 1 ? std::to_string(address) : fmt::format("{} to {}", address, address + n - 1);
-  return markdown::row({registers, type, count, name, last});
+  return markdown_row({registers, type, count, name, last});
 }
 
 std::string status_rows(int from, int to) {
@@ -69,20 +65,20 @@ std::string status_rows(int from, int to) {
   for (const StatusRegister& r : status_registers())
     if (r.address >= from && r.address < to)
       text += row(r.address, width(r.words), words_text(r.words), count_text(r.counts_per_unit, r.unit),
-                  code(r.name), std::string(r.summary));
+                  markdown_code(r.name), std::string(r.summary));
   return text;
 }
 
 std::string setpoint_rows() {
   std::string text;
   for (const Setpoint& s : setpoints())
-    text += markdown::row({std::to_string(s.address), words_text(s.words),
-                           count_text(s.counts_per_unit, s.unit), name_text(s), allowed(s), s.summary});
+    text += markdown_row({std::to_string(s.address), words_text(s.words),
+                          count_text(s.counts_per_unit, s.unit), name_text(s), allowed(s), s.summary});
   return text;
 }
 
 std::string bit_row(std::size_t address, const BitText& bit) {
-  return markdown::row({std::to_string(address), code(bit.name), bit.summary});
+  return markdown_row({std::to_string(address), markdown_code(bit.name), bit.summary});
 }
 
 std::string bits() {
@@ -105,7 +101,7 @@ std::string errors() {
       "`last_error`, which gives the reason, and `last_error_address`, which gives the setpoint:\n\n| "
       "last_error | meaning |\n|---|---|\n";
   for (const FaultText& fault : fault_texts())
-    text += markdown::row({std::to_string(static_cast<int>(fault.fault)), fault.text});
+    text += markdown_row({std::to_string(static_cast<int>(fault.fault)), fault.text});
   return text;
 }
 

@@ -8,9 +8,7 @@
 
 #include "proto/limits.h"
 #include "server/control/sections/server.h"
-#include "server/control/sections/stream.h"
-#include "server/flight/keeper_state.h"
-#include "server/net/statistics.h"
+#include "server/flight/window.h"
 #include "server/radar/settings.h"
 #include "server/rendering/rendered.h"
 
@@ -50,6 +48,30 @@ struct ServerOptions : ServerLimits, StreamConfig {
   /// Told of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
   std::function<void(const std::string&, const RenderedFrame&)> on_frame;
   std::function<void(const RenderedOnce&)> on_once_frame;  ///< the same of RenderOnce frames
+};
+
+// What the network side counts, for status and metrics.
+
+struct RadarStatistics {
+  std::string name;
+  std::size_t watchers = 0;
+  double rate_hz = 0;   ///< the fastest watcher's
+  double coverage = 0;  ///< of the newest frame
+  bool controlled = false;
+  bool faulty = false;            ///< cannot be rendered as it is
+  int live_frames = 0;            ///< being rendered, or waiting in whole or in part for a client
+  std::size_t live_bytes = 0;     ///< of their blocks
+  std::uint64_t frames_shed = 0;  ///< whole ones, never begun, for want of time
+};
+
+struct RoomStatistics {
+  std::size_t clients = 0;
+  std::size_t renders_queued = 0;  ///< unfinished RenderOnce requests
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t frames_dropped = 0;
+  std::size_t queued_messages = 0;  ///< in all outboxes
+  std::size_t queued_bytes = 0;
+  std::vector<RadarStatistics> radars;
 };
 
 }  // namespace obliq::net

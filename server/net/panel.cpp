@@ -7,7 +7,6 @@
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/stream/frame_encoder.h"
-#include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq::net {

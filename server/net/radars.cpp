@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
-#include "server/log/log_fields.h"
+#include "server/log/service_log.h"
+#include "server/net/peer.h"
 #include "server/net/requests.h"
-#include "server/net/slow_watchers.h"
-#include "server/net/visits.h"
 #include "server/stream/frame_encoder.h"
 
 namespace obliq::net {

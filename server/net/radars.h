@@ -1,9 +1,7 @@
 #pragma once
 // The live radars: their watchers and controllers, their settings, and what has become of their frames.
-#include <chrono>
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
-#include <iterator>
 #include <string>
 #include <type_traits>
 
@@ -11,8 +9,8 @@
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
+#include "server/net/peer.h"
 #include "server/net/room.h"
-#include "server/net/visits.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/seconds.h"
 #include "terrain/base/text.h"

@@ -4,9 +4,9 @@
 #include "proto/limits.h"
 #include "proto/message_header.h"
 #include "proto/obliq.pb.h"
+#include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
-#include "server/net/visits.h"
 #include "server/security/security.h"
 #include "terrain/base/text.h"
 

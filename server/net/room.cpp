@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
-#include "server/log/log_fields.h"
+#include "server/log/service_log.h"
 #include "server/net/requests.h"
-#include "server/security/exposure.h"
+#include "server/security/networks.h"
 #include "server/security/security.h"
 
 namespace obliq::net {

@@ -14,7 +14,6 @@
 #include "server/net/options.h"
 #include "server/net/radars.h"
 #include "server/net/request_limits.h"
-#include "server/net/statistics.h"
 #include "server/rendering/render_thread.h"
 
 namespace obliq::net {

@@ -10,9 +10,7 @@
 #include "server/net/panel.h"
 #include "server/net/room.h"
 #include "server/net/session.h"
-#include "server/net/tcp.h"
 #include "server/net/transport.h"
-#include "server/security/security.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
 

@@ -7,7 +7,6 @@
 
 #include "server/control/sections/radar.h"
 #include "server/net/options.h"
-#include "server/net/statistics.h"
 #include "server/net/tcp.h"
 #include "server/rendering/frame_renderer.h"
 #include "server/security/security.h"

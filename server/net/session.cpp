@@ -10,11 +10,11 @@
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
-#include "server/log/log_fields.h"
+#include "server/log/service_log.h"
+#include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/net/transport.h"
-#include "server/net/visits.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
 

@@ -16,7 +16,9 @@ namespace obliq::net {
 
 namespace {
 
-using boost::asio::ip::tcp;
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
 
 std::optional<tcp::endpoint> peer_of(int socket) {
   tcp::endpoint peer;
@@ -32,6 +34,22 @@ constexpr int kProbes = 3;
 template <typename Value>
 bool set(int fd, int level, int option, Value value) {
   return ::setsockopt(fd, level, option, &value, sizeof value) == 0;
+}
+
+std::string text_of(const tcp::endpoint& endpoint) {
+  return endpoint_text(endpoint.address().to_string(), endpoint.port());
+}
+
+tcp::endpoint resolve(asio::io_context& io, const std::string& address, std::uint16_t port) {
+  error_code error;
+  tcp::resolver resolver(io);
+  const auto found = resolver.resolve(address, std::to_string(port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error || found.empty()) {
+    throw InputError("address: found " + address + " (" + error.message() +
+                     "); allowed: an address of this machine");
+  }
+  return found.begin()->endpoint();
 }
 
 }  // namespace
@@ -66,30 +84,6 @@ bool watch_for_dead_peer(int socket_fd, double dead_after_s) {
   ok &= set(socket_fd, IPPROTO_TCP, TCP_USER_TIMEOUT, user_timeout_ms);
   return ok;
 }
-
-namespace asio = boost::asio;
-using asio::ip::tcp;
-using boost::system::error_code;
-
-namespace {
-
-std::string text_of(const tcp::endpoint& endpoint) {
-  return endpoint_text(endpoint.address().to_string(), endpoint.port());
-}
-
-tcp::endpoint resolve(asio::io_context& io, const std::string& address, std::uint16_t port) {
-  error_code error;
-  tcp::resolver resolver(io);
-  const auto found = resolver.resolve(address, std::to_string(port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error || found.empty()) {
-    throw InputError("address: found " + address + " (" + error.message() +
-                     "); allowed: an address of this machine");
-  }
-  return found.begin()->endpoint();
-}
-
-}  // namespace
 
 ReservedPort::ReservedPort(const std::string& address, std::uint16_t port) {
   asio::io_context io;

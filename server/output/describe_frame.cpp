@@ -4,16 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "proto/obliq.pb.h"
 #include "server/accuracy/thresholds.h"
 #include "server/control/settings_message.h"
-#include "server/output/describe_load.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
 #include "terrain/base/constants.h"
 
 namespace obliq {
+
 namespace {
 
 /// Above this height over the ground an effective-earth factor is not to be trusted without a look.
@@ -111,6 +113,46 @@ double steepest_tangent(const FramePlan& plan) {
   const double up = std::sin(plan.extent().highest_elevation_rad);
   const double sine = std::clamp(std::max(down, up), 0.0, kGreatestSine);
   return sine / std::sqrt(1 - sine * sine);
+}
+
+constexpr std::size_t kMostEntries = 50;
+constexpr std::size_t kLongestText = 500;
+
+template <typename T>
+std::span<const T> first_of(const std::vector<T>& all) {
+  return std::span(all).first(std::min(all.size(), kMostEntries));
+}
+
+std::string cut(const std::string& text) {
+  return text.size() <= kLongestText ? text : text.substr(0, kLongestText) + "...";
+}
+
+/// What the ground of a frame was made of, and what loading warned of. Lists that would fill the message are
+/// cut: the log has them all.
+void describe_load(const LoadReport& report, wire::FrameDescriptor& descriptor) {
+  wire::LoadedGround& ground = *descriptor.mutable_ground();
+  ground.set_lowest_m(report.lowest_m);
+  ground.set_highest_m(report.highest_m);
+  ground.set_water_km2(report.water_m2 / 1e6);
+  for (const ElevationSource& source : first_of(report.elevation)) {
+    wire::ElevationModel& row = *ground.add_elevation();
+    row.set_file(cut(source.file));
+    row.set_unit(cut(source.unit));
+    row.set_unit_assumed(source.unit_assumed);
+  }
+  for (const BuildingHeights& source : first_of(report.building_heights)) {
+    wire::BuildingHeights& row = *ground.add_building_heights();
+    row.set_file(cut(source.file));
+    row.set_field(cut(source.field));
+    row.set_unit(source.unit);
+    row.set_found(source.found);
+    row.set_least_m(source.least_m);
+    row.set_median_m(source.median_m);
+    row.set_most_m(source.most_m);
+    row.set_by_default(source.by_default);
+    row.set_default_m(source.default_m);
+  }
+  for (const std::string& warning : first_of(report.warnings)) descriptor.add_warnings(cut(warning));
 }
 
 }  // namespace

@@ -2,34 +2,57 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <system_error>
 #include <vector>
 
+#include "proto/bin_window.h"
 #include "proto/obliq.pb.h"
-#include "server/output/bin_levels.h"
-#include "server/output/frame_json.h"
-#include "server/output/frame_window.h"
+#include "server/output/describe_frame.h"
 #include "server/output/ground_map.h"
-#include "server/output/ground_map_png.h"
-#include "server/output/ground_map_tif.h"
-#include "server/output/new_files.h"
-#include "server/output/npy.h"
 #include "server/output/sample_textures.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
+
 namespace {
+
+void check_written(const std::filesystem::path& path, const std::ofstream& file) {
+  if (!file) throw InputError(path.string() + ": cannot be written (" + std::strerror(errno) + ")");
+}
 
 void write_whole(const std::filesystem::path& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
   file.close();
-  if (!file) throw InputError(path.string() + ": cannot be written (" + std::strerror(errno) + ")");
+  check_written(path, file);
+}
+
+/// Writes a C-order [rows][columns] array as a NumPy .npy file, format version 1.0 (NEP 1), little-endian.
+/// `type` as numpy spells it. Throws InputError that names the file.
+template <class Value>
+void write_npy(const std::filesystem::path& path, const char* type, const std::vector<Value>& data, int rows,
+               int columns) {
+  std::string dictionary =
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}), }}", type, rows, columns);
+  // Magic, version and length take 10 bytes; the header is padded so that data starts at a multiple of 64.
+  while ((10 + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
+  dictionary += '\n';
+  std::ofstream file(path, std::ios::binary);
+  file.write("\x93NUMPY\x01\x00", 8);
+  file.put(static_cast<char>(dictionary.size() & 0xff));
+  file.put(static_cast<char>(dictionary.size() >> 8));
+  file << dictionary;
+  file.write(reinterpret_cast<const char*>(data.data()),
+             static_cast<std::streamsize>(data.size() * sizeof data[0]));
+  file.close();
+  check_written(path, file);
 }
 
 void make_folder(const std::filesystem::path& directory) {
@@ -122,17 +145,17 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   WrittenFrame written;
   make_folder(directory);
   NewFiles files(directory);
-  const auto add_plane = [&](const char* name, const auto& values) {
+  const auto add_plane = [&](const char* name, const char* type, const auto& values) {
     if (values.empty()) {
       files.leave_out(name);
     } else {
-      files.add(name, [&](const auto& path) { write_npy(path, values, bins.n_azimuth, bins.n_range); });
+      files.add(name, [&](const auto& path) { write_npy(path, type, values, bins.n_azimuth, bins.n_range); });
     }
   };
-  add_plane("bins.npy", bins.iq);
-  add_plane("power.npy", bins.power_w);
-  add_plane("count.npy", bins.count);
-  add_plane("state.npy", bins.state);
+  add_plane("bins.npy", "<c8", bins.iq);
+  add_plane("power.npy", "<f8", bins.power_w);
+  add_plane("count.npy", "<u4", bins.count);
+  add_plane("state.npy", "|u1", bins.state);
   if (can_be_drawn(bins)) {
     written.scale = add_maps(files, descriptor, summary, bins, options);
   } else {
@@ -161,6 +184,74 @@ void write_timing(const std::filesystem::path& directory, const std::map<std::st
   for (const auto& [name, value] : seconds) root[name] = value;
   if (!profile.empty()) root["profile"] = nlohmann::ordered_json::parse(profile);
   write_text(directory / "timing.json", root.dump(1) + "\n");
+}
+
+std::filesystem::path NewFiles::beside(const std::string& name) const {
+  return directory_ / ("." + name + ".new");
+}
+
+NewFiles::~NewFiles() {
+  std::error_code none;
+  for (const std::string& name : written_) std::filesystem::remove(beside(name), none);
+}
+
+void NewFiles::add(const std::string& name, const Writer& writer) {
+  const std::filesystem::path path = beside(name);
+  written_.push_back(name);
+  try {
+    writer(path);
+  } catch (const InputError& error) {
+    std::string text = error.what();
+    for (auto at = text.find(path.string()); at != std::string::npos; at = text.find(path.string(), at + 1))
+      text.replace(at, path.string().size(), (directory_ / name).string());
+    throw InputError(text);
+  }
+}
+
+void NewFiles::leave_out(const std::string& name) { left_out_.push_back(name); }
+
+void NewFiles::put_in_place() {
+  std::error_code error;
+  for (const std::string& name : left_out_) std::filesystem::remove(directory_ / name, error);
+  for (const std::string& name : written_) {
+    std::filesystem::rename(beside(name), directory_ / name, error);
+    if (error)
+      throw InputError((directory_ / name).string() + ": cannot be put in place (" + error.message() + ")");
+  }
+  written_.clear();
+}
+
+void replace_file(const std::filesystem::path& path, const NewFiles::Writer& writer) {
+  std::error_code none;
+  if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none)) {
+    writer(path);
+    return;
+  }
+  NewFiles file(path.parent_path());
+  file.add(path.filename().string(), writer);
+  file.put_in_place();
+}
+
+wire::FrameDescriptor placed_window(const wire::FrameDescriptor& descriptor) {
+  wire::FrameDescriptor placed = descriptor;
+  if (!descriptor.has_window()) return placed;
+  const auto window =
+      wire::cut_window(wire::read_window(descriptor.window()),
+                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().azimuth_bins())),
+                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().range_bins())));
+  if (!window)
+    throw InputError("frame descriptor: window: found no bin of the frame in it; allowed: at least one");
+  const wire::BinRun& azimuth = window->azimuth;
+  const wire::BinRun& range = window->range;
+  placed.clear_window();
+  placed.set_azimuth_start_deg(descriptor.azimuth_start_deg() +
+                               azimuth.first * descriptor.azimuth_width_deg());
+  placed.set_azimuth_width_deg(azimuth.step * descriptor.azimuth_width_deg());
+  placed.set_range_start_m(descriptor.range_start_m() + range.first * descriptor.range_spacing_m());
+  placed.set_range_spacing_m(range.step * descriptor.range_spacing_m());
+  placed.mutable_settings()->set_azimuth_bins(static_cast<int>(azimuth.kept()));
+  placed.mutable_settings()->set_range_bins(static_cast<int>(range.kept()));
+  return placed;
 }
 
 }  // namespace obliq

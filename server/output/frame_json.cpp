@@ -1,5 +1,3 @@
-#include "server/output/frame_json.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

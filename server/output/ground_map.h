@@ -1,10 +1,18 @@
 #pragma once
 #include <cstdint>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "server/output/map_projection.h"
+#include "server/radar/bins.h"
+
+namespace obliq::wire {
+class FrameDescriptor;
+}  // namespace obliq::wire
 
 namespace obliq {
+
 struct HeightGrid;
 
 /// Which bin each place of a Cartesian plane around the antenna lies in (nearest bin, no interpolation).
@@ -35,5 +43,29 @@ struct GroundMapWish {
 
 GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_range,
                         const GroundMapWish& wish);
+
+/// How bright each bin is. Planes that the frame does not have may be empty.
+struct BinLevels {
+  std::vector<float> db;  ///< 20 log10 |I&Q|, dB re unit; kNoValue where that is 0
+  std::string unit;       ///< as the frame's descriptor says
+  bool of_power = false;  ///< 10 log10 of the power, because the frame has no I&Q
+  static constexpr float kNoValue = -9999;
+};
+
+/// Whether there is something to see in them: I&Q or power.
+bool can_be_drawn(const BinBlock& bins);
+
+BinLevels bin_levels(const wire::FrameDescriptor& descriptor, const BinBlock& bins);
+
+/// A bin's BinState; kUnknown where nothing came back and the frame has no states.
+std::uint8_t state_of(const BinBlock& bins, const BinLevels& levels, std::size_t bin);
+constexpr std::uint8_t kUnknownState = 254;
+
+/// Writes a north-up map as a GeoTIFF in the azimuthal equidistant projection around the antenna (WGS84):
+/// band 1 magnitude in dB (float32, nodata -9999), band 2 the bin state (255 outside the sector). `placed`
+/// says in words how bins found their places. Throws InputError.
+void write_ground_map_tif(const std::filesystem::path& path, const GroundMap& north_up, const BinBlock& bins,
+                          const BinLevels& levels, const wire::FrameDescriptor& descriptor,
+                          const std::string& placed);
 
 }  // namespace obliq

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "proto/obliq.pb.h"
-#include "server/output/bin_levels.h"
 #include "server/output/ground_map.h"
 #include "server/output/picture_canvas.h"
-#include "server/output/picture_overlay.h"
 #include "terrain/base/constants.h"
 
 namespace obliq {
+
 namespace {
 
 constexpr int kMargin = 60;       // for labels around the map
@@ -179,6 +179,14 @@ std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, c
   caption.draw(canvas, kMargin / 2.0, caption_top);
   canvas.save(path);
   return range;
+}
+
+std::optional<DbRange> SteadyScale::next(const wire::FrameDescriptor& descriptor) {
+  if (given_) return given_;
+  std::string settings = descriptor.settings().SerializeAsString();
+  if (settings != settings_) kept_.reset();
+  settings_ = std::move(settings);
+  return kept_;
 }
 
 }  // namespace obliq

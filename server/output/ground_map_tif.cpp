@@ -1,5 +1,3 @@
-#include "server/output/ground_map_tif.h"
-
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <fmt/core.h>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "proto/obliq.pb.h"
+#include "server/output/ground_map.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

@@ -1,10 +1,9 @@
 #pragma once
+using cairo_t = struct _cairo;
+using cairo_surface_t = struct _cairo_surface;
 #include <cstdint>
 #include <filesystem>
 #include <string>
-
-using cairo_t = struct _cairo;
-using cairo_surface_t = struct _cairo_surface;
 
 namespace obliq {
 

@@ -9,8 +9,6 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
-#include "server/output/frame_json.h"
-#include "server/output/picture_overlay.h"
 
 namespace obliq {
 namespace {

@@ -1,5 +1,3 @@
-#include "server/output/picture_overlay.h"
-
 #include <cairo.h>
 #include <fmt/core.h>
 
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/output/picture_caption.h"
 #include "terrain/base/constants.h"
 
 namespace obliq {

@@ -1,7 +1,6 @@
 #pragma once
 // One thread chooses which job renders next: live radars at the rate asked for, slices of RenderOnce frames
 // between them. The rendering itself uses as many threads as it was given.
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>

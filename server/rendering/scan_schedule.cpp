@@ -1,7 +1,6 @@
 #include "server/rendering/scan_schedule.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "terrain/base/seconds.h"
 

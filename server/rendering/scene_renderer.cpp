@@ -1,14 +1,36 @@
 #include "server/rendering/scene_renderer.h"
 
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <exception>
 #include <utility>
 
 #include "server/output/describe_frame.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/pose.h"
 #include "server/radar/render.h"
+#include "server/scene/scene.h"
+#include "server/scene/scene_memory.h"
+#include "terrain/base/errors.h"
 
 namespace obliq::net {
 namespace {
+
+/// Other radars may wait this long for their turn.
+constexpr std::chrono::milliseconds kMoment{5};
+
+std::string build(const std::shared_ptr<const Scene>& scene) {
+  spdlog::info("a frustum needs traced rays: building the ray-tracing scene");
+  try {
+    scene->tracer();
+  } catch (const std::exception& error) {
+    return failure_text(error);
+  }
+  spdlog::info("{}", tracer_line(*scene));
+  spdlog::info("{}", memory_line(*scene));
+  return {};
+}
 
 class PlannedSceneFrame : public PlannedFrame {
  public:
@@ -93,6 +115,27 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
   if (before != nullptr) planned.plan->seen().mark(before->seen().list());  // the dwells of a pass add up
   result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
   return result;
+}
+
+TracerBuilder::State TracerBuilder::ensure(const std::shared_ptr<const Scene>& scene, std::string& fault) {
+  if (scene->built_tracer() != nullptr) return State::built;
+  std::unique_lock lock(mutex_);
+  if (!end_.valid()) {
+    scene_ = scene;
+    end_ = std::async(std::launch::async, build, scene).share();
+  }
+  const std::shared_ptr<const Scene> built = scene_;
+  const std::shared_future<std::string> end = end_;
+  lock.unlock();
+  if (end.wait_for(kMoment) != std::future_status::ready) return State::building;
+  lock.lock();
+  if (scene_ == built) {
+    scene_ = nullptr;
+    end_ = {};
+  }
+  if (built != scene) return State::building;
+  fault = end.get();
+  return fault.empty() ? State::built : State::failed;
 }
 
 }  // namespace obliq::net

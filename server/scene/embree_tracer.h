@@ -6,7 +6,7 @@
 #include <string>
 
 #include "server/scene/tracer_isa.h"
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 #include "terrain/world.h"
 
 namespace obliq {

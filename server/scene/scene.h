@@ -9,7 +9,7 @@
 #include "server/scene/ray_method.h"
 #include "server/scene/tile_bounds.h"
 #include "server/scene/tracer_isa.h"
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 #include "terrain/world.h"
 
 namespace obliq {

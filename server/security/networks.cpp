@@ -1,13 +1,19 @@
 #include "server/security/networks.h"
 
 #include <algorithm>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/network_v4.hpp>
 #include <boost/asio/ip/network_v6.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <map>
 #include <optional>
 #include <variant>
 
-namespace obliq {
+#include "terrain/base/errors.h"
+
+namespace obliq::net {
+
 namespace {
 
 namespace ip = boost::asio::ip;
@@ -66,4 +72,42 @@ bool is_within(const std::string& address, const std::vector<std::string>& netwo
          });
 }
 
-}  // namespace obliq
+bool resolves_to_loopback(const std::string& address) {
+  if (parse_address(address)) return is_loopback_address(address);
+  error_code error;
+  boost::asio::io_context io;
+  ip::tcp::resolver resolver(io);
+  const auto found = resolver.resolve(address, "", error);
+  return !error && !found.empty() && std::ranges::all_of(found, [](const auto& entry) {
+    return is_loopback_address(entry.endpoint().address().to_string());
+  });
+}
+
+std::string network_of(const std::string& host) {
+  const auto address = parse_address(host);
+  if (!address) return host;
+  if (address->is_v4()) return address->to_string();
+  return ip::network_v6(address->to_v6(), 64).canonical().to_string();
+}
+
+std::string most_crowded(const std::vector<std::string>& networks) {
+  std::map<std::string, int> connections;
+  for (const std::string& network : networks) ++connections[network];
+  return std::ranges::max_element(connections, {}, [](const auto& entry) { return entry.second; })->first;
+}
+
+void require_protection(const std::string& address_key, const std::string& address,
+                        const std::vector<Protection>& protections, const std::string& unprotected_key,
+                        bool unprotected) {
+  if (unprotected || resolves_to_loopback(address)) return;
+  std::string missing;
+  for (const Protection& protection : protections) {
+    if (!protection.is_set) missing += (missing.empty() ? "" : " and ") + protection.key;
+  }
+  if (missing.empty()) return;
+  throw InputError(address_key + ": found " + address + ", which other machines can reach, without " +
+                   missing + "; allowed: 127.0.0.1 or ::1, or with " + missing + ", or with " +
+                   unprotected_key + " = true, which lets any client in");
+}
+
+}  // namespace obliq::net

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/radar/render.h"
-#include "server/stream/block.h"
+#include "server/stream/live_frames.h"
 
 namespace obliq::wire {
 class FrameBegin;

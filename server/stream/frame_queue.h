@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "server/stream/block.h"
+#include "server/stream/live_frames.h"
 
 namespace obliq::net {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/stream/block.h"
 #include "server/stream/frame_queue.h"
+#include "server/stream/live_frames.h"
 
 namespace obliq::net {
 

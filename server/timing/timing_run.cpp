@@ -1,20 +1,32 @@
 #include "server/timing/timing_run.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <ctime>
+#include <span>
+#include <string>
+#include <thread>
 #include <vector>
 
+#include "client/socket.h"
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
 #include "server/stream/frame_encoder.h"
-#include "server/timing/loopback.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/files.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq {
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -25,6 +37,81 @@ constexpr double kLongEnough_s = 4;
 
 /// Of the whole process.
 double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+constexpr client::Timeout kLong{60000};
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw InputError("loopback: found " + why + "; allowed: a connection to 127.0.0.1");
+}
+
+void check(const client::Status& status) {
+  if (!status.ok()) refuse(status.sentence());
+}
+
+/// A TCP connection over the loopback, to a thread of this process that reads and drops. One thread sends at
+/// a time.
+class Loopback {
+ public:
+  /// Throws InputError where there is no loopback.
+  Loopback();
+  ~Loopback();
+  Loopback(const Loopback&) = delete;
+  Loopback& operator=(const Loopback&) = delete;
+
+  /// Returns when the system has the bytes.
+  void send(std::span<const std::byte> bytes);
+  /// Returns when the reader has all that was sent.
+  void drain() const;
+
+ private:
+  void read();
+
+  UniqueFd reader_end_;
+  client::Socket socket_;
+  std::uint64_t sent_ = 0;
+  std::atomic<std::uint64_t> received_{0};
+  std::jthread reader_;  ///< last: it ends when the socket is closed
+};
+
+Loopback::Loopback() {
+  const UniqueFd listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* const any = reinterpret_cast<sockaddr*>(&address);
+  if (::bind(listener.get(), any, size) == 0 && ::listen(listener.get(), 1) == 0 &&
+      ::getsockname(listener.get(), any, &size) == 0 &&
+      client::Socket::connect({"127.0.0.1", ntohs(address.sin_port)}, kLong, socket_).ok())
+    reader_end_.reset(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  if (!reader_end_) refuse(std::strerror(errno));
+  reader_ = std::jthread([this] { read(); });
+}
+
+Loopback::~Loopback() {
+  socket_.close();
+  reader_.join();
+}
+
+void Loopback::read() {
+  std::vector<std::byte> buffer(std::size_t{1} << 20);
+  for (;;) {
+    const ssize_t n = ::read(reader_end_.get(), buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    received_ += static_cast<std::uint64_t>(n);
+    received_.notify_one();
+  }
+}
+
+void Loopback::send(std::span<const std::byte> bytes) {
+  check(socket_.send(bytes, kLong));
+  sent_ += bytes.size();
+}
+
+void Loopback::drain() const {
+  for (std::uint64_t at = received_; at < sent_; at = received_) received_.wait(at);
+}
 
 /// One frame.
 struct Run {

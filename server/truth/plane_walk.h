@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/truth/sighted_buildings.h"
-#include "server/truth/strip.h"
+#include "server/truth/strip_integral.h"
 
 namespace obliq {
 

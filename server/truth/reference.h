@@ -37,7 +37,7 @@
 #include <vector>
 
 #include "server/scene/materials.h"
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 #include "terrain/world.h"
 
 namespace obliq {

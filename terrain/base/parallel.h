@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <string_view>
 
 namespace obliq {
 
@@ -9,5 +10,8 @@ void for_each_row(int n_rows, const std::function<void(int row)>& work);
 
 /// Calls work(); what it gives to for_each_row is done on the calling thread alone.
 void on_this_thread_alone(const std::function<void()>& work);
+
+/// Told how far a long stage has come, 0 to 1. Called from one thread at a time; may be empty.
+using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 }  // namespace obliq

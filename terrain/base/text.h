@@ -1,6 +1,7 @@
 #pragma once
 // Numbers as readers want them, and text of strangers made fit to show.
 #include <string>
+#include <vector>
 
 namespace obliq {
 
@@ -19,5 +20,10 @@ std::string one_line(std::string text);
 /// With '?' for everything but printable ASCII: control characters and broken UTF-8 have no business on an
 /// operator's terminal.
 std::string printable_text(std::string text);
+
+/// A CSV field: in quotes, quotes doubled, where it needs them (RFC 4180).
+std::string csv_field(const std::string& text);
+/// Fields of a line; those in quotes may hold commas and doubled quotes.
+std::vector<std::string> csv_fields(const std::string& line);
 
 }  // namespace obliq

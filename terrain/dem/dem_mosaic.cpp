@@ -12,9 +12,7 @@
 #include "terrain/base/stage_clock.h"
 #include "terrain/dem/dem_window.h"
 #include "terrain/dem/geodetic_lattice.h"
-#include "terrain/dem/height_unit.h"
 #include "terrain/dem/resample.h"
-#include "terrain/dem/seams.h"
 #include "terrain/grid_area.h"
 
 namespace obliq {

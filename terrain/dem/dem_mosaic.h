@@ -1,9 +1,8 @@
 #pragma once
 // All elevation models of a scene as one: later ones fill where earlier ones know nothing.
-#include <string>
 #include <vector>
 
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 #include "terrain/cache/cache_key.h"
 #include "terrain/dem/height_unit.h"
 #include "terrain/dem/load_report.h"

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "terrain/base/progress.h"
+#include "terrain/base/parallel.h"
 #include "terrain/dem/post_sample.h"
 #include "terrain/dem/raster.h"
 #include "terrain/world_spec.h"

@@ -1,13 +1,17 @@
 #include "terrain/dem/gdal_messages.h"
 
+#include <GeographicLib/Config.h>
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <fmt/core.h>
 #include <gdal.h>
+#include <ogr_srs_api.h>
 
 #include <algorithm>
 #include <mutex>
 
 namespace obliq {
+
 namespace {
 
 // Called from inside GDAL: nothing may be thrown through it.
@@ -47,6 +51,15 @@ std::string GdalMessages::reason_without(const std::string& path, const char* fa
     if (text.starts_with(beginning)) text.erase(0, beginning.size());
   if (text.ends_with('.')) text.pop_back();
   return text;
+}
+
+std::string gdal_version() { return GDALVersionInfo("RELEASE_NAME"); }
+
+std::string terrain_library_versions() {
+  int proj[3] = {0, 0, 0};
+  OSRGetPROJVersion(&proj[0], &proj[1], &proj[2]);
+  return fmt::format("GDAL {}, PROJ {}.{}.{}{}", gdal_version(), proj[0], proj[1], proj[2],
+                     ", GeographicLib " GEOGRAPHICLIB_VERSION_STRING);
 }
 
 }  // namespace obliq

@@ -62,6 +62,17 @@ void add(LatticePoint& sum, double weight, const LatticePoint& p) {
   }
 }
 
+/// Heights of a cell's corners stand for its centre's; unknown ones count as 0, where nothing is seen anyway.
+double centre_y_m(const HeightGrid& grid, int i, int j) {
+  double sum = 0;
+  for (int dj : {0, 1}) {
+    for (int di : {0, 1}) {
+      if (grid.node_known(i + di, j + dj)) sum += grid.node_y_m(i + di, j + dj) / 4;
+    }
+  }
+  return sum;
+}
+
 }  // namespace
 
 double layer_share(double height_m) {
@@ -147,21 +158,6 @@ LatticePoint LatticeRow::at(double x_m) const {
   for (std::size_t k = 0; k < 4; ++k) add(sum, weights[k], points_[static_cast<std::size_t>(first) + k]);
   return sum;
 }
-
-namespace {
-
-/// Heights of a cell's corners stand for its centre's; unknown ones count as 0, where nothing is seen anyway.
-double centre_y_m(const HeightGrid& grid, int i, int j) {
-  double sum = 0;
-  for (int dj : {0, 1}) {
-    for (int di : {0, 1}) {
-      if (grid.node_known(i + di, j + dj)) sum += grid.node_y_m(i + di, j + dj) / 4;
-    }
-  }
-  return sum;
-}
-
-}  // namespace
 
 void for_each_cell_place(const HeightGrid& grid, int j, const PostLattice& lattice,
                          const std::function<void(int i, double column, double row)>& at) {

@@ -40,6 +40,25 @@ void append_files(GDALDataset& dataset, int depth, std::vector<std::string>& fou
   CSLDestroy(names);
 }
 
+double pixels(const PixelRect& rect) { return static_cast<double>(rect.columns()) * rect.rows(); }
+
+/// The rectangle in the pixels of a level of which one stands for factor x factor.
+PixelRect in_level(const PixelRect& rect, int factor, int columns, int rows) {
+  const auto up = [factor](int at) { return at / factor + (at % factor != 0 ? 1 : 0); };
+  return {rect.column0 / factor, rect.row0 / factor, std::min(columns, up(rect.column1)),
+          std::min(rows, up(rect.row1))};
+}
+
+void require_usual_blocks(const Raster& raster, GDALRasterBand& band) {
+  int columns = 0, rows = 0;
+  band.GetBlockSize(&columns, &rows);
+  const double bytes =
+      static_cast<double>(columns) * rows * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+  if (bytes <= kMostBlock_bytes) return;
+  raster.refuse(fmt::format("its blocks are {} x {} pixels", columns, rows),
+                "blocks of at most 2 GB, so write it in tiles (gdal_translate -co TILED=YES)");
+}
+
 }  // namespace
 
 void Raster::Close::operator()(GDALDataset* dataset) const {
@@ -179,29 +198,6 @@ double Raster::turn_columns() const {
   if (pixel_from_world_[2] != 0 || pixel_from_world_[4] != 0) return 0;
   return projection_->turn() * pixel_from_world_[1];
 }
-
-namespace {
-
-double pixels(const PixelRect& rect) { return static_cast<double>(rect.columns()) * rect.rows(); }
-
-/// The rectangle in the pixels of a level of which one stands for factor x factor.
-PixelRect in_level(const PixelRect& rect, int factor, int columns, int rows) {
-  const auto up = [factor](int at) { return at / factor + (at % factor != 0 ? 1 : 0); };
-  return {rect.column0 / factor, rect.row0 / factor, std::min(columns, up(rect.column1)),
-          std::min(rows, up(rect.row1))};
-}
-
-void require_usual_blocks(const Raster& raster, GDALRasterBand& band) {
-  int columns = 0, rows = 0;
-  band.GetBlockSize(&columns, &rows);
-  const double bytes =
-      static_cast<double>(columns) * rows * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
-  if (bytes <= kMostBlock_bytes) return;
-  raster.refuse(fmt::format("its blocks are {} x {} pixels", columns, rows),
-                "blocks of at most 2 GB, so write it in tiles (gdal_translate -co TILED=YES)");
-}
-
-}  // namespace
 
 RasterLevel level_to_read(const Raster& raster, const PixelRect& rect, int step) {
   RasterLevel level{&raster.band(), 1, rect};

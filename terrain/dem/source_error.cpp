@@ -1,5 +1,6 @@
 #include "terrain/dem/source_error.h"
 
+#include <fmt/core.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "terrain/base/constants.h"
 #include "terrain/dem/load_report.h"
+#include "terrain/grid_area.h"
 
 namespace obliq {
 
@@ -23,6 +25,51 @@ bool over_unknown_cell(const HeightGrid& grid, double x_m, double z_m) {
   return !grid.node_known(i, j) && !grid.node_known(i + 1, j) && !grid.node_known(i, j + 1) &&
          !grid.node_known(i + 1, j + 1);
 }
+
+// A linear error at 90 % is 1.6449 times the root mean square of a normal distribution.
+constexpr double kLidar_m = 0.10;  // USGS Lidar Base Specification, quality level 2: RMSEz at most 0.10 m
+constexpr double k3dep13_m =
+    0.82;  // J. Stoker, B. Miller, Remote Sensing 14(4), 940, 2022: 3DEP, 1/3 arc-second
+constexpr double kNed_m = 1.55;      // D. Gesch, M. Oimoen, G. Evans, USGS Open-File Report 2014-1008: NED
+constexpr double kUsgs75_m = 7;      // USGS Standards for Digital Elevation Models, 1998: 7.5-minute, level 1
+constexpr double kSrtm_m = 5.5;      // E. Rodriguez et al., PE&RS 72(3), 2006: LE90 of 9.0 m in North America
+constexpr double kNasadem_m = 3.66;  // M. A. Aziz et al., Int. J. of Geoinformatics: 7757 GNSS points
+constexpr double kAster_m = 8.52;    // ASTER GDEM version 3 validation, USGS 2020
+constexpr double kCopernicus_m = 1.56;  // Copernicus DEM Product Handbook, Airbus 2022: LE90 of 2.57 m
+
+struct Named {
+  const char* part;  ///< of the file's name, in lower case
+  const char* product;
+  double rmse_m;
+};
+constexpr Named kNamed[] = {
+    {"nasadem", "NASADEM", kNasadem_m},
+    {"srtm", "SRTM", kSrtm_m},
+    {"astgtm", "ASTER GDEM", kAster_m},
+    {"gdem", "ASTER GDEM", kAster_m},
+    {"copernicus", "Copernicus DEM", kCopernicus_m},
+    {"cop-dem", "Copernicus DEM", kCopernicus_m},
+    {"glo-30", "Copernicus DEM", kCopernicus_m},
+    {"glo-90", "Copernicus DEM", kCopernicus_m},
+    {"usgs_1m", "3DEP, 1 m", kLidar_m},
+    {"usgs_13_", "3DEP, 1/3 arc-second", k3dep13_m},
+    {"3dep", "3DEP", k3dep13_m},
+    {"usgs_1_", "3DEP, 1 arc-second", kNed_m},
+    {"usgs_ned", "NED", kNed_m},
+};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+constexpr double kLeastAllowed_m = 0.5;
+
+/// Time of marching over ground with one cell a footprint, by a frame's other time. Of the sweep, measured
+/// over mountains (30 m posts, 60 degrees, 3 to 22 km, 512 x 1024 bins) with cells of 60, 30, 15 and 7.5 m:
+/// 184, 268, 472 and 862 ms, which is 100 ms and 47 m of cell. Frusta with pixels pay a ninth of this.
+constexpr double kMarchShare = 5;
 
 }  // namespace
 
@@ -95,48 +142,6 @@ SourceError SourceErrors::summary(const HeightGrid& grid) const {
   return error;
 }
 
-namespace {
-
-// A linear error at 90 % is 1.6449 times the root mean square of a normal distribution.
-constexpr double kLidar_m = 0.10;  // USGS Lidar Base Specification, quality level 2: RMSEz at most 0.10 m
-constexpr double k3dep13_m =
-    0.82;  // J. Stoker, B. Miller, Remote Sensing 14(4), 940, 2022: 3DEP, 1/3 arc-second
-constexpr double kNed_m = 1.55;      // D. Gesch, M. Oimoen, G. Evans, USGS Open-File Report 2014-1008: NED
-constexpr double kUsgs75_m = 7;      // USGS Standards for Digital Elevation Models, 1998: 7.5-minute, level 1
-constexpr double kSrtm_m = 5.5;      // E. Rodriguez et al., PE&RS 72(3), 2006: LE90 of 9.0 m in North America
-constexpr double kNasadem_m = 3.66;  // M. A. Aziz et al., Int. J. of Geoinformatics: 7757 GNSS points
-constexpr double kAster_m = 8.52;    // ASTER GDEM version 3 validation, USGS 2020
-constexpr double kCopernicus_m = 1.56;  // Copernicus DEM Product Handbook, Airbus 2022: LE90 of 2.57 m
-
-struct Named {
-  const char* part;  ///< of the file's name, in lower case
-  const char* product;
-  double rmse_m;
-};
-constexpr Named kNamed[] = {
-    {"nasadem", "NASADEM", kNasadem_m},
-    {"srtm", "SRTM", kSrtm_m},
-    {"astgtm", "ASTER GDEM", kAster_m},
-    {"gdem", "ASTER GDEM", kAster_m},
-    {"copernicus", "Copernicus DEM", kCopernicus_m},
-    {"cop-dem", "Copernicus DEM", kCopernicus_m},
-    {"glo-30", "Copernicus DEM", kCopernicus_m},
-    {"glo-90", "Copernicus DEM", kCopernicus_m},
-    {"usgs_1m", "3DEP, 1 m", kLidar_m},
-    {"usgs_13_", "3DEP, 1/3 arc-second", k3dep13_m},
-    {"3dep", "3DEP", k3dep13_m},
-    {"usgs_1_", "3DEP, 1 arc-second", kNed_m},
-    {"usgs_ned", "NED", kNed_m},
-};
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-}  // namespace
-
 DemAccuracy dem_accuracy(const Raster& raster) {
   const std::string name = lower(file_name(raster.path()));
   for (const Named& named : kNamed) {
@@ -155,6 +160,30 @@ DemAccuracy dem_accuracy(const Raster& raster) {
     return {"NED, by its posting", kNed_m};
   }
   return {"a model of unknown accuracy", 0};
+}
+
+double allowed_error_m(const DemAccuracy& accuracy) { return std::max(kLeastAllowed_m, accuracy.rmse_m / 2); }
+
+double halving_time(double cell_m, double footprint_m) {
+  const double march = kMarchShare * footprint_m / cell_m;
+  return (1 + 2 * march) / (1 + march);
+}
+
+double finer_cell_m(const AutoCellLimits& limits, double cell_m, double posts, const SourceError& error,
+                    std::string& left) {
+  left.clear();
+  if (!(limits.most_posts > 0) || error.posts == 0 || error.p95_m <= allowed_error_m(limits.accuracy))
+    return 0;
+  const double finer_m = round_to_quantum_m(cell_m / 2);
+  if (4 * posts > limits.most_posts) {
+    left = fmt::format("{:.3g} million posts, of {:.3g} million (a quarter of flight.max_megaposts)",
+                       4e-6 * posts, 1e-6 * limits.most_posts);
+  } else if (const double time = halving_time(cell_m, limits.footprint_m); time > kMostHalvingTime) {
+    left = fmt::format("{:.3g} times the frame time, of {:.3g}", time, kMostHalvingTime);
+  } else if (finer_m < cell_m) {
+    return finer_m;
+  }
+  return 0;
 }
 
 }  // namespace obliq

@@ -1,8 +1,8 @@
-#include "terrain/dem/voids.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+
+#include "terrain/dem/resample.h"
 
 namespace obliq {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
-#include "server/output/bin_levels.h"
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
+#include "server/output/ground_map.h"
 #include "server/radar/frame_plan.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/samplings.h"

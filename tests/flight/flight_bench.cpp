@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "client/endpoint.h"
+#include "client/socket.h"
 #include "tests/flight/flight_run.h"
 
 int main(int argc, char** argv) {

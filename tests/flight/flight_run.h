@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/endpoint.h"
+#include "client/socket.h"
 
 namespace obliq::test {
 

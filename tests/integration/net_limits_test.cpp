@@ -7,7 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "server/net/request_limits.h"
 #include "server/radar/wedge_memory.h"
-#include "server/security/exposure.h"
+#include "server/security/networks.h"
 #include "terrain/base/process.h"
 #include "tests/integration/net_fixture.h"
 

@@ -7,7 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/net/tcp.h"
-#include "server/security/exposure.h"
+#include "server/security/networks.h"
 #include "terrain/base/errors.h"
 #include "tests/integration/net_fixture.h"
 

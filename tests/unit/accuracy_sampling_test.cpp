@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/accuracy/building_errors.h"
+#include "server/accuracy/bin_errors.h"
 #include "server/accuracy/sampling_case.h"
 #include "server/accuracy/truth_search.h"
 #include "tests/support/scenes.h"

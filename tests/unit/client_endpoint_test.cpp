@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "client/endpoint.h"
+#include "client/socket.h"
 
 namespace obliq::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "server/control/parameters.h"
-#include "server/control/print_config.h"
+#include "server/control/scene_file.h"
 #include "server/control/sections/section.h"
 #include "tests/unit/scene_file_fixture.h"
 

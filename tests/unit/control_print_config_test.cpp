@@ -7,7 +7,6 @@
 #include <random>
 
 #include "server/control/parameters.h"
-#include "server/control/print_config.h"
 #include "server/control/scene_file.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "server/control/print_config.h"
 #include "server/control/quality_presets.h"
+#include "server/control/scene_file.h"
 #include "tests/unit/scene_file_fixture.h"
 
 namespace obliq {

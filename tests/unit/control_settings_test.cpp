@@ -9,7 +9,6 @@
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
-#include "server/control/settings_store.h"
 
 namespace obliq {
 namespace {

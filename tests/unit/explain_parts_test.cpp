@@ -3,13 +3,10 @@
 
 #include <cmath>
 
-#include "server/explain/advice.h"
-#include "server/explain/power_change.h"
-#include "server/explain/report.h"
+#include "server/explain/explanation.h"
+#include "server/explain/measurement.h"
 #include "server/explain/table.h"
 #include "server/explain/variants.h"
-#include "server/explain/verdict.h"
-#include "terrain/base/csv.h"
 #include "terrain/base/text.h"
 #include "tests/support/scenes.h"
 

@@ -9,6 +9,10 @@
 namespace obliq {
 namespace {
 
+/// Contrast (standard deviation over mean of the intensity) of the sum of n phasors of one length and random
+/// phases: sqrt(1 - 1/n) (Goodman, Speckle Phenomena in Optics, 2007, section 3.2: second moment 2 - 1/n).
+double phasor_sum_contrast(double phasors) { return std::sqrt(1 - 1 / phasors); }
+
 constexpr double kRadius_m = 6371008.8;  // IUGG's R1
 constexpr double kStandard = 0.75;       // 1/k for k = 4/3
 

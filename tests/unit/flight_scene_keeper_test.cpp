@@ -6,7 +6,6 @@
 #include <future>
 
 #include "server/control/scene_file.h"
-#include "server/control/terrain_reach.h"
 #include "server/flight/scene_keeper.h"
 #include "terrain/base/errors.h"
 #include "tests/support/scenes.h"

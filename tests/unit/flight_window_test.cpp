@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "server/control/terrain_reach.h"
+#include "server/control/scene_file.h"
 #include "server/flight/window.h"
 
 namespace obliq::test {

@@ -9,7 +9,6 @@
 #include <sstream>
 #include <thread>
 
-#include "server/log/log_fields.h"
 #include "server/log/service_log.h"
 
 namespace obliq::test {

@@ -7,7 +7,7 @@
 
 #include "server/net/io_thread.h"
 #include "server/net/transport.h"
-#include "server/security/exposure.h"
+#include "server/security/networks.h"
 
 namespace obliq::test {
 namespace {

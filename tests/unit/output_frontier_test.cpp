@@ -6,9 +6,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "server/frontier/frontier_header.h"
-#include "server/frontier/frontier_markdown.h"
-#include "server/frontier/frontier_plot.h"
 #include "server/frontier/frontier_table.h"
 #include "server/frontier/log_axis.h"
 #include "terrain/base/errors.h"

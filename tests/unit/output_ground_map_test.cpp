@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "proto/obliq.pb.h"
-#include "server/output/bin_levels.h"
 #include "server/output/ground_map.h"
 #include "terrain/base/constants.h"
 #include "terrain/base/errors.h"

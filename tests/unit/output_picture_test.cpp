@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "proto/obliq.pb.h"
-#include "server/output/steady_scale.h"
+#include "server/output/ground_map_png.h"
 #include "tests/unit/frame_files_fixture.h"
 
 namespace obliq {

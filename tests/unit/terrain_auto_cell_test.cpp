@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "terrain/dem/auto_cell.h"
+#include "terrain/dem/source_error.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {
@@ -88,7 +88,7 @@ TEST(AutoCell, IsTheSameFromTheCache) {
 }
 
 TEST(AutoCell, HalvingTakesTheTimeThatWasMeasured) {
-  // The sweep of auto_cell.cpp: range bins of 18.55 m, half of which is the footprint.
+  // The sweep of source_error.cpp: range bins of 18.55 m, half of which is the footprint.
   EXPECT_NEAR(halving_time(60, 9.28), 268.0 / 184, 0.1);
   EXPECT_NEAR(halving_time(30, 9.28), 472.0 / 268, 0.2);
   EXPECT_NEAR(halving_time(15, 9.28), 862.0 / 472, 0.2);

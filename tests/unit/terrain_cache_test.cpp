@@ -11,7 +11,7 @@
 
 #include "terrain/base/hash.h"
 #include "terrain/cache/ground_cache.h"
-#include "terrain/library_versions.h"
+#include "terrain/dem/gdal_messages.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {

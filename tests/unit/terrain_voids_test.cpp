@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/dem/voids.h"
+#include "terrain/dem/resample.h"
 
 namespace obliq {
 namespace {

@@ -104,11 +104,10 @@ TEST(Message, RandomBytesAreRefusedWithoutHarm) {
 }
 
 TEST(Planes, HaveTheSizesOfTheTable) {
-  EXPECT_EQ(plane_bytes(Plane::iq, {0, 2, 0, 3}), 48u);
-  EXPECT_EQ(plane_bytes(Plane::power, {0, 2, 0, 3}), 48u);
-  EXPECT_EQ(plane_bytes(Plane::count, {0, 2, 0, 3}), 24u);
-  EXPECT_EQ(plane_bytes(Plane::state, {0, 2, 0, 3}), 6u);
-  EXPECT_GT(plane_bytes(Plane::iq, {0, 0xFFFFFFFF, 0, 0xFFFFFFFF}), std::uint64_t{kMaxPlaneBytes});
+  EXPECT_EQ(bytes_per_bin(Plane::iq), 8u);
+  EXPECT_EQ(bytes_per_bin(Plane::power), 8u);
+  EXPECT_EQ(bytes_per_bin(Plane::count), 4u);
+  EXPECT_EQ(bytes_per_bin(Plane::state), 1u);
   EXPECT_FALSE(plane_from_number(4).has_value());
   EXPECT_FALSE(plane_from_number(-1).has_value());
 }

@@ -7,8 +7,7 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/scene_arguments.h"
-#include "server/explain/explain.h"
-#include "server/explain/report.h"
+#include "server/explain/explanation.h"
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
 

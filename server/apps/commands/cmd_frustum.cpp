@@ -5,7 +5,6 @@
 
 #include "server/apps/commands/commands.h"
 #include "server/apps/scene_arguments.h"
-#include "server/loading/meet_accuracy.h"
 #include "server/loading/scene_loading.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/perspective_frustum.h"

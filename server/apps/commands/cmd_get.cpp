@@ -3,14 +3,11 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
-#include <utility>
 
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/newest_files.h"
-#include "server/apps/commands/picture_arguments.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/control/parameters.h"

@@ -9,7 +9,6 @@
 
 #include "server/apps/commands/commands.h"
 #include "server/apps/scene_arguments.h"
-#include "server/loading/meet_accuracy.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
 

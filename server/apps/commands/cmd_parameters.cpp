@@ -5,7 +5,7 @@
 
 #include "server/apps/commands/commands.h"
 #include "server/control/parameter_reference.h"
-#include "server/modbus/register_reference.h"
+#include "server/modbus/register_map.h"
 
 namespace obliq {
 

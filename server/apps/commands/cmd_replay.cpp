@@ -14,15 +14,14 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/interrupts.h"
-#include "server/apps/commands/newest_files.h"
+#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
-#include "server/apps/commands/picture_arguments.h"
 #include "server/apps/commands/server_arguments.h"
+#include "server/apps/commands/stream_arguments.h"
 #include "server/apps/replay/replay_renderer.h"
 #include "server/control/settings_message.h"
 #include "server/net/server.h"
-#include "server/security/exposure.h"
+#include "server/security/networks.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cinttypes>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,7 +12,7 @@
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/control/quality_presets.h"
-#include "server/output/frame_json.h"
+#include "server/output/describe_frame.h"
 
 namespace obliq {
 namespace {

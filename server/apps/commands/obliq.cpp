@@ -6,7 +6,7 @@
 #include <string>
 
 #include "server/apps/commands/commands.h"
-#include "server/apps/parse_failure.h"
+#include "server/apps/scene_arguments.h"
 #include "terrain/base/errors.h"
 
 namespace {

@@ -12,7 +12,6 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/number_option.h"
-#include "server/control/complaints.h"
 #include "server/control/config_tree.h"
 #include "server/control/key_list.h"
 #include "server/control/parameters.h"

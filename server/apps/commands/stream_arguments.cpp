@@ -5,14 +5,21 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <initializer_list>
 #include <sstream>
 #include <string_view>
 
 #include "proto/obliq.pb.h"
 #include "proto/plane_coding.h"
+#include "server/apps/commands/number_option.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
+
 namespace {
 
 /// "iq,power" as a set of planes; throws InputError that lists the names.
@@ -47,6 +54,28 @@ void write_request(const StreamArguments& arguments, Request& request) {
   for (int plane = 0; plane < wire::kPlanes; ++plane)
     if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
 }
+
+// Long enough for a daemon that is restarted and loads a large scene.
+constexpr int kPatience_s = 300;
+constexpr int kMaxPatience_s = 86400;
+
+constexpr double kMost_dB = 1000;
+
+DbRange parse_db_range(const std::string& text) {
+  DbRange range;
+  const std::size_t colon = text.find(':');
+  const auto number = [](const std::string& part, double& value) {
+    return CLI::detail::lexical_cast(part, value) && std::abs(value) <= kMost_dB;
+  };
+  if (colon != std::string::npos && number(text.substr(0, colon), range.low) &&
+      number(text.substr(colon + 1), range.high) && range.low < range.high)
+    return range;
+  throw InputError("--db-range: found \"" + text +
+                   "\"; allowed: LOW:HIGH in dB, LOW below HIGH, both from -1000 to 1000, such as -20:35");
+}
+
+volatile std::sig_atomic_t g_interrupted = 0;
+extern "C" void note_interrupt(int) { g_interrupted = 1; }
 
 }  // namespace
 
@@ -112,5 +141,59 @@ wire::BinRun parse_bin_run(const std::string& text, const std::string& option) {
   if (parts[2] == 0 || (has_end && parts[1] <= parts[0])) refuse();
   return {parts[0], has_end ? parts[1] - parts[0] : 0, parts[2]};
 }
+
+void add_reconnect_argument(CLI::App& app, int& patience_s) {
+  app.add_option("--reconnect", patience_s,
+                 "After losing the connection, try for this long to reconnect; 0: end at once")
+      ->type_name("SECONDS")
+      ->default_val(kPatience_s)
+      ->check(whole_number_from(0, kMaxPatience_s));
+}
+
+client::ResumeOptions reconnecting(int patience_s) {
+  client::ResumeOptions options;
+  options.patience = std::chrono::seconds(patience_s);
+  options.on_lost = [patience_s](const client::Status& why) {
+    std::fprintf(stderr, "obliq: connection lost: %s; retrying for at most %d s\n", why.sentence().c_str(),
+                 patience_s);
+  };
+  options.on_resumed = [](std::chrono::duration<double> after) {
+    std::fprintf(stderr, "obliq: connected again, %.1f s after the connection was lost\n", after.count());
+  };
+  return options;
+}
+
+void add_picture_arguments(CLI::App& app, PictureArguments& arguments) {
+  app.add_flag("--north-up", arguments.north_up, "Draw the picture north up instead of bearing up");
+  app.add_option("--db-range", arguments.db_range,
+                 "Levels in dB that are drawn black and white, as the picture's legend counts them: -20:35. "
+                 "Without: from what there is to see; of a stream, in its first frame, until the radar's "
+                 "settings change")
+      ->type_name("LOW:HIGH");
+  app.add_flag("--ortho", arguments.ortho,
+               "Place ground_map.tif by the heights of the ground instead of as if all of it lay at one; for "
+               "`obliq render`, which has the heights");
+}
+
+PictureOptions picture_options(const PictureArguments& arguments, bool has_heights) {
+  if (arguments.ortho && !has_heights)
+    throw InputError(
+        "--ortho: found a frame without the heights of its ground; allowed: with `obliq render`, which loads "
+        "them");
+  PictureOptions options;
+  options.up = arguments.north_up ? MapUp::north : MapUp::bearing;
+  if (!arguments.db_range.empty()) options.db_range = parse_db_range(arguments.db_range);
+  return options;
+}
+
+void heed_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = note_interrupt;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM}) (void)sigaction(signal, &action, nullptr);
+}
+
+bool interrupted() { return g_interrupted != 0; }
 
 }  // namespace obliq

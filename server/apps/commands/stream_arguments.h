@@ -1,13 +1,17 @@
 #pragma once
 // How a command asks for frames: encoding, compression, and which bins.
+#include <cstdint>
 #include <string>
 
+#include "client/resuming_client.h"
 #include "proto/bin_window.h"
 #include "proto/plane.h"
+#include "server/output/ground_map_png.h"
 
 namespace CLI {
 class App;
 }
+
 namespace obliq::wire {
 class Subscribe;
 class RenderOnce;
@@ -35,5 +39,36 @@ wire::PlaneSet wanted_planes(const StreamArguments& arguments);
 
 /// "FIRST:END:STEP", each part optional, bins below END. Throws InputError that names the option.
 wire::BinRun parse_bin_run(const std::string& text, const std::string& option);
+
+// How the commands that stay connected tell of a lost connection.
+
+/// Errors below this number end the connection, those above concern a radar that may recover.
+constexpr std::uint32_t kFirstErrorOfRadar = 100;
+
+/// Adds --reconnect. `patience_s` must outlive the parsing.
+void add_reconnect_argument(CLI::App& app, int& patience_s);
+
+/// Says on stderr when the connection is lost and when it is back.
+client::ResumeOptions reconnecting(int patience_s);
+
+// How a command's pictures look.
+
+struct PictureArguments {
+  bool north_up = false;
+  std::string db_range;
+  bool ortho = false;
+};
+
+/// Adds --north-up, --db-range and --ortho. `arguments` must outlive the parsing.
+void add_picture_arguments(CLI::App& app, PictureArguments& arguments);
+
+/// `has_heights`: the command knows the ground, as --ortho needs it. Throws InputError.
+PictureOptions picture_options(const PictureArguments& arguments, bool has_heights = false);
+
+/// From now on SIGINT and SIGTERM are noted instead of ending the process; a second one ends it.
+void heed_interrupts();
+
+/// Whether one has come.
+bool interrupted();
 
 }  // namespace obliq

@@ -8,7 +8,6 @@
 #include <boost/asio.hpp>
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,8 +16,6 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
-#include "server/apps/daemon/build_info.h"
-#include "server/apps/daemon/reload.h"
 #include "server/apps/daemon/reloader.h"
 #include "server/apps/daemon/server_options.h"
 #include "server/apps/daemon/service_manager.h"
@@ -26,9 +23,6 @@
 #include "server/http/answering.h"
 #include "server/http/http_server.h"
 #include "server/http/metrics.h"
-#include "server/http/readiness.h"
-#include "server/loading/find_pixels.h"
-#include "server/loading/meet_accuracy.h"
 #include "server/loading/scene_loading.h"
 #include "server/log/service_log.h"
 #include "server/modbus/service.h"

@@ -1,4 +1,5 @@
 // The daemon: loads a scene and serves its radars.
+#include <google/protobuf/stubs/logging.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
@@ -11,8 +12,6 @@
 #include <utility>
 
 #include "server/apps/daemon/daemon.h"
-#include "server/apps/daemon/library_logs.h"
-#include "server/apps/parse_failure.h"
 #include "server/apps/scene_arguments.h"
 #include "server/log/service_log.h"
 #include "terrain/base/errors.h"
@@ -24,6 +23,15 @@ namespace {
 /// core costs no time (mallopt(3), M_ARENA_MAX).
 void keep_memory_together() {
   mallopt(M_ARENA_MAX, static_cast<int>(std::max(2u, std::thread::hardware_concurrency())));
+}
+
+/// What libraries would write on stderr by themselves goes to the log: protobuf says there what is wrong with
+/// a peer's bytes, as often as the peer likes.
+void take_over_library_logs() {
+  google::protobuf::SetLogHandler(
+      [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
+        spdlog::debug("protobuf: {}", message);  // the request is answered with an Error, which is logged
+      });
 }
 
 }  // namespace
@@ -48,7 +56,7 @@ int main(int argc, char** argv) {
                                        "Short for --set server.address");
   obliq::LogConfig log;
   obliq::open_log(log);
-  obliq::take_over_library_logs();
+  take_over_library_logs();
   obliq::heed_signals_before_start();
   try {
     app.parse(argc, argv);

@@ -1,18 +1,20 @@
 #include "server/apps/daemon/reloader.h"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
+#include <filesystem>
 #include <utility>
 
-#include "server/apps/daemon/reload.h"
 #include "server/apps/daemon/service_manager.h"
 #include "server/control/parameters.h"
 #include "server/control/scene_file.h"
+#include "server/control/sections/section.h"
 #include "server/flight/scene_keeper.h"
-#include "server/loading/meet_accuracy.h"
+#include "server/loading/scene_loading.h"
 #include "server/log/service_log.h"
 #include "server/net/panel.h"
 #include "server/net/server.h"
@@ -20,6 +22,7 @@
 #include "terrain/base/errors.h"
 
 namespace obliq {
+
 namespace {
 
 /// Complaints of a line each in one line.
@@ -31,6 +34,21 @@ std::string joined(const std::string& text) {
 
 /// In brackets, what a reload that has failed has done all the same.
 std::string but(const std::string& taken) { return taken.empty() ? "" : " (" + taken + ")"; }
+
+/// The configuration with nothing in it but what a scene is built from, as text. Of the radars that is how
+/// far they look, for so much ground is loaded.
+std::string scene_text(SceneConfig config) {
+  const SceneConfig defaults;
+  config.server = defaults.server;
+  config.stream = defaults.stream;
+  config.http = defaults.http;
+  config.log = defaults.log;
+  config.modbus = defaults.modbus;
+  config.threads = defaults.threads;
+  for (RadarConfig& radar : config.radars)
+    radar = RadarConfig{.name = radar.name, .settings = {.r_max_m = radar.settings.r_max_m}, .pose = {}};
+  return print_config(config);
+}
 
 }  // namespace
 
@@ -201,6 +219,41 @@ void Reloader::built(int number, const std::string& fault) {
 
 void Reloader::rest() {
   if (!reading_ && !building_) service_manager::ready(serving_text_);
+}
+
+std::string radar_names(const SceneConfig& config) {
+  std::string all;
+  for (const RadarConfig& radar : config.radars) all += (all.empty() ? "" : ", ") + radar.name;
+  return all;
+}
+
+std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted) {
+  std::vector<std::string> keys;
+  SceneConfig one = running;
+  SceneConfig other = wanted;
+  for (const auto& [key, slot, change] : scene_rows())
+    if (change == Change::restart && load(key, slot(one)) != load(key, slot(other)))
+      keys.emplace_back(key.name);
+  if (running.modbus.allow != wanted.modbus.allow) keys.emplace_back("modbus.allow");
+  if (radar_names(running) != radar_names(wanted))
+    keys.push_back(
+        fmt::format("the radars (running: {}; wanted: {})", radar_names(running), radar_names(wanted)));
+  return keys;
+}
+
+std::string scene_signature(const SceneConfig& config) {
+  std::string text = scene_text(config);
+  const auto add = [&](const std::string& path) {
+    std::error_code absent;  // a URL, or a file that is on its way: then the name alone counts
+    const auto size = std::filesystem::file_size(path, absent);
+    const auto time = std::filesystem::last_write_time(path, absent);
+    if (!absent) text += fmt::format("{} {} {}\n", path, size, time.time_since_epoch().count());
+  };
+  for (const std::string& path : config.world.terrain.dem) add(path);
+  for (const BuildingSourceSpec& spec : config.world.buildings) add(spec.source);
+  for (const PrismSpec& spec : config.world.prisms) add(spec.within);
+  for (const SurfaceSpec& spec : config.world.surfaces) add(spec.source);
+  return text;
 }
 
 }  // namespace obliq

@@ -1,6 +1,5 @@
 #pragma once
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,5 +74,17 @@ class Reloader {
   struct Readers;
   std::unique_ptr<Readers> readers_;  ///< last: they use what is above
 };
+
+/// "main, nose"
+std::string radar_names(const SceneConfig& config);
+
+/// Keys whose values differ and that only a restart applies: addresses, ports, files of certificate and
+/// tokens, which radars there are, threads. What is not named here a running daemon takes over: the radars'
+/// parameters, terrain, buildings, materials, earth, accuracy, flight, the log, the limits of [server].
+std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted);
+
+/// Everything that a scene is built from, as text: keys, and sizes and times of the files that are local. Two
+/// that are equal build the same scene.
+std::string scene_signature(const SceneConfig& config);
 
 }  // namespace obliq

@@ -1,7 +1,9 @@
 #include "server/apps/daemon/server_options.h"
 
-#include "server/security/exposure.h"
+#include "server/scene/embree_tracer.h"
+#include "server/security/networks.h"
 #include "server/security/security.h"
+#include "terrain/dem/gdal_messages.h"
 
 namespace obliq {
 
@@ -29,6 +31,19 @@ void check_server_protection(const ServerConfig& server, const std::string& addr
 std::shared_ptr<net::Security> server_security(const ServerConfig& server) {
   return std::make_shared<net::Security>(
       net::SecurityFiles{server.tokens, server.tls_certificate, server.tls_key});
+}
+
+http::BuildInfo build_info() {
+  http::BuildInfo build;
+  build.version = OBLIQ_VERSION;
+#if defined(__clang__)
+  build.compiler = "clang " __clang_version__;
+#else
+  build.compiler = "GCC " __VERSION__;
+#endif
+  build.embree = EmbreeTracer::version();
+  build.gdal = gdal_version();
+  return build;
 }
 
 }  // namespace obliq

@@ -1,5 +1,6 @@
 #pragma once
 #include "server/control/scene_config.h"
+#include "server/http/metrics.h"
 #include "server/net/options.h"
 
 namespace obliq {
@@ -14,5 +15,8 @@ void check_server_protection(const ServerConfig& server, const std::string& addr
 
 /// Certificate, key and tokens, for all ports to share. Throws InputError that names file and reason.
 std::shared_ptr<net::Security> server_security(const ServerConfig& server);
+
+/// This program's version and compiler, and the versions of the libraries that decide its results.
+http::BuildInfo build_info();
 
 }  // namespace obliq

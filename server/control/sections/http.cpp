@@ -1,8 +1,7 @@
-#include "server/control/sections/http.h"
-
 #include <array>
 
 #include "server/control/sections/section.h"
+#include "server/control/sections/server.h"
 
 namespace obliq {
 namespace {

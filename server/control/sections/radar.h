@@ -20,7 +20,8 @@ struct RadarConfig {
   std::string name = "main";
   RadarSettings settings;
   PoseSettings pose;
-  bool finds_pixels = false;  ///< pixel_columns and pixel_rows are to be found (server/loading/find_pixels.h)
+  bool finds_pixels =
+      false;  ///< pixel_columns and pixel_rows are to be found (server/loading/scene_loading.h)
 };
 
 /// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "server/control/complaints.h"
 #include "server/control/config_tree.h"
 #include "server/control/row.h"
 #include "server/control/scene_config.h"

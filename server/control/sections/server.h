@@ -1,5 +1,5 @@
 #pragma once
-// [server]: where the daemon listens, and the limits of what a peer may ask.
+// [server], [http] and [stream]: where the daemon listens, and the limits of what a peer may ask.
 #include <cstdint>
 #include <string>
 
@@ -42,5 +42,27 @@ struct ServerConfig : ServerLimits {
 };
 
 extern const Section kServerSection;
+
+/// [http]: where the daemon answers /healthz, /readyz and /metrics.
+struct HttpConfig {
+  bool enabled = true;
+  std::string address = "127.0.0.1";
+  int port = 7480;  ///< 0: any free one
+  int max_connections = 64;
+  int max_connections_per_address = 16;
+  double timeout_s = 10;  ///< for a request's header to arrive, for an answer to be taken, between requests
+};
+
+extern const Section kHttpSection;
+
+/// [stream]: what a radar does for clients that cannot keep up with it.
+struct StreamConfig {
+  int live_frames = 3;  ///< of a radar: a further one waits until all clients have done with one
+  /// When a radar has waited for so long, newest-wins clients that hold its oldest frame up have it aborted.
+  double abort_after_s = 1;
+  double lossless_limit_s = 10;  ///< a lossless client that holds its radar up and takes nothing is dropped
+};
+
+extern const Section kStreamSection;
 
 }  // namespace obliq

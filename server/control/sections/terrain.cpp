@@ -1,11 +1,10 @@
-#include "server/control/sections/terrain.h"
-
 #include <algorithm>
 #include <array>
 #include <limits>
 
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/sources.h"
 #include "server/control/sections/special_values.h"
 #include "terrain/cache/ground_cache.h"
 

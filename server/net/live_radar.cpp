@@ -1,7 +1,6 @@
-#include "server/net/slow_watchers.h"
+#include "server/net/live_radar.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <string>
 #include <utility>

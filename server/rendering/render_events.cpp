@@ -1,4 +1,4 @@
-#include "server/rendering/live_view.h"
+#include "server/rendering/render_events.h"
 
 namespace obliq::net {
 

@@ -1,13 +1,11 @@
-#include "server/net/visits.h"
+#include "server/net/peer.h"
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <string_view>
 #include <utility>
 
-#include "server/log/log_fields.h"
-#include "server/net/peer.h"
+#include "server/log/service_log.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq::net {
