@@ -1,11 +1,13 @@
 #include "server/radar/geometry/sector_extent.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
+#include "server/radar/geometry/circle_axes.h"
 #include "server/radar/profile/roofs.h"
 
 namespace obliq {
@@ -22,6 +24,7 @@ class SectorScan {
   SectorScan(const Scene& scene, const Sector& sector)
       : world_(scene.world()),
         tiles_(scene.tiles()),
+        circles_(scene.circles()),
         sector_(sector),
         margin_m_(1.5 * world_.grid.cell_m),
         sin_half_(std::sin(sector.width_rad / 2)),
@@ -30,7 +33,7 @@ class SectorScan {
   SectorExtent run() {
     for (int tj = 0; tj < tiles_.tiles_z(); ++tj)
       for (int ti = 0; ti < tiles_.tiles_x(); ++ti) visit_tile(ti, tj);
-    for (const Building& building : world_.buildings.list) visit_building(building);
+    visit_buildings();
     // Roofs alone in the swath, their ground too far or too near: the walls' feet bound them.
     if (bottom_ > top_ && top_ >= base_)
       bottom_ = std::clamp(sector_.antenna_m.y - sector_.r_max_m, base_, top_);
@@ -190,6 +193,60 @@ class SectorScan {
     }
   }
 
+  /// Buildings whose circles cannot tell that they change nothing.
+  void visit_buildings() {
+    const std::vector<Building>& list = world_.buildings.list;
+    // Without ground in the swath, bases count as well.
+    const bool all = !(bottom_ <= top_);
+    constexpr std::size_t kBlock = 512;
+    std::array<std::uint8_t, kBlock> idle;
+    for (std::size_t from = 0; from < list.size(); from += kBlock) {
+      const std::size_t count = std::min(kBlock, list.size() - from);
+      find_idle(from, count, idle.data());
+      for (std::size_t k = 0; k < count; ++k)
+        if (all || idle[k] == 0) visit_building(list[from + k]);
+    }
+  }
+
+  /// Whether buildings lie outside of sector and swath, or well inside and neither higher nor at a higher
+  /// elevation than what has been found: in floats.
+  void find_idle(std::size_t from, std::size_t count, std::uint8_t* idle) const {
+    const CircleAxes axes(circles_, sector_);
+    const auto sin_half = static_cast<float>(sin_half_);
+    const auto cos_half = static_cast<float>(cos_half_);
+    const auto r_min_m = static_cast<float>(sector_.r_min_m);
+    const auto r_max_m = static_cast<float>(sector_.r_max_m);
+    const float far_m = r_max_m + static_cast<float>(margin_m_);
+    const auto margin_m = static_cast<float>(margin_m_);
+    const auto top_m = static_cast<float>(top_);
+    const auto tangent = static_cast<float>(tangent_);
+    const bool wide = sector_.width_rad > kPi;
+    for (std::size_t k = 0; k < count; ++k) {
+      const float right = axes.right_m(circles_.x_m[from + k], circles_.z_m[from + k]);
+      const float ahead = axes.ahead_m(circles_.x_m[from + k], circles_.z_m[from + k]);
+      const float up = circles_.roof_y_m[from + k] - axes.y_m;
+      const float radius = circles_.radius_m[from + k] + axes.error_m;
+      const float ground = std::sqrt(right * right + ahead * ahead);
+      const float near = ground - radius;
+      const float far = ground + radius;
+      const float past_right = right * cos_half - ahead * sin_half;
+      const float past_left = -right * cos_half - ahead * sin_half;
+      const float less = past_right < past_left ? past_right : past_left;
+      const float more = past_right < past_left ? past_left : past_right;
+      const float past = wide ? less : more;
+      const float up2 = up * up;
+      const bool outside =
+          (near > far_m) | (past > radius + margin_m) | (!wide & (ahead < -radius - margin_m));
+      const bool inside = (past < -radius) & (wide | (ahead > radius)) & (near > 0) &
+                          (near * near + up2 > r_min_m * r_min_m * 1.00001f) &
+                          (far * far + up2 < r_max_m * r_max_m * 0.99999f);
+      const float slope_at = up > 0 ? near : far;
+      const bool lower =
+          (up + 2 * axes.error_m < tangent * slope_at) & (circles_.roof_y_m[from + k] + axes.error_m < top_m);
+      idle[k] = outside | (inside & lower) ? 1 : 0;
+    }
+  }
+
   void visit_building(const Building& building) {
     const Buildings& all = world_.buildings;
     const auto roof = static_cast<double>(building.roof_y_m);
@@ -248,6 +305,7 @@ class SectorScan {
 
   const World& world_;
   const TileBounds& tiles_;
+  const BuildingCircles& circles_;
   const Sector& sector_;
   double margin_m_;
   double sin_half_;
