@@ -61,7 +61,8 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot&
            sector_.r_max_m, sector_.width_rad),
       bins_(bin_grid(snapshot_.settings)),
       wavelength_m_(kSpeedOfLight_m_s / (snapshot_.settings.frequency_ghz * 1e9)),
-      buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m())),
+      buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m(),
+                                                          snapshot_.settings.frustum != FrustumKind::sweep)),
       seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())) {}
 
 std::shared_ptr<FramePlan> FramePlan::again(const PoseSettings& pose) const {

@@ -14,8 +14,11 @@ namespace obliq {
 /// and some that only come close. Immutable; the same for any number of threads.
 class AzimuthBuildings {
  public:
-  /// Those of which some part is no farther over ground than reach_m.
-  AzimuthBuildings(const Scene& scene, const Sector& sector, const BinGrid& bins, double reach_m);
+  /// Those of which some part is no farther over ground than reach_m. by_corners: by bounds_of(), which takes
+  /// twenty times as long. A ray's pixel may reach beyond its bin and takes the buildings of its bin alone,
+  /// so that its bits depend on those which only come close.
+  AzimuthBuildings(const Scene& scene, const Sector& sector, const BinGrid& bins, double reach_m,
+                   bool by_corners = false);
 
   /// Indices, rising.
   std::span<const std::uint32_t> in(int azimuth_bin) const {
