@@ -11,7 +11,6 @@
 #include "server/accuracy/truth_bins.h"
 #include "server/accuracy/truth_search.h"
 #include "server/control/parameters.h"
-#include "server/control/print_config.h"
 #include "server/control/quality_presets.h"
 #include "server/control/scene_file.h"
 #include "server/frontier/frontier_table.h"

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "server/radar/geometry/silhouettes.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
@@ -62,10 +61,9 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot&
            sector_.r_max_m, sector_.width_rad),
       bins_(bin_grid(snapshot_.settings)),
       wavelength_m_(kSpeedOfLight_m_s / (snapshot_.settings.frequency_ghz * 1e9)),
-      buildings_by_azimuth_(static_cast<std::size_t>(bins_.n_azimuth)),
-      seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())) {
-  sort_buildings_by_azimuth();
-}
+      buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m(),
+                                                          snapshot_.settings.frustum != FrustumKind::sweep)),
+      seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())) {}
 
 std::shared_ptr<FramePlan> FramePlan::again(const PoseSettings& pose) const {
   std::shared_ptr<FramePlan> plan(new FramePlan(*this));
@@ -75,38 +73,6 @@ std::shared_ptr<FramePlan> FramePlan::again(const PoseSettings& pose) const {
 }
 
 double FramePlan::building_reach_m() const { return sector_.r_max_m + 2 * scene_->world().grid.cell_m; }
-
-std::vector<std::uint32_t> FramePlan::buildings_in(AzimuthRange range) const {
-  std::vector<std::uint32_t> buildings;
-  for (int bin = range.first; bin < range.first + range.count; ++bin)
-    buildings.insert(buildings.end(), buildings_in(bin).begin(), buildings_in(bin).end());
-  std::sort(buildings.begin(), buildings.end());
-  buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
-  return buildings;
-}
-
-void FramePlan::sort_buildings_by_azimuth() {
-  const Buildings& all = scene_->world().buildings;
-  const double reach_m = building_reach_m();
-  for (std::uint32_t b = 0; b < all.list.size(); ++b) {
-    const BuildingBounds seen = bounds_of(all, sector_, b);
-    if (seen.near_m > reach_m) continue;
-    // In doubles until clamped: a narrow sector makes bin numbers that fit no integer.
-    const double last = bins_.n_azimuth - 1;
-    const auto add = [&](double from, double to) {
-      const double a = std::floor((from - bins_.azimuth_start_rad) / bins_.azimuth_width_rad - 1e-9);
-      const double z = std::floor((to - bins_.azimuth_start_rad) / bins_.azimuth_width_rad + 1e-9);
-      if (!(a <= last && z >= 0)) return;
-      const int bin0 = static_cast<int>(std::max(0.0, a));
-      const int bin1 = static_cast<int>(std::min(last, z));
-      for (int bin = bin0; bin <= bin1; ++bin) {
-        auto& list = buildings_by_azimuth_[static_cast<std::size_t>(bin)];
-        if (list.empty() || list.back() != b) list.push_back(b);
-      }
-    };
-    for (int turn = -1; turn <= 1; ++turn) add(seen.from_rad + turn * 2 * kPi, seen.to_rad + turn * 2 * kPi);
-  }
-}
 
 bool needs_tracer(const Scene& scene, FrustumKind frustum) {
   if (frustum == FrustumKind::sweep) return false;

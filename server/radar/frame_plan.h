@@ -2,9 +2,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/geometry/azimuth_buildings.h"
 #include "server/radar/geometry/perspective_frustum.h"
 #include "server/radar/geometry/polar_rows.h"
 #include "server/radar/geometry/pose.h"
@@ -89,11 +91,9 @@ class FramePlan {
 
   /// Indices, rising, of all buildings that overlap an azimuth bin within building_reach_m(), and of some
   /// that only come close.
-  const std::vector<std::uint32_t>& buildings_in(int azimuth_bin) const {
-    return buildings_by_azimuth_[static_cast<std::size_t>(azimuth_bin)];
-  }
+  std::span<const std::uint32_t> buildings_in(int azimuth_bin) const { return buildings_->in(azimuth_bin); }
   /// Those of several azimuth bins, each once, rising.
-  std::vector<std::uint32_t> buildings_in(AzimuthRange range) const;
+  std::vector<std::uint32_t> buildings_in(AzimuthRange range) const { return buildings_->in(range); }
 
   /// The sweep divides a bin from up to a cell in front of a building: buildings just beyond the swath count,
   /// or nearer bins would depend on where the swath ends.
@@ -105,7 +105,6 @@ class FramePlan {
  private:
   friend PlanResult plan_frame(std::shared_ptr<const Scene>, const SettingsPtr&, const Pose&);
   FramePlan(const FramePlan&) = default;  // shares what has been seen
-  void sort_buildings_by_azimuth();
 
   std::shared_ptr<const Scene> scene_;
   SettingsSnapshot snapshot_;  // a copy, so that a plan which is kept does not keep a radar's settings alive
@@ -118,7 +117,7 @@ class FramePlan {
   PolarRows polar_;
   std::shared_ptr<const ProfileRays> swept_rays_;
   double wavelength_m_;
-  std::vector<std::vector<std::uint32_t>> buildings_by_azimuth_;
+  std::shared_ptr<const AzimuthBuildings> buildings_;
   std::shared_ptr<SeenBuildings> seen_;
 };
 

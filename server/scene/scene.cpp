@@ -28,6 +28,7 @@ Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials
       fine_tiles_(world_->grid, TileBounds::kFineCells),
       tiles_(fine_tiles_, TileBounds::kCells / TileBounds::kFineCells),
       building_index_(*world_),
+      circles_(world_->buildings),
       highest_m_(highest_of(*world_, tiles_)),
       threads_(threads),
       rays_(rays),

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <vector>
 
+#include "server/scene/building_circles.h"
 #include "server/scene/building_index.h"
 #include "server/scene/materials.h"
 #include "server/scene/ray_method.h"
@@ -40,6 +41,7 @@ class Scene {
   const TileBounds& tiles() const { return tiles_; }
   const TileBounds& fine_tiles() const { return fine_tiles_; }
   const BuildingIndex& building_index() const { return building_index_; }
+  const BuildingCircles& circles() const { return circles_; }
   /// World y that neither ground nor roofs exceed; -infinity without any.
   double highest_m() const { return highest_m_; }
 
@@ -49,6 +51,7 @@ class Scene {
   TileBounds fine_tiles_;
   TileBounds tiles_;
   BuildingIndex building_index_;
+  BuildingCircles circles_;
   double highest_m_;
   int threads_;
   RayMethod rays_;

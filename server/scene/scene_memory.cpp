@@ -57,7 +57,8 @@ SceneMemory scene_memory(const Scene& scene) {
   memory.heights = bytes_of(world.grid.y_m);
   memory.surfaces = bytes_of(world.surface_material);
   memory.buildings = building_bytes(world.buildings);
-  memory.index = scene.tiles().bytes() + scene.fine_tiles().bytes() + scene.building_index().bytes();
+  memory.index = scene.tiles().bytes() + scene.fine_tiles().bytes() + scene.building_index().bytes() +
+                 scene.circles().bytes();
   if (const EmbreeTracer* tracer = scene.built_tracer()) {
     memory.tracer = tracer->bytes();
     memory.tracer_peak = tracer->peak_bytes();

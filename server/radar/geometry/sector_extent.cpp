@@ -1,12 +1,15 @@
 #include "server/radar/geometry/sector_extent.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
+#include "server/radar/geometry/circle_axes.h"
 #include "server/radar/profile/roofs.h"
+#include "server/radar/simd/kernels.h"
 
 namespace obliq {
 namespace {
@@ -22,6 +25,8 @@ class SectorScan {
   SectorScan(const Scene& scene, const Sector& sector)
       : world_(scene.world()),
         tiles_(scene.tiles()),
+        fine_tiles_(scene.fine_tiles()),
+        circles_(scene.circles()),
         sector_(sector),
         margin_m_(1.5 * world_.grid.cell_m),
         sin_half_(std::sin(sector.width_rad / 2)),
@@ -29,8 +34,8 @@ class SectorScan {
 
   SectorExtent run() {
     for (int tj = 0; tj < tiles_.tiles_z(); ++tj)
-      for (int ti = 0; ti < tiles_.tiles_x(); ++ti) visit_tile(ti, tj);
-    for (const Building& building : world_.buildings.list) visit_building(building);
+      for (int ti = 0; ti < tiles_.tiles_x(); ++ti) visit_tile(tiles_, ti, tj);
+    visit_buildings();
     // Roofs alone in the swath, their ground too far or too near: the walls' feet bound them.
     if (bottom_ > top_ && top_ >= base_)
       bottom_ = std::clamp(sector_.antenna_m.y - sector_.r_max_m, base_, top_);
@@ -64,7 +69,8 @@ class SectorScan {
     return past_right <= margin_m_ && past_left <= margin_m_ && ahead >= -margin_m_;
   }
 
-  Overlap overlap(double x_m, double z_m, double radius_m, double lowest_m, double highest_m) const {
+  Overlap overlap(double x_m, double z_m, double radius_m, double lowest_m, double highest_m,
+                  double spare_m = 0) const {
     const double ground = std::hypot(x_m - sector_.antenna_m.x, z_m - sector_.antenna_m.z);
     const double near = std::max(0.0, ground - radius_m);
     const double below = sector_.antenna_m.y - lowest_m;
@@ -73,7 +79,7 @@ class SectorScan {
     const double up_min = below >= 0 && above <= 0 ? 0 : std::min(std::abs(below), std::abs(above));
     const double range_min = std::hypot(near, up_min);
     const double range_max = std::hypot(ground + radius_m, up_max);
-    if (range_min > sector_.r_max_m || range_max < sector_.r_min_m) return Overlap::none;
+    if (range_min > sector_.r_max_m + spare_m || range_max < sector_.r_min_m - spare_m) return Overlap::none;
     const bool range_inside = range_min >= sector_.r_min_m && range_max <= sector_.r_max_m;
     if (ground <= radius_m) return Overlap::partial;
     const double half_angle = std::asin(std::min(1.0, radius_m / ground));
@@ -107,8 +113,13 @@ class SectorScan {
   }
 
   void raise(double x_m, double y_m, double z_m) {
-    const double ground = std::hypot(x_m - sector_.antenna_m.x, z_m - sector_.antenna_m.z);
+    const double dx = x_m - sector_.antenna_m.x;
+    const double dz = z_m - sector_.antenna_m.z;
     const double up = y_m - sector_.antenna_m.y;
+    // Few points rise above all before them: the others need no exact distance.
+    const double limit = tangent_ * std::sqrt(dx * dx + dz * dz);
+    if (up < limit - 1e-12 * std::abs(limit)) return;
+    const double ground = std::hypot(dx, dz);
     tangent_ = std::max(tangent_, ground > 0 ? up / ground : up > 0 ? kInfinity : -kInfinity);
   }
 
@@ -119,29 +130,26 @@ class SectorScan {
     raise(x_m, y_m, z_m);
   }
 
-  void visit_tile(int ti, int tj) {
-    const TileBounds::Tile& tile = tiles_.tile(ti, tj);
+  void visit_tile(const TileBounds& tiles, int ti, int tj) {
+    const TileBounds::Tile& tile = tiles.tile(ti, tj);
     if (!(tile.lowest_m <= tile.highest_m)) return;
     const HeightGrid& grid = world_.grid;
-    const int i0 = ti * TileBounds::kCells;
-    const int j0 = tj * TileBounds::kCells;
-    const int i1 = std::min(grid.nx - 1, i0 + TileBounds::kCells);
-    const int j1 = std::min(grid.nz - 1, j0 + TileBounds::kCells);
+    const int i0 = ti * tiles.cells();
+    const int j0 = tj * tiles.cells();
+    const int i1 = std::min(grid.nx - 1, i0 + tiles.cells());
+    const int j1 = std::min(grid.nz - 1, j0 + tiles.cells());
     const double x = (grid.node_x_m(i0) + grid.node_x_m(i1)) / 2;
     const double z = (grid.node_z_m(j0) + grid.node_z_m(j1)) / 2;
     const double radius = std::hypot(grid.node_x_m(i1) - x, grid.node_z_m(j1) - z) + margin_m_;
     const auto lowest = static_cast<double>(tile.lowest_m);
     const auto highest = static_cast<double>(tile.highest_m);
-    const Overlap kind = overlap(x, z, radius, lowest, highest);
+    // Whether some of a tile's posts count is asked of the large ones alone; of what they hold, with a margin
+    // to spare.
+    const bool large = &tiles == &tiles_;
+    const double spare = large ? 0 : margin_m_;
+    const Overlap kind = overlap(x, z, radius + spare, lowest, highest, spare);
     if (kind == Overlap::none) return;
-    const int middle_i = (i0 + i1) / 2;
-    const int middle_j = (j0 + j1) / 2;
-    if (grid.node_known(middle_i, middle_j)) {
-      const double mx = grid.node_x_m(middle_i);
-      const double mz = grid.node_z_m(middle_j);
-      const double my = grid.node_y_m(middle_i, middle_j);
-      if (holds(mx, my, mz)) heights_.push_back(my - world_.frame.datum_y_m(mx, mz));
-    }
+    if (large) take_middle((i0 + i1) / 2, (j0 + j1) / 2);
     if (kind == Overlap::full) {
       bottom_ = std::min(bottom_, lowest);
       top_ = std::max(top_, highest);
@@ -149,6 +157,13 @@ class SectorScan {
       const double up = highest - sector_.antenna_m.y;
       // No post of the tile can stand above this elevation: skip the posts when another already does.
       if (up / (up > 0 ? ground - radius : ground + radius) <= tangent_) return;
+    }
+    if (large) {
+      constexpr int kFine = TileBounds::kCells / TileBounds::kFineCells;
+      for (int fj = tj * kFine; fj < std::min(fine_tiles_.tiles_z(), (tj + 1) * kFine); ++fj)
+        for (int fi = ti * kFine; fi < std::min(fine_tiles_.tiles_x(), (ti + 1) * kFine); ++fi)
+          visit_tile(fine_tiles_, fi, fj);
+      return;
     }
     for (int j = j0; j <= j1; ++j) {
       for (int i = i0; i <= i1; ++i) {
@@ -165,6 +180,16 @@ class SectorScan {
         raise(px, py, pz);
       }
     }
+  }
+
+  /// A post's height above the datum.
+  void take_middle(int i, int j) {
+    const HeightGrid& grid = world_.grid;
+    if (!grid.node_known(i, j)) return;
+    const double x = grid.node_x_m(i);
+    const double z = grid.node_z_m(j);
+    const double y = grid.node_y_m(i, j);
+    if (holds(x, y, z)) heights_.push_back(y - world_.frame.datum_y_m(x, z));
   }
 
   /// Edges of the mesh from a node that rise or fall by more than the margin covers: 1.5 cells hold the other
@@ -187,6 +212,31 @@ class SectorScan {
       bottom_ = std::min(bottom_, part.low_y_m);
       top_ = std::max(top_, part.high_y_m);
       raise(x, part.high_y_m, z);
+    }
+  }
+
+  /// Those whose circles cannot tell that they change nothing.
+  void visit_buildings() {
+    const std::vector<Building>& list = world_.buildings.list;
+    // Without ground in the swath, bases count as well.
+    const bool all = !(bottom_ <= top_);
+    constexpr std::size_t kBlock = 512;
+    std::array<std::uint8_t, kBlock> idle;
+    const CircleAxes axes = circle_axes(circles_, sector_);
+    for (std::size_t from = 0; from < list.size(); from += kBlock) {
+      const std::size_t count = std::min(kBlock, list.size() - from);
+      const CircleExtent extent{axes,
+                                sector_.width_rad > kPi,
+                                static_cast<float>(sin_half_),
+                                static_cast<float>(cos_half_),
+                                static_cast<float>(sector_.r_min_m),
+                                static_cast<float>(sector_.r_max_m),
+                                static_cast<float>(margin_m_),
+                                static_cast<float>(top_),
+                                static_cast<float>(tangent_)};
+      widest_kernels().idle_circles(extent, circle_run(circles_, from, count), idle.data());
+      for (std::size_t k = 0; k < count; ++k)
+        if (all || idle[k] == 0) visit_building(list[from + k]);
     }
   }
 
@@ -248,6 +298,8 @@ class SectorScan {
 
   const World& world_;
   const TileBounds& tiles_;
+  const TileBounds& fine_tiles_;
+  const BuildingCircles& circles_;
   const Sector& sector_;
   double margin_m_;
   double sin_half_;

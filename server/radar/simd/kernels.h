@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/simd/bin_samples.h"
+#include "server/radar/simd/circles.h"
 #include "server/radar/simd/cut_at_bins.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/free_ray_hits.h"
@@ -36,7 +37,9 @@ namespace obliq {
   K(mark_visible_ranges)    \
   K(bin_samples)            \
   K(sum_scatterers)         \
-  K(ground_speckle)
+  K(ground_speckle)         \
+  K(circle_bins)            \
+  K(idle_circles)
 
 /// Those of one instruction set.
 struct Kernels {

@@ -20,7 +20,7 @@ constexpr std::size_t kMostCells = 1024;
 
 BuildingsByBearing::BuildingsByBearing(const FramePlan& plan, int azimuth_bin)
     : all_(plan.scene().world().buildings), sector_(plan.sector()) {
-  const std::vector<std::uint32_t>& buildings = plan.buildings_in(azimuth_bin);
+  const std::span<const std::uint32_t> buildings = plan.buildings_in(azimuth_bin);
   cells_.resize(std::clamp<std::size_t>(buildings.size() / kBuildingsACell, 1, kMostCells));
   centre_rad_ = plan.bins().azimuth_edge_rad(azimuth_bin + 0.5);
   cells_a_rad_ = static_cast<double>(cells_.size()) / plan.bins().azimuth_width_rad;
