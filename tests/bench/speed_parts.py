@@ -160,6 +160,34 @@ def sweep_words(figures):
                      "Embree's trace", "march", "Embree over march"], rows))
 
 
+# ---- Beside the last commit before cities at speed
+
+def city_commands(folder_of_programs, folder):
+    return [["tests/bench/cities.py", "--bin", folder_of_programs, "--errors", "--json", folder / "cities.json"]]
+
+
+def city_words(figures):
+    rows, memory = [], []
+    for f in figures["rows"].values():
+        if "missing" in f:
+            rows.append([f["what"], f["missing"], *[""] * 8])
+            continue
+        ours, theirs = f["ours"], f["theirs"]
+        errors = f.get("errors", {}).get("2")
+        rows.append([f["what"], ms(ours["processor_s"]), ms(theirs["processor_s"]), f"{f['ratio']:.2f}",
+                     " / ".join(f"{target:g}" for target in f["targets"]), ms(ours["wall_s"]), ms(ours["plan_s"]),
+                     *([f"{errors['power_error']:.2g}", f"{errors['energy_error']:+.1g}", f"{100 * errors['gap_fraction']:.2g} %"] if errors
+                       else ["", "", ""])])
+        if ours["buildings"] > 1e6:
+            memory = [f" {ours['buildings'] / 1e6:.2f} million buildings take {ours['memory_mb']:.0f} MB, "
+                      f"{ours['most_memory_mb']:.0f} at most, and load in {ours['load_s']:.1f} s."]
+    return (f"`tests/bench/cities.py --errors`: user and system time of plan and wedges, two threads, all planes, a moving radar, `standard` where "
+            f"nothing else is named; the least of {figures['turns']} frames, in turn with the program of commit {figures['old']} or with this "
+            "one's other setting. E, energy and gaps by `obliq frontier`: Los Angeles against the reference renderer, the others against eight "
+            "planes in each azimuth bin (a million buildings: those of 300,000)." + "".join(memory)
+            + table(["scene", "this build", "over", "ratio", "targets", "wall", "plan", "E", "energy", "gaps"], rows))
+
+
 # ---- Peers
 
 PEER_RUNS = {f"{kind}, {cell} m": ["--set", f"frustum.kind={kind}", "--set", f"terrain.cell_m={cell}"]
@@ -247,6 +275,7 @@ PARTS = [
     Part("frontier", "Frames beside their error", frontier_commands, frontier_figures, frontier_words),
     Part("rays", "Beside the bare trace", ray_commands, ray_figures, ray_words),
     Part("sweep", "The sweep", sweep_commands, sweep_figures, sweep_words),
+    Part("cities", "Cities at speed", city_commands, lambda _, folder: read(folder / "cities.json"), city_words),
     Part("peers", "Beside other ray tracers", peer_commands, peer_figures, peer_words),
     Part("first_light", "First light", light_commands, light_figures, light_words),
     Part("many_radars", "Many radars, one scene", many_commands, lambda _, folder: read(folder / "many.json"), many_words),
