@@ -1,0 +1,24 @@
+"""Client of obliqd, the radar ground-map simulator.
+
+    import obliq
+    with obliq.connect("127.0.0.1:7420") as server:
+        frame = server.radar("main").frame()
+        frame.iq, frame.azimuth_deg, frame.range_m
+
+obliq.connect, obliq.local: blocking; obliq.aio.connect: for asyncio. obliq.open: a recording. obliq.load: a saved
+frame. obliq.batch, obliq.Dataset: data sets.
+"""
+__version__ = "0.1.0"
+
+from . import aio, errors, obliq_pb2 as wire
+from ._requests import Accepted, RadarInfo, ServerInfo, Tls
+from .client import Control, Radar, Server, Stream, connect
+from .errors import (BadStream, CannotConnect, ConnectionLost, Fault, FrameAborted, InvalidValue, NotInControl, ObliqError,
+                     OverLimit, Refused, RenderFailed, ReplayOnly, ServerFull, ServerStopping, TimedOut, Unauthorized,
+                     UnknownRadar, Untrusted)
+from .files import load
+from .frame import Dwell, Frame
+from .local import Daemon as local_daemon, local
+from .parameters import Pose, Settings
+from .planes import STATES, Window
+from .recording import Loss, Recording, open_recording as open

@@ -1,0 +1,158 @@
+"""Blocks to arrays: every bin of every plane exactly once. Knows no sockets."""
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import BadStream
+from .frame import Dwell, Frame
+from .planes import NAMES, TYPES, Run, plain
+
+# Above any radar's limits; what is kept for each azimuth from a frame's beginning is then small.
+MOST_AZIMUTHS = 1 << 14
+MOST_RANGES = 1 << 24
+# A frame that needs more is refused, whatever it claims.
+MOST_BYTES = 8 << 30
+
+
+class Buffers:
+    """Arrays that are used again. A frame that has been handed out gives its arrays back when the next one is."""
+
+    def __init__(self):
+        self._free = {}
+
+    def take(self, name, shape, kind):
+        waiting = self._free.get((name, shape, kind))
+        return waiting.pop() if waiting else np.empty(shape, kind)
+
+    def give(self, frame):
+        for name in NAMES.values():
+            values = getattr(frame, name)
+            if values is not None:
+                self._free.setdefault((name, values.shape, values.dtype), []).append(values)
+        if len(self._free) > 16:  # of radars whose shape changes
+            self._free.clear()
+
+
+class Assembler:
+    """One frame from its FrameBegin on. Arrays are made when a plane's first block comes; their pages are touched as
+    values come, so memory follows what arrives, not what is claimed."""
+
+    def __init__(self, begin, header, names, buffers=None):
+        descriptor = begin.frame
+        settings = descriptor.settings
+        if not (1 <= settings.azimuth_bins <= MOST_AZIMUTHS and 1 <= settings.range_bins <= MOST_RANGES):
+            raise BadStream(f"a frame of {settings.azimuth_bins} x {settings.range_bins} bins; allowed: 1 to "
+                            f"{MOST_AZIMUTHS} x 1 to {MOST_RANGES}")
+        window = descriptor.window
+        self.azimuth = Run.cut(window.first_azimuth, window.n_azimuth, window.azimuth_step, settings.azimuth_bins)
+        self.range = Run.cut(window.first_range, window.n_range, window.range_step, settings.range_bins)
+        if not self.azimuth.n or not self.range.n:
+            raise BadStream("a frame of a window without bins")
+        self.shape = (self.azimuth.n, self.range.n)
+        bytes_needed = sum(TYPES[name].itemsize if name in TYPES else 2 for name in names) * self.shape[0] * self.shape[1]
+        if bytes_needed > MOST_BYTES:
+            raise BadStream(f"the frame needs {bytes_needed} bytes; allowed: at most {MOST_BYTES}")
+        self.stream_id, self.frame_id = header.stream_id, begin.frame_id
+        self.names = names
+        self._take = (buffers or Buffers()).take
+        self._filled = {name: [0] * self.azimuth.n for name in names}
+        self._whole = [0] * self.azimuth.n  # planes that are complete at an azimuth
+        self.frame = Frame(self, begin, header.utc_ns)
+
+    def is_mine(self, header, frame_id):
+        return header.stream_id == self.stream_id and frame_id == self.frame_id
+
+    def block(self, header, block, data):
+        """Takes a block; returns the rows that it has completed in all planes, as a slice, or None."""
+        name = NAMES.get(block.plane)
+        values = plain(block, data)
+        if name not in self._filled:
+            return None
+        row = self.azimuth.place(block.first_azimuth, block.n_azimuth, block.azimuth_step)
+        column = self.range.place(block.first_range, block.n_range, block.range_step)
+        if row is None or column is None:
+            raise BadStream("a data block does not fit the frame")
+        past, end = row + block.n_azimuth, column + block.n_range
+        filled = self._filled[name]
+        if filled[row:past] != [column] * block.n_azimuth or not values.size:
+            raise BadStream("a data block overlaps another or leaves a gap")
+        filled[row:past] = [end] * block.n_azimuth
+        array = getattr(self.frame, name)
+        if array is None or array.dtype != values.dtype:
+            if array is not None:
+                raise BadStream(f"blocks of {name} with values of different sizes")
+            array = self._allocate(name, values.dtype)
+        array[row:past, column:end] = values
+        if end < self.range.n:
+            return None
+        for at in range(row, past):
+            self._whole[at] += 1
+        if self._whole[row:past] != [len(self.names)] * block.n_azimuth:
+            return None
+        self.frame._note_dwell(slice(row, past), block, header.utc_ns)
+        return slice(row, past)
+
+    def _allocate(self, name, kind):
+        try:
+            array = self._take(name, self.shape, kind)
+        except MemoryError:
+            raise BadStream(f"there is no memory for a frame of {self.shape[0]} x {self.shape[1]} bins") from None
+        setattr(self.frame, name, array)
+        return array
+
+    def end(self, end):
+        """The complete frame; what a scanning antenna missed is 0, "not sampled"."""
+        missed = []
+        for span in end.missed:
+            first = max(0, -(-(span.first_azimuth - self.azimuth.first) // self.azimuth.step))
+            past = max(0, -(-(span.first_azimuth + span.n_azimuth - self.azimuth.first) // self.azimuth.step))
+            rows = slice(min(first, self.azimuth.n), min(past, self.azimuth.n))
+            missed.append(rows)
+            if sum(part.stop - part.start for part in missed) > self.azimuth.n:
+                raise BadStream("the frame's end says that more azimuth bins were missed than the frame has")
+        for name in self.names:
+            array = getattr(self.frame, name)
+            if array is None:
+                array = self._allocate(name, TYPES.get(name, np.dtype("u1")))
+            filled = self._filled[name]
+            for rows in missed:
+                for at in range(rows.start, rows.stop):
+                    if filled[at] == 0:
+                        array[at] = 0
+                        filled[at] = self.range.n
+            lacking = sum(self.range.n - done for done in filled)
+            if lacking:
+                raise BadStream(f"the frame ended with {lacking} values of {name} missing")
+        self.frame._finish(end, tuple(rows for rows in missed if rows.stop > rows.start))
+        return self.frame
+
+
+class Wedge:
+    """Neighbouring azimuths of a frame that have arrived in all planes. Its arrays are parts of the frame's."""
+
+    def __init__(self, frame, rows, block, header, received_ns, offset_ns):
+        self.frame = frame  # the arrays of the whole, not yet complete
+        self.azimuth = rows  # rows of the frame's arrays
+        for name in NAMES.values():
+            array = getattr(frame, name)
+            setattr(self, name, None if array is None else array[rows])
+        self.pose = Dwell.pose_of(block)
+        self.settings_version = block.settings_version
+        self.pose_stale = block.pose_stale
+        self.utc = np.datetime64(header.utc_ns, "ns")
+        here_ns = received_ns - offset_ns  # arrival by the server's clock
+
+        def since(reading_ns):
+            return (here_ns - header.utc_ns + block.send_ns - reading_ns) * 1e-9
+
+        self.latency_s = since(block.beam_ns or block.render_start_ns)  # from the beam, or the start of rendering
+        self.pose_age_s = since(block.pose_received_ns)  # from the pose's arrival at the server
+        self.pose_id = block.pose.pose_id
+
+    @property
+    def azimuth_deg(self):
+        return self.frame.azimuth_deg[self.azimuth]
+
+    @property
+    def range_m(self):
+        return self.frame.range_m

@@ -1,0 +1,174 @@
+"""Drives a session over a blocking socket. Nothing here has a thread of its own."""
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import ssl
+import threading
+import time
+
+from ._session import Session
+from ._wire import Splitter
+from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
+
+
+def untrusted(address, error):
+    """What a failed TLS handshake means."""
+    if isinstance(error, ssl.SSLCertVerificationError):
+        return Untrusted(f"{address}: the server's certificate is not to be trusted: {error.verify_message or error}. "
+                         "Give tls=obliq.Tls(ca_file=...) with the authority that signed it")
+    return Untrusted(f"{address}: TLS is not spoken there ({error}). Leave out tls=, or check the port")
+
+
+def open_socket(host, port, tls, timeout_s):
+    """Connects, and shakes hands where TLS is wanted."""
+    address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+    try:
+        plain = socket.create_connection((host, port), timeout=timeout_s)
+    except OSError as error:
+        raise CannotConnect(f"{address}: {error}. Is obliqd running there?") from error
+    try:
+        plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if tls is None:
+            return plain
+        return tls.context().wrap_socket(plain, server_hostname=host)
+    except ssl.SSLError as error:
+        plain.close()
+        raise untrusted(address, error) from error
+    except TimeoutError as error:
+        plain.close()
+        raise TimedOut(f"{address}: no TLS handshake within {timeout_s} s: is it obliqd, with TLS?") from error
+    except OSError as error:
+        plain.close()
+        raise Untrusted(f"{address}: the connection was closed during the TLS handshake ({error}): is it obliqd?") from error
+    except BaseException:
+        plain.close()
+        raise
+
+
+class Connection:
+    """A session and its socket. One thread at a time, one process."""
+
+    def __init__(self, host, port, tls, name, token, timeout_s):
+        self._pid = os.getpid()
+        self._lock = threading.Lock()
+        self.session = Session()
+        self._splitter = Splitter()
+        self.address = f"{host}:{port}"
+        self._socket = open_socket(host, port, tls, timeout_s)
+        try:
+            self.run(self.session.hello(name, token, timeout_s))
+        except TimedOut:
+            self.close()
+            raise TimedOut(f"{self.address}: something accepts connections there, but has sent nothing for {timeout_s} s: "
+                           "it is not obliqd, or too busy to answer") from None
+        except BaseException:
+            self.close()
+            raise
+
+    @contextlib.contextmanager
+    def _alone(self):
+        if os.getpid() != self._pid:
+            raise RuntimeError("this connection belongs to the process that made it: connect again after a fork")
+        if not self._lock.acquire(blocking=False):
+            raise RuntimeError("this connection is in use by another thread: one connection for each thread")
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    def run(self, command):
+        """What a command of the session returns."""
+        with self._alone():
+            return self._run(command)
+
+    def start(self, start, *arguments):
+        """What a function of the session returns that waits for nothing; its requests are sent."""
+        with self._alone():
+            result = start(*arguments)
+            self._flush()
+            return result
+
+    def _run(self, command):
+        error = None
+        while True:
+            try:
+                wait = next(command) if error is None else command.throw(error)
+            except StopIteration as end:
+                return end.value
+            error = None
+            try:
+                self._await(wait)
+            except ObliqError as failure:
+                error = failure
+
+    def _await(self, wait):
+        self._flush()
+        deadline = None if wait.timeout_s is None else time.monotonic() + wait.timeout_s
+        while not wait.test():
+            if self.session.lost is not None:
+                self._shut()
+                raise self.session.lost
+            now = time.monotonic()
+            if deadline is not None and now >= deadline:
+                raise TimedOut(f"{wait.what} did not come within {wait.timeout_s:g} s")
+            # Often enough to notice a server that has fallen silent.
+            patience = self.session.patience_s() or 3600.0
+            self._receive(min(patience, 3600.0 if deadline is None else deadline - now))
+            self._flush()
+
+    def _flush(self):
+        while self.session.outgoing and self.session.lost is None:
+            data = memoryview(self.session.outgoing[0])
+            try:
+                self._socket.settimeout(30.0)
+                self._socket.sendall(data)
+            except OSError as error:
+                # What the server said before it closed may still be read.
+                self.session.outgoing.clear()
+                with contextlib.suppress(ObliqError):
+                    while self.session.lost is None:
+                        self._receive(1.0, quiet=True)
+                if self.session.lost is None:
+                    self.session.end(ConnectionLost(f"the connection to {self.address} was lost: {error}"))
+            except BaseException:
+                # Half a message may have gone: nothing more can.
+                self.session.end(ConnectionLost("the connection was closed: sending was interrupted"))
+                self._shut()
+                raise
+            else:
+                self.session.outgoing.pop(0)
+
+    def _receive(self, timeout_s, quiet=False):
+        """Some bytes, and all messages that they complete."""
+        splitter = self._splitter
+        self._socket.settimeout(max(timeout_s, 1e-3))
+        try:
+            count = self._socket.recv_into(splitter.space())
+        except (TimeoutError, ssl.SSLWantReadError):
+            if quiet:
+                raise TimedOut("quiet") from None
+            return self.session.check_silence()
+        except OSError as error:
+            return self.session.end(ConnectionLost(f"the connection to {self.address} was lost: {error}"))
+        if count == 0:
+            where = "in the middle of a message" if splitter.waiting else "between two messages"
+            return self.session.end(ConnectionLost(f"{self.address}: the server has closed the connection, {where}"))
+        splitter.filled(count)
+        try:
+            while (message := splitter.next()) is not None:
+                self.session.feed(message)
+        except BadStream as error:
+            self.session.end(error)
+        return None
+
+    def _shut(self):
+        # A child after a fork closes its own copy; no shutdown, which would end the parent's connection.
+        with contextlib.suppress(OSError):
+            self._socket.close()
+
+    def close(self):
+        """The next use raises ConnectionLost."""
+        self.session.end(ConnectionLost("the connection was closed by close()"))
+        self._shut()

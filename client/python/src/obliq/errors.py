@@ -1,0 +1,158 @@
+"""What can go wrong, each with a sentence that says what to do. All are ObliqError.
+
+Numbers are those of PROTOCOL.md, "Errors"; `number` is 0 where the server did not say anything.
+"""
+from __future__ import annotations
+
+import dataclasses
+
+from .parameters import Pose, Settings
+
+
+class ObliqError(Exception):
+    number = 0
+
+
+class CannotConnect(ObliqError, ConnectionError):
+    """Nothing listens there, or the name is unknown."""
+
+
+class Untrusted(ObliqError, ConnectionError):
+    """The certificate is not for that server or not to be trusted, or TLS is not spoken there."""
+
+
+class TimedOut(ObliqError, TimeoutError):
+    """The server is there and did not do it in time. The connection can still be used."""
+
+
+class ConnectionLost(ObliqError, ConnectionError):
+    """The server has gone, or the connection was closed."""
+
+
+class BadStream(ObliqError):
+    """What arrived is not the protocol, or damaged. `offset` counts bytes of the connection or the file."""
+
+    def __init__(self, reason, offset=None):
+        super().__init__(reason if offset is None else f"{reason} (at byte {offset})")
+        self.reason, self.offset = reason, offset
+
+    def __reduce__(self):
+        return type(self), (self.reason, self.offset)
+
+
+class FrameAborted(ObliqError):
+    """A frame that had begun was ended by the server."""
+
+    def __init__(self, reason):
+        super().__init__(f"the server ended the frame before it was complete: {reason}")
+        self.reason = reason
+
+    def __reduce__(self):
+        return type(self), (self.reason,)
+
+
+@dataclasses.dataclass(frozen=True)
+class Fault:
+    """One value that was refused."""
+
+    field: str  # as the server calls it: a key of the scene file, or a field of the request
+    found: str
+    allowed: str
+
+    @property
+    def argument(self):
+        """The Python name of the value: r_min_m for radar.r_min_m."""
+        return Settings.keys.get(self.field) or Pose.keys.get(self.field) or self.field
+
+    def __str__(self):
+        return f"{self.argument}: found {self.found}; allowed: {self.allowed}"
+
+
+class Refused(ObliqError):
+    """The server answered with an Error."""
+
+    def __init__(self, number, text, faults=(), radar=""):
+        self.number, self.text, self.faults, self.radar = number, text, tuple(faults), radar
+        words = [self.text] + [str(fault) for fault in self.faults]
+        advice = ADVICE.get(number)
+        super().__init__(f"{'; '.join(words)}{f'. {advice}' if advice else ''} (error {number})")
+
+    def __reduce__(self):  # so that it passes between processes
+        return type(self), (self.number, self.text, self.faults, self.radar)
+
+
+class InvalidValue(Refused, ValueError):
+    """`faults` lists each value, what was found, what is allowed."""
+
+
+class UnknownRadar(Refused, LookupError):
+    pass
+
+
+class NotInControl(Refused):
+    @property
+    def holder(self):
+        """What the server says of the client that controls the radar; empty: none does."""
+        return self.text if self.number == 102 else ""
+
+
+class OverLimit(Refused):
+    @property
+    def limit(self):
+        """The limit's name: max_bins, max_renders_queued, ..."""
+        named = {104: "max_renders_queued", 105: "max_subscriptions"}
+        return named.get(self.number) or self.text.split(":")[0].split(" ")[0]
+
+
+class RenderFailed(Refused):
+    pass
+
+
+class Unauthorized(Refused, PermissionError):
+    pass
+
+
+class ServerFull(Refused):
+    pass
+
+
+class ServerStopping(Refused, ConnectionError):
+    pass
+
+
+class ReplayOnly(Refused):
+    pass
+
+
+KINDS = {
+    8: ServerFull, 9: ServerStopping, 11: Unauthorized, 12: Unauthorized, 14: ServerFull, 100: InvalidValue,
+    101: UnknownRadar, 102: NotInControl, 103: NotInControl, 104: OverLimit, 105: OverLimit, 106: RenderFailed,
+    108: Unauthorized, 109: OverLimit, 125: ReplayOnly,
+}
+
+ADVICE = {
+    8: "Close other clients or raise server.max_clients",
+    9: "Connect again when it is back, or stream with reconnect=SECONDS",
+    10: "Take frames faster, or ask for less: rate_hz, planes, window, encoding='ci16', compress='zstd'",
+    11: "Give token= or token_file=",
+    12: "Give tls=obliq.Tls(ca_file=...)",
+    13: "The connection was idle for longer than server.idle_timeout_s: connect again",
+    14: "Close other clients of this machine or raise server.max_clients_per_address",
+    102: "Wait until it is released, or take it over with control(force=True) as an admin",
+    103: "Use `with radar.control() as control`",
+    104: "Wait for a frame before asking for the next, as render_many does",
+    105: "End a stream before beginning another",
+    108: "Use a token of that role",
+    110: "Begin the stream again with a window inside the frame",
+}
+
+
+def refusal(number, text, faults=(), radar=""):
+    """The exception for an Error of the server."""
+    return KINDS.get(number, Refused)(number, text, faults, radar)
+
+
+def from_message(error):
+    """The exception for a wire.Error."""
+    faults = [Fault(fault.field, fault.found, fault.allowed) for fault in error.fields]
+    return refusal(error.number, error.text, faults, error.radar)

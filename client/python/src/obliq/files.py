@@ -1,0 +1,170 @@
+"""A frame to a file and back. .npz and .nc hold every bit; .tif and .png are maps."""
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import pathlib
+import zipfile
+
+import numpy as np
+
+from . import mapping
+from .frame import restore
+from .xarrays import attributes, coordinates, need, variable_attributes
+
+FORMAT = 1  # of .npz files
+
+
+@contextlib.contextmanager
+def whole(path):
+    """A path to write to; the file has its name when it is whole, and not before."""
+    path = pathlib.Path(path)
+    part = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
+    try:
+        yield part
+        os.replace(part, path)
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            part.unlink()
+
+
+def save(frame, path):
+    writers = {".npz": save_npz, ".nc": save_nc, ".tif": save_tif, ".tiff": save_tif, ".png": save_png}
+    suffix = pathlib.Path(path).suffix.lower()
+    if suffix not in writers:
+        raise ValueError(f"{path}: found suffix {suffix!r}; allowed: {', '.join(writers)}")
+    with whole(path) as part:
+        writers[suffix](frame, part)
+
+
+def load(path):
+    """The frame that save() wrote to .npz or .nc: the same bits."""
+    readers = {".npz": load_npz, ".nc": load_nc}
+    suffix = pathlib.Path(path).suffix.lower()
+    if suffix not in readers:
+        raise ValueError(f"{path}: found suffix {suffix!r}; allowed: {', '.join(readers)}")
+    return readers[suffix](path)
+
+
+def messages_of(frame):
+    """What a file keeps beside the planes, as arrays."""
+    summary = frame.summary.SerializeToString() if frame.summary is not None else b""
+    return {"descriptor": np.frombuffer(frame.descriptor.SerializeToString(), "u1"),
+            "summary": np.frombuffer(summary, "u1"),
+            "utc_ns": np.int64(frame.utc.astype("i8")), "frame_id": np.uint64(frame.frame_id),
+            "missed": np.array([(rows.start, rows.stop) for rows in frame.missed], "i8").reshape(-1, 2)}
+
+
+def from_messages(planes, kept):
+    return restore(planes, bytes(kept["descriptor"]), bytes(kept["summary"]), int(kept["utc_ns"]), int(kept["frame_id"]),
+                   np.asarray(kept["missed"]).tolist())
+
+
+def save_npz(frame, path):
+    with open(path, "wb") as file:
+        np.savez(file, format=np.int64(FORMAT), azimuth_deg=frame.azimuth_deg, range_m=frame.range_m, **frame.planes(),
+                 **{f"obliq_{name}": value for name, value in messages_of(frame).items()})
+
+
+def load_npz(path):
+    try:
+        with open(path, "rb") as file, np.load(file) as kept:
+            names = set(kept.files)
+            if "obliq_descriptor" not in names or int(kept["format"]) > FORMAT:
+                raise ValueError(f"{path}: not a frame that obliq saved, or by a later version")
+            messages = {name[6:]: kept[name] for name in names if name.startswith("obliq_")}
+            planes = {name: kept[name] for name in ("iq", "power", "count", "state", "video") if name in names}
+            return from_messages(planes, messages)
+    except (zipfile.BadZipFile, EOFError, KeyError) as error:
+        raise ValueError(f"{path}: damaged, or not a frame that obliq saved: {error}") from None
+
+
+def save_nc(frame, path):
+    """CF netCDF-4. Complex numbers are no netCDF type: iq is two variables, i and q."""
+    netcdf = need("saving .nc", "netCDF4", "netcdf")
+    with netcdf.Dataset(path, "w") as file:
+        for name, size in (("azimuth", frame.shape[0]), ("range", frame.shape[1]), ("bound", 2)):
+            file.createDimension(name, size)
+
+        def put(name, dimensions, values, its):
+            dimensions = (dimensions,) if isinstance(dimensions, str) else dimensions
+            variable = file.createVariable(name, np.asarray(values).dtype, dimensions, zlib=bool(dimensions), complevel=1)
+            variable[...] = values
+            variable.setncatts(its)
+
+        for name, (dimensions, values, its) in coordinates(frame).items():
+            put(name, dimensions, values, its)
+        put("time", (), np.int64(frame.utc.astype("i8")), {"units": "nanoseconds since 1970-01-01T00:00:00Z",
+                                                           "standard_name": "time"})
+        for name, values in frame.planes().items():
+            its = variable_attributes(frame, name)
+            if name == "iq":
+                put("i", ("azimuth", "range"), values.real, dict(its, long_name="in phase, real part of iq"))
+                put("q", ("azimuth", "range"), values.imag, dict(its, long_name="quadrature, imaginary part of iq"))
+            else:
+                put(name, ("azimuth", "range"), values, its)
+        for name, value in messages_of(frame).items():
+            if name in ("descriptor", "summary"):
+                file.createDimension(f"{name}_bytes", len(value))
+                put(f"obliq_{name}", f"{name}_bytes", value, {"long_name": f"protobuf message of the {name}"})
+        missed = messages_of(frame)["missed"].ravel()
+        file.setncatts({**attributes(frame), "history": "written by the obliq Python package",
+                        **({"missed": missed} if missed.size else {})})
+
+
+def load_nc(path):
+    netcdf = need("loading .nc", "netCDF4", "netcdf")
+    try:
+        file = netcdf.Dataset(path)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise ValueError(f"{path}: damaged, or not a netCDF file: {error}") from None
+    with file:
+        file.set_auto_mask(False)
+        held = file.variables
+        if "obliq_descriptor" not in held:
+            raise ValueError(f"{path}: not a frame that obliq saved")
+        planes = {name: np.asarray(held[name][...]) for name in ("power", "count", "state", "video") if name in held}
+        if "i" in held:
+            iq = np.empty(held["i"].shape, "<c8")
+            iq.real, iq.imag = held["i"][...], held["q"][...]
+            planes = {"iq": iq, **planes}
+        missed = np.atleast_1d(getattr(file, "missed", np.empty(0, "i8")))
+        return from_messages(planes, {"descriptor": held["obliq_descriptor"][...].tobytes(),
+                                      "summary": held["obliq_summary"][...].tobytes(), "utc_ns": held["time"][...],
+                                      "frame_id": file.frame_id, "missed": missed.reshape(-1, 2)})
+
+
+def save_tif(frame, path):
+    """Bands and values as the ground_map.tif of `obliq get`: level in dB, and state (255 outside)."""
+    rasterio = need("saving .tif", "rasterio", "geotiff")
+    grid = mapping.north_up(frame)
+    level, state = mapping.levels_on(frame, grid)
+    pose = frame.pose
+    with rasterio.open(
+            path, "w", driver="GTiff", width=grid.width, height=grid.height, count=2, dtype="float32", tiled=True,
+            compress="deflate", nodata=mapping.NO_VALUE,
+            crs=f"+proj=aeqd +lat_0={pose.latitude_deg:.12f} +lon_0={pose.longitude_deg:.12f} +datum=WGS84 +units=m +no_defs",
+            transform=rasterio.Affine(grid.pixel_m, 0, grid.left_m, 0, -grid.pixel_m, grid.top_m)) as file:
+        file.write(level, 1)
+        file.write(state.astype("float32"), 2)
+        file.set_band_description(1, f"{mapping.level_name(frame)}, dB")
+        file.set_band_description(2, "state: 0 not sampled, 1 sampled, 2 shadow, 3 no known surface, 4 no ground at this "
+                                     "range, 254 not known, 255 outside")
+
+
+def save_png(frame, path):
+    need("saving .png", "matplotlib", "plot")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from . import plotting
+
+    figure = Figure(figsize=(10, 8), dpi=150)
+    FigureCanvasAgg(figure)
+    plotting.plot(frame, "ppi", figure.add_subplot(), None)
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png")
+    pathlib.Path(path).write_bytes(picture.getvalue())

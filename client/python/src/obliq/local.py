@@ -1,0 +1,93 @@
+"""A daemon of one's own: started, used, stopped."""
+from __future__ import annotations
+
+import contextlib
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from .client import connect
+from .errors import CannotConnect, TimedOut
+
+READY = re.compile(r"ready: .* on (\S+)")
+
+
+def find_obliqd(program):
+    found = program or os.environ.get("OBLIQD") or shutil.which("obliqd")
+    if not found or not shutil.which(os.fspath(found)):
+        raise FileNotFoundError(f"obliqd: found {found!r}; allowed: a program in PATH, in the variable OBLIQD, or given as "
+                                "obliqd=PATH")
+    return os.fspath(found)
+
+
+class Daemon:
+    """obliqd with a scene, on any free port of this machine. It ends with this object or with this process, even where
+    that is killed: a keeper between them watches a pipe."""
+
+    def __init__(self, scene, obliqd=None, settings=None, timeout=600.0):
+        scene = pathlib.Path(scene)
+        if not scene.is_file():
+            raise FileNotFoundError(f"{scene}: no such scene file")
+        words = [find_obliqd(obliqd), "--config", os.fspath(scene), "--set", "server.port=0", "--set", "http.enabled=false",
+                 "--set", "server.address=127.0.0.1", "--set", "server.tokens=", "--set", "server.tls_certificate=", "--set",
+                 "server.tls_key="]
+        for key, value in (settings or {}).items():
+            words += ["--set", f"{key}={value}"]
+        self._log = tempfile.NamedTemporaryFile(prefix="obliqd-", suffix=".log")
+        keeper = pathlib.Path(__file__).with_name("_keeper.py")
+        # A group of its own: Ctrl-C in a notebook is not for the daemon.
+        self._keeper = subprocess.Popen([sys.executable, "-I", os.fspath(keeper), *words], stdin=subprocess.PIPE,
+                                        stdout=self._log, stderr=self._log, start_new_session=True)
+        try:
+            self.address = self._await_ready(timeout)
+        except BaseException:
+            self.stop()
+            raise
+
+    def log(self):
+        """What it has printed so far."""
+        return pathlib.Path(self._log.name).read_text(errors="replace")
+
+    def _await_ready(self, timeout):
+        end = time.monotonic() + timeout
+        while True:
+            ended = self._keeper.poll() is not None
+            found = READY.search(self.log())
+            if found:
+                return found.group(1)
+            if ended:
+                last = "\n".join(self.log().strip().splitlines()[-5:])
+                raise CannotConnect(f"obliqd ended at its start: {last or 'it printed nothing'}")
+            if time.monotonic() > end:
+                raise TimedOut(f"obliqd was not ready within {timeout:g} s; it printed: {self.log()[-500:]}")
+            time.sleep(0.02)
+
+    def stop(self, timeout=15.0):
+        if self._keeper.poll() is None:
+            self._keeper.stdin.close()
+            try:
+                self._keeper.wait(timeout)
+            except subprocess.TimeoutExpired:
+                os.killpg(self._keeper.pid, signal.SIGKILL)
+                self._keeper.wait()
+        with contextlib.suppress(OSError):
+            self._keeper.stdin.close()
+        self._log.close()
+
+
+@contextlib.contextmanager
+def local(scene, *, obliqd=None, settings=None, timeout=600.0, name="python"):
+    """Starts obliqd with a scene file, yields it connected, stops it at the end. settings: what --set would take, such as
+    {"terrain.cell_m": 30}. obliqd: the program; else $OBLIQD, else the one in PATH."""
+    daemon = Daemon(scene, obliqd, settings, timeout)
+    try:
+        with connect(daemon.address, name=name, timeout=30.0) as server:
+            yield server
+    finally:
+        daemon.stop()

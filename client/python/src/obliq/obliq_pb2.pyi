@@ -1,0 +1,767 @@
+from google.protobuf.internal import containers as _containers
+from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
+from google.protobuf import descriptor as _descriptor
+from google.protobuf import message as _message
+from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
+
+CF32_LE: IqEncodingKind
+CI16_LE: IqEncodingKind
+CIRCULAR_SCAN: ScanMode
+COUNT: PlaneKind
+DATUM: HeightReference
+DESCRIPTOR: _descriptor.FileDescriptor
+ELLIPSOID: HeightReference
+FRAME_SCAN: ScanMode
+GEOMETRIC_SPECKLE: SpeckleKind
+GROUND: HeightReference
+GROUND_SPECKLE: SpeckleKind
+IQ: PlaneKind
+NEAREST_PLATES: PlateKind
+OBLIQUE: FrustumKind
+POLAR: FrustumKind
+POWER: PlaneKind
+SECTOR_SCAN: ScanMode
+SPREAD_PLATES: PlateKind
+STATE: PlaneKind
+SWEEP: FrustumKind
+SYMMETRIC: FrustumKind
+UNCOMPRESSED: CompressionKind
+ZSTD: CompressionKind
+
+class Ack(_message.Message):
+    __slots__ = ["coverage", "request_id", "settings_version", "warnings"]
+    COVERAGE_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
+    WARNINGS_FIELD_NUMBER: _ClassVar[int]
+    coverage: float
+    request_id: int
+    settings_version: int
+    warnings: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, request_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., coverage: _Optional[float] = ...) -> None: ...
+
+class AzimuthSpan(_message.Message):
+    __slots__ = ["first_azimuth", "n_azimuth"]
+    FIRST_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    N_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    first_azimuth: int
+    n_azimuth: int
+    def __init__(self, first_azimuth: _Optional[int] = ..., n_azimuth: _Optional[int] = ...) -> None: ...
+
+class BinWindow(_message.Message):
+    __slots__ = ["azimuth_step", "first_azimuth", "first_range", "n_azimuth", "n_range", "range_step"]
+    AZIMUTH_STEP_FIELD_NUMBER: _ClassVar[int]
+    FIRST_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    FIRST_RANGE_FIELD_NUMBER: _ClassVar[int]
+    N_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    N_RANGE_FIELD_NUMBER: _ClassVar[int]
+    RANGE_STEP_FIELD_NUMBER: _ClassVar[int]
+    azimuth_step: int
+    first_azimuth: int
+    first_range: int
+    n_azimuth: int
+    n_range: int
+    range_step: int
+    def __init__(self, first_azimuth: _Optional[int] = ..., n_azimuth: _Optional[int] = ..., azimuth_step: _Optional[int] = ..., first_range: _Optional[int] = ..., n_range: _Optional[int] = ..., range_step: _Optional[int] = ...) -> None: ...
+
+class BuildingHeights(_message.Message):
+    __slots__ = ["by_default", "default_m", "field", "file", "found", "least_m", "median_m", "most_m", "unit"]
+    BY_DEFAULT_FIELD_NUMBER: _ClassVar[int]
+    DEFAULT_M_FIELD_NUMBER: _ClassVar[int]
+    FIELD_FIELD_NUMBER: _ClassVar[int]
+    FILE_FIELD_NUMBER: _ClassVar[int]
+    FOUND_FIELD_NUMBER: _ClassVar[int]
+    LEAST_M_FIELD_NUMBER: _ClassVar[int]
+    MEDIAN_M_FIELD_NUMBER: _ClassVar[int]
+    MOST_M_FIELD_NUMBER: _ClassVar[int]
+    UNIT_FIELD_NUMBER: _ClassVar[int]
+    by_default: int
+    default_m: float
+    field: str
+    file: str
+    found: int
+    least_m: float
+    median_m: float
+    most_m: float
+    unit: str
+    def __init__(self, file: _Optional[str] = ..., field: _Optional[str] = ..., unit: _Optional[str] = ..., found: _Optional[int] = ..., least_m: _Optional[float] = ..., median_m: _Optional[float] = ..., most_m: _Optional[float] = ..., by_default: _Optional[int] = ..., default_m: _Optional[float] = ...) -> None: ...
+
+class ClaimControl(_message.Message):
+    __slots__ = ["force", "radar", "request_id"]
+    FORCE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    force: bool
+    radar: str
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., force: bool = ...) -> None: ...
+
+class ElevationModel(_message.Message):
+    __slots__ = ["file", "unit", "unit_assumed"]
+    FILE_FIELD_NUMBER: _ClassVar[int]
+    UNIT_ASSUMED_FIELD_NUMBER: _ClassVar[int]
+    UNIT_FIELD_NUMBER: _ClassVar[int]
+    file: str
+    unit: str
+    unit_assumed: bool
+    def __init__(self, file: _Optional[str] = ..., unit: _Optional[str] = ..., unit_assumed: bool = ...) -> None: ...
+
+class Error(_message.Message):
+    __slots__ = ["fields", "number", "radar", "request_id", "text"]
+    FIELDS_FIELD_NUMBER: _ClassVar[int]
+    NUMBER_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TEXT_FIELD_NUMBER: _ClassVar[int]
+    fields: _containers.RepeatedCompositeFieldContainer[FieldFault]
+    number: int
+    radar: str
+    request_id: int
+    text: str
+    def __init__(self, request_id: _Optional[int] = ..., number: _Optional[int] = ..., text: _Optional[str] = ..., fields: _Optional[_Iterable[_Union[FieldFault, _Mapping]]] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class FieldFault(_message.Message):
+    __slots__ = ["allowed", "field", "found"]
+    ALLOWED_FIELD_NUMBER: _ClassVar[int]
+    FIELD_FIELD_NUMBER: _ClassVar[int]
+    FOUND_FIELD_NUMBER: _ClassVar[int]
+    allowed: str
+    field: str
+    found: str
+    def __init__(self, field: _Optional[str] = ..., found: _Optional[str] = ..., allowed: _Optional[str] = ...) -> None: ...
+
+class FrameAbort(_message.Message):
+    __slots__ = ["frame_id", "reason", "request_id"]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    frame_id: int
+    reason: str
+    request_id: int
+    def __init__(self, frame_id: _Optional[int] = ..., request_id: _Optional[int] = ..., reason: _Optional[str] = ...) -> None: ...
+
+class FrameBegin(_message.Message):
+    __slots__ = ["frame", "frame_id", "frames_skipped", "request_id", "scan", "wedges"]
+    FRAMES_SKIPPED_FIELD_NUMBER: _ClassVar[int]
+    FRAME_FIELD_NUMBER: _ClassVar[int]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SCAN_FIELD_NUMBER: _ClassVar[int]
+    WEDGES_FIELD_NUMBER: _ClassVar[int]
+    frame: FrameDescriptor
+    frame_id: int
+    frames_skipped: int
+    request_id: int
+    scan: ScanPass
+    wedges: int
+    def __init__(self, frame_id: _Optional[int] = ..., request_id: _Optional[int] = ..., frame: _Optional[_Union[FrameDescriptor, _Mapping]] = ..., wedges: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., scan: _Optional[_Union[ScanPass, _Mapping]] = ...) -> None: ...
+
+class FrameDescriptor(_message.Message):
+    __slots__ = ["antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_name", "settings", "settings_version", "source_error", "top_y_m", "unit", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
+    ANTENNA_X_M_FIELD_NUMBER: _ClassVar[int]
+    ANTENNA_Y_M_FIELD_NUMBER: _ClassVar[int]
+    ANTENNA_Z_M_FIELD_NUMBER: _ClassVar[int]
+    AZIMUTH_ERROR_BOUND_RAD_FIELD_NUMBER: _ClassVar[int]
+    AZIMUTH_REFERENCE_FIELD_NUMBER: _ClassVar[int]
+    AZIMUTH_START_DEG_FIELD_NUMBER: _ClassVar[int]
+    AZIMUTH_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
+    BOTTOM_Y_M_FIELD_NUMBER: _ClassVar[int]
+    BUILDINGS_IN_SCENE_FIELD_NUMBER: _ClassVar[int]
+    CELL_M_FIELD_NUMBER: _ClassVar[int]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    GROUND_FIELD_NUMBER: _ClassVar[int]
+    MAP_REFERENCE_HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
+    MATERIALS_FIELD_NUMBER: _ClassVar[int]
+    NORTH_RAD_FIELD_NUMBER: _ClassVar[int]
+    ORIGIN_LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    ORIGIN_LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    PHASE_SIGN_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    POSE_STALE_FIELD_NUMBER: _ClassVar[int]
+    POWER_UNIT_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RADIUS_FACTOR_FIELD_NUMBER: _ClassVar[int]
+    RANGE_SPACING_M_FIELD_NUMBER: _ClassVar[int]
+    RANGE_START_M_FIELD_NUMBER: _ClassVar[int]
+    SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_ERROR_FIELD_NUMBER: _ClassVar[int]
+    TOP_Y_M_FIELD_NUMBER: _ClassVar[int]
+    UNIT_FIELD_NUMBER: _ClassVar[int]
+    WARNINGS_FIELD_NUMBER: _ClassVar[int]
+    WAVELENGTH_M_FIELD_NUMBER: _ClassVar[int]
+    WEDGE_AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FIELD_NUMBER: _ClassVar[int]
+    antenna_x_m: float
+    antenna_y_m: float
+    antenna_z_m: float
+    azimuth_error_bound_rad: float
+    azimuth_reference: str
+    azimuth_start_deg: float
+    azimuth_width_deg: float
+    bottom_y_m: float
+    buildings_in_scene: int
+    cell_m: float
+    frame_id: int
+    ground: LoadedGround
+    map_reference_height_m: float
+    materials: _containers.RepeatedCompositeFieldContainer[Material]
+    north_rad: float
+    origin_latitude_deg: float
+    origin_longitude_deg: float
+    phase_sign: int
+    pose: Pose
+    pose_stale: bool
+    power_unit: str
+    radar: str
+    radius_factor: float
+    range_spacing_m: float
+    range_start_m: float
+    scene_name: str
+    settings: RadarSettings
+    settings_version: int
+    source_error: SourceError
+    top_y_m: float
+    unit: str
+    warnings: _containers.RepeatedScalarFieldContainer[str]
+    wavelength_m: float
+    wedge_azimuth_bins: int
+    window: BinWindow
+    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ...) -> None: ...
+
+class FrameEnd(_message.Message):
+    __slots__ = ["frame_id", "missed", "render_s", "summary", "waited_s"]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    MISSED_FIELD_NUMBER: _ClassVar[int]
+    RENDER_S_FIELD_NUMBER: _ClassVar[int]
+    SUMMARY_FIELD_NUMBER: _ClassVar[int]
+    WAITED_S_FIELD_NUMBER: _ClassVar[int]
+    frame_id: int
+    missed: _containers.RepeatedCompositeFieldContainer[AzimuthSpan]
+    render_s: float
+    summary: FrameSummary
+    waited_s: float
+    def __init__(self, frame_id: _Optional[int] = ..., summary: _Optional[_Union[FrameSummary, _Mapping]] = ..., render_s: _Optional[float] = ..., waited_s: _Optional[float] = ..., missed: _Optional[_Iterable[_Union[AzimuthSpan, _Mapping]]] = ...) -> None: ...
+
+class FrameSummary(_message.Message):
+    __slots__ = ["buildings_seen", "coverage", "frame_id", "hits", "lit_bins", "rays", "rejected", "repaired", "samples", "unsampled_bins", "warnings"]
+    BUILDINGS_SEEN_FIELD_NUMBER: _ClassVar[int]
+    COVERAGE_FIELD_NUMBER: _ClassVar[int]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    HITS_FIELD_NUMBER: _ClassVar[int]
+    LIT_BINS_FIELD_NUMBER: _ClassVar[int]
+    RAYS_FIELD_NUMBER: _ClassVar[int]
+    REJECTED_FIELD_NUMBER: _ClassVar[int]
+    REPAIRED_FIELD_NUMBER: _ClassVar[int]
+    SAMPLES_FIELD_NUMBER: _ClassVar[int]
+    UNSAMPLED_BINS_FIELD_NUMBER: _ClassVar[int]
+    WARNINGS_FIELD_NUMBER: _ClassVar[int]
+    buildings_seen: int
+    coverage: float
+    frame_id: int
+    hits: int
+    lit_bins: int
+    rays: int
+    rejected: int
+    repaired: int
+    samples: int
+    unsampled_bins: int
+    warnings: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, frame_id: _Optional[int] = ..., rays: _Optional[int] = ..., hits: _Optional[int] = ..., samples: _Optional[int] = ..., rejected: _Optional[int] = ..., coverage: _Optional[float] = ..., buildings_seen: _Optional[int] = ..., repaired: _Optional[int] = ..., lit_bins: _Optional[int] = ..., unsampled_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ...) -> None: ...
+
+class GetRadar(_message.Message):
+    __slots__ = ["radar", "request_id"]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    radar: str
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class GetStatus(_message.Message):
+    __slots__ = ["request_id"]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ...) -> None: ...
+
+class Heartbeat(_message.Message):
+    __slots__ = ["answer_wanted", "request_id"]
+    ANSWER_WANTED_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    answer_wanted: bool
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., answer_wanted: bool = ...) -> None: ...
+
+class Hello(_message.Message):
+    __slots__ = ["client_name", "major", "minor", "request_id", "token"]
+    CLIENT_NAME_FIELD_NUMBER: _ClassVar[int]
+    MAJOR_FIELD_NUMBER: _ClassVar[int]
+    MINOR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TOKEN_FIELD_NUMBER: _ClassVar[int]
+    client_name: str
+    major: int
+    minor: int
+    request_id: int
+    token: str
+    def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., client_name: _Optional[str] = ..., token: _Optional[str] = ...) -> None: ...
+
+class Limits(_message.Message):
+    __slots__ = ["heartbeat_s", "idle_timeout_s", "max_bins", "max_clients", "max_clients_per_address", "max_memory_mb", "max_pixels", "max_plane_bytes", "max_rate_hz", "max_renders_queued", "max_request_bytes", "max_subscriptions", "max_work_queued"]
+    HEARTBEAT_S_FIELD_NUMBER: _ClassVar[int]
+    IDLE_TIMEOUT_S_FIELD_NUMBER: _ClassVar[int]
+    MAX_BINS_FIELD_NUMBER: _ClassVar[int]
+    MAX_CLIENTS_FIELD_NUMBER: _ClassVar[int]
+    MAX_CLIENTS_PER_ADDRESS_FIELD_NUMBER: _ClassVar[int]
+    MAX_MEMORY_MB_FIELD_NUMBER: _ClassVar[int]
+    MAX_PIXELS_FIELD_NUMBER: _ClassVar[int]
+    MAX_PLANE_BYTES_FIELD_NUMBER: _ClassVar[int]
+    MAX_RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    MAX_RENDERS_QUEUED_FIELD_NUMBER: _ClassVar[int]
+    MAX_REQUEST_BYTES_FIELD_NUMBER: _ClassVar[int]
+    MAX_SUBSCRIPTIONS_FIELD_NUMBER: _ClassVar[int]
+    MAX_WORK_QUEUED_FIELD_NUMBER: _ClassVar[int]
+    heartbeat_s: float
+    idle_timeout_s: float
+    max_bins: int
+    max_clients: int
+    max_clients_per_address: int
+    max_memory_mb: int
+    max_pixels: int
+    max_plane_bytes: int
+    max_rate_hz: float
+    max_renders_queued: int
+    max_request_bytes: int
+    max_subscriptions: int
+    max_work_queued: int
+    def __init__(self, max_request_bytes: _Optional[int] = ..., max_plane_bytes: _Optional[int] = ..., max_clients: _Optional[int] = ..., max_renders_queued: _Optional[int] = ..., max_subscriptions: _Optional[int] = ..., max_rate_hz: _Optional[float] = ..., max_clients_per_address: _Optional[int] = ..., max_pixels: _Optional[int] = ..., max_bins: _Optional[int] = ..., max_work_queued: _Optional[int] = ..., max_memory_mb: _Optional[int] = ..., heartbeat_s: _Optional[float] = ..., idle_timeout_s: _Optional[float] = ...) -> None: ...
+
+class ListRadars(_message.Message):
+    __slots__ = ["request_id"]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ...) -> None: ...
+
+class LoadedGround(_message.Message):
+    __slots__ = ["building_heights", "elevation", "highest_m", "lowest_m", "water_km2"]
+    BUILDING_HEIGHTS_FIELD_NUMBER: _ClassVar[int]
+    ELEVATION_FIELD_NUMBER: _ClassVar[int]
+    HIGHEST_M_FIELD_NUMBER: _ClassVar[int]
+    LOWEST_M_FIELD_NUMBER: _ClassVar[int]
+    WATER_KM2_FIELD_NUMBER: _ClassVar[int]
+    building_heights: _containers.RepeatedCompositeFieldContainer[BuildingHeights]
+    elevation: _containers.RepeatedCompositeFieldContainer[ElevationModel]
+    highest_m: float
+    lowest_m: float
+    water_km2: float
+    def __init__(self, elevation: _Optional[_Iterable[_Union[ElevationModel, _Mapping]]] = ..., lowest_m: _Optional[float] = ..., highest_m: _Optional[float] = ..., building_heights: _Optional[_Iterable[_Union[BuildingHeights, _Mapping]]] = ..., water_km2: _Optional[float] = ...) -> None: ...
+
+class Material(_message.Message):
+    __slots__ = ["gamma", "model", "name", "plate_exponent", "plate_tau", "reflectivity", "rms_slope"]
+    GAMMA_FIELD_NUMBER: _ClassVar[int]
+    MODEL_FIELD_NUMBER: _ClassVar[int]
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    PLATE_EXPONENT_FIELD_NUMBER: _ClassVar[int]
+    PLATE_TAU_FIELD_NUMBER: _ClassVar[int]
+    REFLECTIVITY_FIELD_NUMBER: _ClassVar[int]
+    RMS_SLOPE_FIELD_NUMBER: _ClassVar[int]
+    gamma: float
+    model: str
+    name: str
+    plate_exponent: float
+    plate_tau: float
+    reflectivity: float
+    rms_slope: float
+    def __init__(self, name: _Optional[str] = ..., model: _Optional[str] = ..., gamma: _Optional[float] = ..., reflectivity: _Optional[float] = ..., rms_slope: _Optional[float] = ..., plate_tau: _Optional[float] = ..., plate_exponent: _Optional[float] = ...) -> None: ...
+
+class Pose(_message.Message):
+    __slots__ = ["bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "pose_id", "sim_time_ns", "valid_s"]
+    BEARING_DEG_FIELD_NUMBER: _ClassVar[int]
+    GEOID_UNDULATION_M_FIELD_NUMBER: _ClassVar[int]
+    HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
+    HEIGHT_REFERENCE_FIELD_NUMBER: _ClassVar[int]
+    LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    POSE_ID_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    VALID_S_FIELD_NUMBER: _ClassVar[int]
+    bearing_deg: float
+    geoid_undulation_m: float
+    height_m: float
+    height_reference: HeightReference
+    latitude_deg: float
+    longitude_deg: float
+    pose_id: int
+    sim_time_ns: int
+    valid_s: float
+    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ...) -> None: ...
+
+class RadarInfo(_message.Message):
+    __slots__ = ["controlled_by_you", "controller", "fault", "frozen", "late_poses", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "settings", "settings_version", "subscribers", "transmit_off"]
+    CONTROLLED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
+    CONTROLLER_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    FROZEN_FIELD_NUMBER: _ClassVar[int]
+    LATE_POSES_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    POSE_STALE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
+    SUBSCRIBERS_FIELD_NUMBER: _ClassVar[int]
+    TRANSMIT_OFF_FIELD_NUMBER: _ClassVar[int]
+    controlled_by_you: bool
+    controller: str
+    fault: str
+    frozen: bool
+    late_poses: int
+    pose: Pose
+    pose_stale: bool
+    radar: str
+    rate_hz: float
+    rate_limit_hz: float
+    request_id: int
+    settings: RadarSettings
+    settings_version: int
+    subscribers: int
+    transmit_off: bool
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
+
+class RadarList(_message.Message):
+    __slots__ = ["radars", "request_id"]
+    RADARS_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    radars: _containers.RepeatedScalarFieldContainer[str]
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
+
+class RadarSettings(_message.Message):
+    __slots__ = ["azimuth_bins", "frequency_ghz", "frustum", "gain_db", "pixel_columns", "pixel_rows", "plates", "power_w", "r_max_m", "r_min_m", "range_bins", "range_normalisation", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed"]
+    AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
+    FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
+    FRUSTUM_FIELD_NUMBER: _ClassVar[int]
+    GAIN_DB_FIELD_NUMBER: _ClassVar[int]
+    PIXEL_COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    PIXEL_ROWS_FIELD_NUMBER: _ClassVar[int]
+    PLATES_FIELD_NUMBER: _ClassVar[int]
+    POWER_W_FIELD_NUMBER: _ClassVar[int]
+    RANGE_BINS_FIELD_NUMBER: _ClassVar[int]
+    RANGE_NORMALISATION_FIELD_NUMBER: _ClassVar[int]
+    R_MAX_M_FIELD_NUMBER: _ClassVar[int]
+    R_MIN_M_FIELD_NUMBER: _ClassVar[int]
+    SCAN_DWELL_BINS_FIELD_NUMBER: _ClassVar[int]
+    SCAN_MODE_FIELD_NUMBER: _ClassVar[int]
+    SCAN_RATE_DEG_S_FIELD_NUMBER: _ClassVar[int]
+    SECTOR_DEG_FIELD_NUMBER: _ClassVar[int]
+    SPECKLE_FIELD_NUMBER: _ClassVar[int]
+    SPECKLE_SEED_FIELD_NUMBER: _ClassVar[int]
+    azimuth_bins: int
+    frequency_ghz: float
+    frustum: FrustumKind
+    gain_db: float
+    pixel_columns: int
+    pixel_rows: int
+    plates: PlateKind
+    power_w: float
+    r_max_m: float
+    r_min_m: float
+    range_bins: int
+    range_normalisation: bool
+    scan_dwell_bins: int
+    scan_mode: ScanMode
+    scan_rate_deg_s: float
+    sector_deg: float
+    speckle: SpeckleKind
+    speckle_seed: int
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ...) -> None: ...
+
+class RadarStatus(_message.Message):
+    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_version", "subscribers", "transmit_off"]
+    CONTROLLER_FIELD_NUMBER: _ClassVar[int]
+    COVERAGE_FIELD_NUMBER: _ClassVar[int]
+    COVERAGE_REASON_FIELD_NUMBER: _ClassVar[int]
+    DWELLS_MISSED_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_SHED_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_SKIPPED_FIELD_NUMBER: _ClassVar[int]
+    FROZEN_FIELD_NUMBER: _ClassVar[int]
+    LAST_RENDER_S_FIELD_NUMBER: _ClassVar[int]
+    LATE_POSES_FIELD_NUMBER: _ClassVar[int]
+    LIVE_BYTES_FIELD_NUMBER: _ClassVar[int]
+    LIVE_FRAMES_FIELD_NUMBER: _ClassVar[int]
+    POSE_STALE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
+    SUBSCRIBERS_FIELD_NUMBER: _ClassVar[int]
+    TRANSMIT_OFF_FIELD_NUMBER: _ClassVar[int]
+    controller: str
+    coverage: float
+    coverage_reason: str
+    dwells_missed: int
+    fault: str
+    frames: int
+    frames_shed: int
+    frames_skipped: int
+    frozen: bool
+    last_render_s: float
+    late_poses: int
+    live_bytes: int
+    live_frames: int
+    pose_stale: bool
+    radar: str
+    rate_hz: float
+    rate_limit_hz: float
+    settings_version: int
+    subscribers: int
+    transmit_off: bool
+    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
+
+class ReleaseControl(_message.Message):
+    __slots__ = ["radar", "request_id"]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    radar: str
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class RenderOnce(_message.Message):
+    __slots__ = ["compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "window"]
+    COMPRESSION_FIELD_NUMBER: _ClassVar[int]
+    IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
+    PLANES_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FIELD_NUMBER: _ClassVar[int]
+    compression: CompressionKind
+    iq_encoding: IqEncodingKind
+    planes: _containers.RepeatedScalarFieldContainer[PlaneKind]
+    pose: Pose
+    radar: str
+    request_id: int
+    settings: RadarSettings
+    window: BinWindow
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ...) -> None: ...
+
+class ScanPass(_message.Message):
+    __slots__ = ["begin_ns", "clockwise", "dwell_bins", "mode", "rate_deg_s"]
+    BEGIN_NS_FIELD_NUMBER: _ClassVar[int]
+    CLOCKWISE_FIELD_NUMBER: _ClassVar[int]
+    DWELL_BINS_FIELD_NUMBER: _ClassVar[int]
+    MODE_FIELD_NUMBER: _ClassVar[int]
+    RATE_DEG_S_FIELD_NUMBER: _ClassVar[int]
+    begin_ns: int
+    clockwise: bool
+    dwell_bins: int
+    mode: ScanMode
+    rate_deg_s: float
+    def __init__(self, mode: _Optional[_Union[ScanMode, str]] = ..., clockwise: bool = ..., rate_deg_s: _Optional[float] = ..., dwell_bins: _Optional[int] = ..., begin_ns: _Optional[int] = ...) -> None: ...
+
+class SetPose(_message.Message):
+    __slots__ = ["pose", "radar", "request_id"]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    pose: Pose
+    radar: str
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ...) -> None: ...
+
+class SetSettings(_message.Message):
+    __slots__ = ["radar", "request_id", "settings"]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    radar: str
+    request_id: int
+    settings: RadarSettings
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ...) -> None: ...
+
+class SetState(_message.Message):
+    __slots__ = ["freeze", "radar", "request_id", "transmit"]
+    FREEZE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TRANSMIT_FIELD_NUMBER: _ClassVar[int]
+    freeze: bool
+    radar: str
+    request_id: int
+    transmit: bool
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., transmit: bool = ..., freeze: bool = ...) -> None: ...
+
+class SourceError(_message.Message):
+    __slots__ = ["greatest_m", "median_m", "p95_m", "posts", "rms_m"]
+    GREATEST_M_FIELD_NUMBER: _ClassVar[int]
+    MEDIAN_M_FIELD_NUMBER: _ClassVar[int]
+    P95_M_FIELD_NUMBER: _ClassVar[int]
+    POSTS_FIELD_NUMBER: _ClassVar[int]
+    RMS_M_FIELD_NUMBER: _ClassVar[int]
+    greatest_m: float
+    median_m: float
+    p95_m: float
+    posts: int
+    rms_m: float
+    def __init__(self, posts: _Optional[int] = ..., median_m: _Optional[float] = ..., p95_m: _Optional[float] = ..., rms_m: _Optional[float] = ..., greatest_m: _Optional[float] = ...) -> None: ...
+
+class Status(_message.Message):
+    __slots__ = ["bytes_sent", "clients", "frames_dropped", "radars", "renders_queued", "request_id", "server_name", "server_version", "uptime_s", "window_error", "window_failure", "window_failures", "window_loading", "window_well_s", "windows_loaded"]
+    BYTES_SENT_FIELD_NUMBER: _ClassVar[int]
+    CLIENTS_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_DROPPED_FIELD_NUMBER: _ClassVar[int]
+    RADARS_FIELD_NUMBER: _ClassVar[int]
+    RENDERS_QUEUED_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SERVER_NAME_FIELD_NUMBER: _ClassVar[int]
+    SERVER_VERSION_FIELD_NUMBER: _ClassVar[int]
+    UPTIME_S_FIELD_NUMBER: _ClassVar[int]
+    WINDOWS_LOADED_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_ERROR_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FAILURES_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FAILURE_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_LOADING_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_WELL_S_FIELD_NUMBER: _ClassVar[int]
+    bytes_sent: int
+    clients: int
+    frames_dropped: int
+    radars: _containers.RepeatedCompositeFieldContainer[RadarStatus]
+    renders_queued: int
+    request_id: int
+    server_name: str
+    server_version: str
+    uptime_s: float
+    window_error: str
+    window_failure: str
+    window_failures: int
+    window_loading: bool
+    window_well_s: float
+    windows_loaded: int
+    def __init__(self, request_id: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., uptime_s: _Optional[float] = ..., clients: _Optional[int] = ..., frames_dropped: _Optional[int] = ..., bytes_sent: _Optional[int] = ..., renders_queued: _Optional[int] = ..., radars: _Optional[_Iterable[_Union[RadarStatus, _Mapping]]] = ..., windows_loaded: _Optional[int] = ..., window_loading: bool = ..., window_failures: _Optional[int] = ..., window_error: _Optional[str] = ..., window_failure: _Optional[str] = ..., window_well_s: _Optional[float] = ...) -> None: ...
+
+class Subscribe(_message.Message):
+    __slots__ = ["compression", "iq_encoding", "lossless", "planes", "radar", "rate_hz", "request_id", "window"]
+    COMPRESSION_FIELD_NUMBER: _ClassVar[int]
+    IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
+    LOSSLESS_FIELD_NUMBER: _ClassVar[int]
+    PLANES_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    WINDOW_FIELD_NUMBER: _ClassVar[int]
+    compression: CompressionKind
+    iq_encoding: IqEncodingKind
+    lossless: bool
+    planes: _containers.RepeatedScalarFieldContainer[PlaneKind]
+    radar: str
+    rate_hz: float
+    request_id: int
+    window: BinWindow
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., rate_hz: _Optional[float] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., lossless: bool = ...) -> None: ...
+
+class Unsubscribe(_message.Message):
+    __slots__ = ["radar", "request_id"]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    radar: str
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class WedgeBlock(_message.Message):
+    __slots__ = ["azimuth_step", "beam_ns", "compression", "first_azimuth", "first_range", "frame_id", "iq_encoding", "n_azimuth", "n_range", "plain_bytes", "plane", "pose", "pose_received_ns", "pose_stale", "range_step", "render_start_ns", "scale", "send_ns", "settings_version", "wedge_index"]
+    AZIMUTH_STEP_FIELD_NUMBER: _ClassVar[int]
+    BEAM_NS_FIELD_NUMBER: _ClassVar[int]
+    COMPRESSION_FIELD_NUMBER: _ClassVar[int]
+    FIRST_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    FIRST_RANGE_FIELD_NUMBER: _ClassVar[int]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
+    N_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    N_RANGE_FIELD_NUMBER: _ClassVar[int]
+    PLAIN_BYTES_FIELD_NUMBER: _ClassVar[int]
+    PLANE_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    POSE_RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
+    POSE_STALE_FIELD_NUMBER: _ClassVar[int]
+    RANGE_STEP_FIELD_NUMBER: _ClassVar[int]
+    RENDER_START_NS_FIELD_NUMBER: _ClassVar[int]
+    SCALE_FIELD_NUMBER: _ClassVar[int]
+    SEND_NS_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
+    WEDGE_INDEX_FIELD_NUMBER: _ClassVar[int]
+    azimuth_step: int
+    beam_ns: int
+    compression: CompressionKind
+    first_azimuth: int
+    first_range: int
+    frame_id: int
+    iq_encoding: IqEncodingKind
+    n_azimuth: int
+    n_range: int
+    plain_bytes: int
+    plane: PlaneKind
+    pose: Pose
+    pose_received_ns: int
+    pose_stale: bool
+    range_step: int
+    render_start_ns: int
+    scale: float
+    send_ns: int
+    settings_version: int
+    wedge_index: int
+    def __init__(self, frame_id: _Optional[int] = ..., plane: _Optional[_Union[PlaneKind, str]] = ..., first_azimuth: _Optional[int] = ..., n_azimuth: _Optional[int] = ..., first_range: _Optional[int] = ..., n_range: _Optional[int] = ..., wedge_index: _Optional[int] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., pose_received_ns: _Optional[int] = ..., render_start_ns: _Optional[int] = ..., send_ns: _Optional[int] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., scale: _Optional[float] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., plain_bytes: _Optional[int] = ..., azimuth_step: _Optional[int] = ..., range_step: _Optional[int] = ..., pose_stale: bool = ..., beam_ns: _Optional[int] = ...) -> None: ...
+
+class Welcome(_message.Message):
+    __slots__ = ["client_name", "encodings", "limits", "major", "minor", "radars", "request_id", "role", "scene_name", "server_name", "server_version"]
+    CLIENT_NAME_FIELD_NUMBER: _ClassVar[int]
+    ENCODINGS_FIELD_NUMBER: _ClassVar[int]
+    LIMITS_FIELD_NUMBER: _ClassVar[int]
+    MAJOR_FIELD_NUMBER: _ClassVar[int]
+    MINOR_FIELD_NUMBER: _ClassVar[int]
+    RADARS_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    ROLE_FIELD_NUMBER: _ClassVar[int]
+    SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
+    SERVER_NAME_FIELD_NUMBER: _ClassVar[int]
+    SERVER_VERSION_FIELD_NUMBER: _ClassVar[int]
+    client_name: str
+    encodings: _containers.RepeatedScalarFieldContainer[str]
+    limits: Limits
+    major: int
+    minor: int
+    radars: _containers.RepeatedScalarFieldContainer[str]
+    request_id: int
+    role: str
+    scene_name: str
+    server_name: str
+    server_version: str
+    def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., scene_name: _Optional[str] = ..., radars: _Optional[_Iterable[str]] = ..., encodings: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., client_name: _Optional[str] = ..., role: _Optional[str] = ...) -> None: ...
+
+class FrustumKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class PlateKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class SpeckleKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class ScanMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class HeightReference(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class PlaneKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class IqEncodingKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class CompressionKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []

@@ -1,0 +1,135 @@
+"""The parameters of a radar and the pose of its antenna. Written by generate.py: do not edit."""
+from __future__ import annotations
+
+import dataclasses
+
+from ._fields import Fields
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Settings(Fields):
+    """Settings of a radar. None: as it is, or the default where a frame is rendered."""
+
+    # Carrier frequency. Allowed: number 0.03 to 300 GHz
+    frequency_ghz: float | None = None
+    # Width of the sector in azimuth; the symmetric frustum needs less than 180. Allowed: number above 0, at most 360 deg
+    sector_deg: float | None = None
+    # Slant range of the near edge of the first range bin. Allowed: number 0 to 500000 m
+    r_min_m: float | None = None
+    # Slant range of the far edge of the last range bin. Allowed: number above 0, at most 500000 m
+    r_max_m: float | None = None
+    # Transmitted power; 0: a silent radar. Allowed: number 0 to 1000000000000 W
+    power_w: float | None = None
+    # One-way antenna gain, the same in all directions. Allowed: number -100 to 100 dB
+    gain_db: float | None = None
+    # Multiply amplitudes by range squared; phases stay. Allowed: true | false
+    range_normalisation: bool | None = None
+    # Speckle fixed to the ground, or the paper's, from the ranges of the samples. Allowed: "ground" | "geometric"
+    speckle: str | None = None
+    # Each seed gives another speckle pattern on the same ground. Allowed: any integer
+    speckle_seed: int | None = None
+    # How the ground is sampled: rays through pixels in one of three layouts, or vertical planes without rays. Allowed: "symmetric" | "oblique" | "polar" | "sweep"
+    frustum: str | None = None
+    # Spread a pixel's power over all range bins that it covers, or put it into the bin of its hit, as the paper does. Allowed: "spread" | "nearest"
+    plates: str | None = None
+    # Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth bin. frustum.pixels sets columns and rows. Allowed: integer 1 to 16384
+    pixel_columns: int | None = None
+    # Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both. Allowed: integer 1 to 16384
+    pixel_rows: int | None = None
+    # Azimuth bins in the sector. Allowed: integer 1 to 8192
+    azimuth_bins: int | None = None
+    # Range bins between r_min and r_max. Allowed: integer 1 to 8192
+    range_bins: int | None = None
+    # How a live radar scans: whole frames, back and forth across the sector, or round and round. Allowed: "frame" | "sector" | "circular"
+    scan_mode: str | None = None
+    # Turning rate of the antenna; 36 is 6 turns per minute. Allowed: number 0.1 to 7200 deg/s
+    scan_rate_deg_s: float | None = None
+    # Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192
+    scan_dwell_bins: int | None = None
+
+
+Settings.choices = {
+    "speckle": {
+        "ground": 0,
+        "geometric": 1
+    },
+    "frustum": {
+        "symmetric": 1,
+        "oblique": 0,
+        "polar": 2,
+        "sweep": 3
+    },
+    "plates": {
+        "spread": 0,
+        "nearest": 1
+    },
+    "scan_mode": {
+        "frame": 0,
+        "sector": 1,
+        "circular": 2
+    }
+}
+Settings.keys = {
+    "radar.frequency_ghz": "frequency_ghz",
+    "radar.sector_deg": "sector_deg",
+    "radar.r_min_m": "r_min_m",
+    "radar.r_max_m": "r_max_m",
+    "radar.power_w": "power_w",
+    "radar.gain_db": "gain_db",
+    "radar.range_normalisation": "range_normalisation",
+    "radar.speckle": "speckle",
+    "radar.speckle_seed": "speckle_seed",
+    "frustum.kind": "frustum",
+    "frustum.plates": "plates",
+    "frustum.pixel_columns": "pixel_columns",
+    "frustum.pixel_rows": "pixel_rows",
+    "bins.azimuth": "azimuth_bins",
+    "bins.range": "range_bins",
+    "scan.mode": "scan_mode",
+    "scan.rate_deg_s": "scan_rate_deg_s",
+    "scan.dwell_bins": "scan_dwell_bins"
+}
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Pose(Fields):
+    """Where the antenna is and where it looks. None: as it is."""
+
+    # Geodetic latitude of the antenna; a scene file that names none gets the terrain's centre. Allowed: number -90 to 90 deg
+    latitude_deg: float | None = None
+    # Longitude of the antenna, east positive; a scene file that names none gets the terrain's centre. Allowed: number -180 to 180 deg
+    longitude_deg: float | None = None
+    # Height of the antenna above antenna.height_reference. Allowed: number -1000 to 100000 m
+    height_m: float | None = None
+    # Zero of antenna.height_m: the terrain's datum, the ground below, or the WGS84 ellipsoid. Allowed: "datum" | "ground" | "ellipsoid"
+    height_reference: str | None = None
+    # Height of the datum above the ellipsoid at the antenna; used with "ellipsoid" only. Allowed: number -120 to 120 m
+    geoid_undulation_m: float | None = None
+    # Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg
+    bearing_deg: float | None = None
+    # Time of the pose by the controller's clock; the server interpolates between poses that have one. Allowed: integer -4e+18 to 4e+18 ns
+    sim_time_ns: int | None = None
+    # The controller's number for the pose; echoed, not used. Allowed: non-negative integer
+    pose_id: int | None = None
+    # A pose is marked stale this long after it arrived if no other has arrived since; 0: never. Allowed: number 0 to 86400 s
+    valid_s: float | None = None
+
+
+Pose.choices = {
+    "height_reference": {
+        "datum": 0,
+        "ground": 1,
+        "ellipsoid": 2
+    }
+}
+Pose.keys = {
+    "antenna.latitude_deg": "latitude_deg",
+    "antenna.longitude_deg": "longitude_deg",
+    "antenna.height_m": "height_m",
+    "antenna.height_reference": "height_reference",
+    "antenna.geoid_undulation_m": "geoid_undulation_m",
+    "antenna.bearing_deg": "bearing_deg",
+    "antenna.sim_time_ns": "sim_time_ns",
+    "antenna.pose_id": "pose_id",
+    "antenna.valid_s": "valid_s"
+}

@@ -1,0 +1,151 @@
+"""Planes of a frame, windows of it, and how a block's bytes become values. PROTOCOL.md, "Frames"."""
+from __future__ import annotations
+
+import dataclasses
+import typing
+
+import numpy as np
+
+from ._fields import hint
+from ._wire import MOST_PLANE
+from .errors import BadStream
+
+# Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its
+# blocks' sizes say.
+NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4}
+TYPES = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"), "count": np.dtype("<u4"), "state": np.dtype("u1")}
+VIDEO_TYPES = {1: np.dtype("u1"), 2: np.dtype("<u2")}
+NAMES = {number: name for name, number in NUMBERS.items()}
+FOUR = ("iq", "power", "count", "state")
+STATES = ("not_sampled", "sampled", "shadow", "no_surface", "no_ground")
+ENCODINGS = {"cf32": 0, "cf32_le": 0, "ci16": 1, "ci16_le": 1}
+COMPRESSIONS = {None: 0, "none": 0, "zstd": 1}
+
+
+def plane_names(given):
+    """"iq state", ["iq", "state"] or None, the four, as a tuple in the order of their numbers."""
+    if given is None:
+        return FOUR
+    names = given.replace(",", " ").split() if isinstance(given, str) else list(given)
+    for name in names:
+        if name not in NUMBERS:
+            raise ValueError(f"planes: found {name!r}{hint(name, NUMBERS)}")
+    if not names:
+        raise ValueError(f"planes: found none; allowed: some of {', '.join(NUMBERS)}")
+    return tuple(sorted(set(names), key=NUMBERS.get))
+
+
+def choice(name, table, given):
+    if given not in table:
+        raise ValueError(f"{name}: found {given!r}; allowed: {', '.join(repr(key) for key in table)}")
+    return table[given]
+
+
+@dataclasses.dataclass(frozen=True)
+class Window:
+    """The bins that are wanted, as slices without negative numbers: Window(azimuth=slice(0, None, 4))."""
+
+    azimuth: slice = dataclasses.field(default_factory=lambda: slice(None))
+    range: slice = dataclasses.field(default_factory=lambda: slice(None))
+
+    def write(self, message):
+        for axis in ("azimuth", "range"):
+            run = getattr(self, axis)
+            if not isinstance(run, slice):
+                raise TypeError(f"Window({axis}={run!r}); allowed: a slice, such as slice(100, 200)")
+            first, step = run.start or 0, 1 if run.step is None else run.step
+            if first < 0 or step < 1 or (run.stop is not None and run.stop <= first):
+                raise ValueError(f"Window({axis}={run}): has no bins; allowed: 0 <= start < stop, step from 1")
+            setattr(message, f"first_{axis}", first)
+            setattr(message, f"n_{axis}", 0 if run.stop is None else run.stop - first)
+            setattr(message, f"{axis}_step", step)
+
+
+class Run(typing.NamedTuple):
+    """Bins first, first + step, ... of one axis: n of them."""
+
+    first: int
+    step: int
+    n: int
+
+    @staticmethod
+    def cut(first, spanned, step, bins):
+        step = max(1, step)
+        spanned = min(spanned, bins - first) if spanned else bins - first
+        return Run(first, step, max(0, -(-spanned // step)))
+
+    def place(self, first, n, step):
+        """Where a block's bins stand among these, or None."""
+        step = max(1, step)
+        at, rest = divmod(first - self.first, self.step)
+        if step != self.step or rest or at < 0 or at + n > self.n:
+            return None
+        return at
+
+    def indices(self):
+        return self.first + self.step * np.arange(self.n)
+
+
+def plain(block, data):
+    """The values of a block's rectangle, [n_azimuth, n_range]. BadStream where sizes or codings are not possible."""
+    name = NAMES.get(block.plane)
+    if name is None:
+        raise BadStream(f"a data block of plane {block.plane}; allowed: 0 to {max(NAMES)}")
+    if block.iq_encoding not in (0, 1) or block.compression not in (0, 1):
+        raise BadStream(f"a data block in encoding {block.iq_encoding}, compression {block.compression}; allowed: 0 or 1")
+    bins = block.n_azimuth * block.n_range
+    size = block.plain_bytes if block.compression else len(data)
+    integers = name == "iq" and block.iq_encoding == 1
+    if name == "video":
+        kind = VIDEO_TYPES.get(size // bins if bins else 1)
+    else:
+        kind = np.dtype("<i2") if integers else TYPES[name]
+    per_bin = (2 if integers else 1) * (kind.itemsize if kind else 0)
+    if kind is None or size != bins * per_bin or size > MOST_PLANE:
+        raise BadStream(f"a data block of {bins} bins of {name} has the wrong size: found {size} bytes")
+    if block.compression:
+        data = _unpack(data, size)
+    if not integers:
+        return np.frombuffer(data, kind).reshape(block.n_azimuth, block.n_range)
+    if not 0 <= block.scale <= float(np.finfo(np.float32).max) / 32767:
+        raise BadStream(f"a data block's scale: found {block.scale}; allowed: from 0")
+    # In double, then rounded once, as the C++ client does: the same bits.
+    values = (np.frombuffer(data, kind) * np.float64(block.scale)).astype("<f4")
+    return values.view("<c8").reshape(block.n_azimuth, block.n_range)
+
+
+def need_zstd():
+    try:
+        import zstandard
+    except ImportError:
+        raise ImportError("compress='zstd' needs zstandard: pip install 'obliq[zstd]'") from None
+    return zstandard
+
+
+def _unpack(data, size):
+    zstandard = need_zstd()
+    # What the bytes claim decides nothing about memory.
+    try:
+        if zstandard.frame_content_size(data) not in (-1, size):
+            raise BadStream(f"a compressed data block is damaged: its plain_bytes are {size}")
+        values = zstandard.ZstdDecompressor().decompress(data, max_output_size=max(1, size))
+    except zstandard.ZstdError as error:
+        raise BadStream(f"a compressed data block is damaged: {error}") from None
+    if len(values) != size:
+        raise BadStream(f"a compressed data block is damaged: {len(values)} bytes; its plain_bytes are {size}")
+    return values
+
+
+def write_choice(request, planes, encoding, compress, window):
+    """Which planes, how they are sent, which bins: fields that Subscribe and RenderOnce share."""
+    names = plane_names(planes)
+    request.planes.extend(NUMBERS[name] for name in names)
+    request.iq_encoding = choice("encoding", ENCODINGS, encoding)
+    request.compression = choice("compress", COMPRESSIONS, compress)
+    if request.compression:
+        need_zstd()
+    if window is not None:
+        if not isinstance(window, Window):
+            raise TypeError(f"window: found {type(window).__name__}; allowed: obliq.Window")
+        window.write(request.window)
+    return names

@@ -1,0 +1,76 @@
+"""A daemon of one's own: started, used, stopped, whatever happens."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import support
+from support import OBLIQD, Folder, obliq, scene
+
+
+def daemons_of(config):
+    """Process ids of obliqd with that scene file."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            words = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if os.path.basename(words[0]) == b"obliqd" and str(config).encode() in words:
+            found.append(int(pid))
+    return found
+
+
+def gone(config, within_s=20):
+    end = time.monotonic() + within_s
+    while daemons_of(config) and time.monotonic() < end:
+        time.sleep(0.05)
+    return not daemons_of(config)
+
+
+class Local(Folder):
+    def test_it_is_there_and_then_it_is_not(self):
+        config = scene(self.folder)
+        with obliq.local(config, obliqd=OBLIQD, settings={"bins.range": 48}) as server:
+            self.assertEqual(server.radar("main").frame(planes="state").shape, (64, 48))
+            self.assertEqual(len(daemons_of(config)), 1)
+        self.assertTrue(gone(config, 0))
+
+    def test_it_stops_after_an_exception(self):
+        config = scene(self.folder)
+        with self.assertRaises(KeyError):
+            with obliq.local(config, obliqd=OBLIQD):
+                raise KeyError
+        self.assertTrue(gone(config, 0))
+
+    def test_it_ends_with_a_process_that_is_killed(self):
+        config = scene(self.folder)
+        code = ("import sys, time, obliq\n"
+                "with obliq.local(sys.argv[1], obliqd=sys.argv[2]) as server:\n"
+                "    print('up', flush=True); time.sleep(100)\n")
+        child = subprocess.Popen([sys.executable, "-c", code, str(config), OBLIQD], stdout=subprocess.PIPE, text=True,
+                                 env={**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src")})
+        with child.stdout:
+            self.assertEqual(child.stdout.readline(), "up\n")
+            self.assertEqual(len(daemons_of(config)), 1)
+            child.send_signal(signal.SIGKILL)
+            child.wait()
+        self.assertTrue(gone(config))
+
+    def test_a_bad_scene_brings_the_daemons_own_words(self):
+        with self.assertRaisesRegex(obliq.CannotConnect, "terrain.cell_m"):
+            with obliq.local(scene(self.folder, support.SCENE.replace("60.0", "-1.0", 1)), obliqd=OBLIQD):
+                pass
+        with self.assertRaises(FileNotFoundError):
+            with obliq.local(self.folder / "none.toml", obliqd=OBLIQD):
+                pass
+        with self.assertRaisesRegex(FileNotFoundError, "variable OBLIQD"):
+            with obliq.local(scene(self.folder), obliqd="/no/such/program"):
+                pass
+
+
+if __name__ == "__main__":
+    unittest.main()

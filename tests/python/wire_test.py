@@ -1,0 +1,219 @@
+"""Bytes, messages and places: what PROTOCOL.md prints."""
+import dataclasses
+import re
+import sys
+import unittest
+
+import support
+from support import ROOT, Folder
+import numpy as np
+from obliq import BadStream, Pose, Settings, Window, _wire, obliq_pb2, places, planes, wire
+
+PROTOCOL = (ROOT / "proto" / "PROTOCOL.md").read_text()
+
+
+def block(kind):
+    return re.search(rf"```{kind}\n(.*?)```", PROTOCOL, re.S).group(1)
+
+
+def example():
+    return bytes.fromhex("".join(line.split(":")[1].split("|")[0] for line in block("hex").splitlines()))
+
+
+def decoded(data):
+    splitter = _wire.Splitter()
+    splitter.space()[: len(data)] = data
+    splitter.filled(len(data))
+    return splitter.next()
+
+
+class TheDocument(unittest.TestCase):
+    def test_its_check_value_of_the_crc(self):
+        self.assertEqual(_wire.crc32c(b"123456789"), 0xE3069283)
+        self.assertEqual(_wire.crc32c(b"6789", _wire.crc32c(b"12345")), 0xE3069283)
+
+    def test_its_example_is_a_message_that_decodes_to_what_it_says(self):
+        message = decoded(example())
+        self.assertEqual((message.header.type, message.header.stream_id), (49, 2))
+        self.assertEqual(message.header.utc_ns, 1767225600000000000)
+        parsed = message.parsed()
+        self.assertEqual((parsed.frame_id, parsed.plane, parsed.first_azimuth, parsed.n_azimuth, parsed.n_range),
+                         (1, wire.STATE, 8, 2, 3))
+        values = planes.plain(parsed, message.payload[message.header.descriptor_length:])
+        np.testing.assert_array_equal(values, [[1, 1, 2], [1, 0, 3]])
+
+    def test_encoding_the_same_fields_gives_the_same_bytes(self):
+        message = wire.WedgeBlock(frame_id=1, plane=wire.STATE, first_azimuth=8, n_azimuth=2, n_range=3, wedge_index=1)
+        self.assertEqual(_wire.encode(message, 5, 2, bytes([1, 1, 2, 1, 0, 3]), 1767225600000000000), example())
+
+    def test_its_worked_bin_lies_where_it_says(self):
+        given = {name: float(value) for name, value in (line.split() for line in block("bin").splitlines())}
+        wanted = {name: float(value) for name, value in (line.split() for line in block("place").splitlines())}
+        bin_at = given.pop("azimuth_bin") + 0.5, given.pop("range_bin") + 0.5
+        d = wire.FrameDescriptor(**given)
+        azimuth = d.azimuth_start_deg + bin_at[0] * d.azimuth_width_deg
+        r = d.range_start_m + bin_at[1] * d.range_spacing_m
+        latitude, longitude, away = places.locate(d, np.array([azimuth]), np.array([r]))
+        # The document prints millimetres and a thousandth of a micro-degree.
+        self.assertAlmostEqual(away[0, 0], wanted["ground_range_m"], delta=0.6e-3)
+        self.assertAlmostEqual(latitude[0, 0], wanted["latitude_deg"], delta=0.6e-9)
+        self.assertAlmostEqual(longitude[0, 0], wanted["longitude_deg"], delta=0.6e-9)
+        world = places.World(d.origin_latitude_deg, d.origin_longitude_deg, d.radius_factor)
+        at = world.world(wanted["latitude_deg"], wanted["longitude_deg"], d.map_reference_height_m)
+        for value, name in zip(at, ("x_m", "y_m", "z_m")):
+            self.assertAlmostEqual(value, wanted[name], delta=0.6e-3)
+
+    def test_each_message_of_its_table_is_known_by_its_number(self):
+        rows = dict(re.findall(r"^\| (\d+) \| (\w+) \| [CS]", PROTOCOL, re.M))
+        self.assertGreater(len(rows), 15)
+        for number, name in rows.items():
+            self.assertEqual(_wire.TYPES[int(number)].DESCRIPTOR.name, name)
+
+    def test_each_error_number_has_an_exception_and_some_have_advice(self):
+        numbers = {int(n) for n in re.findall(r"^\| (\d+) \| ", PROTOCOL.split("## Errors")[1], re.M)}
+        self.assertIn(125, numbers)
+        for number in list(support.obliq.errors.KINDS) + list(support.obliq.errors.ADVICE):
+            self.assertIn(number, numbers)
+
+
+class Bytes(unittest.TestCase):
+    def test_a_message_that_comes_byte_by_byte_is_read_when_it_is_whole(self):
+        splitter = _wire.Splitter()
+        for at, byte in enumerate(example()):
+            splitter.space()[0] = byte
+            splitter.filled(1)
+            message = splitter.next()
+            self.assertEqual(message is not None, at + 1 == len(example()))
+
+    def test_every_damaged_byte_is_found(self):
+        for at in range(len(example())):
+            data = bytearray(example())
+            data[at] ^= 0x10
+            # A longer payload may be claimed, or an unknown minor version: nothing whole comes of it.
+            try:
+                message = decoded(bytes(data))
+            except BadStream:
+                continue
+            self.assertIsNone(message, f"byte {at}")
+
+    def test_lengths_that_lie_are_refused_before_anything_is_allocated(self):
+        for place, value in ((10, 47), (10, 257), (16, 0x7FFFFFFF), (12, 0x7FFFFFFF)):
+            data = bytearray(example())
+            data[place: place + (2 if place == 10 else 4)] = value.to_bytes(2 if place == 10 else 4, "little")
+            with self.assertRaises(BadStream):
+                decoded(bytes(data))
+
+    def test_a_longer_header_of_a_later_version_is_read(self):
+        data = bytearray(example())
+        head, payload = data[:48] + bytes([7] * 8), data[48:]
+        head[5], head[10:12] = 9, (56).to_bytes(2, "little")
+        head[40:44] = bytes(4)
+        crc = _wire.crc32c(bytes(payload), _wire.crc32c(bytes(head)))
+        head[40:44] = crc.to_bytes(4, "little")
+        self.assertEqual(decoded(bytes(head + payload)).parsed().frame_id, 1)
+
+    def test_another_major_version_is_named(self):
+        data = bytearray(example())
+        data[4] = 2
+        with self.assertRaisesRegex(BadStream, "found 2.1; allowed: 1.x"):
+            decoded(bytes(data))
+
+
+class Blocks(unittest.TestCase):
+    def test_integers_are_scaled_as_the_document_says(self):
+        made = wire.WedgeBlock(plane=wire.IQ, n_azimuth=1, n_range=2, iq_encoding=wire.CI16_LE, scale=2 / 32767)
+        values = planes.plain(made, bytes.fromhex("0020018000400000"))
+        np.testing.assert_allclose(values, [[0.5 - 2j, 1 + 0j]], atol=1 / 32767)
+
+    def test_video_has_one_or_two_bytes_a_bin(self):
+        made = wire.WedgeBlock(plane=4, n_azimuth=2, n_range=3)
+        self.assertEqual(planes.plain(made, bytes(range(6))).dtype, np.dtype("u1"))
+        two = planes.plain(made, bytes(range(12)))
+        self.assertEqual((two.dtype, two[0, 1]), (np.dtype("<u2"), 0x0302))
+        with self.assertRaises(BadStream):
+            planes.plain(made, bytes(18))
+
+    def test_sizes_and_codings_that_cannot_be_are_refused(self):
+        good = dict(plane=3, n_azimuth=2, n_range=3)
+        for fault in (dict(n_range=4), dict(plane=9), dict(iq_encoding=7), dict(compression=2), dict(plane=1),
+                      dict(n_azimuth=1 << 31, n_range=1 << 31)):
+            with self.assertRaises(BadStream, msg=str(fault)):
+                planes.plain(wire.WedgeBlock(**{**good, **fault}), bytes(6))
+        for scale in (-1.0, float("nan"), 1e300):
+            with self.assertRaises(BadStream):
+                planes.plain(wire.WedgeBlock(plane=0, n_azimuth=1, n_range=1, iq_encoding=1, scale=scale), bytes(4))
+
+    @support.needs("zstandard")
+    def test_compressed_blocks_that_lie_are_refused(self):
+        import zstandard
+
+        packed = zstandard.ZstdCompressor().compress(bytes(600))
+        made = wire.WedgeBlock(plane=3, n_azimuth=6, n_range=100, compression=1, plain_bytes=600)
+        self.assertEqual(planes.plain(made, packed).shape, (6, 100))
+        for data in (packed[:-3], b"", b"nonsense", zstandard.ZstdCompressor().compress(bytes(1 << 28))):
+            with self.assertRaises(BadStream):
+                planes.plain(made, data)
+
+
+class Names(unittest.TestCase):
+    def test_a_wrong_name_is_refused_with_the_one_that_was_meant(self):
+        with self.assertRaisesRegex(TypeError, "did you mean r_max_m"):
+            Settings.of(r_maxm=1)
+        with self.assertRaisesRegex(ValueError, "planes: found 'stat'; did you mean state"):
+            planes.plane_names("iq stat")
+        with self.assertRaisesRegex(ValueError, "frustum='sweeep'; allowed: .*sweep"):
+            Settings.of(frustum="sweeep")
+
+    def test_wrong_types_are_refused(self):
+        for fields in (dict(r_max_m="5"), dict(azimuth_bins=2.5), dict(r_min_m=True), dict(range_normalisation="yes")):
+            with self.assertRaises(TypeError, msg=str(fields)):
+                Settings.of(fields)
+        for value in (float("nan"), float("inf"), 1e400):
+            with self.assertRaises(ValueError):
+                Pose.of(height_m=value)
+        with self.assertRaises(ValueError):
+            Settings.of(azimuth_bins=1 << 40).write(wire.RadarSettings())
+
+    def test_a_bearing_of_zero_is_sent(self):
+        message = Pose.of(bearing_deg=0).write(wire.Pose())
+        self.assertTrue(message.HasField("bearing_deg"))
+        self.assertFalse(message.HasField("height_m"))
+
+    def test_settings_and_messages_are_the_same_there_and_back(self):
+        given = Settings(r_max_m=1e4, frustum="sweep", plates="nearest", speckle="geometric", scan_mode="sector")
+        self.assertEqual(Settings.read(given.write(wire.RadarSettings())), given)
+        self.assertEqual(given.replace(r_max_m=2.0).r_max_m, 2.0)
+        with self.assertRaises(dataclasses.FrozenInstanceError):
+            given.r_max_m = 3.0
+
+    def test_windows_without_bins_are_refused(self):
+        for window in (Window(azimuth=slice(5, 5)), Window(range=slice(-3, None)), Window(range=slice(0, 5, -1))):
+            with self.assertRaises(ValueError):
+                window.write(wire.BinWindow())
+        with self.assertRaises(TypeError):
+            Window(azimuth=3).write(wire.BinWindow())
+
+    def test_an_address_is_read_in_all_its_forms(self):
+        from obliq._requests import parse_address
+
+        for text, wanted in (("a:1", ("a", 1)), ("a", ("a", 7420)), (":5", ("127.0.0.1", 5)), ("7421", ("127.0.0.1", 7421)),
+                             ("[::1]:7", ("::1", 7)), ("[::1]", ("::1", 7420)), ("::1", ("::1", 7420))):
+            self.assertEqual(parse_address(text), wanted)
+        for text in ("a:b", "a:0", "a:70000", "[::1", "[::1]7"):
+            with self.assertRaises(ValueError, msg=text):
+                parse_address(text)
+
+
+class Generated(Folder):
+    @unittest.skipIf(sys.version_info < (3, 9), "old Python")
+    def test_messages_and_parameters_are_those_of_the_sources(self):
+        import shutil
+
+        version = shutil.which("protoc") and support.run("protoc", "--version")
+        made_by = "Protobuf Python Version" in (ROOT / "client/python/src/obliq/obliq_pb2.py").read_text()
+        if not version or ("3.21" not in version) != made_by:
+            self.skipTest(f"protoc: found {version or 'none'}; the files are of another version")
+        support.run(sys.executable, ROOT / "client/python/generate.py", "--obliq", support.OBLIQ, "--check")
+
+
+assert obliq_pb2 is wire
