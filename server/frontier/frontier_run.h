@@ -4,7 +4,7 @@
 
 #include "server/accuracy/sampling_case.h"
 #include "server/control/scene_config.h"
-#include "server/frontier/frontier_header.h"
+#include "server/frontier/frontier_table.h"
 
 namespace obliq {
 

@@ -5,15 +5,15 @@
 #include <numbers>
 
 #include "server/radar/echo/antenna_pattern.h"
-#include "server/radar/simd/kernels.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
 
 EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     Surfaces surfaces, bool voltages)
+                     Surfaces surfaces, bool voltages, const Kernels& kernels)
     : plan_(plan),
       speckle_(speckle),
+      kernels_(kernels),
       surfaces_(surfaces),
       voltages_(voltages),
       merges_(sweep_columns_per_bin(plan.settings()) > 1),
@@ -51,28 +51,33 @@ void EchoCells::restart(AzimuthRange range) {
   faces_.n = 0;
 }
 
-void EchoCells::set_bearings(const double* sin_bearing, const double* cos_bearing) {
-  std::copy_n(sin_bearing, kWedgeAzimuthBins, where_.sin_bearing);
-  std::copy_n(cos_bearing, kWedgeAzimuthBins, where_.cos_bearing);
+void EchoCells::set_bearing(std::size_t profile, SinCos bearing) {
+  where_.sin_bearing[profile] = bearing.sin;
+  where_.cos_bearing[profile] = bearing.cos;
 }
 
 void EchoCells::add(GroundEchoes& echoes) {
   const StageProbe probe(Stage::bin);
-  const int n = std::exchange(echoes.n, 0);
-  if (surfaces_ == Surfaces::buildings) return;
+  const int n = echoes.n;
+  const auto cell_of = [&](int k) {
+    const std::uint32_t at = echoes.at[k];
+    return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kProfiles));
+  };
+  if (surfaces_ == Surfaces::buildings) {
+    echoes.n = 0;
+    return;
+  }
+  if (voltages_) kernels_.ground_places(where_, echoes, list_place_, list_kind_);
+  echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
   for (int k = 0; k < n; ++k) {
-    Cell& cell = cells_[echoes.at[k]];
-    cell.power_w += echoes.power_w[k];
+    const std::size_t at = cell_of(k);
+    const double power_w = static_cast<double>(echoes.light[k]) * table_.factor;
+    Cell& cell = cells_[at];
+    cell.power_w += power_w;
     cell.count += 1;
-  }
-  if (!voltages_) return;
-  echoes.n = n;
-  widest_kernels().ground_places(where_, echoes, list_place_, list_kind_);
-  echoes.n = 0;
-  for (int k = 0; k < n; ++k) {
-    const std::uint32_t at = echoes.at[k];
-    const Scatterer here{list_place_[k], list_kind_[k], echoes.power_w[k]};
+    if (!voltages_) continue;
+    const Scatterer here{list_place_[k], list_kind_[k], power_w};
     if (!merges_) {
       put(at, here);
       continue;
@@ -87,8 +92,8 @@ void EchoCells::add(GroundEchoes& echoes) {
   }
 }
 
-void EchoCells::put(std::uint32_t at, const Scatterer& scatterer) {
-  at_[n_] = at;
+void EchoCells::put(std::size_t at, const Scatterer& scatterer) {
+  at_[n_] = static_cast<std::uint32_t>(at);
   place_[n_] = scatterer.place;
   kind_[n_] = scatterer.kind;
   power_w_[n_] = scatterer.power_w;
@@ -130,7 +135,7 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
 }
 
 void EchoCells::take_faces() {
-  widest_kernels().face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
+  kernels_.face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
   for (int k = 0; k < faces_.n; ++k) {
     Cell& cell = cells_[faces_.at[k]];
     cell.power_w += faces_.power_w[k];
@@ -144,7 +149,7 @@ void EchoCells::take_faces() {
 void EchoCells::write(BinBlock& block) {
   take_faces();
   for (std::size_t at = 0; at < last_.size(); ++at)
-    if (last_[at].power_w > 0) put(static_cast<std::uint32_t>(at), last_[at]);
+    if (last_[at].power_w > 0) put(at, last_[at]);
   if (voltages_) take_scatterers();
   for (int a = 0; a < block.n_azimuth; ++a) {
     for (int r = 0; r < block.n_range; ++r) {

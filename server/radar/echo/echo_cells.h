@@ -6,9 +6,11 @@
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
 #include "server/radar/simd/ground_places.h"
+#include "server/radar/simd/kernels.h"
 
 namespace obliq {
 
@@ -27,17 +29,17 @@ struct FaceEcho {
 /// are added before the speckle. Sums run in the order of arrival.
 class EchoCells {
  public:
-  /// voltages: false where nobody wants I&Q.
+  /// voltages: false where nobody wants I&Q. kernels: for tests that compare instruction sets.
   EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            Surfaces surfaces, bool voltages);
+            Surfaces surfaces, bool voltages, const Kernels& kernels = widest_kernels());
 
   void restart(AzimuthRange range);
 
   /// The cross sections and the radar equation of all echoes.
   const EchoTable& table() const { return table_; }
 
-  /// Of the planes whose echoes come next, by azimuth bin of the wedge.
-  void set_bearings(const double* sin_bearing, const double* cos_bearing);
+  /// Of the planes whose echoes come next: of eight azimuth bins, twice.
+  void set_bearing(std::size_t profile, SinCos bearing);
   /// Takes a list and empties it.
   void add(GroundEchoes& echoes);
   /// Of azimuth bin `profile` of the wedge.
@@ -64,12 +66,13 @@ class EchoCells {
   static std::size_t index(int profile, int range_bin) {
     return static_cast<std::size_t>(range_bin) * kWedgeAzimuthBins + static_cast<std::size_t>(profile);
   }
-  void put(std::uint32_t at, const Scatterer& scatterer);
+  void put(std::size_t at, const Scatterer& scatterer);
   void take_scatterers();
   void take_faces();
 
   const FramePlan& plan_;
   const SpeckleField& speckle_;
+  const Kernels& kernels_;
   Surfaces surfaces_;
   bool voltages_;
   bool merges_;  // an azimuth bin has several planes

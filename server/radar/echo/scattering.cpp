@@ -60,6 +60,7 @@ EchoTable ScatteringTable::echo_table() const {
     const Row& row = rows_[m];
     if (row.model == ScatteringModel::flat_plate) continue;
     table.gamma[m] = row.gamma;
+    table.gamma_f[m] = static_cast<float>(row.gamma);
     if (row.model != ScatteringModel::geometric_optics) continue;
     table.peak[m] = row.peak;
     table.over_two_slope2[m] = row.over_two_slope2;

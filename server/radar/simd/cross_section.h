@@ -12,6 +12,7 @@ struct EchoTable {
   bool range_normalisation;  ///< powers times r^4
   bool any_lobes;            ///< a peak that is not 0
   double gamma[256];
+  float gamma_f[256];
   double peak[256];
   double over_two_slope2[256];
 };

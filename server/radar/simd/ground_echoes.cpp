@@ -1,178 +1,274 @@
-// From visible segments of ground to the power of each range bin, eight profiles at a time: cut at the edges
-// of bins, cross section, radar equation. Nothing in between goes to memory.
+// From visible segments of ground to the light of each range bin, sixteen profiles at a time: cut at the
+// edges of bins, cross section, radar equation. Nothing in between goes to memory.
 #include "server/radar/simd/ground_echoes.h"
 
-#include "server/radar/simd/range_run.h"
+#include "server/radar/simd/float_lanes.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
 
 /// The range bin that each profile is in.
 struct Running {
-  f64x8 bin, distance, power, material;
+  f32x16 bin, distance, light, material;
 };
 
 OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
-  const int n = out.n;
-  const u64x8 profile{0, 1, 2, 3, 4, 5, 6, 7};
-  const f64x8 at = to_doubles(to_u64(select(mask_from(ended), now.bin, f64x8{})) * 8 + profile);
-  store_u32(out.at + n, to_u64(compress(ended, at)));
-  store(out.distance_m + n, compress(ended, now.distance));
-  store(out.power_w + n, compress(ended, now.power));
-  store_u32(out.material + n, to_u64(compress(ended, now.material)));
-  out.n = n + __builtin_popcount(ended);
+  int n = out.n;
+#if defined(__AVX512F__)
+  const auto m = static_cast<__mmask16>(ended);
+  const i32x16 profile{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const auto put_words = [&](void* to, __m512i words) __attribute__((always_inline)) {
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(m, words));
+  };
+  put_words(out.at + n, __builtin_bit_cast(__m512i, truncated(now.bin) * GroundEchoes::kProfiles + profile));
+  put_words(out.distance_m + n, __builtin_bit_cast(__m512i, now.distance));
+  put_words(out.light + n, __builtin_bit_cast(__m512i, now.light));
+  put_words(out.material + n, __builtin_bit_cast(__m512i, truncated(now.material)));
+  n += __builtin_popcount(ended);
+#else
+  for (; ended != 0; ended &= ended - 1) {
+    const int lane = __builtin_ctz(ended);
+    out.at[n] = static_cast<std::uint32_t>(now.bin[lane]) * GroundEchoes::kProfiles +
+                static_cast<std::uint32_t>(lane);
+    out.distance_m[n] = now.distance[lane];
+    out.light[n] = now.light[lane];
+    out.material[n++] = static_cast<std::uint32_t>(now.material[lane]);
+  }
+#endif
+  out.n = n;
 }
 
-/// Materials of the cells of the profiles in `seen`.
-OBLIQ_INLINE f64x8 materials_of(const GroundCut& cut, unsigned seen, f64x8 cells) {
-  f64x8 material{};
-  const u64x8 cell = to_u64(cells);
-  const auto nx = static_cast<std::uint64_t>(cut.nx);
-  for (int lane = 0; lane < kLanes; ++lane)
-    if ((seen >> lane & 1) != 0)
-      material[lane] = static_cast<double>(cut.material[cell[lane] / nx * (nx - 1) + cell[lane] % nx]);
-  return material;
+OBLIQ_INLINE f32x16 joined(f64x8 first, f64x8 second) {
+  using f32x8 = halves::f32x8;
+  const f32x8 a = __builtin_convertvector(first, f32x8);
+  const f32x8 b = __builtin_convertvector(second, f32x8);
+  f32x16 both;
+  __builtin_memcpy(&both, &a, sizeof a);
+  __builtin_memcpy(reinterpret_cast<char*>(&both) + sizeof a, &b, sizeof b);
+  return both;
+}
+OBLIQ_INLINE f64x8 doubles_of(f32x16 x, int half) {
+  halves::f32x8 part;
+  __builtin_memcpy(&part, reinterpret_cast<const char*>(&x) + half * static_cast<int>(sizeof part),
+                   sizeof part);
+  return __builtin_convertvector(part, f64x8);
 }
 
-/// Straight parts of profiles whose range rises or falls all along.
-struct Parts {
-  f64x8 start, rise;  // h = start + rise d
-  f64x8 from, to;
-  f64x8 gain;  // width x factor, and gamma where that is a constant
-  f64x8 material, plane_distance;
+/// One row of eight segments in doubles, or none.
+struct Row {
+  unsigned seen = 0;
+  f64x8 start{}, rise{}, from{}, length{}, height{}, width{}, plane_distance{};
+
+  OBLIQ_INLINE Row(const VisibleSegments& segments, int row) {
+    if (row >= segments.n) return;
+    seen = segments.seen[row];
+    start = load(segments.start_m[row]);
+    rise = load(segments.rise[row]);
+    from = load(segments.from_m[row]);
+    length = load(segments.to_m[row]) - from;
+    height = start + from * rise;
+    width = load(segments.width_rad[row]);
+    plane_distance = load(segments.plane_distance_m[row]);
+  }
 };
 
-/// Adds the parts of the profiles in `wanted`. False: the list is full; those that are not done are in
-/// `wanted`, from parts.from on.
-OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask8& wanted, Running& now, GroundEchoes& out) {
-  const RangeAxis& axis = cut.axis;
-  const double bins_per_m = 1 / axis.range_spacing_m;
-  const double n_range = axis.n_range;
-  const f64x8 start = parts.start;
-  const f64x8 rise = parts.rise;
-  const f64x8 from_h = start + parts.from * rise;
-  const f64x8 to_h = start + parts.to * rise;
-  const f64x8 from_r = sqrt(parts.from * parts.from + from_h * from_h);
-  const f64x8 to_r = sqrt(parts.to * parts.to + to_h * to_h);
-  const f64x8 nearest = min(from_r, to_r);
-  const f64x8 farthest = max(from_r, to_r);
-  wanted &= ~((farthest < axis.r_min_m) | (nearest >= axis.r_max_m));
-  if (!any(wanted)) return true;
-  const f64x8 rate2 = 1.0 + rise * rise;
-  const f64x8 along = start * rise;
-  const f64x8 first_bin =
-      select(nearest < axis.r_min_m, broadcast(-1), floor((nearest - axis.r_min_m) * bins_per_m));
-  const f64x8 last_bin =
-      select(farthest >= axis.r_max_m, broadcast(n_range), floor((farthest - axis.r_min_m) * bins_per_m));
-  const f64x8 cuts = select(wanted, last_bin - first_bin, f64x8{});
-  const mask8 outwards = to_r > from_r;
-  const f64x8 sign = select(outwards, broadcast(1), broadcast(-1));
-  const u64x8 profile{0, 1, 2, 3, 4, 5, 6, 7};
-  f64x8 d0 = parts.from;
-  f64x8 r0 = from_r;
-  for (double k = 1; any(wanted); ++k) {
-    if (out.n > GroundEchoes::kMost - kLanes) {
-      parts.from = d0;
+/// Materials of the cells of a row's segments.
+OBLIQ_INLINE void add_materials(const GroundCut& cut, const VisibleSegments& segments, int row, int first,
+                                f32x16& material) {
+  if (row >= segments.n) return;
+  const auto nx = static_cast<std::uint64_t>(cut.nx);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    if ((segments.seen[row] >> lane & 1) == 0) continue;
+    const auto cell = static_cast<std::uint64_t>(segments.cell[row][lane]);
+    material[first + lane] = static_cast<float>(cut.material[cell / nx * (nx - 1) + cell % nx]);
+  }
+}
+
+/// Straight segments: (d, h) = (from + t, height + rise t), t from `at` to `end`.
+struct Parts {
+  f32x16 from, height, rise, facing;  // facing: d rise - h, the same all along
+  f32x16 at, end;
+  f32x16 gain;  // width, and gamma where that is a constant
+  f32x16 material, plane_distance;
+};
+
+/// ScatteringTable's cross section by area, with lobes.
+OBLIQ_INLINE f32x16 cross_section_of_area(const EchoTable& table, f32x16 material, f32x16 sec2) {
+  return joined(cross_section_of_area(table, to_u64(doubles_of(material, 0)), doubles_of(sec2, 0)),
+                cross_section_of_area(table, to_u64(doubles_of(material, 1)), doubles_of(sec2, 1)));
+}
+
+/// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
+/// those that are not done are in `wanted`, from parts.at on.
+OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Running& now, GroundEchoes& out) {
+  const auto r_min = static_cast<float>(cut.axis.r_min_m);
+  const auto r_max = static_cast<float>(cut.axis.r_max_m);
+  const auto spacing = static_cast<float>(cut.axis.range_spacing_m);
+  const float bins_per_m = 1 / spacing;
+  const auto n_range = static_cast<float>(cut.axis.n_range);
+  const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
+  const f32x16 first_d = parts.from + parts.at;
+  const f32x16 first_h = parts.height + parts.rise * parts.at;
+  const f32x16 last_d = parts.from + parts.end;
+  const f32x16 last_h = parts.height + parts.rise * parts.end;
+  const f32x16 first_r = sqrt(first_d * first_d + first_h * first_h);
+  const f32x16 last_r = sqrt(last_d * last_d + last_h * last_h);
+  const f32x16 nearest = min(first_r, last_r);
+  const f32x16 farthest = max(first_r, last_r);
+  wanted &= ~((farthest < r_min) | (nearest >= r_max));
+  if (!any16(wanted)) return true;
+  const auto bin_of = [&](f32x16 r) __attribute__((always_inline)) {
+    const f32x16 at = clamp((r - r_min) * bins_per_m, all_lanes(-1.0F), all_lanes(n_range));
+    return floats_of(truncated(at + 1.0F)) - 1.0F;
+  };
+  const f32x16 first_bin = bin_of(nearest);
+  const f32x16 last_bin = bin_of(farthest);
+  const f32x16 cuts = wanted ? last_bin - first_bin : f32x16{};
+  const mask16 outwards = last_r > first_r;
+  const f32x16 sign = outwards ? all_lanes(1.0F) : all_lanes(-1.0F);
+  // Range squared grows by t (2 along + rate2 t) from where the part begins.
+  const f32x16 along = first_d + parts.rise * first_h;
+  const f32x16 along2 = along * along;
+  f32x16 t0{};
+  f32x16 d0 = first_d;
+  f32x16 h0 = first_h;
+  f32x16 r0 = first_r;
+  const f32x16 length = parts.end - parts.at;
+  for (float k = 1; any16(wanted); ++k) {
+    if (out.n > GroundEchoes::kMost - GroundEchoes::kSpare) {
+      parts.at += t0;
       return false;
     }
-    const mask8 at_end = cuts < k;
-    f64x8 d1 = parts.to;
-    f64x8 r1 = to_r;
-    f64x8 bin = first_bin;
-    if (k > 1 || movemask(wanted & ~at_end) != 0) {
-      const f64x8 edge_index = select(outwards, first_bin + k, last_bin - k + 1.0);
-      const f64x8 edge = axis.edge_m(edge_index);
-      d1 = select(at_end, parts.to, edge_at(rate2, along, -start, sign, edge, d0, parts.to));
-      r1 = select(at_end, to_r, edge);
-      bin = select(at_end, select(outwards, last_bin, first_bin),
-                   select(outwards, edge_index - 1.0, edge_index));
+    const mask16 at_end = cuts < k;
+    f32x16 t1 = length;
+    f32x16 r1 = last_r;
+    f32x16 bin = first_bin;
+    if (k > 1 || any16(wanted & ~at_end)) {
+      const f32x16 edge_index = outwards ? first_bin + k : last_bin - k + 1.0F;
+      const f32x16 edge = edge_index == n_range ? all_lanes(r_max) : r_min + edge_index * spacing;
+      const f32x16 grown = (edge - first_r) * (edge + first_r);
+      const f32x16 root = sqrt(max(along2 + rate2 * grown, f32x16{}));
+      const f32x16 at_edge = clamp(grown / (along + sign * root), t0, length);
+      t1 = at_end ? length : at_edge;
+      r1 = at_end ? last_r : edge;
+      bin = at_end ? (outwards ? last_bin : first_bin) : (outwards ? edge_index - 1.0F : edge_index);
     }
     // Solid angle of a strip one radian wide: part_of (range_run.h). The mean of 1 / r^2 over it:
     // mean_power_range_m.
-    const f64x8 h0 = start + d0 * rise;
-    const f64x8 h1 = start + d1 * rise;
-    const f64x8 cross = -start * (d1 - d0);
-    const f64x8 r01 = r0 * r1;
-    const f64x8 turned = r01 + (d0 * d1 + h0 * h1);
-    const f64x8 lit = cross * (d0 * r1 + d1 * r0);
-    const f64x8 third = (r0 * r0 + r01 + r1 * r1) * (1.0 / 3);
-    const mask8 in_swath = wanted & (lit > 0.0) & (bin >= 0.0) & (bin < n_range) & (r01 > kNearest2_m2);
-    const unsigned kept = movemask(in_swath);
-    if (kept != 0) {
-      f64x8 gain = parts.gain;
-      if (cut.echo.any_lobes) {
-        const f64x8 sec2 = r01 * r01 / third / (parts.plane_distance * parts.plane_distance);
-        gain *= cross_section_of_area(cut.echo, to_u64(parts.material), max(sec2, broadcast(1)));
+    const f32x16 d1 = first_d + t1;
+    const f32x16 h1 = first_h + parts.rise * t1;
+    const f32x16 r01 = r0 * r1;
+    const f32x16 turned = r01 + (d0 * d1 + h0 * h1);
+    const f32x16 lit = parts.facing * (t1 - t0) * (d0 * r1 + d1 * r0);
+    const f32x16 third = (r0 * r0 + r01 + r1 * r1) * (1.0F / 3);
+    const mask16 in_swath =
+        wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) & (r01 > static_cast<float>(kNearest2_m2));
+    if (any16(in_swath)) {
+      f32x16 gain = parts.gain;
+      const f32x16 over = 1.0F / (r01 * turned);
+      const f32x16 over2 = 1.0F / r01;  // 1 / mean r^2 is third over2^2
+      const f32x16 mean = third * over2 * over2;
+      if (cut.echo.any_lobes)
+        gain *= cross_section_of_area(
+            cut.echo, parts.material,
+            max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all_lanes(1.0F)));
+      f32x16 light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
+      if (cut.kept[0] != nullptr) {
+        const i32x16 at = truncated(in_swath ? bin : f32x16{}) * kLanes +
+                          i32x16{0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7} +
+                          static_cast<std::int32_t>(cut.kept[1] - cut.kept[0]) *
+                              i32x16{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+        light *= gather(cut.kept[0], at);
       }
-      f64x8 power = cut.echo.range_normalisation ? gain * lit * r01 / (third * turned)
-                                                 : gain * lit * third / (r01 * r01 * r01 * turned);
-      if (cut.kept != nullptr)
-        power *= gather(cut.kept, to_u64(select(in_swath, bin, f64x8{})) * 8 + profile);
-      const mask8 has = in_swath & (power > 0.0);
-      const mask8 same = has & (bin == now.bin);
-      const mask8 fresh = has & ~same;
-      if (const unsigned ended = movemask(fresh & (now.bin >= 0.0)); ended != 0) put(ended, now, out);
-      now.power = select(same, now.power + power, select(fresh, power, now.power));
-      now.bin = select(fresh, bin, now.bin);
-      now.distance = select(fresh, (d0 + d1) * 0.5, now.distance);
-      now.material = select(fresh, parts.material, now.material);
+      const mask16 has = in_swath & (light > 0.0F);
+      const mask16 same = has & (bin == now.bin);
+      const mask16 fresh = has & ~same;
+      if (const unsigned ended = movemask16(fresh & (now.bin >= 0.0F)); ended != 0) put(ended, now, out);
+      now.light = same ? now.light + light : (fresh ? light : now.light);
+      now.bin = fresh ? bin : now.bin;
+      now.distance = fresh ? (d0 + d1) * 0.5F : now.distance;
+      now.material = fresh ? parts.material : now.material;
     }
+    t0 = t1;
     d0 = d1;
+    h0 = h1;
     r0 = r1;
     wanted &= ~at_end;
   }
   return true;
 }
 
+OBLIQ_INLINE mask16 mask16_from(unsigned mask) {
+  const i32x16 bit{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
+  return (all_lanes(static_cast<std::int32_t>(mask)) & bit) != 0;
+}
+
+/// Leaves what is not done of a row in its segments.
+OBLIQ_INLINE void keep(VisibleSegments& segments, int row, unsigned left, f64x8 at) {
+  if (row >= segments.n) return;
+  store(segments.from_m[row], load(segments.from_m[row]) + at);
+  segments.seen[row] = left;
+}
+
 }  // namespace
 
-int ground_echoes(const GroundCut& cut, VisibleSegments& segments, int first, GroundEchoes& out) {
-  Running now{load(out.bin_now), load(out.distance_now_m), load(out.power_now_w), load(out.material_now)};
-  bool room = true;
-  for (; room && first < segments.n; ++first) {
+int ground_echoes(const GroundCut& cut, VisibleSegments& a, VisibleSegments& b, int first,
+                  GroundEchoes& out) {
+  Running now{load_floats(out.bin_now), load_floats(out.distance_now_m), load_floats(out.light_now),
+              load_floats(out.material_now)};
+  const int end = max(a.n, b.n);
+  for (; first < end; ++first) {
+    const Row left(a, first);
+    const Row right(b, first);
+    mask16 wanted = mask16_from(left.seen | right.seen << kLanes);
     Parts parts;
-    parts.start = load(segments.start_m[first]);
-    parts.rise = load(segments.rise[first]);
-    parts.plane_distance = load(segments.plane_distance_m[first]);
-    parts.material = cut.material == nullptr
-                         ? f64x8{}
-                         : materials_of(cut, segments.seen[first], load(segments.cell[first]));
-    parts.gain = load(segments.width_rad[first]) * cut.echo.factor;
-    if (!cut.echo.any_lobes) parts.gain *= gather(cut.echo.gamma, to_u64(parts.material));
-    parts.from = load(segments.from_m[first]);
-    parts.to = load(segments.to_m[first]);
+    parts.from = joined(left.from, right.from);
+    parts.height = joined(left.height, right.height);
+    parts.rise = joined(left.rise, right.rise);
+    parts.facing = -joined(left.start, right.start);
+    parts.plane_distance = joined(left.plane_distance, right.plane_distance);
+    parts.at = f32x16{};
+    parts.end = joined(left.length, right.length);
+    parts.material = f32x16{};
+    if (cut.material != nullptr) {
+      add_materials(cut, a, first, 0, parts.material);
+      add_materials(cut, b, first, kLanes, parts.material);
+    }
+    parts.gain = joined(left.width, right.width);
+    if (!cut.echo.any_lobes) parts.gain *= gather(cut.echo.gamma_f, truncated(parts.material));
     // Range falls and rises again where the foot of the perpendicular from the antenna lies on a segment.
-    mask8 wanted = mask_from(segments.seen[first]);
-    const f64x8 rate2 = 1.0 + parts.rise * parts.rise;
-    const f64x8 along = parts.start * parts.rise;
-    const mask8 turns = wanted & (along + rate2 * parts.from < 0.0) & (along + rate2 * parts.to > 0.0);
-    mask8 left = wanted;
-    if (any(turns)) {
-      const f64x8 end = parts.to;
-      const f64x8 turn = clamp(-along / rate2, parts.from, parts.to);
-      parts.to = select(turns, turn, end);
+    const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
+    const f32x16 along = parts.from + parts.rise * parts.height;
+    const mask16 turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
+    bool room = true;
+    mask16 left_over{};
+    if (any16(turns)) {
+      const f32x16 whole = parts.end;
+      const f32x16 turn = clamp(-along / rate2, f32x16{}, whole);
+      parts.end = turns ? turn : whole;
       room = add(cut, parts, wanted, now, out);
-      left = wanted | turns;
-      parts.to = end;
+      left_over = wanted | turns;
+      parts.end = whole;
       if (room) {
-        parts.from = turn;
-        left = wanted = turns;
+        parts.at = turn;
+        wanted = turns;
         room = add(cut, parts, wanted, now, out);
-        if (!room) left = wanted;
+        left_over = wanted;
       }
     } else {
       room = add(cut, parts, wanted, now, out);
-      left = wanted;
+      left_over = wanted;
     }
     if (!room) {
-      store(segments.from_m[first], parts.from);
-      segments.seen[first] = movemask(left);
-      --first;
+      const unsigned mask = movemask16(left_over);
+      keep(a, first, mask & 0xff, doubles_of(parts.at, 0));
+      keep(b, first, mask >> kLanes, doubles_of(parts.at, 1));
+      break;
     }
   }
   store(out.bin_now, now.bin);
   store(out.distance_now_m, now.distance);
-  store(out.power_now_w, now.power);
+  store(out.light_now, now.light);
   store(out.material_now, now.material);
   return first;
 }

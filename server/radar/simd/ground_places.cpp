@@ -1,5 +1,7 @@
 #include "server/radar/simd/ground_places.h"
 
+#include "server/radar/simd/float_lanes.h"
+
 namespace obliq::OBLIQ_ISA {
 
 void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::uint64_t* place,
@@ -12,9 +14,11 @@ void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::
       at[lane] = there ? echoes.at[k + lane] : 0;
       material[lane] = there ? echoes.material[k + lane] : 0;
     }
-    const u64x8 bin = at >> 3;
-    const u64x8 profile = at & 7;
-    const f64x8 distance = load(echoes.distance_m + k);
+    const u64x8 bin = at / GroundEchoes::kProfiles;
+    const u64x8 profile = at % GroundEchoes::kProfiles;
+    halves::f32x8 near;
+    __builtin_memcpy(&near, echoes.distance_m + k, sizeof near);
+    const f64x8 distance = __builtin_convertvector(near, f64x8);
     const f64x8 cells_per_m = gather(where.cells_per_m, bin);
     const f64x8 x = where.antenna_x_m + distance * gather(where.sin_bearing, profile);
     const f64x8 z = where.antenna_z_m + distance * gather(where.cos_bearing, profile);

@@ -7,15 +7,12 @@
 #include <span>
 
 #include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/kernels.h"
+#include "server/radar/sweep/ground_light.h"
 
 namespace obliq {
 namespace {
 
 constexpr float kFarBelow = -1e9F;
-
-/// A share of the ground's light below this is a sliver beside a building, no gap between two.
-constexpr double kLeastLeft = 1.0 / 64;
 
 float as_float(double x) { return static_cast<float>(x); }
 
@@ -29,8 +26,9 @@ double lowest_slope_in_swath(const FramePlan& plan) {
   return lowest_m / std::sqrt((r_min_m - lowest_m) * (r_min_m + lowest_m));
 }
 
-BuildingView::BuildingView(const FramePlan& plan)
+BuildingView::BuildingView(const FramePlan& plan, const Kernels& kernels)
     : plan_(plan),
+      kernels_(kernels),
       planes_(sweep_columns_per_bin(plan.settings())),
       lowest_slope_(lowest_slope_in_swath(plan)) {
   const BinGrid& bins = plan.bins();
@@ -79,8 +77,8 @@ bool BuildingView::start(int azimuth_bin, int profile) {
   const double cells_per_m = 1 / plan_.scene().world().grid.cell_m;
   for (int plane = 0; plane < planes_; ++plane) {
     const SinCos along = bearing(azimuth_bin + (plane + 0.5) / planes_);
-    widest_kernels().profile_nodes(columns_, plane, as_float(along.sin * cells_per_m),
-                                   as_float(along.cos * cells_per_m));
+    kernels_.profile_nodes(columns_, plane, as_float(along.sin * cells_per_m),
+                           as_float(along.cos * cells_per_m));
   }
   return true;
 }
@@ -228,7 +226,7 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   if (first < 0) first = 0;
   echoes_.n = 0;
   for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
-    widest_kernels().see_part(columns_, shape_, k, echoes_);
+    kernels_.see_part(columns_, shape_, k, echoes_);
   if (echoes_.n > 0) add_echoes(part, cells);
 }
 
@@ -320,37 +318,7 @@ void BuildingView::add_parts_together(EchoCells& cells) {
 }
 
 void BuildingView::kept_shares(int plane, float* kept, EchoCells& cells) const {
-  const NodeProfiles& nodes = columns_.nodes;
-  const std::size_t first = static_cast<std::size_t>(plane) * static_cast<std::size_t>(nodes.stride);
-  const float* const horizon = horizon_.data() + first;
-  const float* const range_bin = range_bin_.data() + first;
-  const float* const hidden = hidden_.data() + first;
-  // What is visible and what of it is hidden up to the edges of range bins.
-  const int n_range = columns_.n_range;
-  double hidden_so_far = 0;
-  double visible_before = static_cast<double>(horizon[0]);
-  double hidden_before = 0;
-  int edge = 0;
-  for (int k = 0; k + 1 < nodes.n_nodes && edge <= n_range; ++k) {
-    const double step = static_cast<double>(horizon[k + 1]) - static_cast<double>(horizon[k]);
-    const double here = static_cast<double>(range_bin[k]);
-    const double next = static_cast<double>(range_bin[k + 1]);
-    for (; edge <= n_range && edge < next; ++edge) {
-      const double part = next > here ? std::clamp((edge - here) / (next - here), 0.0, 1.0) : 0.0;
-      const double visible = static_cast<double>(horizon[k]) + part * step;
-      const double hidden_here = hidden_so_far + part * static_cast<double>(hidden[k]);
-      if (edge > 0 && hidden_here > hidden_before) {
-        const double left = 1 - (hidden_here - hidden_before) / (visible - visible_before);
-        const bool none = !(left >= kLeastLeft);
-        kept[static_cast<std::size_t>(edge - 1) * kWedgeAzimuthBins] =
-            none ? 0 : as_float(std::min(1.0, left));
-        if (none) cells.mark_building_shadow(profile_, edge - 1);
-      }
-      visible_before = visible;
-      hidden_before = hidden_here;
-    }
-    hidden_so_far += static_cast<double>(hidden[k]);
-  }
+  keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
 }
 
 }  // namespace obliq

@@ -21,7 +21,7 @@ class BuildingView {
   /// The most parts that a step looks at.
   static constexpr int kMostParts = 512;
 
-  explicit BuildingView(const FramePlan& plan);
+  explicit BuildingView(const FramePlan& plan, const Kernels& kernels);
 
   /// Begins with another azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool start(int azimuth_bin, int profile);
@@ -57,6 +57,7 @@ class BuildingView {
   void add_parts_together(EchoCells& cells);
 
   const FramePlan& plan_;
+  const Kernels& kernels_;
   int planes_;
   int least_n_;
   int most_n_;

@@ -8,7 +8,6 @@
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/kernels.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
@@ -50,7 +49,8 @@ SubColumnBins::SubColumnBins(const FramePlan& plan)
   const BinGrid& bins = plan.bins();
   if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
       settings.speckle == SpeckleKind::geometric || bins.azimuth_width_rad > kDegree_rad ||
-      bins.range_spacing_m > 0.1 * bins.r_max_m || has_flat_plates(plan.scene()))
+      bins.range_spacing_m > 0.1 * bins.r_max_m || bins.range_spacing_m < 4e-5 * bins.r_max_m ||
+      has_flat_plates(plan.scene()))
     return;
   suffices_.assign(suffices_.size(), true);
   const double lowest_slope = lowest_slope_in_swath(plan);
@@ -70,17 +70,20 @@ bool SubColumnBins::all_of(AzimuthRange range) const {
   return std::all_of(first, first + range.count, [](bool suffices) { return suffices; });
 }
 
-SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells)
+SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells, const Kernels& kernels)
     : plan_(plan),
+      kernels_(kernels),
       range_(range),
       cells_(cells),
       planes_(plan.extent().any ? sweep_columns_per_bin(plan.settings()) : 0),
-      view_(plan) {
+      view_(plan, kernels) {
   const World& world = plan.scene().world();
-  cut_ = {plan.bins(), cells.table(),
-          world.surface_material.empty() ? nullptr : world.surface_material.data(), world.grid.nx, nullptr};
+  cut_ = {plan.bins(),
+          cells.table(),
+          world.surface_material.empty() ? nullptr : world.surface_material.data(),
+          world.grid.nx,
+          {nullptr, nullptr}};
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
-  segments_.n = 0;
   echoes_.n = 0;
 }
 
@@ -95,7 +98,7 @@ bool SweepEchoes::step(FrameStats& stats) {
   if (!marching_) {
     if (plane_ == planes_) return false;
     start_planes();
-    stats.rays += static_cast<std::uint64_t>(range_.count);
+    stats.rays += static_cast<std::uint64_t>(range_.count) * (planes_ == 2 ? 2 : 1);
   }
   step_ground();
   return true;
@@ -121,64 +124,80 @@ bool SweepEchoes::step_buildings() {
 }
 
 void SweepEchoes::start_planes() {
+  // More than two go one after the other, so that planes of one ground cell follow each other.
+  const int together = planes_ == 2 ? 2 : 1;
+  for (int half = 0; half < 2; ++half) {
+    half_marching_[half] = half < together;
+    segments_[half].n = 0;
+    if (half < together) start_plane(half);
+  }
+  for (std::size_t k = 0; k < GroundEchoes::kProfiles; ++k) {
+    echoes_.bin_now[k] = -1;
+    echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = 0;
+  }
+  const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
+  cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
+  cut_.kept[1] = kept_.empty() || together == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
+  marching_ = true;
+  plane_ += together;
+}
+
+void SweepEchoes::start_plane(int half) {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kNoWidth = 0;
   const BinGrid& bins = plan_.bins();
   const Horizon<double> nothing;
-  profiles_ = {};
-  profiles_.last_start_m = plan_.sector().r_max_m;
+  SightProfiles& profiles = profiles_[half];
+  profiles = {};
+  profiles.last_start_m = plan_.sector().r_max_m;
   for (std::size_t lane = 0; lane < SightProfiles::kLanes; ++lane) {
-    profiles_.end_m[lane] = -1;
-    echoes_.bin_now[lane] = -1;
-    echoes_.distance_now_m[lane] = echoes_.power_now_w[lane] = echoes_.material_now[lane] = 0;
+    profiles.end_m[lane] = -1;
     if (static_cast<int>(lane) >= range_.count) continue;
-    const double position = range_.first + static_cast<double>(lane) + (plane_ + 0.5) / planes_;
+    const double position = range_.first + static_cast<double>(lane) + (plane_ + half + 0.5) / planes_;
     const SinCos offset = sincos_turns(bins.azimuth_edge_rad(position) / (2 * std::numbers::pi));
     const glm::dvec3 d = plan_.sector().world_from_antenna(offset.sin, 0, offset.cos);
     const SinCos bearing{d.x, d.z};
     const GroundWalk walk(plan_.scene().world().grid, plan_.sector().antenna_m, bearing.sin, bearing.cos, 0,
                           GroundWalk::kInfinity);
-    set_out(profiles_, lane, bearing, walk);
-    profiles_.horizon_d_m[lane] = nothing.d_m;
-    profiles_.horizon_h_m[lane] = nothing.h_m;
-    profiles_.width_rad[lane] = bins.azimuth_width_rad / planes_;
-    profiles_.width_to_m[lane] = kInfinity;
-    profiles_.next_width_rad[lane] = &kNoWidth;
-    profiles_.next_width_to_m[lane] = &kInfinity;
+    set_out(profiles, lane, bearing, walk);
+    profiles.horizon_d_m[lane] = nothing.d_m;
+    profiles.horizon_h_m[lane] = nothing.h_m;
+    profiles.width_rad[lane] = bins.azimuth_width_rad / planes_;
+    profiles.width_to_m[lane] = kInfinity;
+    profiles.next_width_rad[lane] = &kNoWidth;
+    profiles.next_width_to_m[lane] = &kInfinity;
+    cells_.set_bearing(lane + static_cast<std::size_t>(half) * SightProfiles::kLanes, bearing);
   }
-  cells_.set_bearings(profiles_.sin_bearing, profiles_.cos_bearing);
-  cut_.kept = kept_.empty() ? nullptr
-                            : kept_.data() + static_cast<std::size_t>(plane_) *
-                                                 static_cast<std::size_t>(bins.n_range) * kWedgeAzimuthBins;
-  segments_.n = 0;
-  marching_ = true;
 }
 
 /// Marches and cuts what fills a few lists.
 void SweepEchoes::step_ground() {
-  const Kernels& kernels = widest_kernels();
   for (int turn = 0; turn < 4 && marching_; ++turn) {
-    segments_.n = 0;
-    marching_ = kernels.visible_ground(ground_, profiles_, segments_);
-    for (int row = 0; row < segments_.n;) {
-      row = kernels.ground_echoes(cut_, segments_, row, echoes_);
-      if (row < segments_.n) cells_.add(echoes_);
+    for (int half = 0; half < 2; ++half) {
+      segments_[half].n = 0;
+      if (half_marching_[half])
+        half_marching_[half] = kernels_.visible_ground(ground_, profiles_[half], segments_[half]);
+    }
+    marching_ = half_marching_[0] || half_marching_[1];
+    const int rows = std::max(segments_[0].n, segments_[1].n);
+    for (int row = 0; row < rows;) {
+      row = kernels_.ground_echoes(cut_, segments_[0], segments_[1], row, echoes_);
+      if (row < rows) cells_.add(echoes_);
     }
   }
   if (marching_) return;
   // What is still on the way ends here.
   cells_.add(echoes_);
-  for (std::size_t lane = 0; lane < SightProfiles::kLanes; ++lane) {
-    if (echoes_.bin_now[lane] < 0) continue;
+  for (std::size_t k = 0; k < GroundEchoes::kProfiles; ++k) {
+    if (echoes_.bin_now[k] < 0) continue;
     const auto n = static_cast<std::size_t>(echoes_.n++);
-    echoes_.at[n] = static_cast<std::uint32_t>(echoes_.bin_now[lane]) * kWedgeAzimuthBins +
-                    static_cast<std::uint32_t>(lane);
-    echoes_.distance_m[n] = echoes_.distance_now_m[lane];
-    echoes_.power_w[n] = echoes_.power_now_w[lane];
-    echoes_.material[n] = static_cast<std::uint32_t>(echoes_.material_now[lane]);
+    echoes_.at[n] = static_cast<std::uint32_t>(echoes_.bin_now[k]) * GroundEchoes::kProfiles +
+                    static_cast<std::uint32_t>(k);
+    echoes_.distance_m[n] = echoes_.distance_now_m[k];
+    echoes_.light[n] = echoes_.light_now[k];
+    echoes_.material[n] = static_cast<std::uint32_t>(echoes_.material_now[k]);
   }
   cells_.add(echoes_);
-  ++plane_;
 }
 
 }  // namespace obliq

@@ -22,7 +22,9 @@ class SubColumnBins {
 /// ground along the bins' planes, those that stand at the same place in their bins side by side.
 class SweepEchoes {
  public:
-  SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells);
+  /// kernels: for tests that compare instruction sets.
+  SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells,
+              const Kernels& kernels = widest_kernels());
 
   /// Goes on for as long as a batch of samples would take; false when nothing is left.
   bool step(FrameStats& stats);
@@ -30,9 +32,11 @@ class SweepEchoes {
  private:
   bool step_buildings();
   void start_planes();
+  void start_plane(int half);
   void step_ground();
 
   const FramePlan& plan_;
+  const Kernels& kernels_;
   AzimuthRange range_;
   EchoCells& cells_;
   int planes_;  // a bin; none where no ground is known
@@ -44,8 +48,10 @@ class SweepEchoes {
   bool marching_ = false;
   GroundCut cut_;
   GroundView ground_;
-  SightProfiles profiles_;
-  VisibleSegments segments_;
+  // Two planes of each azimuth bin side by side.
+  bool half_marching_[2];
+  SightProfiles profiles_[2];
+  VisibleSegments segments_[2];
   GroundEchoes echoes_;
 };
 
