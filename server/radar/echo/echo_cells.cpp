@@ -16,7 +16,6 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
       kernels_(kernels),
       surfaces_(surfaces),
       voltages_(voltages),
-      merges_(sweep_columns_per_bin(plan.settings()) > 1),
       table_(scattering.echo_table()) {
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
@@ -45,7 +44,7 @@ void EchoCells::restart(AzimuthRange range) {
   const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cells_.assign(n, {0, 0, 0, 0});
   shadow_.assign(n, 0);
-  if (merges_ && voltages_) last_.assign(n, {0, 0, 0});
+  if (voltages_) last_.assign(n, {0, 0, 0});
   echoes_ = 0;
   n_ = 0;
   faces_.n = 0;
@@ -61,7 +60,7 @@ void EchoCells::add(GroundEchoes& echoes) {
   const int n = echoes.n;
   const auto cell_of = [&](int k) {
     const std::uint32_t at = echoes.at[k];
-    return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kProfiles));
+    return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns));
   };
   if (surfaces_ == Surfaces::buildings) {
     echoes.n = 0;
@@ -78,10 +77,6 @@ void EchoCells::add(GroundEchoes& echoes) {
     cell.count += 1;
     if (!voltages_) continue;
     const Scatterer here{list_place_[k], list_kind_[k], power_w};
-    if (!merges_) {
-      put(at, here);
-      continue;
-    }
     Scatterer& last = last_[at];
     if (last.place == here.place && last.kind == here.kind) {
       last.power_w += here.power_w;

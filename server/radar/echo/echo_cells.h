@@ -75,7 +75,6 @@ class EchoCells {
   const Kernels& kernels_;
   Surfaces surfaces_;
   bool voltages_;
-  bool merges_;  // an azimuth bin has several planes
   AzimuthRange range_;
   EchoTable table_;
   std::vector<double> cells_per_m_;        // [n_range]

@@ -65,32 +65,33 @@ namespace halves {
 using f32x8 = float __attribute__((vector_size(32)));
 using f32x4 = float __attribute__((vector_size(16)));
 
+OBLIQ_INLINE f32x8 low(f32x16 x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7); }
+OBLIQ_INLINE f32x8 high(f32x16 x) { return __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15); }
+OBLIQ_INLINE f32x16 joined(f32x8 a, f32x8 b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
 /// Joins the lanes of the upper half with those of the lower, and so on down to one.
 template <typename Join>
-OBLIQ_INLINE float joined(f32x16 x, const Join& join) {
-  f32x8 low, high;
-  __builtin_memcpy(&low, &x, sizeof low);
-  __builtin_memcpy(&high, reinterpret_cast<const char*>(&x) + sizeof low, sizeof high);
-  low = join(low, high);
-  f32x4 a, b;
-  __builtin_memcpy(&a, &low, sizeof a);
-  __builtin_memcpy(&b, reinterpret_cast<const char*>(&low) + sizeof a, sizeof b);
-  a = join(a, b);
-  const f32x4 ends{join(f32x4{a[0]}, f32x4{a[2]})[0], join(f32x4{a[1]}, f32x4{a[3]})[0]};
-  return join(f32x4{ends[0]}, f32x4{ends[1]})[0];
+OBLIQ_INLINE float folded(f32x16 x, const Join& join) {
+  const f32x8 eight = join(low(x), high(x));
+  const f32x4 four = join(__builtin_shufflevector(eight, eight, 0, 1, 2, 3),
+                          __builtin_shufflevector(eight, eight, 4, 5, 6, 7));
+  const f32x4 two = join(four, __builtin_shufflevector(four, four, 2, 3, 2, 3));
+  return join(two, __builtin_shufflevector(two, two, 1, 1, 1, 1))[0];
 }
 }  // namespace halves
 
 OBLIQ_INLINE float sum_of(f32x16 x) {
-  return halves::joined(
+  return halves::folded(
       x, [](auto a, auto b) __attribute__((always_inline)) { return a + b; });
 }
 OBLIQ_INLINE float least_of(f32x16 x) {
-  return halves::joined(
+  return halves::folded(
       x, [](auto a, auto b) __attribute__((always_inline)) { return b < a ? b : a; });
 }
 OBLIQ_INLINE float greatest_of(f32x16 x) {
-  return halves::joined(
+  return halves::folded(
       x, [](auto a, auto b) __attribute__((always_inline)) { return a < b ? b : a; });
 }
 

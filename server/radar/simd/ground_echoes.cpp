@@ -20,7 +20,7 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
   const auto put_words = [&](void* to, __m512i words) __attribute__((always_inline)) {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(m, words));
   };
-  put_words(out.at + n, __builtin_bit_cast(__m512i, truncated(now.bin) * GroundEchoes::kProfiles + profile));
+  put_words(out.at + n, __builtin_bit_cast(__m512i, truncated(now.bin) * GroundEchoes::kRuns + profile));
   put_words(out.distance_m + n, __builtin_bit_cast(__m512i, now.distance));
   put_words(out.light + n, __builtin_bit_cast(__m512i, now.light));
   put_words(out.material + n, __builtin_bit_cast(__m512i, truncated(now.material)));
@@ -28,8 +28,8 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
 #else
   for (; ended != 0; ended &= ended - 1) {
     const int lane = __builtin_ctz(ended);
-    out.at[n] = static_cast<std::uint32_t>(now.bin[lane]) * GroundEchoes::kProfiles +
-                static_cast<std::uint32_t>(lane);
+    out.at[n] =
+        static_cast<std::uint32_t>(now.bin[lane]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(lane);
     out.distance_m[n] = now.distance[lane];
     out.light[n] = now.light[lane];
     out.material[n++] = static_cast<std::uint32_t>(now.material[lane]);
@@ -39,28 +39,21 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
 }
 
 OBLIQ_INLINE f32x16 joined(f64x8 first, f64x8 second) {
-  using f32x8 = halves::f32x8;
-  const f32x8 a = __builtin_convertvector(first, f32x8);
-  const f32x8 b = __builtin_convertvector(second, f32x8);
-  f32x16 both;
-  __builtin_memcpy(&both, &a, sizeof a);
-  __builtin_memcpy(reinterpret_cast<char*>(&both) + sizeof a, &b, sizeof b);
-  return both;
+  return halves::joined(__builtin_convertvector(first, halves::f32x8),
+                        __builtin_convertvector(second, halves::f32x8));
 }
-OBLIQ_INLINE f64x8 doubles_of(f32x16 x, int half) {
-  halves::f32x8 part;
-  __builtin_memcpy(&part, reinterpret_cast<const char*>(&x) + half * static_cast<int>(sizeof part),
-                   sizeof part);
-  return __builtin_convertvector(part, f64x8);
-}
+OBLIQ_INLINE f64x8 first_half(f32x16 x) { return __builtin_convertvector(halves::low(x), f64x8); }
+OBLIQ_INLINE f64x8 second_half(f32x16 x) { return __builtin_convertvector(halves::high(x), f64x8); }
 
 /// One row of eight segments in doubles, or none.
 struct Row {
   unsigned seen = 0;
   f64x8 start{}, rise{}, from{}, length{}, height{}, width{}, plane_distance{};
 
-  OBLIQ_INLINE Row(const VisibleSegments& segments, int row) {
-    if (row >= segments.n) return;
+  OBLIQ_INLINE explicit Row(const SegmentRows& rows) {
+    if (rows.first >= rows.end) return;
+    const VisibleSegments& segments = *rows.segments;
+    const int row = rows.first;
     seen = segments.seen[row];
     start = load(segments.start_m[row]);
     rise = load(segments.rise[row]);
@@ -73,9 +66,10 @@ struct Row {
 };
 
 /// Materials of the cells of a row's segments.
-OBLIQ_INLINE void add_materials(const GroundCut& cut, const VisibleSegments& segments, int row, int first,
-                                f32x16& material) {
-  if (row >= segments.n) return;
+OBLIQ_INLINE void add_materials(const GroundCut& cut, const SegmentRows& rows, int first, f32x16& material) {
+  if (rows.first >= rows.end) return;
+  const VisibleSegments& segments = *rows.segments;
+  const int row = rows.first;
   const auto nx = static_cast<std::uint64_t>(cut.nx);
   for (int lane = 0; lane < kLanes; ++lane) {
     if ((segments.seen[row] >> lane & 1) == 0) continue;
@@ -94,8 +88,8 @@ struct Parts {
 
 /// ScatteringTable's cross section by area, with lobes.
 OBLIQ_INLINE f32x16 cross_section_of_area(const EchoTable& table, f32x16 material, f32x16 sec2) {
-  return joined(cross_section_of_area(table, to_u64(doubles_of(material, 0)), doubles_of(sec2, 0)),
-                cross_section_of_area(table, to_u64(doubles_of(material, 1)), doubles_of(sec2, 1)));
+  return joined(cross_section_of_area(table, to_u64(first_half(material)), first_half(sec2)),
+                cross_section_of_area(table, to_u64(second_half(material)), second_half(sec2)));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -204,22 +198,22 @@ OBLIQ_INLINE mask16 mask16_from(unsigned mask) {
 }
 
 /// Leaves what is not done of a row in its segments.
-OBLIQ_INLINE void keep(VisibleSegments& segments, int row, unsigned left, f64x8 at) {
-  if (row >= segments.n) return;
-  store(segments.from_m[row], load(segments.from_m[row]) + at);
-  segments.seen[row] = left;
+OBLIQ_INLINE void keep(const SegmentRows& rows, unsigned left, f64x8 at) {
+  if (rows.first >= rows.end) return;
+  double* const from = rows.segments->from_m[rows.first];
+  store(from, load(from) + at);
+  rows.segments->seen[rows.first] = left;
 }
 
 }  // namespace
 
-int ground_echoes(const GroundCut& cut, VisibleSegments& a, VisibleSegments& b, int first,
-                  GroundEchoes& out) {
+bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
   Running now{load_floats(out.bin_now), load_floats(out.distance_now_m), load_floats(out.light_now),
               load_floats(out.material_now)};
-  const int end = max(a.n, b.n);
-  for (; first < end; ++first) {
-    const Row left(a, first);
-    const Row right(b, first);
+  bool room = true;
+  for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
+    const Row left(a);
+    const Row right(b);
     mask16 wanted = mask16_from(left.seen | right.seen << kLanes);
     Parts parts;
     parts.from = joined(left.from, right.from);
@@ -231,8 +225,8 @@ int ground_echoes(const GroundCut& cut, VisibleSegments& a, VisibleSegments& b, 
     parts.end = joined(left.length, right.length);
     parts.material = f32x16{};
     if (cut.material != nullptr) {
-      add_materials(cut, a, first, 0, parts.material);
-      add_materials(cut, b, first, kLanes, parts.material);
+      add_materials(cut, a, 0, parts.material);
+      add_materials(cut, b, kLanes, parts.material);
     }
     parts.gain = joined(left.width, right.width);
     if (!cut.echo.any_lobes) parts.gain *= gather(cut.echo.gamma_f, truncated(parts.material));
@@ -240,7 +234,6 @@ int ground_echoes(const GroundCut& cut, VisibleSegments& a, VisibleSegments& b, 
     const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
     const f32x16 along = parts.from + parts.rise * parts.height;
     const mask16 turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
-    bool room = true;
     mask16 left_over{};
     if (any16(turns)) {
       const f32x16 whole = parts.end;
@@ -261,8 +254,8 @@ int ground_echoes(const GroundCut& cut, VisibleSegments& a, VisibleSegments& b, 
     }
     if (!room) {
       const unsigned mask = movemask16(left_over);
-      keep(a, first, mask & 0xff, doubles_of(parts.at, 0));
-      keep(b, first, mask >> kLanes, doubles_of(parts.at, 1));
+      keep(a, mask & 0xff, first_half(parts.at));
+      keep(b, mask >> kLanes, second_half(parts.at));
       break;
     }
   }
@@ -270,7 +263,7 @@ int ground_echoes(const GroundCut& cut, VisibleSegments& a, VisibleSegments& b, 
   store(out.distance_now_m, now.distance);
   store(out.light_now, now.light);
   store(out.material_now, now.material);
-  return first;
+  return room;
 }
 
 }  // namespace obliq::OBLIQ_ISA

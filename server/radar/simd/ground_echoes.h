@@ -14,34 +14,40 @@ struct GroundCut {
   EchoTable echo;
   const std::uint8_t* material;  ///< [nz - 1][nx - 1] of the cells; null: all are 0
   int nx;
-  /// Of the first eight profiles and of the others: [n_range][8] share of a profile's light that buildings
+  /// Of the first eight runs and of the others: [n_range][8] share of a profile's light that buildings
   /// leave to the ground of a bin; null: all of it.
   const float* kept[2];
 };
 
-/// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen profiles go side by
-/// side, eight azimuth bins twice; each has one bin on the way, the others are in the list in the order in
-/// which they ended. Seven digits do: distances are kept from where a segment begins, ranges to 4 mm at
-/// 37 km.
+/// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go
+/// side by side: two planes of eight azimuth bins, or two stretches of one. Each has one bin on the way, the
+/// others are in the list in the order in which they ended. Seven digits do: distances are kept from where a
+/// segment begins, ranges to 4 mm at 37 km.
 struct GroundEchoes {
-  static constexpr int kProfiles = 16;
+  static constexpr int kRuns = 16;
   static constexpr int kMost = 512;
   static constexpr int kSpare = 16;  ///< elements that may be written behind the last one
   /// On the way: range bin, whole numbers; -1: none.
-  float bin_now[kProfiles];
-  float distance_now_m[kProfiles];
-  float light_now[kProfiles];
-  float material_now[kProfiles];
+  float bin_now[kRuns];
+  float distance_now_m[kRuns];
+  float light_now[kRuns];
+  float material_now[kRuns];
   int n;
-  std::uint32_t at[kMost + kSpare];  ///< range bin x 16 + profile
+  std::uint32_t at[kMost + kSpare];  ///< range bin x 16 + run
   float distance_m[kMost + kSpare];  ///< ground distance of the middle of the first part
   float light[kMost + kSpare];       ///< power over EchoTable::factor, W
   std::uint32_t material[kMost + kSpare];
 };
 
-/// Adds rows of segments from number `first` on, of both lists side by side. Returns the first that is not
-/// done: all are, or the list of echoes is full, and what is left of the row stays in the segments.
-OBLIQ_KERNEL(int, ground_echoes, const GroundCut&, VisibleSegments&, VisibleSegments&, int first,
-             GroundEchoes&);
+/// Rows [first, end) of segments.
+struct SegmentRows {
+  VisibleSegments* segments;
+  int first;
+  int end;
+};
+
+/// Adds rows of segments, of both runs side by side; what is done is taken off their fronts. False: the list
+/// of echoes is full, and what is left of a row stays in its segments.
+OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&);
 
 }  // namespace obliq

@@ -14,8 +14,8 @@ void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::
       at[lane] = there ? echoes.at[k + lane] : 0;
       material[lane] = there ? echoes.material[k + lane] : 0;
     }
-    const u64x8 bin = at / GroundEchoes::kProfiles;
-    const u64x8 profile = at % GroundEchoes::kProfiles;
+    const u64x8 bin = at / GroundEchoes::kRuns;
+    const u64x8 profile = at % GroundEchoes::kRuns;
     halves::f32x8 near;
     __builtin_memcpy(&near, echoes.distance_m + k, sizeof near);
     const f64x8 distance = __builtin_convertvector(near, f64x8);

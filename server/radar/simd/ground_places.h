@@ -8,8 +8,8 @@ namespace obliq {
 /// Where the ground cells of echoes lie: by range bin, and by profile.
 struct PlaceOfEchoes {
   double antenna_x_m, antenna_z_m;
-  double sin_bearing[GroundEchoes::kProfiles];
-  double cos_bearing[GroundEchoes::kProfiles];
+  double sin_bearing[GroundEchoes::kRuns];
+  double cos_bearing[GroundEchoes::kRuns];
   const double* cells_per_m;        ///< [n_range]
   const std::uint64_t* level_bits;  ///< [n_range] as in ScattererKey::kind
 };

@@ -37,28 +37,11 @@ OBLIQ_INLINE Heights heights_at(const GroundOfBin& ground, f32x16 u, f32x16 v) {
 
 /// The greatest of a lane and all before it.
 OBLIQ_INLINE f32x16 greatest_so_far(f32x16 x) {
-  const auto shifted = [&](auto by) __attribute__((always_inline)) {
-    f32x16 moved = all_lanes(kLowest);
-    __builtin_memcpy(reinterpret_cast<float*>(&moved) + decltype(by)::lanes, &x,
-                     sizeof(float) * (kFloatLanes - decltype(by)::lanes));
-    return moved;
-  };
-  struct One {
-    enum { lanes = 1 };
-  };
-  struct Two {
-    enum { lanes = 2 };
-  };
-  struct Four {
-    enum { lanes = 4 };
-  };
-  struct Eight {
-    enum { lanes = 8 };
-  };
-  x = max(x, shifted(One{}));
-  x = max(x, shifted(Two{}));
-  x = max(x, shifted(Four{}));
-  return max(x, shifted(Eight{}));
+  const f32x16 none = all_lanes(kLowest);
+  x = max(x, __builtin_shufflevector(none, x, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30));
+  x = max(x, __builtin_shufflevector(none, x, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29));
+  x = max(x, __builtin_shufflevector(none, x, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27));
+  return max(x, __builtin_shufflevector(none, x, 0, 0, 0, 0, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23));
 }
 
 /// sin e1 - sin e0 of two elevations by their slopes, roots[k] = sqrt(1 + slope^2): as part_of

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/ground_walk.h"
@@ -125,21 +126,21 @@ bool SweepEchoes::step_buildings() {
 
 void SweepEchoes::start_planes() {
   // More than two go one after the other, so that planes of one ground cell follow each other.
-  const int together = planes_ == 2 ? 2 : 1;
+  together_ = planes_ == 2 ? 2 : 1;
   for (int half = 0; half < 2; ++half) {
-    half_marching_[half] = half < together;
+    half_marching_[half] = half < together_;
     segments_[half].n = 0;
-    if (half < together) start_plane(half);
+    if (half < together_) start_plane(half);
   }
-  for (std::size_t k = 0; k < GroundEchoes::kProfiles; ++k) {
+  for (std::size_t k = 0; k < GroundEchoes::kRuns; ++k) {
     echoes_.bin_now[k] = -1;
     echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = 0;
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
-  cut_.kept[1] = kept_.empty() || together == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
+  cut_.kept[1] = kept_.empty() || together_ == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
   marching_ = true;
-  plane_ += together;
+  plane_ += together_;
 }
 
 void SweepEchoes::start_plane(int half) {
@@ -166,7 +167,8 @@ void SweepEchoes::start_plane(int half) {
     profiles.width_to_m[lane] = kInfinity;
     profiles.next_width_rad[lane] = &kNoWidth;
     profiles.next_width_to_m[lane] = &kInfinity;
-    cells_.set_bearing(lane + static_cast<std::size_t>(half) * SightProfiles::kLanes, bearing);
+    for (int run = half; run < 2; ++run)
+      cells_.set_bearing(lane + static_cast<std::size_t>(run) * SightProfiles::kLanes, bearing);
   }
 }
 
@@ -179,25 +181,42 @@ void SweepEchoes::step_ground() {
         half_marching_[half] = kernels_.visible_ground(ground_, profiles_[half], segments_[half]);
     }
     marching_ = half_marching_[0] || half_marching_[1];
-    const int rows = std::max(segments_[0].n, segments_[1].n);
-    for (int row = 0; row < rows;) {
-      row = kernels_.ground_echoes(cut_, segments_[0], segments_[1], row, echoes_);
-      if (row < rows) cells_.add(echoes_);
-    }
+    add_rows();
   }
   if (marching_) return;
-  // What is still on the way ends here.
+  for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_run(run);
   cells_.add(echoes_);
-  for (std::size_t k = 0; k < GroundEchoes::kProfiles; ++k) {
-    if (echoes_.bin_now[k] < 0) continue;
-    const auto n = static_cast<std::size_t>(echoes_.n++);
-    echoes_.at[n] = static_cast<std::uint32_t>(echoes_.bin_now[k]) * GroundEchoes::kProfiles +
-                    static_cast<std::uint32_t>(k);
-    echoes_.distance_m[n] = echoes_.distance_now_m[k];
-    echoes_.light[n] = echoes_.light_now[k];
-    echoes_.material[n] = static_cast<std::uint32_t>(echoes_.material_now[k]);
+}
+
+/// The rows of two planes side by side, or of one in two stretches, of which the second goes on in the next
+/// first one.
+void SweepEchoes::add_rows() {
+  const bool one = together_ == 1;
+  const int middle = one ? (segments_[0].n + 1) / 2 : segments_[0].n;
+  SegmentRows a{&segments_[0], 0, middle};
+  SegmentRows b{&segments_[one ? 0 : 1], one ? middle : 0, segments_[one ? 0 : 1].n};
+  while (!kernels_.ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
+  if (!one || middle == segments_[0].n) return;
+  for (std::size_t run = 0; run < SightProfiles::kLanes; ++run) {
+    const std::size_t other = run + SightProfiles::kLanes;
+    end_run(run);
+    echoes_.bin_now[run] = std::exchange(echoes_.bin_now[other], -1.0F);
+    echoes_.distance_now_m[run] = echoes_.distance_now_m[other];
+    echoes_.light_now[run] = echoes_.light_now[other];
+    echoes_.material_now[run] = echoes_.material_now[other];
   }
-  cells_.add(echoes_);
+}
+
+/// What is on the way in a run ends here.
+void SweepEchoes::end_run(std::size_t run) {
+  if (echoes_.bin_now[run] < 0) return;
+  if (echoes_.n >= GroundEchoes::kMost) cells_.add(echoes_);
+  const auto n = static_cast<std::size_t>(echoes_.n++);
+  echoes_.at[n] = static_cast<std::uint32_t>(echoes_.bin_now[run]) * GroundEchoes::kRuns +
+                  static_cast<std::uint32_t>(run);
+  echoes_.distance_m[n] = echoes_.distance_now_m[run];
+  echoes_.light[n] = echoes_.light_now[run];
+  echoes_.material[n] = static_cast<std::uint32_t>(echoes_.material_now[run]);
 }
 
 }  // namespace obliq

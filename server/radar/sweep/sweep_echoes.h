@@ -34,6 +34,8 @@ class SweepEchoes {
   void start_planes();
   void start_plane(int half);
   void step_ground();
+  void add_rows();
+  void end_run(std::size_t run);
 
   const FramePlan& plan_;
   const Kernels& kernels_;
@@ -48,7 +50,8 @@ class SweepEchoes {
   bool marching_ = false;
   GroundCut cut_;
   GroundView ground_;
-  // Two planes of each azimuth bin side by side.
+  // Two planes of each azimuth bin side by side, or two stretches of one.
+  int together_ = 1;
   bool half_marching_[2];
   SightProfiles profiles_[2];
   VisibleSegments segments_[2];
