@@ -139,7 +139,8 @@ RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Den
   settings.range_normalisation = false;
   settings.power_w = 1;
   settings.gain_db = 0;
-  settings.speckle = SpeckleKind::geometric;  // only powers are compared: the quicker one
+  // Only powers are compared: the quicker one.
+  settings.speckle = source.frustum == FrustumKind::sweep ? SpeckleKind::ground : SpeckleKind::geometric;
   return settings;
 }
 

@@ -39,6 +39,7 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
     if (!window) continue;
     order.takers.push_back(demand.watch_id);
     choices.insert(demand.choice);
+    if (demand.choice.planes & wire::plane_bit(wire::Plane::iq)) order.iq = true;
     if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
     for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
          azimuth += window->azimuth.step)

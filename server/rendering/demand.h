@@ -24,6 +24,7 @@ struct Demand {
 struct Order {
   std::vector<std::uint64_t> takers;
   std::vector<StreamChoice> choices;  ///< different ones
+  bool iq = false;
   bool states = false;
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
 };

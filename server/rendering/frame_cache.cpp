@@ -14,6 +14,7 @@ std::size_t bytes_of(const BinBlock& bins) {
 /// Wedges of azimuth bins that were rendered in one go.
 struct Part {
   AzimuthRange azimuths;
+  bool iq = false;
   bool states = false;
   std::vector<Wedge> wedges;
   std::vector<std::uint32_t> seen;  // buildings
@@ -50,17 +51,17 @@ class FrameCache::Place {
     frame_ = std::move(frame);
   }
 
-  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool states) const {
+  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool iq, bool states) const {
     const std::lock_guard lock(mutex_);
     for (const auto& part : parts_)
       if (part->azimuths.first == azimuths.first && part->azimuths.count == azimuths.count &&
-          part->states >= states)
+          part->iq >= iq && part->states >= states)
         return part;
     return nullptr;
   }
 
   void keep(std::shared_ptr<const Part> part) {
-    if (find(part->azimuths, part->states)) return;
+    if (find(part->azimuths, part->iq, part->states)) return;
     const std::lock_guard lock(mutex_);
     if ((budget_->used += part->bytes) <= budget_->most) {
       parts_.push_back(std::move(part));
@@ -102,10 +103,11 @@ class FrameCache::Frame : public PlannedFrame {
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const bool goes_on = options.pause && options.pause->begun;
     if (!goes_on) {
-      if (const auto part = place_->find(azimuths, options.states)) return repeat(*part, options);
+      if (const auto part = place_->find(azimuths, options.iq, options.states)) return repeat(*part, options);
       part_ = frame_->again(place_->pose());  // knows what this part alone has seen
       fresh_ = std::make_shared<Part>();
       fresh_->azimuths = azimuths;
+      fresh_->iq = options.iq;
       fresh_->states = options.states;
     }
     if (!part_) return frame_->render(azimuths, options);

@@ -13,9 +13,11 @@ bool RenderContext::gives_way() const {
   return time >= turn_ends || (changed && time >= turn_began + kShortestTurn);
 }
 
-RenderOptions RenderContext::render_options(bool states, std::stop_token stop, RenderPause* pause) const {
+RenderOptions RenderContext::render_options(bool iq, bool states, std::stop_token stop,
+                                            RenderPause* pause) const {
   RenderOptions render;
   render.threads = options.threads;
+  render.iq = iq;
   render.states = states;
   render.before_wedge = options.before_wedge;
   render.stop = std::move(stop);

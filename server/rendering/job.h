@@ -65,7 +65,7 @@ struct RenderContext {
   /// Asked while a job renders, from any thread: another job is to have its turn.
   bool gives_way() const;
   /// What rendering has in common for all jobs. `pause` may be null, else the rendering gives way.
-  RenderOptions render_options(bool states, std::stop_token stop, RenderPause* pause) const;
+  RenderOptions render_options(bool iq, bool states, std::stop_token stop, RenderPause* pause) const;
 };
 
 /// Of the server's monotonic clock.

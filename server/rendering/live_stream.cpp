@@ -188,6 +188,7 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
               stream.sequence_),
       stats(settings),
       frame(stream.frames_->open(id, order.takers)),
+      iq(order.iq),
       states(order.states),
       plan(std::move(planned)) {
   rendered.waited_s = waited_s;

@@ -136,6 +136,7 @@ struct BegunFrame {
   FrameSum stats;
   RenderedFrame rendered;
   LiveFramePtr frame;
+  bool iq = false;
   bool states = false;
   std::unique_ptr<PlannedFrame> plan;
 };

@@ -142,9 +142,9 @@ bool OnceJob::render_slice(Frame& frame) const {
   frame.pause.batches =
       context_.scanning ? context_.options.slice_batches_while_scanning : context_.options.slice_batches;
 
-  RenderOptions options =
-      context_.render_options((request.choice.planes & wire::plane_bit(wire::Plane::state)) != 0,
-                              request.stop.get_token(), &frame.pause);
+  const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
+  RenderOptions options = context_.render_options(wants(wire::Plane::iq), wants(wire::Plane::state),
+                                                  request.stop.get_token(), &frame.pause);
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);
     for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins)) {

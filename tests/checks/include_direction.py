@@ -45,7 +45,7 @@ ALLOWED = {
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,
     "server/radar/echo": TO_PLAN,
-    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "simd/exact_math"],
+    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "simd/exact_math", R + "simd/cross_section"],
     "server/radar/rays/ray_batch": TO_GEOMETRY,
     "server/radar/rays/plates": TO_PLATES,
     "server/radar/rays": TO_PLATES + [R + "rays/plates"],

@@ -33,13 +33,14 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
   auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
-         rows, azimuth, range, scan_mode, scan_rate, scan_dwell] = config.settings;
+         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell] = config.settings;
   auto& [latitude, longitude, height, reference, undulation, bearing, time, id, valid] = config.pose;
   const std::set<const void*> fields{
-      &frequency, &sector,     &r_min,   &r_max, &power,   &gain,  &normalisation, &speckle,   &seed,
-      &frustum,   &plates,     &columns, &rows,  &azimuth, &range, &latitude,      &longitude, &height,
-      &reference, &undulation, &bearing, &time,  &id,      &valid, &scan_mode,     &scan_rate, &scan_dwell};
-  ASSERT_EQ(fields.size(), 27u);
+      &frequency, &sector, &r_min,       &r_max,     &power,     &gain,      &normalisation,
+      &speckle,   &seed,   &sub_columns, &frustum,   &plates,    &columns,   &rows,
+      &azimuth,   &range,  &latitude,    &longitude, &height,    &reference, &undulation,
+      &bearing,   &time,   &id,          &valid,     &scan_mode, &scan_rate, &scan_dwell};
+  ASSERT_EQ(fields.size(), 28u);
   std::set<const void*> covered;
   for (const Parameter& p : parameters())
     EXPECT_TRUE(covered.insert(address(p.slot(config))).second) << p.key.name;

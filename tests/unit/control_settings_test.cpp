@@ -29,6 +29,7 @@ RadarConfig unlike_defaults() {
                 PlateKind::nearest,
                 3,
                 4,
+                17,
                 5,
                 6,
                 ScanMode::sector,

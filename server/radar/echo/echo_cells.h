@@ -95,7 +95,7 @@ class EchoCells {
   double im_[kBlock];
   std::uint64_t list_place_[GroundEchoes::kMost + GroundEchoes::kSpare];
   std::uint64_t list_kind_[GroundEchoes::kMost + GroundEchoes::kSpare];
-  FaceEchoes faces_;
+  FaceEchoes faces_{};
 };
 
 }  // namespace obliq

@@ -14,6 +14,12 @@ namespace {
 
 constexpr float kFarBelow = -1e9F;
 
+/// Of a sub-column, as far as there may be so many.
+constexpr double kWidest_m = 1.2;
+
+/// Buildings with sub-columns stand farther off than twice this (SubColumnBins).
+constexpr float kClip_m = 50;
+
 float as_float(double x) { return static_cast<float>(x); }
 
 }  // namespace
@@ -115,15 +121,12 @@ void BuildingView::set_fineness(int n) {
   columns_.per_plane = per_plane_.data();
 }
 
-/// Halves the sub-columns as often as the distance asks for: all of them are there from half of r_max on,
-/// half of them from a quarter on, and so forth.
+/// Makes sub-columns no wider than kWidest_m, as far as there may be so many. By distance alone: what is
+/// nearer must not depend on where the swath ends.
 void BuildingView::refine(float near_m) {
-  int wanted = most_n_;
-  double from_m = plan_.bins().r_max_m / 2;
-  while (wanted > least_n_ && static_cast<double>(near_m) < from_m) {
-    wanted /= 2;
-    from_m /= 2;
-  }
+  const double width_m = static_cast<double>(near_m) * plan_.bins().azimuth_width_rad;
+  int wanted = columns_.n;
+  while (wanted < most_n_ && width_m > kWidest_m * wanted) wanted *= 2;
   while (columns_.n < wanted) {
     std::vector<float> finer;
     finer.reserve(roofs_.size() * 2);
@@ -136,45 +139,78 @@ void BuildingView::refine(float near_m) {
 void BuildingView::collect(std::uint32_t b) {
   const Buildings& all = plan_.scene().world().buildings;
   const Building& building = all.list[b];
-  for (std::uint32_t p = building.first_part; p < building.first_part + building.n_parts; ++p)
-    collect(b, p, std::span(all.part_xz_m).subspan(all.parts[p].first_corner, all.parts[p].n_corners));
+  for (std::uint32_t p = building.first_part; p < building.first_part + building.n_parts; ++p) {
+    const ConvexPart& part = all.parts[p];
+    const std::size_t first = corners_.size();
+    for (std::uint32_t k = part.first_corner; k < part.first_corner + part.n_corners; ++k)
+      add_corner(all.part_xz_m[k], all.part_wall[k]);
+    add_part(b, true, first);
+  }
   if (building.n_parts > 0) return;
-  const std::uint32_t begin = all.ring_start[building.first_ring];
-  collect(b, kWhole,
-          std::span(all.ring_xz_m).subspan(begin, all.ring_start[building.first_ring + 1] - begin));
+  const std::size_t first = corners_.size();
+  std::uint32_t wall = building.first_face + 1;  // the roof comes first
+  for (std::uint32_t k = all.ring_start[building.first_ring]; k < all.ring_start[building.first_ring + 1];
+       ++k)
+    add_corner(all.ring_xz_m[k], wall++);
+  add_part(b, false, first);
 }
 
-/// A part's corners in the bin's axes.
-void BuildingView::collect(std::uint32_t b, std::uint32_t of, std::span<const glm::vec2> outline) {
+void BuildingView::add_corner(const glm::vec2& corner, std::uint32_t face) {
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  const auto first = static_cast<std::uint32_t>(corners_.size());
+  const double dx = static_cast<double>(corner.x) - antenna.x;
+  const double dz = static_cast<double>(corner.y) - antenna.z;
+  const float right = as_float(dx * centre_.cos - dz * centre_.sin);
+  const float ahead = as_float(dx * centre_.sin + dz * centre_.cos);
+  corners_.push_back({right, ahead, right / ahead, face});
+}
+
+/// Takes the corners from `first` on for a part, unless nothing of it matters to the bin.
+void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::size_t first) {
+  const auto by_ahead = [](const Corner& p, const Corner& q) { return p.ahead_m < q.ahead_m; };
+  const auto begin = corners_.begin() + static_cast<std::ptrdiff_t>(first);
+  if (std::min_element(begin, corners_.end(), by_ahead)->ahead_m < kClip_m) clip(first);
   float near_m = HUGE_VALF;
   float far_m = 0;
   float from = HUGE_VALF;
   float to = -HUGE_VALF;
-  for (const glm::vec2& corner : outline) {
-    const double dx = static_cast<double>(corner.x) - antenna.x;
-    const double dz = static_cast<double>(corner.y) - antenna.z;
-    const float right = as_float(dx * centre_.cos - dz * centre_.sin);
-    const float ahead = as_float(dx * centre_.sin + dz * centre_.cos);
-    const float tangent = right / ahead;
-    near_m = std::min(near_m, ahead);
-    far_m = std::max(far_m, ahead);
-    from = std::min(from, tangent);
-    to = std::max(to, tangent);
-    corners_.push_back({right, ahead, tangent});
+  for (std::size_t k = first; k < corners_.size(); ++k) {
+    near_m = std::min(near_m, corners_[k].ahead_m);
+    far_m = std::max(far_m, corners_[k].ahead_m);
+    from = std::min(from, corners_[k].tangent);
+    to = std::max(to, corners_[k].tangent);
   }
-  const double roof_m = static_cast<double>(plan_.scene().world().buildings.list[b].roof_y_m) - antenna.y;
+  const double roof_m = static_cast<double>(plan_.scene().world().buildings.list[building].roof_y_m) -
+                        plan_.sector().antenna_m.y;
   const double top_slope = roof_m / (1.001 * static_cast<double>(far_m));
-  if (!(near_m > 0) || static_cast<double>(near_m) > plan_.building_reach_m() || !(to > -half_) ||
-      !(from < half_) || (roof_m < 0 && top_slope < lowest_slope_)) {
+  const std::size_t n = corners_.size() - first;
+  if (n < 3 || static_cast<double>(near_m) > plan_.building_reach_m() || !(to > -half_) || !(from < half_) ||
+      (roof_m < 0 && top_slope < lowest_slope_)) {
     corners_.resize(first);
     return;
   }
   // The bits of positive floats are in the order of the floats.
   const std::uint64_t order = static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(near_m)) << 32 |
                               static_cast<std::uint32_t>(parts_.size());
-  parts_.push_back({order, b, of, first, static_cast<std::uint32_t>(outline.size()), from, to});
+  parts_.push_back({order, building, one_of_several, static_cast<std::uint32_t>(first),
+                    static_cast<std::uint32_t>(n), from, to});
+}
+
+/// Cuts off what of a part lies beside the antenna or behind it, and so in none of the bin's directions.
+void BuildingView::clip(std::size_t first) {
+  clipped_.assign(corners_.begin() + static_cast<std::ptrdiff_t>(first), corners_.end());
+  corners_.resize(first);
+  const std::size_t n = clipped_.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Corner& a = clipped_[k];
+    const Corner& b = clipped_[(k + 1) % n];
+    const bool a_in = a.ahead_m >= kClip_m;
+    const bool b_in = b.ahead_m >= kClip_m;
+    if (a_in) corners_.push_back(a);
+    if (a_in == b_in) continue;
+    const float part = (kClip_m - a.ahead_m) / (b.ahead_m - a.ahead_m);
+    const float right = a.right_m + part * (b.right_m - a.right_m);
+    corners_.push_back({right, kClip_m, right / kClip_m, a_in ? kNoFace : a.face});
+  }
 }
 
 bool BuildingView::step(EchoCells& cells) {
@@ -203,11 +239,9 @@ void BuildingView::fill_shape(const Part& part) {
     shape_.ahead_m[k] = c.ahead_m;
     shape_.tangent[k] = c.tangent;
   }
-  shape_.walls = ~std::uint64_t{0};
-  if (part.of != kWhole)
-    for (std::uint32_t k = 0; k < part.n; ++k)
-      if (all.part_wall[all.parts[part.of].first_corner + k] == kNoFace)
-        shape_.walls &= ~(std::uint64_t{1} << k);
+  shape_.walls = 0;
+  for (std::uint32_t k = 0; k < part.n; ++k)
+    if (corner[k].face != kNoFace) shape_.walls |= std::uint64_t{1} << k;
   shape_.roof_m = building.roof_y_m - columns_.ground.antenna_y_m;
   shape_.base_m = building.base_y_m - columns_.ground.antenna_y_m;
 }
@@ -231,9 +265,7 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
 }
 
 void BuildingView::add_echoes(const Part& part, EchoCells& cells) {
-  const Buildings& all = plan_.scene().world().buildings;
   plan_.seen().mark(part.building);
-  const std::uint32_t roof = all.list[part.building].first_face;
   // Sixteen sub-columns at a time: what several of them saw of a face in a bin is one echo.
   PartEchoes::Echo* const begin = echoes_.echo;
   PartEchoes::Echo* end = begin + echoes_.n;
@@ -253,25 +285,22 @@ void BuildingView::add_echoes(const Part& part, EchoCells& cells) {
     end = last + 1;
   }
   for (PartEchoes::Echo* echo = begin; echo < end; ++echo) {
-    FaceEcho face = face_echo(*echo);
-    if (part.of == kWhole) {
-      face.face = roof + static_cast<std::uint32_t>(echo->edge + 1);
-      cells.add(profile_, face);
-    } else {
-      face.face =
-          echo->edge == PartEchoes::kRoof
-              ? roof
-              : all.part_wall[all.parts[part.of].first_corner + static_cast<std::uint32_t>(echo->edge)];
+    const FaceEcho face = face_echo(*echo, part);
+    if (part.one_of_several) {
       of_parts_.push_back(face);
+    } else {
+      cells.add(profile_, face);
     }
   }
 }
 
-/// What an echo of the part in hand is, but for the face's number.
-FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo) const {
+FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo, const Part& part) const {
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   FaceEcho face{};
   face.range_bin = echo.bin;
+  face.face = echo.edge == PartEchoes::kRoof
+                  ? plan_.scene().world().buildings.list[part.building].first_face
+                  : corners_[part.first + static_cast<std::uint32_t>(echo.edge)].face;
   face.solid_angle_sr = static_cast<double>(echo.solid_angle_sr);
   face.range_m = static_cast<double>(echo.range_m);
   const double tangent = static_cast<double>(echo.tangent_sr) / face.solid_angle_sr;

@@ -35,25 +35,27 @@ class BuildingView {
  private:
   struct Corner {
     float right_m, ahead_m, tangent;
+    std::uint32_t face;  // of the wall from here to the next corner; kNoFace: an inner edge
   };
-  static constexpr std::uint32_t kWhole = 0xffffffffu;
   struct Part {
     std::uint64_t order;  // by distance, then as loaded
     std::uint32_t building;
-    std::uint32_t of;        // into Buildings::parts; kWhole: the outline
+    bool one_of_several;
     std::uint32_t first, n;  // into corners_
     float from, to;          // tangents
   };
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
   void collect(std::uint32_t building);
-  void collect(std::uint32_t building, std::uint32_t of, std::span<const glm::vec2> outline);
+  void add_corner(const glm::vec2& corner, std::uint32_t face);
+  void add_part(std::uint32_t building, bool one_of_several, std::size_t first_corner);
+  void clip(std::size_t first_corner);
   void see(const Part& part, EchoCells& cells);
   void fill_shape(const Part& part);
   void refine(float near_m);
   void set_fineness(int n);
   void add_echoes(const Part& part, EchoCells& cells);
-  FaceEcho face_echo(const PartEchoes::Echo& echo) const;
+  FaceEcho face_echo(const PartEchoes::Echo& echo, const Part& part) const;
   void add_parts_together(EchoCells& cells);
 
   const FramePlan& plan_;
@@ -68,7 +70,7 @@ class BuildingView {
   std::span<const std::uint32_t> buildings_;
   std::size_t collected_ = 0;
   std::size_t seen_ = 0;
-  std::vector<Corner> corners_;
+  std::vector<Corner> corners_, clipped_;
   std::vector<Part> parts_;
   SubColumns columns_{};
   std::vector<float> horizon_, clearance_, range_bin_, hidden_;  // [planes][stride]

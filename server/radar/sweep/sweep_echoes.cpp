@@ -14,7 +14,8 @@
 namespace obliq {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
+/// In wider bins a plane says too little about the ground that a building beside it stands on.
+constexpr double kWidest_rad = std::numbers::pi / 360;
 /// Nearer buildings fill too much of a bin's elevation to be spread over range evenly.
 constexpr double kNearest_m = 100;
 
@@ -49,7 +50,7 @@ SubColumnBins::SubColumnBins(const FramePlan& plan)
   const RadarSettings& settings = plan.settings();
   const BinGrid& bins = plan.bins();
   if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
-      settings.speckle == SpeckleKind::geometric || bins.azimuth_width_rad > kDegree_rad ||
+      settings.speckle == SpeckleKind::geometric || bins.azimuth_width_rad > kWidest_rad ||
       bins.range_spacing_m > 0.1 * bins.r_max_m || bins.range_spacing_m < 4e-5 * bins.r_max_m ||
       has_flat_plates(plan.scene()))
     return;

@@ -439,7 +439,7 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["azimuth_bins", "frequency_ghz", "frustum", "gain_db", "pixel_columns", "pixel_rows", "plates", "power_w", "r_max_m", "r_min_m", "range_bins", "range_normalisation", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed"]
+    __slots__ = ["azimuth_bins", "frequency_ghz", "frustum", "gain_db", "pixel_columns", "pixel_rows", "plates", "power_w", "r_max_m", "r_min_m", "range_bins", "range_normalisation", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "sub_columns"]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
     FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
     FRUSTUM_FIELD_NUMBER: _ClassVar[int]
@@ -458,6 +458,7 @@ class RadarSettings(_message.Message):
     SECTOR_DEG_FIELD_NUMBER: _ClassVar[int]
     SPECKLE_FIELD_NUMBER: _ClassVar[int]
     SPECKLE_SEED_FIELD_NUMBER: _ClassVar[int]
+    SUB_COLUMNS_FIELD_NUMBER: _ClassVar[int]
     azimuth_bins: int
     frequency_ghz: float
     frustum: FrustumKind
@@ -476,7 +477,8 @@ class RadarSettings(_message.Message):
     sector_deg: float
     speckle: SpeckleKind
     speckle_seed: int
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ...) -> None: ...
+    sub_columns: int
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ...) -> None: ...
 
 class RadarStatus(_message.Message):
     __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_version", "subscribers", "transmit_off"]

@@ -36,6 +36,8 @@ class Settings(Fields):
     pixel_columns: int | None = None
     # Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both. Allowed: integer 1 to 16384
     pixel_rows: int | None = None
+    # Parts of an azimuth bin that see its buildings, of the sweep; 16 or more, a power of two or the next one; 0: exact planes at each building. Allowed: integer 0 to 1024
+    sub_columns: int | None = None
     # Azimuth bins in the sector. Allowed: integer 1 to 8192
     azimuth_bins: int | None = None
     # Range bins between r_min and r_max. Allowed: integer 1 to 8192
@@ -83,6 +85,7 @@ Settings.keys = {
     "frustum.plates": "plates",
     "frustum.pixel_columns": "pixel_columns",
     "frustum.pixel_rows": "pixel_rows",
+    "frustum.sub_columns": "sub_columns",
     "bins.azimuth": "azimuth_bins",
     "bins.range": "range_bins",
     "scan.mode": "scan_mode",
