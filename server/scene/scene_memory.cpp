@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/scene/embree_tracer.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq {
 namespace {
@@ -30,7 +31,7 @@ std::string format(const char* pattern, Values... values) {
 }  // namespace
 
 std::uint64_t surface_triangles(const World& world) {
-  std::uint64_t n = world.buildings.triangles.size();
+  std::uint64_t n = triangle_count(world.buildings);
   const HeightGrid& grid = world.grid;
   for (int j = 0; j + 1 < grid.nz; ++j)
     for (int i = 0; i + 1 < grid.nx; ++i) n += grid.cell_known(i, j) ? 2 : 0;
@@ -43,8 +44,7 @@ std::uint64_t grid_bytes(const World& world) {
 
 std::uint64_t building_bytes(const Buildings& b) {
   return bytes_of(b.list) + bytes_of(b.faces) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
-         bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall) + bytes_of(b.vertices_m) +
-         bytes_of(b.triangles) + bytes_of(b.triangle_face);
+         bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall);
 }
 
 std::uint64_t wall_triangles(const Buildings& buildings) {
