@@ -72,10 +72,10 @@ std::string memory_line(const Scene& scene) {
   std::string line = format("memory: heights %.1f MB (%.1f bytes a post)", megabytes(memory.heights),
                             ratio(memory.heights, posts));
   if (memory.surfaces > 0) line += format(", surfaces %.1f MB", megabytes(memory.surfaces));
-  const std::uint64_t walls = wall_triangles(scene.world().buildings);
-  if (walls > 0)
-    line += format(", buildings %.1f MB (%.0f bytes a wall triangle)", megabytes(memory.buildings),
-                   ratio(memory.buildings, walls));
+  const std::uint64_t buildings = scene.world().buildings.list.size();
+  if (buildings > 0)
+    line += format(", buildings %.1f MB (%.0f bytes each)", megabytes(memory.buildings),
+                   ratio(memory.buildings, buildings));
   line += format(", indices %.1f MB", megabytes(memory.index));
   if (memory.tracer > 0)
     line += format(", Embree %.1f MB (%.1f bytes a post; %.1f MB while it built)", megabytes(memory.tracer),
