@@ -35,23 +35,6 @@ constexpr int kDistances = 512;  ///< along each azimuth, evenly from under the 
 
 }  // namespace
 
-Buildings without_walls(const Buildings& buildings) {
-  Buildings roofs = buildings;
-  roofs.triangles.clear();
-  roofs.triangle_face.clear();
-  for (Building& building : roofs.list) {
-    const auto first = static_cast<std::uint32_t>(roofs.triangles.size());
-    for (std::uint32_t t = building.first_triangle; t < building.first_triangle + building.n_triangles; ++t) {
-      if (buildings.faces[buildings.triangle_face[t]].wall) continue;
-      roofs.triangles.push_back(buildings.triangles[t]);
-      roofs.triangle_face.push_back(buildings.triangle_face[t]);
-    }
-    building.first_triangle = first;
-    building.n_triangles = static_cast<std::uint32_t>(roofs.triangles.size()) - first;
-  }
-  return roofs;
-}
-
 std::vector<std::uint8_t> materials_used(const World& world) {
   std::array<bool, 256> used{};
   for (const std::uint8_t id : world.surface_material) used[id] = true;

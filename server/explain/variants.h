@@ -10,9 +10,6 @@
 
 namespace obliq {
 
-/// The same buildings with the walls' triangles left out: roofs that hang in the air.
-Buildings without_walls(const Buildings& buildings);
-
 /// Material ids that ground or buildings of a world have, 0 (the terrain's) left out, rising.
 std::vector<std::uint8_t> materials_used(const World& world);
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -47,7 +48,10 @@ std::uint64_t hash_list(std::uint64_t hash, const List& list) {
 std::uint64_t world_hash(const World& world, std::uint64_t hash) {
   hash = hash_list(hash, world.grid.y_m);
   hash = hash_list(hash, world.surface_material);
-  return hash_list(hash, world.buildings.vertices_m);
+  hash = hash_list(hash, world.buildings.ring_xz_m);
+  for (const Building& building : world.buildings.list)
+    hash = hash_list(hash, std::array{building.roof_y_m, building.base_y_m});
+  return hash;
 }
 
 /// The scene without what changes no line of the table: the cases set pixels, kind and plates themselves.

@@ -113,8 +113,11 @@ std::vector<ReportLine> world_report_lines(const World& world) {
     count(report.buildings_outside, "skipped outside the loaded area");
     count(report.buildings_around, "skipped as larger than the loaded area");
     count(report.buildings_too_complex, "skipped as too complex");
+    count(report.buildings_too_wide, "skipped as wider than 5 km");
     count(report.buildings_no_ground, "skipped over unknown ground");
     count(report.buildings_unusable, "skipped as no usable polygon");
+    count(report.buildings_slivers, "narrower than 10 cm");
+    count(report.buildings_copies, "within half a metre of another of the same size");
     count(report.buildings_default_height, "with the default height");
     count(report.prisms_placed, "random prisms");
     lines.push_back(line);

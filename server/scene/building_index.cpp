@@ -2,95 +2,134 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 
 namespace obliq {
+namespace {
 
-BuildingIndex::BuildingIndex(const World& world)
-    : x0_m_(world.grid.x0_m),
-      z0_m_(world.grid.z0_m),
-      block_m_(kCells * world.grid.cell_m),
-      nx_((world.grid.nx - 2) / kCells + 1),
-      nz_((world.grid.nz - 2) / kCells + 1) {
+constexpr int kMostBlocks = 16;  ///< that a building is in
+constexpr int kLarger = 8;       ///< times as many cells a side has the next level
+
+/// A centimetre more than its bounding rectangle, for points just outside its walls.
+void rectangle_of(const Buildings& all, const Building& building, glm::dvec2& low_m, glm::dvec2& high_m) {
+  low_m = glm::dvec2(HUGE_VAL);
+  high_m = glm::dvec2(-HUGE_VAL);
+  for (std::uint32_t k = all.ring_start[building.first_ring]; k < all.ring_start[building.first_ring + 1];
+       ++k) {
+    low_m = glm::min(low_m, glm::dvec2(all.ring_xz_m[k]));
+    high_m = glm::max(high_m, glm::dvec2(all.ring_xz_m[k]));
+  }
+  low_m -= 0.01;
+  high_m += 0.01;
+}
+
+}  // namespace
+
+BuildingIndex::BuildingIndex(const World& world) : x0_m_(world.grid.x0_m), z0_m_(world.grid.z0_m) {
   const Buildings& all = world.buildings;
   if (all.list.empty()) return;
-  struct Entry {
-    std::size_t block;
-    std::uint32_t building;
-  };
-  std::vector<Entry> entries;
-  for (std::uint32_t b = 0; b < all.list.size(); ++b) {
-    const std::uint32_t ring = all.list[b].first_ring;
-    double west = HUGE_VAL, east = -HUGE_VAL, south = HUGE_VAL, north = -HUGE_VAL;
-    for (std::uint32_t k = all.ring_start[ring]; k < all.ring_start[ring + 1]; ++k) {
-      const glm::dvec2 corner(all.ring_xz_m[k]);
-      west = std::min(west, corner.x);
-      east = std::max(east, corner.x);
-      south = std::min(south, corner.y);
-      north = std::max(north, corner.y);
+  for (int cells = kCells;; cells *= kLarger) {
+    Level& level = levels_.emplace_back();
+    level.block_m = cells * world.grid.cell_m;
+    level.nx = (world.grid.nx - 2) / cells + 1;
+    level.nz = (world.grid.nz - 2) / cells + 1;
+    level.start.assign(static_cast<std::size_t>(level.nx) * static_cast<std::size_t>(level.nz) + 1, 0);
+    if (level.nx * level.nz <= kMostBlocks) break;
+  }
+  // First how many stand in each block, counted one block further on, then which.
+  const glm::dvec2 corner(x0_m_, z0_m_);
+  const auto for_each_block = [&](auto&& use) {
+    for (std::uint32_t b = 0; b < all.list.size(); ++b) {
+      glm::dvec2 low, high;
+      rectangle_of(all, all.list[b], low, high);
+      for (Level& level : levels_) {
+        const Blocks under = level.under(low - corner, high - corner);
+        if ((under.i1 - under.i0 + 1) * (under.j1 - under.j0 + 1) > kMostBlocks) continue;
+        for (int j = under.j0; j <= under.j1; ++j)
+          for (int i = under.i0; i <= under.i1; ++i)
+            use(level,
+                static_cast<std::size_t>(j) * static_cast<std::size_t>(level.nx) +
+                    static_cast<std::size_t>(i),
+                b);
+        break;
+      }
     }
-    // A centimetre wider than the outline, for points just outside its walls.
-    const auto at = [&](double value, double origin, int n) {
-      return static_cast<int>(std::clamp(std::floor((value - origin) / block_m_), 0.0, n - 1.0));
-    };
-    for (int j = at(south - 0.01, z0_m_, nz_); j <= at(north + 0.01, z0_m_, nz_); ++j)
-      for (int i = at(west - 0.01, x0_m_, nx_); i <= at(east + 0.01, x0_m_, nx_); ++i)
-        entries.push_back(
-            {static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i), b});
+  };
+  for_each_block([](Level& level, std::size_t block, std::uint32_t) { ++level.start[block + 1]; });
+  for (Level& level : levels_) {
+    for (std::size_t k = 1; k < level.start.size(); ++k) level.start[k] += level.start[k - 1];
+    level.buildings.resize(level.start.back());
   }
-  std::sort(entries.begin(), entries.end(), [](const Entry& p, const Entry& q) {
-    return p.block != q.block ? p.block < q.block : p.building < q.building;
-  });
-  start_.assign(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(nz_) + 1, 0);
-  buildings_.reserve(entries.size());
-  for (const Entry& entry : entries) {
-    ++start_[entry.block + 1];
-    buildings_.push_back(entry.building);
+  // Each block's start moves to its end, which is where the next one's was.
+  for_each_block(
+      [](Level& level, std::size_t block, std::uint32_t b) { level.buildings[level.start[block]++] = b; });
+  for (Level& level : levels_) {
+    std::copy_backward(level.start.begin(), level.start.end() - 1, level.start.end());
+    level.start[0] = 0;
   }
-  for (std::size_t k = 1; k < start_.size(); ++k) start_[k] += start_[k - 1];
 }
 
-std::span<const std::uint32_t> BuildingIndex::block(int i, int j) const {
-  if (start_.empty() || i < 0 || j < 0 || i >= nx_ || j >= nz_) return {};
+std::size_t BuildingIndex::bytes() const {
+  std::size_t n = 0;
+  for (const Level& level : levels_) n += level.start.capacity() + level.buildings.capacity();
+  return n * sizeof(std::uint32_t);
+}
+
+BuildingIndex::Blocks BuildingIndex::Level::under(const glm::dvec2& low_m, const glm::dvec2& high_m) const {
+  const auto at = [&](double value, int n) {
+    return static_cast<int>(std::clamp(std::floor(value / block_m), 0.0, n - 1.0));
+  };
+  return {at(low_m.x, nx), at(high_m.x, nx), at(low_m.y, nz), at(high_m.y, nz)};
+}
+
+std::span<const std::uint32_t> BuildingIndex::Level::block(int i, int j) const {
+  if (i < 0 || j < 0 || i >= nx || j >= nz) return {};
   const std::size_t k =
-      static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i);
-  return {buildings_.data() + start_[k], buildings_.data() + start_[k + 1]};
+      static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
+  return {buildings.data() + start[k], buildings.data() + start[k + 1]};
 }
 
-std::span<const std::uint32_t> BuildingIndex::near(double x_m, double z_m) const {
-  const double u = (x_m - x0_m_) / block_m_;
-  const double v = (z_m - z0_m_) / block_m_;
-  if (!(u >= 0 && v >= 0 && u < nx_ && v < nz_)) return {};
+std::span<const std::uint32_t> BuildingIndex::Level::near(double x_m, double z_m) const {
+  const double u = x_m / block_m;
+  const double v = z_m / block_m;
+  if (!(u >= 0 && v >= 0 && u < nx && v < nz)) return {};
   return block(static_cast<int>(u), static_cast<int>(v));
 }
 
 void BuildingIndex::along(const glm::dvec2& from_m, const glm::dvec2& to_m,
                           std::vector<std::uint32_t>& found) const {
   found.clear();
-  if (start_.empty()) return;
+  const glm::dvec2 corner(x0_m_, z0_m_);
+  for (const Level& level : levels_)
+    if (!level.buildings.empty()) level.along(from_m - corner, to_m - corner, found);
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+}
+
+void BuildingIndex::Level::along(const glm::dvec2& from_m, const glm::dvec2& to_m,
+                                 std::vector<std::uint32_t>& found) const {
   // Column by column of blocks: the rows between the stretch's ends there, one more on either side.
-  const double u0 = (std::min(from_m.x, to_m.x) - x0_m_) / block_m_;
-  const double u1 = (std::max(from_m.x, to_m.x) - x0_m_) / block_m_;
+  const double u0 = (std::min(from_m.x, to_m.x)) / block_m;
+  const double u1 = (std::max(from_m.x, to_m.x)) / block_m;
   const double rise = to_m.x != from_m.x ? (to_m.y - from_m.y) / (to_m.x - from_m.x) : 0;
-  const int i0 = static_cast<int>(std::clamp(std::floor(u0), 0.0, nx_ - 1.0));
-  const int i1 = static_cast<int>(std::clamp(std::floor(u1), 0.0, nx_ - 1.0));
+  const int i0 = static_cast<int>(std::clamp(std::floor(u0), 0.0, nx - 1.0));
+  const int i1 = static_cast<int>(std::clamp(std::floor(u1), 0.0, nx - 1.0));
   for (int i = i0; i <= i1; ++i) {
     double z0 = std::min(from_m.y, to_m.y);
     double z1 = std::max(from_m.y, to_m.y);
     if (to_m.x != from_m.x) {
-      const double at_west = from_m.y + rise * (x0_m_ + i * block_m_ - from_m.x);
-      const double at_east = from_m.y + rise * (x0_m_ + (i + 1) * block_m_ - from_m.x);
+      const double at_west = from_m.y + rise * (i * block_m - from_m.x);
+      const double at_east = from_m.y + rise * ((i + 1) * block_m - from_m.x);
       z0 = std::max(z0, std::min(at_west, at_east));
       z1 = std::min(z1, std::max(at_west, at_east));
     }
-    const int j0 = static_cast<int>(std::clamp(std::floor((z0 - z0_m_) / block_m_) - 1, 0.0, nz_ - 1.0));
-    const int j1 = static_cast<int>(std::clamp(std::floor((z1 - z0_m_) / block_m_) + 1, 0.0, nz_ - 1.0));
+    const int j0 = static_cast<int>(std::clamp(std::floor((z0) / block_m) - 1, 0.0, nz - 1.0));
+    const int j1 = static_cast<int>(std::clamp(std::floor((z1) / block_m) + 1, 0.0, nz - 1.0));
     for (int j = j0; j <= j1; ++j) {
       const auto here = block(i, j);
       found.insert(found.end(), here.begin(), here.end());
     }
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
 }
 
 bool inside_building(const Buildings& all, std::uint32_t building, double x_m, double y_m, double z_m,

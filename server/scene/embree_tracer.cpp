@@ -20,6 +20,7 @@
 #include "server/scene/tile_bounds.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq {
 namespace {
@@ -82,6 +83,7 @@ float component(double value) {
 struct EmbreeTracer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  BuildingMesh mesh;
   std::atomic<std::int64_t> bytes{0};
   std::atomic<std::int64_t> peak_bytes{0};
   double build_s = 0;
@@ -124,6 +126,20 @@ struct EmbreeTracer::Impl {
     return true;
   }
 
+  std::int64_t mesh_bytes() const {
+    return static_cast<std::int64_t>(mesh.vertices_m.capacity() * sizeof mesh.vertices_m[0] +
+                                     mesh.triangles.capacity() * sizeof mesh.triangles[0] +
+                                     mesh.triangle_face.capacity() * sizeof mesh.triangle_face[0]);
+  }
+
+  /// The number of a triangle among its face's, which follow each other.
+  std::uint32_t number_in_face(std::uint32_t triangle) const {
+    std::uint32_t number = 0;
+    while (number < triangle && mesh.triangle_face[triangle - number - 1] == mesh.triangle_face[triangle])
+      ++number;
+    return number;
+  }
+
   void add_ground(const HeightGrid& grid) {
     std::vector<RTCGrid> tiles;
     for (const GridTile& tile : known_tiles(grid))
@@ -153,21 +169,13 @@ struct EmbreeTracer::Impl {
   }
 
   void add_buildings(const Buildings& buildings) {
-    if (buildings.triangles.empty()) return;
+    mesh = mesh_of(buildings);
+    if (mesh.triangles.empty()) return;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const std::vector<glm::vec3>& corners = buildings.vertices_m;
-    if (corners.capacity() > corners.size()) {
-      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, corners.data(), 0,
-                                 sizeof corners[0], corners.size());
-    } else {  // Embree reads 16 bytes where the last corner has 12
-      void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                           sizeof corners[0], corners.size());
-      check("allocating buildings");
-      std::memcpy(copy, corners.data(), corners.size() * sizeof corners[0]);
-    }
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                               buildings.triangles.data(), 0, sizeof buildings.triangles[0],
-                               buildings.triangles.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices_m.data(),
+                               0, sizeof mesh.vertices_m[0], mesh.vertices_m.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                               sizeof mesh.triangles[0], mesh.triangles.size());
     check("placing buildings");
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene, geometry, kBuildingGeometry);
@@ -235,20 +243,23 @@ void EmbreeTracer::trace(const glm::dvec3& origin_m, const double* dir_x, const 
       RoughHit& hit = hits[ray_at(first + lane)];
       const unsigned geometry = packet.hit.geomID[lane];
       hit.distance_m = packet.ray.tfar[lane];
-      hit.triangle = packet.hit.primID[lane];
       hit.kind = geometry == RTC_INVALID_GEOMETRY_ID ? RoughHit::Kind::none
                  : geometry == kGroundGeometry       ? RoughHit::Kind::ground
                                                      : RoughHit::Kind::building;
+      if (hit.kind != RoughHit::Kind::building) continue;
+      hit.face = impl_->mesh.triangle_face[packet.hit.primID[lane]];
+      hit.triangle = impl_->number_in_face(packet.hit.primID[lane]);
     }
   }
 }
 
 std::uint64_t EmbreeTracer::bytes() const {
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, impl_->bytes.load()));
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, impl_->bytes.load() + impl_->mesh_bytes()));
 }
 
 std::uint64_t EmbreeTracer::peak_bytes() const {
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, impl_->peak_bytes.load()));
+  return static_cast<std::uint64_t>(
+      std::max<std::int64_t>(0, impl_->peak_bytes.load() + impl_->mesh_bytes()));
 }
 
 double EmbreeTracer::build_s() const { return impl_->build_s; }

@@ -15,8 +15,9 @@ namespace obliq {
 /// exact_hit.h turns it into a double range.
 struct RoughHit {
   enum class Kind : std::uint8_t { none, ground, building };
-  float distance_m = 0;        ///< along the unit direction
-  std::uint32_t triangle = 0;  ///< index into Buildings::triangles when kind is building
+  float distance_m = 0;          ///< along the unit direction
+  std::uint32_t face = kNoFace;  ///< of a building, when kind is building
+  std::uint32_t triangle = 0;    ///< among the face's (terrain/buildings/building_mesh.h)
   Kind kind = Kind::none;
 };
 
@@ -39,7 +40,7 @@ class EmbreeTracer {
   void trace(const glm::dvec3& origin_m, const double* dir_x, const double* dir_y, const double* dir_z, int n,
              RoughHit* hits, const std::uint16_t* order = nullptr) const;
 
-  std::uint64_t bytes() const;       ///< what Embree holds for the scene
+  std::uint64_t bytes() const;       ///< what Embree holds for the scene, and the buildings' triangles
   std::uint64_t peak_bytes() const;  ///< the most that it held while it built
   double build_s() const;
   static std::string version();

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "server/scene/ground_triangle.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq {
 namespace {
@@ -80,20 +81,14 @@ std::optional<ExactHit> refine_ground(const World& world, const glm::dvec3& orig
   return walk_ground(world, origin, direction, std::max(0.0, rough_m - reach), rough_m + reach);
 }
 
-glm::dvec3 vertex(const Buildings& buildings, std::uint32_t index) {
-  return glm::dvec3(buildings.vertices_m[index]);
-}
-
 /// Where the ray crosses a building triangle from outside; nothing for inner faces and misses.
-std::optional<double> cross_building_triangle(const Buildings& buildings, std::uint32_t triangle,
-                                              const glm::dvec3& origin, const glm::dvec3& direction,
-                                              glm::dvec3& outward) {
-  const glm::uvec3 corner = buildings.triangles[triangle];
-  const glm::dvec3 a = vertex(buildings, corner.x) - origin;
-  const glm::dvec3 b = vertex(buildings, corner.y) - origin;
-  const glm::dvec3 c = vertex(buildings, corner.z) - origin;
+std::optional<double> cross_building_triangle(const Triangle& triangle, const glm::dvec3& origin,
+                                              const glm::dvec3& direction, glm::dvec3& outward) {
+  const glm::dvec3 a = glm::dvec3(triangle[0]) - origin;
+  const glm::dvec3 b = glm::dvec3(triangle[1]) - origin;
+  const glm::dvec3 c = glm::dvec3(triangle[2]) - origin;
   // Left-handed axes: the outward normal is (b - a) x (c - a) for triangles that run clockwise seen from
-  // outside on right-handed paper; extrude.cpp states and tests the rule.
+  // outside on right-handed paper; building_mesh.h states the rule.
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double area2 = glm::length(normal);
   if (!(area2 > 0)) return std::nullopt;
@@ -111,15 +106,15 @@ std::optional<double> cross_building_triangle(const Buildings& buildings, std::u
   return distance;
 }
 
-ExactHit building_hit(const Buildings& buildings, std::uint32_t triangle, const glm::dvec3& origin,
+ExactHit building_hit(const Buildings& buildings, std::uint32_t face, const glm::dvec3& origin,
                       const glm::dvec3& direction, const glm::dvec3& outward, double distance) {
   ExactHit hit;
   hit.slant_range_m = distance;
   hit.position_m = origin + distance * direction;
   hit.normal = outward;
   hit.cos_incidence = std::min(1.0, std::abs(glm::dot(outward, direction)));
-  hit.face = buildings.triangle_face[triangle];
-  hit.material = buildings.list[buildings.faces[hit.face].building].material;
+  hit.face = face;
+  hit.material = buildings.list[buildings.faces[face].building].material;
   return hit;
 }
 
@@ -127,13 +122,13 @@ std::optional<ExactHit> refine_building(const World& world, const glm::dvec3& or
                                         const glm::dvec3& direction, const RoughHit& rough) {
   const Buildings& buildings = world.buildings;
   glm::dvec3 outward{0.0};
-  if (const auto distance = cross_building_triangle(buildings, rough.triangle, origin, direction, outward))
-    return building_hit(buildings, rough.triangle, origin, direction, outward, *distance);
+  if (const auto distance = cross_building_triangle(triangle_of(buildings, rough.face, rough.triangle),
+                                                    origin, direction, outward))
+    return building_hit(buildings, rough.face, origin, direction, outward, *distance);
   // The double ray misses the reported triangle: it may meet the face beside it. A farther one would mean
   // that the ray has leaked into the building, and met an inner side.
   const auto rough_m = static_cast<double>(rough.distance_m);
-  const auto near = cross_building(world, buildings.faces[buildings.triangle_face[rough.triangle]].building,
-                                   origin, direction);
+  const auto near = cross_building(world, buildings.faces[rough.face].building, origin, direction);
   if (!near || !(std::abs(near->slant_range_m - rough_m) <= refinement_reach_m(world, rough_m)))
     return std::nullopt;
   return near;
@@ -189,21 +184,20 @@ std::optional<ExactHit> walk_ground(const World& world, const glm::dvec3& origin
 std::optional<ExactHit> cross_building(const World& world, std::uint32_t building, const glm::dvec3& origin_m,
                                        const glm::dvec3& direction) {
   const Buildings& all = world.buildings;
-  const Building& b = all.list[building];
   double nearest = std::numeric_limits<double>::infinity();
-  std::uint32_t triangle = 0;
+  std::uint32_t nearest_face = 0;
   glm::dvec3 nearest_outward{0.0};
   glm::dvec3 outward{0.0};
-  for (std::uint32_t k = b.first_triangle; k < b.first_triangle + b.n_triangles; ++k) {
-    const auto found = cross_building_triangle(all, k, origin_m, direction, outward);
+  for_each_triangle(all, all.list[building], [&](std::uint32_t face, const Triangle& triangle) {
+    const auto found = cross_building_triangle(triangle, origin_m, direction, outward);
     if (found && *found < nearest) {
       nearest = *found;
       nearest_outward = outward;
-      triangle = k;
+      nearest_face = face;
     }
-  }
+  });
   if (!std::isfinite(nearest)) return std::nullopt;
-  return building_hit(all, triangle, origin_m, direction, nearest_outward, nearest);
+  return building_hit(all, nearest_face, origin_m, direction, nearest_outward, nearest);
 }
 
 double refinement_reach_m(const World& world, double rough_m) {

@@ -50,11 +50,10 @@ bool ends_below_ground(const Scene& scene, const glm::dvec3& origin, const glm::
 
 /// Does a point lie inside a building, but for one that it belongs to?
 bool in_building(const Scene& scene, const glm::dvec3& p, std::uint32_t owner) {
-  for (const std::uint32_t building : scene.building_index().near(p.x, p.z)) {
-    if (building == owner) continue;
-    if (inside_building(scene.world().buildings, building, p.x, p.y, p.z, kLeakDepth_m)) return true;
-  }
-  return false;
+  return scene.building_index().any_near(p.x, p.z, [&](std::uint32_t building) {
+    return building != owner &&
+           inside_building(scene.world().buildings, building, p.x, p.y, p.z, kLeakDepth_m);
+  });
 }
 
 /// A hit on a lit side: does it lie inside a solid?

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/scene/embree_tracer.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq {
 namespace {
@@ -30,7 +31,7 @@ std::string format(const char* pattern, Values... values) {
 }  // namespace
 
 std::uint64_t surface_triangles(const World& world) {
-  std::uint64_t n = world.buildings.triangles.size();
+  std::uint64_t n = triangle_count(world.buildings);
   const HeightGrid& grid = world.grid;
   for (int j = 0; j + 1 < grid.nz; ++j)
     for (int i = 0; i + 1 < grid.nx; ++i) n += grid.cell_known(i, j) ? 2 : 0;
@@ -43,8 +44,7 @@ std::uint64_t grid_bytes(const World& world) {
 
 std::uint64_t building_bytes(const Buildings& b) {
   return bytes_of(b.list) + bytes_of(b.faces) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
-         bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall) + bytes_of(b.vertices_m) +
-         bytes_of(b.triangles) + bytes_of(b.triangle_face);
+         bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall);
 }
 
 std::uint64_t wall_triangles(const Buildings& buildings) {
@@ -72,10 +72,10 @@ std::string memory_line(const Scene& scene) {
   std::string line = format("memory: heights %.1f MB (%.1f bytes a post)", megabytes(memory.heights),
                             ratio(memory.heights, posts));
   if (memory.surfaces > 0) line += format(", surfaces %.1f MB", megabytes(memory.surfaces));
-  const std::uint64_t walls = wall_triangles(scene.world().buildings);
-  if (walls > 0)
-    line += format(", buildings %.1f MB (%.0f bytes a wall triangle)", megabytes(memory.buildings),
-                   ratio(memory.buildings, walls));
+  const std::uint64_t buildings = scene.world().buildings.list.size();
+  if (buildings > 0)
+    line += format(", buildings %.1f MB (%.0f bytes each)", megabytes(memory.buildings),
+                   ratio(memory.buildings, buildings));
   line += format(", indices %.1f MB", megabytes(memory.index));
   if (memory.tracer > 0)
     line += format(", Embree %.1f MB (%.1f bytes a post; %.1f MB while it built)", megabytes(memory.tracer),

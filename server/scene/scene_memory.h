@@ -10,9 +10,9 @@ namespace obliq {
 struct SceneMemory {
   std::uint64_t heights = 0;      ///< of the grid's posts
   std::uint64_t surfaces = 0;     ///< materials of the ground's cells
-  std::uint64_t buildings = 0;    ///< outlines, faces and triangles
+  std::uint64_t buildings = 0;    ///< outlines, their convex parts and faces
   std::uint64_t index = 0;        ///< bounds of the ground's tiles, buildings by block, their circles
-  std::uint64_t tracer = 0;       ///< all of Embree's; 0 until rays are cast
+  std::uint64_t tracer = 0;       ///< all of Embree's, and the buildings' triangles; 0 until rays are cast
   std::uint64_t tracer_peak = 0;  ///< the most of it, while it was built; not part of the sum
 
   std::uint64_t total() const { return heights + surfaces + buildings + index + tracer; }

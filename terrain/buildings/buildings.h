@@ -26,10 +26,8 @@ struct Building {
   std::uint32_t n_faces = 0;
   std::uint32_t first_part = 0;  ///< into Buildings::parts
   std::uint32_t n_parts = 0;     ///< 0: the outline is the only part
-  std::uint32_t first_triangle = 0;
-  std::uint32_t n_triangles = 0;
-  float roof_y_m = 0;  ///< world y
-  float base_y_m = 0;  ///< world y, below the lowest ground under the outline
+  float roof_y_m = 0;            ///< world y
+  float base_y_m = 0;            ///< world y, below the lowest ground under the outline
   std::uint8_t material = 1;
 };
 
@@ -42,8 +40,8 @@ struct ConvexPart {
   std::uint32_t n_corners = 0;
 };
 
-/// All buildings of a scene, as footprints and as the triangles that Embree gets. The ring coordinates are
-/// exactly the float32 vertex coordinates, so that footprint and mesh are the same solid.
+/// All buildings of a scene, as footprints. Their triangles are worked out from them where rays are traced
+/// (terrain/buildings/building_mesh.h), so that footprint and mesh are the same solid.
 struct Buildings {
   std::vector<Building> list;
   std::vector<BuildingFace> faces;
@@ -55,14 +53,9 @@ struct Buildings {
   std::vector<glm::vec2> part_xz_m;      ///< corners of rings, none besides
   std::vector<std::uint32_t> part_wall;  ///< face of the wall from this corner to the next; kNoFace: an inner
                                          ///< edge, which is no wall
-  std::vector<glm::vec3> vertices_m;     ///< world frame; room for one more lets the tracer share them
-  /// Vertex indices. The cross product of components, (b - a) x (c - a), points out of the solid: seen from
-  /// outside the corners run clockwise in these left-handed axes. There is no bottom; the base is
-  /// underground.
-  std::vector<glm::uvec3> triangles;
-  std::vector<std::uint32_t> triangle_face;  ///< face index of each triangle
+  bool walls = true;                     ///< false: roofs alone have triangles, for a comparison
 
-  /// Gives back the memory that growing has left unused, but for one vertex.
+  /// Gives back the memory that growing has left unused.
   void trim();
 };
 

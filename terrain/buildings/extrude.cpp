@@ -25,35 +25,6 @@ double lowest_node_m(const HeightGrid& grid, const Rect& rect) {
   return lowest;
 }
 
-/// Roof corners first, base corners n further on.
-void append_vertices(Buildings& buildings, const Outline& outline, const Building& building) {
-  for (float y_m : {building.roof_y_m, building.base_y_m}) {
-    for (const auto& ring : outline.rings_m) {
-      for (glm::vec2 p : ring) buildings.vertices_m.emplace_back(p.x, y_m, p.y);
-    }
-  }
-}
-
-void append_roof(Buildings& buildings, const Outline& outline, const BuildingFace& face,
-                 std::uint32_t first) {
-  const std::uint32_t index = count(buildings.faces.size());
-  buildings.faces.push_back(face);
-  for (glm::uvec3 t : outline.roof) {
-    buildings.triangles.push_back(t + glm::uvec3(first));
-    buildings.triangle_face.push_back(index);
-  }
-}
-
-/// The wall over the edge from corner a to corner b, interior on the left as seen on a map.
-void append_wall(Buildings& buildings, const BuildingFace& face, std::uint32_t roof_a, std::uint32_t roof_b,
-                 std::uint32_t n) {
-  const std::uint32_t index = count(buildings.faces.size());
-  buildings.faces.push_back(face);
-  buildings.triangles.emplace_back(roof_a + n, roof_a, roof_b);
-  buildings.triangles.emplace_back(roof_a + n, roof_b, roof_b + n);
-  buildings.triangle_face.insert(buildings.triangle_face.end(), {index, index});
-}
-
 void append_parts(Buildings& buildings, const Outline& outline, Building& building) {
   building.first_part = count(buildings.parts.size());
   building.n_parts = count(outline.parts.size());
@@ -80,12 +51,6 @@ void Buildings::trim() {
   parts.shrink_to_fit();
   part_xz_m.shrink_to_fit();
   part_wall.shrink_to_fit();
-  triangles.shrink_to_fit();
-  triangle_face.shrink_to_fit();
-  std::vector<glm::vec3> with_room;
-  with_room.reserve(vertices_m.size() + 1);
-  with_room = vertices_m;
-  vertices_m = std::move(with_room);
 }
 
 Footing footing_of(const HeightGrid& grid, const Outline& outline) {
@@ -114,23 +79,18 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
   building.first_ring = count(buildings.ring_start.size() - 1);
   building.n_rings = count(outline.rings_m.size());
   building.first_face = count(buildings.faces.size());
-  building.first_triangle = count(buildings.triangles.size());
   building.roof_y_m = static_cast<float>(footing.mean_y_m + look.height_m);
   building.base_y_m = static_cast<float>(footing.lowest_y_m - kBaseDepth_m);
   building.material = look.material;
-
-  const std::uint32_t first_vertex = count(buildings.vertices_m.size());
-  append_vertices(buildings, outline, building);
-  const std::uint32_t n = (count(buildings.vertices_m.size()) - first_vertex) / 2;
 
   BuildingFace face;
   face.building = count(buildings.list.size());
   face.centre_m = glm::dvec3(outline.centre_m.x, static_cast<double>(building.roof_y_m), outline.centre_m.y);
   face.identity = mix64(look.identity);
-  append_roof(buildings, outline, face, first_vertex);
+  buildings.faces.push_back(face);
 
   face.wall = true;
-  std::uint32_t corner = first_vertex;
+  std::uint32_t corner = 0;
   for (const auto& ring : outline.rings_m) {
     const std::uint32_t size = count(ring.size());
     for (std::uint32_t k = 0; k < size; ++k) {
@@ -138,8 +98,8 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
       const glm::dvec2 middle = (glm::dvec2(ring[k]) + glm::dvec2(ring[next])) / 2.0;
       // Half way up what stands out of the ground.
       face.centre_m = glm::dvec3(middle.x, footing.mean_y_m + look.height_m / 2, middle.y);
-      face.identity = mix64(look.identity + 1 + corner + k - first_vertex);
-      append_wall(buildings, face, corner + k, corner + next, n);
+      face.identity = mix64(look.identity + 1 + corner + k);
+      buildings.faces.push_back(face);
     }
     corner += size;
     buildings.ring_xz_m.insert(buildings.ring_xz_m.end(), ring.begin(), ring.end());
@@ -147,7 +107,6 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
   }
   append_parts(buildings, outline, building);
   building.n_faces = count(buildings.faces.size()) - building.first_face;
-  building.n_triangles = count(buildings.triangles.size()) - building.first_triangle;
   buildings.list.push_back(building);
 }
 

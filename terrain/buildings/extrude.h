@@ -30,10 +30,8 @@ struct PrismLook {
 /// How far the base reaches below the lowest ground, so that none floats whatever the rounding.
 constexpr double kBaseDepth_m = 0.5;
 
-/// Appends one prism: a flat roof at mean_y_m + height (a house stands level on sloping ground), two
-/// triangles for every edge of every ring, no bottom since the base is underground. With the cross product of
-/// components, (b - a) x (c - a) of each triangle points out of the solid: in these left-handed axes the
-/// corners run clockwise seen from outside.
+/// Appends one prism: a flat roof at mean_y_m + height (a house stands level on sloping ground), a wall for
+/// every edge of every ring, no bottom since the base is underground.
 void append_prism(Buildings& buildings, const Outline& outline, const Footing& footing,
                   const PrismLook& look);
 

@@ -10,6 +10,7 @@
 #include "terrain/base/hash.h"
 #include "terrain/buildings/extrude.h"
 #include "terrain/buildings/footprint_heights.h"
+#include "terrain/buildings/odd_buildings.h"
 #include "terrain/buildings/placement.h"
 
 namespace obliq {
@@ -113,6 +114,11 @@ class FootprintLoader {
     const Polygon outline = world_polygon(world_.frame, polygon, place.height_m);
     if (place.state == GroundState::off_grid || !lies_inside(area_, outline)) {
       ++(lies_around(polygon, window_) ? report.buildings_around : report.buildings_outside);
+      return false;
+    }
+    const Rect around = bounds(outline);
+    if (std::max(around.x1_m - around.x0_m, around.z1_m - around.z0_m) > kWidest_m) {
+      ++report.buildings_too_wide;
       return false;
     }
     if (place.state == GroundState::unknown) {
@@ -226,6 +232,9 @@ void load_buildings(World& world, const WorldSpec& spec, const Polygon& area, co
     heights.report(world.report);
   }
   loader.warn_of_excess();
+  const OddBuildings odd = count_odd(world.buildings);
+  world.report.buildings_slivers = odd.slivers;
+  world.report.buildings_copies = odd.copies;
   if (progress) progress("buildings", 1);
 }
 

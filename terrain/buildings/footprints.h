@@ -12,8 +12,13 @@ namespace obliq {
 /// degree (about 1 cm): tells duplicates and names faces.
 std::uint64_t outline_identity(const GeoPolygon& polygon);
 
+/// Wider outlines are districts or mistakes: the Klystron Gallery at SLAC, 3.07 km, is among the longest
+/// buildings that there are.
+constexpr double kWidest_m = 5000;
+
 /// Reads all [[buildings]], stands them on world.grid and counts in world.report. Outlines are kept only when
-/// all their corners lie inside the grid and the area's polygon. Throws InputError.
+/// all their corners lie inside the grid and the area's polygon, and they are no wider than kWidest_m. Throws
+/// InputError.
 void load_buildings(World& world, const WorldSpec& spec, const Polygon& area, const Progress& progress);
 
 /// True when all corners of the outer ring are inside the area, or there is no area.

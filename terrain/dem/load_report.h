@@ -47,6 +47,9 @@ struct LoadReport {
   std::uint64_t buildings_no_ground = 0;
   std::uint64_t buildings_unusable = 0;     ///< no polygon, fewer than three points, or not numbers
   std::uint64_t buildings_too_complex = 0;  ///< beyond outline.h's limits
+  std::uint64_t buildings_too_wide = 0;     ///< beyond kWidest_m
+  std::uint64_t buildings_slivers = 0;      ///< in the scene; terrain/buildings/odd_buildings.h
+  std::uint64_t buildings_copies = 0;       ///< the same
   std::uint64_t buildings_default_height = 0;
   std::vector<BuildingHeights> building_heights;  ///< a source each
   std::uint64_t prisms_placed = 0;

@@ -14,6 +14,7 @@
 #include "server/radar/rays/hit_observer.h"
 #include "server/radar/render.h"
 #include "server/scene/embree_tracer.h"
+#include "terrain/buildings/building_mesh.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -42,15 +43,14 @@ double from_edge_m(const World& world, const ExactHit& hit) {
   double nearest = HUGE_VAL;
   const Buildings& all = world.buildings;
   const Building& b = all.list[all.faces[hit.face].building];
-  for (std::uint32_t t = b.first_triangle; t < b.first_triangle + b.n_triangles; ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3 a(all.vertices_m[all.triangles[t][k]]);
-      const glm::dvec3 c(all.vertices_m[all.triangles[t][(k + 1) % 3]]);
-      const glm::dvec3 edge = c - a;
+  for_each_triangle(all, b, [&](std::uint32_t, const Triangle& triangle) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 a(triangle[k]);
+      const glm::dvec3 edge = glm::dvec3(triangle[(k + 1) % 3]) - a;
       const double along = std::clamp(glm::dot(p - a, edge) / glm::dot(edge, edge), 0.0, 1.0);
       nearest = std::min(nearest, glm::length(p - a - along * edge));
     }
-  }
+  });
   return nearest;
 }
 

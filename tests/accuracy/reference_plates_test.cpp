@@ -122,7 +122,7 @@ TEST(ReferencePlate, TwoWallsAtObliqueIncidenceAreTheirQuadrature) {
   const ReferenceView view = view_from({0, 100, 0}, 0, 30, 4, 300, 600, 1);
   // The corners were rounded to float32: take them as they are.
   const auto corner = [&](std::uint32_t k) {
-    return glm::dvec3(world.buildings.vertices_m[k].x, 0, world.buildings.vertices_m[k].z);
+    return glm::dvec3(world.buildings.ring_xz_m[k].x, 0, world.buildings.ring_xz_m[k].y);
   };
   std::uint32_t nearest = 0;
   for (std::uint32_t k = 1; k < 4; ++k)

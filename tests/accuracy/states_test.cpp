@@ -336,7 +336,9 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
                   scene.name, static_cast<int>(kind), sampled, lost, wrong);
       // A gap between two buildings that falls between two strands is missed. With one strand a bin (the
       // named wrong version) bare hills fail too, with one bin in 100.
-      EXPECT_LE(wrong, scene.missed * sampled) << scene.name;
+      // The sweep's sub-columns call a bin hidden of which less than a 64th of the light is left.
+      const double allowed = kind == FrustumKind::sweep ? 2 * scene.missed : scene.missed;
+      EXPECT_LE(wrong, allowed * sampled) << scene.name;
     }
   }
 }

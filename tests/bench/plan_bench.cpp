@@ -51,6 +51,7 @@ void run(const std::string& file) {
               processor_s() - start_processor,
               1e-6 * static_cast<double>(test::memory_of(getpid()).resident_bytes),
               1e-6 * static_cast<double>(test::peak_memory_bytes()));
+  print_world_report(*world);
   const auto scene = std::make_shared<const Scene>(world, config.materials, 0);
   const SceneMemory memory = scene_memory(*scene);
   const auto n = static_cast<double>(world->buildings.list.size());

@@ -27,6 +27,7 @@
 #include "server/radar/render.h"
 #include "server/radar/samples.h"
 #include "terrain/base/errors.h"
+#include "terrain/buildings/building_mesh.h"
 #include "tests/support/refine_hit.h"
 
 namespace obliq {
@@ -149,13 +150,18 @@ class MeshNumbers {
     for (int j = 0; j + 1 < grid.nz; ++j)
       for (int i = 0; i + 1 < grid.nx; ++i)
         if (grid.cell_known(i, j)) of_cell_[grid.index(i, j)] = 2 * known_cells_++;
+    const BuildingMesh mesh = mesh_of(world.buildings);
+    first_of_face_.resize(world.buildings.faces.size());
+    for (std::uint32_t t = static_cast<std::uint32_t>(mesh.triangles.size()); t-- > 0;)
+      first_of_face_[mesh.triangle_face[t]] = t;
   }
 
   std::uint32_t triangle(const glm::dvec3& antenna_m, const glm::dvec3& direction,
                          const RoughHit& hit) const {
     const HeightGrid& grid = world_.grid;
     if (hit.kind == RoughHit::Kind::none) return kNone;
-    if (hit.kind == RoughHit::Kind::building) return 2 * known_cells_ + hit.triangle;
+    if (hit.kind == RoughHit::Kind::building)
+      return 2 * known_cells_ + first_of_face_[hit.face] + hit.triangle;
     const auto exact = test::refine_hit(world_, antenna_m, direction, hit);
     if (!exact) return kNone;
     const double u = (exact->position_m.x - grid.x0_m) / grid.cell_m;
@@ -168,6 +174,7 @@ class MeshNumbers {
  private:
   const World& world_;
   std::vector<std::uint32_t> of_cell_;  // [nx * nz], its first triangle
+  std::vector<std::uint32_t> first_of_face_;
   std::uint32_t known_cells_ = 0;
 };
 

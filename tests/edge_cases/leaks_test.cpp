@@ -117,9 +117,11 @@ double depth_m(const Scene& scene, const glm::dvec3& antenna, const glm::dvec3& 
     const glm::dvec3 p = antenna + t * direction;
     double surface = world.grid.height_at_m(p.x, p.z);
     if (std::isnan(surface)) break;
-    for (const std::uint32_t b : scene.building_index().near(p.x, p.z))
+    scene.building_index().any_near(p.x, p.z, [&](std::uint32_t b) {
       if (inside_building(world.buildings, b, p.x, p.y, p.z, allowed_m))
         surface = std::max(surface, static_cast<double>(world.buildings.list[b].roof_y_m));
+      return false;
+    });
     deepest = std::max(deepest, surface - p.y);
   }
   return deepest;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "terrain/base/errors.h"
+#include "terrain/buildings/building_mesh.h"
 #include "terrain/world.h"
 #include "tests/fuzz/gdal_memory.h"
 #include "tests/fuzz/input.h"
@@ -23,12 +24,13 @@ WorldSpec flat_town() {
 
 void load(WorldSpec spec) {
   const World world = load_world(spec);
-  for (const auto& triangle : world.buildings.triangles) {
+  const BuildingMesh mesh = mesh_of(world.buildings);
+  for (const auto& triangle : mesh.triangles) {
     for (int corner = 0; corner < 3; ++corner) {
-      if (triangle[corner] >= world.buildings.vertices_m.size()) fuzz::broken("a triangle without corners");
+      if (triangle[corner] >= mesh.vertices_m.size()) fuzz::broken("a triangle without corners");
     }
   }
-  for (const auto& vertex : world.buildings.vertices_m) {
+  for (const auto& vertex : mesh.vertices_m) {
     for (int axis = 0; axis < 3; ++axis) {
       if (!(vertex[axis] > -1e7F && vertex[axis] < 1e7F)) fuzz::broken("a building that is nowhere");
     }

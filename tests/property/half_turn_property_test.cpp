@@ -24,8 +24,8 @@ test::RandomScene turned(test::RandomScene scene) {
     return static_cast<float>(sum - static_cast<double>(value));
   };
   std::reverse(world.grid.y_m.begin(), world.grid.y_m.end());
-  for (glm::vec3& v : world.buildings.vertices_m) v = {turn_float(v.x, x_sum), v.y, turn_float(v.z, z_sum)};
-  for (glm::vec2& p : world.buildings.ring_xz_m) p = {turn_float(p.x, x_sum), turn_float(p.y, z_sum)};
+  for (auto* corners : {&world.buildings.ring_xz_m, &world.buildings.part_xz_m})
+    for (glm::vec2& p : *corners) p = {turn_float(p.x, x_sum), turn_float(p.y, z_sum)};
   for (BuildingFace& face : world.buildings.faces) {
     face.centre_m.x = x_sum - face.centre_m.x;
     face.centre_m.z = z_sum - face.centre_m.z;

@@ -8,6 +8,7 @@
 
 #include "server/radar/render.h"
 #include "terrain/base/errors.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq::test {
 namespace {
@@ -21,13 +22,13 @@ double half_extent_m(const World& world, std::uint32_t face) {
   const Buildings& all = world.buildings;
   const glm::dvec3& centre = all.faces[face].centre_m;
   double most = 0;
-  for (std::size_t t = 0; t < all.triangles.size(); ++t) {
-    if (all.triangle_face[t] != face) continue;
-    for (int corner = 0; corner < 3; ++corner) {
-      const glm::dvec3 off = glm::dvec3(all.vertices_m[all.triangles[t][corner]]) - centre;
+  for_each_triangle(all, all.list[all.faces[face].building], [&](std::uint32_t of, const Triangle& triangle) {
+    if (of != face) return;
+    for (const glm::vec3& corner : triangle) {
+      const glm::dvec3 off = glm::dvec3(corner) - centre;
       most = std::max({most, std::abs(off.x), std::abs(off.z), off.y});
     }
-  }
+  });
   return most;
 }
 

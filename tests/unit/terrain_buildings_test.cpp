@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "terrain/buildings/building_mesh.h"
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {
@@ -30,8 +31,9 @@ TEST(Buildings, ASquareHouseIsARoofAndFourWallsWithNormalsOutwards) {
   EXPECT_EQ(b.faces.size(), 5u);
   EXPECT_FALSE(b.faces[0].wall);
   EXPECT_TRUE(b.faces[4].wall);
-  EXPECT_EQ(b.triangles.size(), 2u + 4u * 2u);
-  EXPECT_EQ(b.triangle_face.size(), b.triangles.size());
+  const BuildingMesh mesh = mesh_of(b);
+  EXPECT_EQ(mesh.triangles.size(), 2u + 4u * 2u);
+  EXPECT_EQ(mesh.triangle_face.size(), mesh.triangles.size());
   EXPECT_FLOAT_EQ(b.list[0].roof_y_m, 12.5f);
   EXPECT_LT(b.list[0].base_y_m, 0);
   const double height = static_cast<double>(b.list[0].roof_y_m) - static_cast<double>(b.list[0].base_y_m);
@@ -49,8 +51,9 @@ TEST(Buildings, EveryTriangleFacesAwayFromTheInside) {
   const World world = town(folder, {polygon_feature(town_frame(), {square(-50, -50, 30)})});
   const Buildings& b = world.buildings;
   const glm::dvec3 inside(-35, 2, -35);
-  for (glm::uvec3 t : b.triangles) {
-    const glm::dvec3 p(b.vertices_m[t.x]), q(b.vertices_m[t.y]), r(b.vertices_m[t.z]);
+  const BuildingMesh mesh = mesh_of(b);
+  for (glm::uvec3 t : mesh.triangles) {
+    const glm::dvec3 p(mesh.vertices_m[t.x]), q(mesh.vertices_m[t.y]), r(mesh.vertices_m[t.z]);
     EXPECT_GT(glm::dot(glm::cross(q - p, r - p), (p + q + r) / 3.0 - inside), 0);
   }
 }
@@ -88,9 +91,39 @@ TEST(Buildings, RingsAreExactlyTheMeshesCorners) {
   const Folder folder;
   const World world = town(folder, {polygon_feature(town_frame(), {kL})});
   const Buildings& b = world.buildings;
+  const BuildingMesh mesh = mesh_of(b);
   for (std::size_t k = 0; k < b.ring_xz_m.size(); ++k) {
-    EXPECT_EQ(b.vertices_m[k].x, b.ring_xz_m[k].x);
-    EXPECT_EQ(b.vertices_m[k].z, b.ring_xz_m[k].y);
+    EXPECT_EQ(mesh.vertices_m[k].x, b.ring_xz_m[k].x);
+    EXPECT_EQ(mesh.vertices_m[k].z, b.ring_xz_m[k].y);
+  }
+}
+
+TEST(Buildings, MeshAndFacesHaveTheSameTriangles) {
+  const Folder folder;
+  const test::MetreRing court = {{2, 2}, {8, 2}, {8, 30}, {2, 30}};
+  const World world = town(folder, {polygon_feature(town_frame(), {kL, court}),
+                                    polygon_feature(town_frame(), {square(100, 100, 20)}),
+                                    polygon_feature(town_frame(), {{{60, 0}, {90, 0}, {70, 5}, {60, 40}}})});
+  Buildings b = world.buildings;
+  for (const bool walls : {true, false}) {
+    b.walls = walls;
+    const BuildingMesh mesh = mesh_of(b);
+    ASSERT_EQ(mesh.triangles.size(), triangle_count(b));
+    std::size_t k = 0;
+    std::uint32_t number = 0;
+    for (const Building& building : b.list) {
+      for_each_triangle(b, building, [&](std::uint32_t face, const Triangle& triangle) {
+        ASSERT_LT(k, mesh.triangles.size());
+        EXPECT_EQ(mesh.triangle_face[k], face);
+        number = k > 0 && mesh.triangle_face[k - 1] == face ? number + 1 : 0;
+        EXPECT_EQ(triangle_of(b, face, number), triangle);
+        for (int c = 0; c < 3; ++c)
+          EXPECT_EQ(mesh.vertices_m[mesh.triangles[k][c]], triangle[static_cast<std::size_t>(c)]);
+        EXPECT_TRUE(walls || !b.faces[face].wall);
+        ++k;
+      });
+    }
+    EXPECT_EQ(k, mesh.triangles.size());
   }
 }
 

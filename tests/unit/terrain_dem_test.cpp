@@ -292,7 +292,7 @@ TEST(Dem, SameBitsForAnyNumberOfThreads) {
   }
   for (const World& world : worlds) {
     EXPECT_EQ(world.grid.y_m, worlds[0].grid.y_m);
-    EXPECT_EQ(world.buildings.vertices_m, worlds[0].buildings.vertices_m);
+    EXPECT_EQ(world.buildings.ring_xz_m, worlds[0].buildings.ring_xz_m);
   }
 }
 

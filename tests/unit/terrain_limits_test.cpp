@@ -135,6 +135,40 @@ TEST(Limits, CrossingsAreCountedOnceEachAndNeighboursNotAtAll) {
   EXPECT_EQ(count_crossings({{{0, 0}, {9, 0}, {9, 9}, {0, 9}}, {{5, 5}, {20, 5}, {5, 6}}}, 100), 2u);
 }
 
+TEST(Limits, ATownOfBadFootprintsLoadsAndEachKindIsCounted) {
+  // 20,000 houses of 8 m, 20 m apart; each again, each a hand's breadth further east, and what else data sets
+  // have.
+  const Folder folder;
+  const WorldFrame frame = town_frame();
+  std::vector<std::string> features;
+  const auto add = [&](const test::MetreRing& ring) {
+    features.push_back(polygon_feature(frame, {ring}, R"("height":5)"));
+  };
+  constexpr int kHouses = 20000;
+  for (const double shift_m : {0.0, 0.0, 0.15})
+    for (int k = 0; k < kHouses; ++k) add(square(shift_m - 1400 + 20 * (k % 141), -1400 + 20 * (k / 141), 8));
+  for (int k = 0; k < 1000; ++k) add(square(-1390 + k, 1500, 0.001));
+  for (int k = 0; k < 1000; ++k) {
+    const double east = -1390 + 2 * k;
+    add({{east, 1510}, {east + 0.05, 1510}, {east + 0.05, 1540}, {east, 1540}});
+  }
+  for (int k = 0; k < 100; ++k) add(square(-5000 - k, -5000, 10000));
+  for (int k = 0; k < 100; ++k) add(square(-2000 - k, -2000, 4900));
+  WorldSpec spec = test::scene(-99.5, 33, 8000, {});
+  spec.terrain.synthetic = SyntheticKind::flat;
+  spec.terrain.cell_m = 100;
+  const World world = town(folder, features, spec);
+  const LoadReport& report = world.report;
+  EXPECT_EQ(report.buildings_read, features.size());
+  EXPECT_EQ(report.buildings_duplicate, 20000u);
+  EXPECT_EQ(report.buildings_zero_area, 1000u);
+  EXPECT_EQ(report.buildings_too_wide, 100u);
+  EXPECT_EQ(report.buildings_slivers, 1000u);
+  EXPECT_EQ(report.buildings_copies, 20000u);
+  EXPECT_EQ(world.buildings.list.size(), 20000u + 20000u + 1000u + 100u);
+  EXPECT_EQ(report.buildings_kept, world.buildings.list.size());
+}
+
 TEST(Limits, OutlineAroundAllThatIsLoadedIsSaidToBe) {
   const Folder folder;
   const std::string earth = R"([[[-179,-85],[179,-85],[179,85],[-179,85],[-179,-85]]])";

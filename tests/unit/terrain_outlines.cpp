@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "terrain/buildings/building_mesh.h"
+
 namespace obliq::test {
 namespace {
 
@@ -74,32 +76,28 @@ MetreRing square(double east, double north, double side) {
 double enclosed_volume_m3(const Buildings& b, std::size_t index) {
   const Building& building = b.list[index];
   // Relative to a corner of the building, so that large coordinates do not cancel.
-  const auto at = [&](unsigned v) { return glm::dvec3(b.vertices_m[v]); };
-  const glm::dvec3 origin = at(b.triangles[building.first_triangle].x);
+  const glm::dvec3 origin(over(b.ring_xz_m[b.ring_start[building.first_ring]], building.roof_y_m));
   double six = 0;
-  for (std::uint32_t t = building.first_triangle; t < building.first_triangle + building.n_triangles; ++t) {
+  for_each_triangle(b, building, [&](std::uint32_t face, const Triangle& triangle) {
     glm::dvec3 p[3];
-    for (int c = 0; c < 3; ++c) p[c] = at(b.triangles[t][c]) - origin;
+    for (std::size_t c = 0; c < 3; ++c) p[c] = glm::dvec3(triangle[c]) - origin;
     six += glm::dot(p[0], glm::cross(p[1], p[2]));
-    if (!b.faces[b.triangle_face[t]].wall) {
+    if (!b.faces[face].wall) {
       // The bottom: the roof's triangle at the base, turned over.
       for (glm::dvec3& corner : p) corner.y = static_cast<double>(building.base_y_m) - origin.y;
       six += glm::dot(p[0], glm::cross(p[2], p[1]));
     }
-  }
+  });
   return six / 6;
 }
 
 double roof_area_m2(const Buildings& b, std::size_t index) {
-  const Building& building = b.list[index];
   double area = 0;
-  for (std::uint32_t t = building.first_triangle; t < building.first_triangle + building.n_triangles; ++t) {
-    if (b.faces[b.triangle_face[t]].wall) continue;
-    const glm::dvec3 a(b.vertices_m[b.triangles[t].x]);
-    area += glm::length(glm::cross(glm::dvec3(b.vertices_m[b.triangles[t].y]) - a,
-                                   glm::dvec3(b.vertices_m[b.triangles[t].z]) - a)) /
-            2;
-  }
+  for_each_triangle(b, b.list[index], [&](std::uint32_t face, const Triangle& triangle) {
+    if (b.faces[face].wall) return;
+    const glm::dvec3 a(triangle[0]);
+    area += glm::length(glm::cross(glm::dvec3(triangle[1]) - a, glm::dvec3(triangle[2]) - a)) / 2;
+  });
   return area;
 }
 

@@ -11,6 +11,7 @@
 #include "server/apps/scene_arguments.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq {
 namespace {
@@ -59,14 +60,15 @@ void write_ply(const World& world, const std::string& path, const Progress& prog
   for (int j = 0; j + 1 < grid.nz; ++j)
     for (int i = 0; i + 1 < grid.nx; ++i) cells += grid.cell_known(i, j) ? 1 : 0;
 
+  const BuildingMesh buildings = mesh_of(world.buildings);
   PlyWriter ply(path);
-  ply.header(n_nodes + world.buildings.vertices_m.size(), 2 * cells + world.buildings.triangles.size());
+  ply.header(n_nodes + buildings.vertices_m.size(), 2 * cells + buildings.triangles.size());
   for (int j = 0; j < grid.nz; ++j)
     for (int i = 0; i < grid.nx; ++i)
       if (grid.node_known(i, j))
         ply.vertex(static_cast<float>(grid.node_x_m(i)), grid.y_m[grid.index(i, j)],
                    static_cast<float>(grid.node_z_m(j)));
-  for (const glm::vec3& v : world.buildings.vertices_m) ply.vertex(v.x, v.y, v.z);
+  for (const glm::vec3& v : buildings.vertices_m) ply.vertex(v.x, v.y, v.z);
   for (int j = 0; j + 1 < grid.nz; ++j) {
     progress("writing triangles", static_cast<double>(j) / grid.nz);
     for (int i = 0; i + 1 < grid.nx; ++i) {
@@ -79,15 +81,14 @@ void write_ply(const World& world, const std::string& path, const Progress& prog
       ply.triangle(v11, v10, v01, 0xffffffffu);
     }
   }
-  for (std::size_t t = 0; t < world.buildings.triangles.size(); ++t) {
-    const glm::uvec3 corner = world.buildings.triangles[t];
-    ply.triangle(n_nodes + corner.x, n_nodes + corner.y, n_nodes + corner.z,
-                 world.buildings.triangle_face[t]);
+  for (std::size_t t = 0; t < buildings.triangles.size(); ++t) {
+    const glm::uvec3 corner = buildings.triangles[t];
+    ply.triangle(n_nodes + corner.x, n_nodes + corner.y, n_nodes + corner.z, buildings.triangle_face[t]);
   }
   ply.close();
   progress("writing triangles", 1);
   std::printf("%s: %llu triangles of ground, %zu of buildings\n", path.c_str(),
-              static_cast<unsigned long long>(2 * cells), world.buildings.triangles.size());
+              static_cast<unsigned long long>(2 * cells), buildings.triangles.size());
 }
 
 }  // namespace

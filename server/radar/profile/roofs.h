@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/scene/exact_hit.h"
-#include "terrain/buildings/buildings.h"
+#include "terrain/buildings/building_mesh.h"
 
 namespace obliq {
 
@@ -30,14 +30,5 @@ std::vector<RoofSpan> disjoint_roofs(std::vector<RoofSpan>& spans);
 
 /// World y of the highest roof above a point that lies inside a building's solid; nothing outside.
 std::optional<double> roof_above(const Buildings& buildings, const glm::dvec3& point_m);
-
-/// The corners of a wall, into Buildings::ring_xz_m.
-struct WallEdge {
-  std::uint32_t from;
-  std::uint32_t to;
-};
-
-/// `face`: a wall. Walls stand in ring order behind their building's roof.
-WallEdge edge_of_wall(const Buildings& all, std::uint32_t face);
 
 }  // namespace obliq

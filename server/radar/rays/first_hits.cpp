@@ -115,7 +115,7 @@ void PolarFirstHits::trace(const RayBatch& rays, RoughHit* hits) {
     // As float, like Embree's: refinement then gives the same bits, whichever tracer took the ray.
     hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
     hits[k].kind = surface < ProfileRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-    if (surface >= ProfileRays::kFace) hits[k].triangle = triangle_of(surface - ProfileRays::kFace);
+    if (surface >= ProfileRays::kFace) hits[k].face = surface - ProfileRays::kFace;
   }
 }
 
@@ -127,17 +127,8 @@ RoughHit PolarFirstHits::walk(const RayBatch& rays, std::size_t k) const {
   if (!found) return hit;
   hit.distance_m = static_cast<float>(found->slant_range_m);
   hit.kind = found->face == kNoFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
-  if (found->face != kNoFace) hit.triangle = triangle_of(found->face);
+  hit.face = found->face;
   return hit;
-}
-
-/// One of a face's triangles.
-std::uint32_t PolarFirstHits::triangle_of(std::uint32_t face) const {
-  const Buildings& all = plan_.scene().world().buildings;
-  const Building& building = all.list[all.faces[face].building];
-  const auto first = all.triangle_face.begin() + building.first_triangle;
-  return static_cast<std::uint32_t>(std::find(first, first + building.n_triangles, face) -
-                                    all.triangle_face.begin());
 }
 
 }  // namespace obliq

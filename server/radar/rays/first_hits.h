@@ -36,7 +36,6 @@ class PolarFirstHits {
   void share_out_buildings();
   void march(std::size_t group, std::size_t row);
   RoughHit walk(const RayBatch& rays, std::size_t k) const;
-  std::uint32_t triangle_of(std::uint32_t face) const;
 
   const FramePlan& plan_;
   AzimuthRange range_;

@@ -16,6 +16,8 @@ namespace {
 
 /// In wider bins a plane says too little about the ground that a building beside it stands on.
 constexpr double kWidest_rad = std::numbers::pi / 360;
+/// Floats keep a range of 37 km to 4 mm.
+constexpr double kFinest_m = 1;
 /// Nearer buildings fill too much of a bin's elevation to be spread over range evenly.
 constexpr double kNearest_m = 100;
 
@@ -51,8 +53,7 @@ SubColumnBins::SubColumnBins(const FramePlan& plan)
   const BinGrid& bins = plan.bins();
   if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
       settings.speckle == SpeckleKind::geometric || bins.azimuth_width_rad > kWidest_rad ||
-      bins.range_spacing_m > 0.1 * bins.r_max_m || bins.range_spacing_m < 4e-5 * bins.r_max_m ||
-      has_flat_plates(plan.scene()))
+      bins.range_spacing_m < kFinest_m || has_flat_plates(plan.scene()))
     return;
   suffices_.assign(suffices_.size(), true);
   const double lowest_slope = lowest_slope_in_swath(plan);
