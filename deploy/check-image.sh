@@ -90,7 +90,7 @@ print(*(each.getsockname()[1] for each in taken))'
 read -r port http_port < <(free_ports)
 
 # The image's own scene, or one over the elevation file, with loopback and free ports in place of every address:
-# this is somebody's machine.
+# this machine may serve others.
 write_scene() {
   local from=/dev/stdin
   [ "$1" = dem ] || from=$folder/etc/obliq/obliqd.toml

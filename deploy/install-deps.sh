@@ -21,7 +21,7 @@ test_packages=(
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format
   python3 python3-numpy python3-matplotlib python3-pip python3-protobuf
-  mbpoll openssl curl socat                                    # clients that nobody here wrote
+  mbpoll openssl curl socat                                    # clients from elsewhere
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
 )
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
@@ -69,7 +69,7 @@ if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null ||
     die "not root and no sudo here. As root, run: apt-get install ${missing[*]}"
   as_root=(sudo)
-  [ -t 0 ] || as_root=(sudo -n) # nobody there to type a password
+  [ -t 0 ] || as_root=(sudo -n) # no terminal for a password
   "${as_root[@]}" true ||
     die "sudo was refused. As root, run: apt-get install ${missing[*]}"
 fi

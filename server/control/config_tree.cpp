@@ -7,8 +7,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "terrain/base/files.h"
 #include "terrain/base/text.h"
-#include "terrain/base/unique_fd.h"
 
 namespace obliq {
 

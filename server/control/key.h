@@ -1,5 +1,5 @@
 #pragma once
-// What every configurable value has in common, whoever sets it: a key, a unit, limits, a place to live.
+// What every configurable value has in common, wherever it is set: a key, a unit, limits, a place to live.
 #include <cstdint>
 #include <limits>
 #include <optional>

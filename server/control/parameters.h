@@ -1,7 +1,7 @@
 #pragma once
 // THE table of radar parameters. Scene file, environment, flags and messages are read through it; validation,
 // --print-config and the reference page come from it. A field of RadarSettings or PoseSettings that is not
-// in it cannot be set by anyone (a test counts them).
+// in it cannot be set at all (a test counts them).
 #include <span>
 #include <string_view>
 #include <vector>

@@ -21,7 +21,7 @@ class Scene;
 
 /// One background thread of low priority builds one scene at a time and hands it over; of several requests
 /// the newest wins, and what is in hand for an older one is given up or dropped. What cannot be loaded is
-/// logged; the present scene stays. At most two scenes exist: a new one is begun when nobody
+/// logged; the present scene stays. At most two scenes exist: a new one is begun when nothing
 /// holds the one before the last any more.
 class SceneKeeper {
  public:

@@ -18,7 +18,7 @@ struct Asked {
   bool has_body = false;
 };
 
-/// `security` null: everybody may read.
+/// `security` null: every client may read.
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security);
 
 Page error_page(int status, const std::string& text);

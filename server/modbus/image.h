@@ -21,7 +21,7 @@ struct Registers {
 
 /// Holding registers hold setpoints as staged, input registers as they are in effect; all else is the same in
 /// both. A setpoint that is not staged follows the one in effect, and apply leaves it alone: it keeps all its
-/// digits. Safe from any thread. The mutex is never held while anybody waits, for the radars or for a
+/// digits. Safe from any thread. The mutex is never held during a wait for the radars or for a
 /// network.
 class Image {
  public:

@@ -56,7 +56,7 @@ struct StatusView {
   const UnitFacts& unit;
 };
 
-/// 0 idle (nobody watches), 1 running, 2 transmit off, 3 frozen, 4 fault.
+/// 0 idle (no client watches), 1 running, 2 transmit off, 3 frozen, 4 fault.
 int state_of(const StatusView& view);
 Fault last_error_of(const StatusView& view);
 

@@ -1,6 +1,6 @@
 #pragma once
 // A Modbus/TCP request, taken apart before libmodbus sees it. libmodbus 3.1.6 trusts counts more than it
-// should, waits half a second over a malformed frame, and writes before anybody has looked at the values.
+// should, waits half a second over a malformed frame, and writes before the values have been checked.
 #include <cstdint>
 #include <span>
 #include <vector>

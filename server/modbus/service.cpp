@@ -22,7 +22,7 @@
 #include "server/modbus/master.h"
 #include "server/security/networks.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 namespace obliq::modbus {
 namespace {

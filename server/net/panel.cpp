@@ -8,12 +8,13 @@
 #include "server/net/room.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 namespace {
 
-/// A change on its way to the io thread. Taken once: by the io thread, which makes it, or by the caller, who
-/// gives it up.
+/// A change on its way to the io thread. Taken once: by the io thread, which makes it, or by the caller,
+/// which gives it up.
 struct Errand {
   std::atomic<bool> taken = false;
   std::promise<PanelAnswer> answer;
@@ -126,7 +127,7 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   const LiveRadar& radar = room_.radars().at(index);
   const auto now = Clock::now();
   Pace& pace = paces_[index];
-  const double elapsed_s = std::chrono::duration<double>(now - pace.since).count();
+  const double elapsed_s = to_seconds(now - pace.since);
   if (elapsed_s >= 1) {
     pace = {now, radar.frames, static_cast<double>(radar.frames - pace.frames) / elapsed_s};
   }
@@ -149,7 +150,7 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   status.hits = radar.hits;
   status.coverage = radar.coverage;
   status.frames_dropped = all.frames_dropped;
-  status.uptime_s = std::chrono::duration<double>(room_.uptime()).count();
+  status.uptime_s = to_seconds(room_.uptime());
   status.heartbeat = heartbeat_;
   return status;
 }

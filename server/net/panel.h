@@ -29,7 +29,7 @@ struct PanelStatus {
   bool transmit = true;
   bool frozen = false;
   bool pose_stale = false;
-  std::string controller;          ///< the client that holds control; empty: nobody
+  std::string controller;          ///< the client that holds control; empty: none
   std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
   std::uint32_t clients = 0;       ///< of the server
   std::uint32_t watchers = 0;      ///< of this radar
@@ -68,7 +68,7 @@ struct PanelAnswer {
   PanelVerdict verdict = PanelVerdict::no_answer;
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;  ///< of invalid: what limit of the server it exceeds, if any
-  std::string controller;         ///< of controlled: who holds control
+  std::string controller;         ///< of controlled: the client that holds control
 };
 
 /// transmit off: the radar is not rendered and its watchers get no frames. freeze: frames go on, of the

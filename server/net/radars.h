@@ -1,5 +1,5 @@
 #pragma once
-// The live radars: who watches and who controls them, how they look, and what has become of their frames.
+// The live radars: their watchers and controllers, their settings, and what has become of their frames.
 #include <chrono>
 #include <cstdint>
 #include <deque>

@@ -14,6 +14,7 @@
 #include "server/net/room.h"
 #include "server/net/visits.h"
 #include "server/stream/frame_encoder.h"
+#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
 
 namespace obliq::net {
@@ -250,7 +251,7 @@ void Requests::get_status(const wire::GetStatus& request) {
   status.set_request_id(request.request_id());
   status.set_server_name(room_.options().server_name);
   status.set_server_version(room_.options().server_version);
-  status.set_uptime_s(std::chrono::duration<double>(room_.uptime()).count());
+  status.set_uptime_s(to_seconds(room_.uptime()));
   const RoomStatistics all = room_.statistics();
   const KeeperState keeper = room_.options().keeper_state ? room_.options().keeper_state() : KeeperState{};
   status.set_clients(static_cast<std::uint32_t>(all.clients));

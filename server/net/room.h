@@ -1,6 +1,7 @@
 #pragma once
-// Everything that the clients share: who is there, the live radars, and the render thread's results on their
-// way to outboxes. Lives on the io thread; only the RenderEvents are called from elsewhere, and they post.
+// Everything that the clients share: the list of them, the live radars, and the render thread's results on
+// their way to outboxes. Lives on the io thread; only the RenderEvents are called from elsewhere, and they
+// post.
 #include <chrono>
 #include <cstdint>
 #include <functional>

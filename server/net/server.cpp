@@ -14,6 +14,7 @@
 #include "server/net/transport.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 
@@ -118,8 +119,7 @@ void Server::State::stop() {
   acceptor.close(ignored);
   // The last message to each client needs its time as well.
   const double frames_s = std::max(0.0, options.stop_limit_s - options.stop_grace_s);
-  limit.expires_after(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(frames_s)));
+  limit.expires_after(from_seconds(frames_s));
   limit.async_wait([this](error_code error) {
     if (error) return;
     spdlog::warn("frames are aborted after server.stop_limit_s; raise that limit to give them longer");

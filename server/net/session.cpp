@@ -16,6 +16,7 @@
 #include "server/net/transport.h"
 #include "server/net/visits.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 namespace {
@@ -37,10 +38,6 @@ constexpr std::byte kTlsRecord[] = {std::byte{22}, std::byte{3}};
 // A deadline noticed this late shows that this process stood still (stopped, frozen, swapped out), not the
 // peer: what came meanwhile has not been read, so the time begins anew.
 constexpr Clock::duration kStoodStill = std::chrono::milliseconds(500);
-
-Clock::duration seconds(double s) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
 
 /// Waits for an operation of the transport: `start` gets the function to call when it is done.
 template <typename Result, typename Start>
@@ -170,7 +167,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   // Calls `action` after `after_s`, unless disarmed or armed anew before.
   template <typename Action>
   void arm(asio::steady_timer& timer, double after_s, Action action) {
-    timer.expires_after(seconds(after_s));
+    timer.expires_after(from_seconds(after_s));
     timer.async_wait([weak = weak_from_this(), &timer, after_s, action](error_code error) {
       const auto self = weak.lock();
       const auto now = Clock::now();
@@ -315,13 +312,13 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   // Sends heartbeats, so that both sides and the network between them know that the other is there.
   asio::awaitable<void> break_silence() {
     const ServerOptions& options = room_->options();
-    const auto period = seconds(options.heartbeat_s);
+    const auto period = from_seconds(options.heartbeat_s);
     const bool patient = options.idle_timeout_s <= 0;
     Clock::time_point last_beat = Clock::now();
     while (phase_ == Phase::serving) {
       const auto now = Clock::now();
       const auto patience_ends =
-          patient ? Clock::time_point::max() : last_read_ + seconds(options.idle_timeout_s);
+          patient ? Clock::time_point::max() : last_read_ + from_seconds(options.idle_timeout_s);
       if (now >= patience_ends) {
         fail(ErrorNumber::idle, "the client sent nothing for idle_timeout_s");
         break;

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "terrain/base/seconds.h"
+
 namespace obliq::net {
 namespace {
-
-using Clock = FrameQueue::Clock;
 
 /// One frame that waits for clients.
 struct HeldFrame {
@@ -21,10 +21,6 @@ struct HeldFrame {
 /// Between an offence and its consequence: if this process itself stood still (stopped, swapped out), clients
 /// that do read have taken the frame by then.
 constexpr double kLastChance_s = 0.5;
-
-double seconds_since(Clock::time_point then) {
-  return std::chrono::duration<double>(Clock::now() - then).count();
-}
 
 /// By frame number: the oldest first.
 std::map<std::uint64_t, HeldFrame> held_frames(LiveRadar& radar) {
@@ -89,7 +85,7 @@ void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
     if (reason.empty()) continue;
     if (watcher->accused_frame != oldest) {
       watcher->accused_frame = oldest;
-      watcher->accused = Clock::now();
+      watcher->accused = FrameQueue::Clock::now();
     }
     if (seconds_since(watcher->accused) > kLastChance_s)
       offenders.emplace_back(watcher->peer, std::move(reason));

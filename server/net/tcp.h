@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 namespace obliq::net {
 

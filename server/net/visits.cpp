@@ -8,6 +8,7 @@
 
 #include "server/log/log_fields.h"
 #include "server/net/peer.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 namespace {
@@ -71,9 +72,9 @@ void log_doing(const Peer& peer, const std::string& radar, const std::string& wh
 void log_end(const Peer& peer) {
   const LogFields fields{{"client", peer.name}};
   if (peer.is_guest) return spdlog::info("{} disconnected", peer.name);
-  const std::chrono::duration<double> stayed = std::chrono::steady_clock::now() - peer.since;
   spdlog::log(only_moved(peer) ? spdlog::level::debug : spdlog::level::info,
-              "{} asked for {} and disconnected after {:.2f} s", peer.name, asked_for(peer), stayed.count());
+              "{} asked for {} and disconnected after {:.2f} s", peer.name, asked_for(peer),
+              seconds_since(peer.since));
 }
 
 std::string_view advice(wire::ErrorNumber number) {

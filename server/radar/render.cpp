@@ -19,9 +19,15 @@ void scatter_and_bin(const SampleBatch& samples, EchoBins& echo, FrameStats& sta
   stats.samples += echo.add(samples);
 }
 
-void write_bins(EchoBins& echo, BinBlock& bins) {
+void write_bins(WedgeWork& work) {
   const StageProbe probe(Stage::bin);
-  echo.write(bins);
+  if (!work.sweep) {
+    work.echo.write(work.wedge.bins);
+  } else {
+    work.cells.write(work.wedge.bins);
+    work.wedge.stats.hits += work.cells.count();
+    work.wedge.stats.samples += work.cells.count();
+  }
 }
 
 void find_states(const FramePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
@@ -48,12 +54,16 @@ void measure_coverage(const FramePlan& plan, Wedge& wedge) {
 bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may_go_on) {
   // rays/: generate rays, trace them to their first hits, refine those in double, spread each pixel over
   // bins. sweep/: find what each column's vertical planes see, cut it at the edges of bins.
-  while (work.source->fill(work.samples, work.wedge.stats)) {
+  // Where it can, the sweep goes from what they see to echoes in one step.
+  while (work.source && work.source->fill(work.samples, work.wedge.stats)) {
     scatter_and_bin(work.samples, work.echo, work.wedge.stats);
     if (!may_go_on()) return false;
   }
+  while (work.sweep && work.sweep->step(work.wedge.stats))
+    if (!may_go_on()) return false;
   work.source.reset();  // its memory is free for the sums
-  write_bins(work.echo, work.wedge.bins);
+  write_bins(work);
+  work.sweep.reset();
   if (states) find_states(work.plan, *work.visibility, work.wedge);
   measure_coverage(work.plan, work.wedge);
   return true;
@@ -73,17 +83,26 @@ void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
     work.wedge = {};
     work.wedge.index = index;
     work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
-    work.echo.restart(range);
   }
+  const StageProbe probe(Stage::bin);
   work.source.reset();
-  work.visibility.emplace(work.plan, range);
-  work.source = make_sample_source(work.plan, range, observer, &*work.visibility);
+  work.sweep.reset();
+  const bool echoes = work.tables.sub_columns.all_of(range);
+  work.visibility.emplace(work.plan, range, !echoes);
+  if (echoes) {
+    work.cells.restart(range);
+    work.sweep = std::make_unique<SweepEchoes>(work.plan, range, work.cells);
+  } else {
+    work.echo.restart(range);
+    work.source = make_sample_source(work.plan, range, observer, &*work.visibility);
+  }
 }
 
 FrameTables::FrameTables(const FramePlan& plan)
     : scattering(plan.scene().materials(), plan.wavelength_m()),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
-              plan.bins().azimuth_width_rad, plan.settings().speckle_seed) {}
+              plan.bins().azimuth_width_rad, plan.settings().speckle_seed),
+      sub_columns(plan) {}
 
 FrameStats FrameSum::total() const {
   FrameStats total;

@@ -43,6 +43,7 @@ struct RenderOptions {
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
   std::stop_token stop;                   ///< no further wedge or batch is begun after a stop request
+  bool voltages = true;             ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;     ///< null: does not pause

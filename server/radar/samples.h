@@ -1,5 +1,5 @@
 #pragma once
-// What the stages of the pipeline pass on: visible parts of the surface, whoever found them.
+// What the stages of the pipeline pass on: visible parts of the surface, whichever source found them.
 #include <cstddef>
 #include <cstdint>
 

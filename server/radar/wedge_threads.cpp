@@ -1,5 +1,5 @@
-// The threads of a rendering: who renders which wedge, pauses, delivery. Wedges know nothing of each other,
-// so the bits are the same for any number of threads and any pauses.
+// The threads of a rendering: which of them renders which wedge, pauses, delivery. Wedges know nothing of
+// each other, so the bits are the same for any number of threads and any pauses.
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -49,7 +49,7 @@ class WedgeThreads {
   void work_until_done(std::unique_ptr<WedgeWork>& work) {
     const StageClock clock(options_.times);
     try {
-      if (!work) work = std::make_unique<WedgeWork>(plan_, begun_.tables, options_.surfaces);
+      if (!work) work = std::make_unique<WedgeWork>(plan_, begun_.tables, options_);
       render_wedges(*work);
     } catch (...) {
       if (!failed_.exchange(true)) failure_ = std::current_exception();
@@ -66,7 +66,7 @@ class WedgeThreads {
       return --batches > 0 && !(options_.pause->is_due && options_.pause->is_due());
     };
     while (!stopped() && !failed_) {
-      if (!work.source) {
+      if (!work.begun()) {
         const int index = begun_.next++;
         if (index >= end_) return;
         if (options_.before_wedge) options_.before_wedge(index);

@@ -5,9 +5,11 @@
 #include <optional>
 
 #include "server/radar/echo/echo_bins.h"
+#include "server/radar/echo/echo_cells.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/render.h"
+#include "server/radar/sweep/sweep_echoes.h"
 #include "server/radar/visibility/wedge_visibility.h"
 
 namespace obliq {
@@ -16,6 +18,7 @@ namespace obliq {
 struct FrameTables {
   ScatteringTable scattering;
   SpeckleField speckle;
+  SubColumnBins sub_columns;
 
   explicit FrameTables(const FramePlan& plan);
 };
@@ -23,14 +26,22 @@ struct FrameTables {
 /// The wedge that a thread has in hand, and its buffers, reused from wedge to wedge.
 struct WedgeWork {
   const FramePlan& plan;
+  const FrameTables& tables;
   EchoBins echo;
+  EchoCells cells;
   SampleBatch samples;
-  std::unique_ptr<SampleSource> source;  ///< null: no wedge in hand
+  std::unique_ptr<SampleSource> source;  ///< of samples, or
+  std::unique_ptr<SweepEchoes> sweep;    ///< of echoes; both null: no wedge in hand
   std::optional<WedgeVisibility> visibility;
   Wedge wedge;
 
-  WedgeWork(const FramePlan& frame_plan, const FrameTables& tables, Surfaces surfaces)
-      : plan(frame_plan), echo(plan, tables.scattering, tables.speckle, {}, surfaces) {}
+  WedgeWork(const FramePlan& frame_plan, const FrameTables& frame_tables, const RenderOptions& options)
+      : plan(frame_plan),
+        tables(frame_tables),
+        echo(plan, tables.scattering, tables.speckle, {}, options.surfaces),
+        cells(plan, tables.scattering, tables.speckle, options.surfaces, options.voltages) {}
+
+  bool begun() const { return source || sweep; }
 };
 
 /// Takes wedge `index` in hand.

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <set>
 
+#include "terrain/base/seconds.h"
+
 namespace obliq::net {
 
-std::chrono::steady_clock::duration period_of(double rate_hz) {
-  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(1 / rate_hz));
-}
+std::chrono::steady_clock::duration period_of(double rate_hz) { return from_seconds(1 / rate_hz); }
 
 std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now) {
   std::vector<Demand> taken;

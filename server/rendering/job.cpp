@@ -24,8 +24,6 @@ RenderOptions RenderContext::render_options(bool states, std::stop_token stop, R
   return render;
 }
 
-double in_seconds(Job::Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
-
 std::int64_t in_nanoseconds(Job::Time time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
 }

@@ -68,7 +68,6 @@ struct RenderContext {
   RenderOptions render_options(bool states, std::stop_token stop, RenderPause* pause) const;
 };
 
-double in_seconds(Job::Clock::duration duration);
 /// Of the server's monotonic clock.
 std::int64_t in_nanoseconds(Job::Time time);
 

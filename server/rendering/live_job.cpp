@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 
@@ -76,7 +77,7 @@ bool LiveJob::go_on(Frame& frame) {
     RenderOptions options = context_.render_options(frame.states, frame.stop, &frame.pause);
     options.on_wedge = [&](Wedge&& wedge) {
       if (frame.rendered.first_wedge_s == 0)
-        frame.rendered.first_wedge_s = in_seconds(context_.now() - frame.begun);
+        frame.rendered.first_wedge_s = to_seconds(context_.now() - frame.begun);
       frame.stats.add(wedge);
       frame.send(frame.encoder.wedge(wedge.index, wedge.bins));
     };
@@ -97,7 +98,7 @@ bool LiveJob::go_on(Frame& frame) {
 }
 
 void LiveJob::end(Frame& frame) {
-  frame.rendered.render_s = in_seconds(context_.now() - frame.begun);
+  frame.rendered.render_s = to_seconds(context_.now() - frame.begun);
   frame.send_end();
   // A pose that stays has no latency: its age grows and says nothing.
   const std::int64_t received_ns = frame.view->pose_received_ns;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 namespace {
@@ -44,7 +45,7 @@ void LiveStream::set_demand(std::vector<Demand> demands) {
   if (rate_hz > 0) dates_.begin_at(std::min(dates_.due(), now + period_of(rate_hz)));
   if (rate_hz == 0) {
     stop_.request_stop();
-    held_up_since_ = kNever;  // nobody waits
+    held_up_since_ = kNever;  // no client waits
   }
   rate_hz_ = rate_hz;
   demands_ = std::move(demands);
@@ -113,7 +114,7 @@ LiveStream::Time LiveStream::free_at(Time now) {
   std::unique_lock lock(mutex_);
   if (frames_->live() >= context_.options.live_frames) {
     if (held_up_since_ == kNever) held_up_since_ = next_reminder_ = now;
-    const double since_s = in_seconds(now - held_up_since_);
+    const double since_s = to_seconds(now - held_up_since_);
     lock.unlock();
     if (now >= next_reminder_) {
       next_reminder_ = now + kReminder;
@@ -144,7 +145,7 @@ std::optional<LiveStream::Start> LiveStream::begin_frame(Time now) {
   start.demands = take_due(demands_, now);
   if (start.demands.empty()) return std::nullopt;
   start.view = std::make_shared<const LiveView>(view_->at(in_nanoseconds(now)));
-  start.late_s = in_seconds(date.late);
+  start.late_s = to_seconds(date.late);
   start.stop = new_stop();
   shed_ += date.shed;
   return start;

@@ -29,7 +29,7 @@ class LiveStream {
 
   // From any thread:
   void set_view(LiveView view);
-  /// None: nobody watches; a frame in hand is given up.
+  /// None: no client watches; a frame in hand is given up.
   void set_demand(std::vector<Demand> demands);
   /// The frame in hand is given up, and no further one begins.
   void stop();
@@ -52,11 +52,12 @@ class LiveStream {
   /// Passes of a scan are wanted, not whole frames.
   bool wants_scan() const;
 
-  /// Not empty: nothing begins before that date, for nobody watches or the radar cannot be rendered as it is.
+  /// Not empty: nothing begins before that date, because no client watches or the radar cannot be rendered as
+  /// it is.
   std::optional<Time> rests_until(Time now);
   /// When the next whole frame is due.
   Time due() const;
-  /// Dates up to now do not count: nobody was to be served at them.
+  /// Dates up to now do not count: no client wanted a frame then.
   void put_off(Time now);
   /// With as many frames alive as may be, when to look again; else now. The periods missed meanwhile are
   /// counted as skipped.
@@ -102,7 +103,7 @@ class LiveStream {
   mutable std::mutex mutex_;  ///< guards what follows, up to the next comment of this kind
   std::shared_ptr<const LiveView> view_;
   std::vector<Demand> demands_;
-  double rate_hz_ = 0;  ///< the greatest; 0: nobody watches
+  double rate_hz_ = 0;  ///< the greatest; 0: no client watches
   FrameDates dates_;
   Time held_up_since_ = Time::max();  ///< of a frame due; max: it is not
   std::stop_source stop_;             ///< of the frame in hand

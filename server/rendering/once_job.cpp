@@ -8,6 +8,7 @@
 #include "proto/obliq.pb.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 namespace {
@@ -25,7 +26,7 @@ wire::Window window_of(const OnceRequest& request) {
 struct OnceJob::Frame {
   explicit Frame(OnceRequestPtr of) : request(std::move(of)) {}
 
-  /// Counts the block as waiting before anyone can take it.
+  /// Counts the block as waiting before it can be taken.
   void send(RenderEvents& events, const BlockPtr& block) const {
     *request->queued += block->bytes.size();
     events.on_once_block(request, block);
@@ -155,13 +156,13 @@ bool OnceJob::render_slice(Frame& frame) const {
     frame.send(context_.events, frame.encoder->abort("the server has stopped rendering this frame"));
     return false;
   }
-  frame.render_s += in_seconds(context_.now() - start);
+  frame.render_s += to_seconds(context_.now() - start);
   if (frame.pause.begun) return true;
   frame.next_azimuth += count;
   if (frame.next_azimuth < frame.end_azimuth) return true;
   wire::FrameSummary summary;
   frame.plan->summarise(frame.stats->total(), summary);
-  // Counted before anyone has it.
+  // Counted before the client has it.
   context_.events.on_once_rendered({frame.render_s, summary.rays(), summary.hits()});
   frame.send(context_.events, frame.encoder->end(summary, frame.render_s));
   return false;

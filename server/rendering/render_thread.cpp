@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "terrain/base/seconds.h"
+
 namespace obliq::net {
 
 RenderThread::Radar::Radar(RenderContext& context, std::size_t number, const std::string& name,
@@ -120,8 +122,7 @@ std::optional<RenderThread::Turn> RenderThread::choose(Time now, Time& next_due)
   context_.turn_ends = Time::max();
   for (std::size_t party = 0; party < dates.size(); ++party) {
     if (party == *first || dates[party] == Time::max()) continue;
-    const auto lead = std::chrono::duration_cast<Job::Clock::duration>(
-        std::chrono::duration<double>(shares_.lead_s(*first, party)));
+    const auto lead = from_seconds(shares_.lead_s(*first, party));
     context_.turn_ends =
         std::min(context_.turn_ends, std::max({dates[party], now + lead, now + kShortestTurn}));
   }
@@ -132,7 +133,7 @@ void RenderThread::take(const Turn& turn) {
   context_.turn_began = context_.now();
   context_.changes_seen = seen_;
   const bool done = turn.job->work();
-  shares_.charge(turn.party, in_seconds(context_.now() - context_.turn_began));
+  shares_.charge(turn.party, to_seconds(context_.now() - context_.turn_began));
   if (done) shares_.done(turn.party);
 }
 

@@ -41,7 +41,7 @@ class RenderThread {
 
   // From any thread:
   void set_view(std::size_t radar, LiveView view);
-  /// None: nobody watches; a frame in hand is given up.
+  /// None: no client watches; a frame in hand is given up.
   void set_demand(std::size_t radar, std::vector<Demand> demands);
   void enqueue(OnceRequestPtr request);
   /// A client has taken bytes, or a request was cancelled.
@@ -68,9 +68,9 @@ class RenderThread {
   void run(const std::stop_token& stop);
   /// Notes what the thread has been told so far.
   void begin_round();
-  /// Ends scans that nobody wants any more.
+  /// Ends scans that no client wants any more.
   void end_scans();
-  /// Whose turn it is; empty: nobody's before next_due.
+  /// The job whose turn it is; empty: none before next_due.
   std::optional<Turn> choose(Time now, Time& next_due);
   /// Lets the job work, and charges it for the time.
   void take(const Turn& turn);

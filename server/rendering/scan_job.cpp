@@ -7,6 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
 #include "server/rendering/scan_schedule.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq::net {
 namespace {
@@ -30,7 +31,7 @@ int wedges_of(const AzimuthRange& azimuths) {
 struct ScanJob::Pass : BegunFrame {
   using BegunFrame::BegunFrame;
 
-  std::vector<bool> wanted;  ///< [wedges] that somebody asked for
+  std::vector<bool> wanted;  ///< [wedges] that some client asked for
   PoseSettings planned_pose;
   std::vector<AzimuthRange> missed;
 };
@@ -94,7 +95,7 @@ bool ScanJob::work() {
 }
 
 void ScanJob::render_dwell(const LiveView& view, const std::stop_token& stop) {
-  // Without a pass nobody wants any bin of it.
+  // Without a pass no client wants any bin of it.
   if (!scan_->pass || render_azimuths(view, stop)) {
     advance();
   } else {
@@ -183,7 +184,7 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
     pass.stats.add(wedge);
     pass.send(pass.encoder.wedge(wedge.index, wedge.bins));
   }
-  const double render_s = in_seconds(Clock::now() - start);
+  const double render_s = to_seconds(Clock::now() - start);
   if (pass.rendered.first_wedge_s == 0) pass.rendered.first_wedge_s = render_s;
   pass.rendered.render_s += render_s;
   return true;

@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "terrain/base/seconds.h"
+
 namespace obliq::net {
 namespace {
 
 constexpr double kMostLag_s = 0.25;
 constexpr double kMostLagPasses = 0.25;
-
-using Seconds = std::chrono::duration<double>;
-
-std::chrono::steady_clock::duration seconds(double s) {
-  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(Seconds(s));
-}
 
 }  // namespace
 
@@ -34,13 +30,13 @@ AzimuthRange ScanSchedule::azimuths(const Dwell& dwell) const {
 }
 
 ScanSchedule::Time ScanSchedule::pass_begin(std::uint64_t pass) const {
-  return begin_ + seconds(static_cast<double>(pass) * pass_s_);
+  return begin_ + from_seconds(static_cast<double>(pass) * pass_s_);
 }
 
 ScanSchedule::Time ScanSchedule::at(const Dwell& dwell, double share) const {
   const AzimuthRange bins = azimuths(dwell);
   const int passed = is_clockwise(dwell.pass) ? bins.first : azimuth_bins_ - bins.first - bins.count;
-  return pass_begin(dwell.pass) + seconds((passed + share * bins.count) * bin_s_);
+  return pass_begin(dwell.pass) + from_seconds((passed + share * bins.count) * bin_s_);
 }
 
 Dwell ScanSchedule::after(const Dwell& dwell) const {
@@ -48,7 +44,7 @@ Dwell ScanSchedule::after(const Dwell& dwell) const {
 }
 
 Dwell ScanSchedule::at(Time now) const {
-  const double since_s = std::max(0.0, Seconds(now - begin_).count());
+  const double since_s = std::max(0.0, to_seconds(now - begin_));
   Dwell dwell{static_cast<std::uint64_t>(since_s / pass_s_), 0};
   const double bins = (since_s - static_cast<double>(dwell.pass) * pass_s_) / bin_s_;
   // Going left, the short dwell, if the last is one, comes first.
@@ -59,7 +55,7 @@ Dwell ScanSchedule::at(Time now) const {
 }
 
 Dwell ScanSchedule::next(const Dwell& in_order, Time now) const {
-  if (now <= end(in_order) + seconds(lag_s_)) return in_order;
+  if (now <= end(in_order) + from_seconds(lag_s_)) return in_order;
   return std::max(in_order, at(now));
 }
 

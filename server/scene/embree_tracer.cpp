@@ -19,6 +19,7 @@
 
 #include "server/scene/tile_bounds.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
 
 namespace obliq {
 namespace {
@@ -195,7 +196,7 @@ EmbreeTracer::EmbreeTracer(const World& world, int threads, const Progress& prog
   impl_->check("building the scene");
   rtcSetSceneProgressMonitorFunction(impl_->scene, nullptr, nullptr);
   impl_->progress = {};
-  impl_->build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  impl_->build_s = seconds_since(start);
 }
 
 EmbreeTracer::~EmbreeTracer() = default;

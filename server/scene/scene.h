@@ -32,7 +32,7 @@ class Scene {
   const std::vector<Material>& materials() const { return materials_; }
   RayMethod rays() const { return rays_; }
   /// Only some rays need it (needs_tracer in server/radar/frame_plan.h): built by the first call, while
-  /// other callers wait, with the same bits whoever calls. Throws InputError when it cannot be built; the
+  /// other callers wait, with the same bits from any thread. Throws InputError when it cannot be built; the
   /// next call tries again.
   const EmbreeTracer& tracer(const Progress& progress = {}) const;
   /// Null until tracer() has built it.

@@ -43,7 +43,8 @@ std::uint64_t grid_bytes(const World& world) {
 
 std::uint64_t building_bytes(const Buildings& b) {
   return bytes_of(b.list) + bytes_of(b.faces) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
-         bytes_of(b.vertices_m) + bytes_of(b.triangles) + bytes_of(b.triangle_face);
+         bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall) + bytes_of(b.vertices_m) +
+         bytes_of(b.triangles) + bytes_of(b.triangle_face);
 }
 
 std::uint64_t wall_triangles(const Buildings& buildings) {

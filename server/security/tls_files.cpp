@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "terrain/base/errors.h"
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 namespace obliq::net {
 
@@ -39,7 +39,7 @@ void demand_readable(const std::string& key, const std::string& path) {
   std::fclose(file);
 }
 
-/// A daemon has nobody to type a passphrase and must not wait for one.
+/// A daemon has no terminal for a passphrase and must not wait for one.
 int no_passphrase(char*, int, int, void*) { return -1; }
 
 std::string time_text(const ASN1_TIME* time) {

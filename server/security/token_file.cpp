@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "terrain/base/errors.h"
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 namespace obliq::net {
 namespace {

@@ -32,7 +32,7 @@ struct FrameIdentity {
   std::shared_ptr<BlockMeter> meter{};
 };
 
-/// Turns one frame into messages: each plane once in every format that somebody asked for it in. `sequence`
+/// Turns one frame into messages: each plane once in every format that a client asked for. `sequence`
 /// counts on across the frames of a stream. For one thread at a time.
 class FrameEncoder {
  public:

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/socket.h"
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 namespace obliq {
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -23,11 +24,22 @@ struct Building {
   std::uint32_t n_rings = 0;
   std::uint32_t first_face = 0;  ///< roof first, then the walls in ring order
   std::uint32_t n_faces = 0;
+  std::uint32_t first_part = 0;  ///< into Buildings::parts
+  std::uint32_t n_parts = 0;     ///< 0: the outline is the only part
   std::uint32_t first_triangle = 0;
   std::uint32_t n_triangles = 0;
   float roof_y_m = 0;  ///< world y
   float base_y_m = 0;  ///< world y, below the lowest ground under the outline
   std::uint8_t material = 1;
+};
+
+constexpr std::size_t kMostPartCorners = 32;
+
+/// A convex piece of a building's footprint. A building whose outline is convex, has no holes and at most
+/// kMostPartCorners corners is one part, its outline, and has none here.
+struct ConvexPart {
+  std::uint32_t first_corner = 0;  ///< into part_xz_m and part_wall, counter-clockwise like outlines
+  std::uint32_t n_corners = 0;
 };
 
 /// All buildings of a scene, as footprints and as the triangles that Embree gets. The ring coordinates are
@@ -39,7 +51,11 @@ struct Buildings {
   /// and holes clockwise as seen on a map (x right, z up).
   std::vector<std::uint32_t> ring_start{0};
   std::vector<glm::vec2> ring_xz_m;
-  std::vector<glm::vec3> vertices_m;  ///< world frame; room for one more lets the tracer share them
+  std::vector<ConvexPart> parts;
+  std::vector<glm::vec2> part_xz_m;      ///< corners of rings, none besides
+  std::vector<std::uint32_t> part_wall;  ///< face of the wall from this corner to the next; kNoFace: an inner
+                                         ///< edge, which is no wall
+  std::vector<glm::vec3> vertices_m;     ///< world frame; room for one more lets the tracer share them
   /// Vertex indices. The cross product of components, (b - a) x (c - a), points out of the solid: seen from
   /// outside the corners run clockwise in these left-handed axes. There is no bottom; the base is
   /// underground.

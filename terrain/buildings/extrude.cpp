@@ -54,6 +54,22 @@ void append_wall(Buildings& buildings, const BuildingFace& face, std::uint32_t r
   buildings.triangle_face.insert(buildings.triangle_face.end(), {index, index});
 }
 
+void append_parts(Buildings& buildings, const Outline& outline, Building& building) {
+  building.first_part = count(buildings.parts.size());
+  building.n_parts = count(outline.parts.size());
+  FloatRing corners;
+  if (building.n_parts > 0)
+    for (const FloatRing& ring : outline.rings_m) corners.insert(corners.end(), ring.begin(), ring.end());
+  for (const PartRing& part : outline.parts) {
+    buildings.parts.push_back({count(buildings.part_xz_m.size()), count(part.size())});
+    for (const PartEdge& edge : part) {
+      buildings.part_xz_m.push_back(corners[edge.corner]);
+      // Walls have their faces behind the roof's, in ring order.
+      buildings.part_wall.push_back(edge.wall == kNoFace ? kNoFace : building.first_face + 1 + edge.wall);
+    }
+  }
+}
+
 }  // namespace
 
 void Buildings::trim() {
@@ -61,6 +77,9 @@ void Buildings::trim() {
   faces.shrink_to_fit();
   ring_start.shrink_to_fit();
   ring_xz_m.shrink_to_fit();
+  parts.shrink_to_fit();
+  part_xz_m.shrink_to_fit();
+  part_wall.shrink_to_fit();
   triangles.shrink_to_fit();
   triangle_face.shrink_to_fit();
   std::vector<glm::vec3> with_room;
@@ -126,6 +145,7 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
     buildings.ring_xz_m.insert(buildings.ring_xz_m.end(), ring.begin(), ring.end());
     buildings.ring_start.push_back(count(buildings.ring_xz_m.size()));
   }
+  append_parts(buildings, outline, building);
   building.n_faces = count(buildings.faces.size()) - building.first_face;
   building.n_triangles = count(buildings.triangles.size()) - building.first_triangle;
   buildings.list.push_back(building);

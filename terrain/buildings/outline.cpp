@@ -272,6 +272,7 @@ ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
   if (has_area && is_convex(rings)) {
     whole.rings_m = std::move(rings);
     fan(whole);
+    whole.parts = convex_parts(whole.rings_m, whole.roof);
     shaped.parts.push_back(std::move(whole));
     shaped.state = OutlineState::good;
     return shaped;
@@ -288,6 +289,7 @@ ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
     if (!orient(part, outline)) continue;
     outline.rings_m = std::move(part);
     if (geos_->triangulate(outline)) {
+      outline.parts = convex_parts(outline.rings_m, outline.roof);
       shaped.parts.push_back(std::move(outline));
     } else {
       failed = true;

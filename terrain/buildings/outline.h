@@ -1,5 +1,5 @@
 #pragma once
-// Makes building outlines valid and cuts their roofs into triangles, by GEOS.
+// Makes building outlines valid and cuts them into triangles, by GEOS, and convex parts.
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "terrain/buildings/convex_parts.h"
 #include "terrain/polygon.h"
 
 namespace obliq {
@@ -17,6 +18,7 @@ struct Outline {
   std::vector<std::vector<glm::vec2>> rings_m;
   /// Corners of the roof's triangles as indices into all points of all rings in order, clockwise on a map.
   std::vector<glm::uvec3> roof;
+  std::vector<PartRing> parts;  ///< none: the outline is convex (terrain/buildings/convex_parts.h)
   double area_m2 = 0;
   glm::dvec2 centre_m{0.0};  ///< of the area
 };

@@ -14,9 +14,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "terrain/base/files.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/parallel.h"
-#include "terrain/base/unique_fd.h"
 
 namespace obliq {
 namespace {

@@ -54,7 +54,7 @@ struct LoadReport {
   std::vector<std::string> warnings;  ///< the same, of what the operator is likely not to have meant
 };
 
-/// A path without its folder, which is nobody's business but the operator's.
+/// A path without its folder, which clients are not to learn.
 std::string file_name(const std::string& path);
 
 }  // namespace obliq

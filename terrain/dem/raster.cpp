@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "terrain/base/errors.h"
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 #include "terrain/dem/gdal_messages.h"
 
 namespace obliq {

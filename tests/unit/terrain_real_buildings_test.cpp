@@ -1,8 +1,10 @@
 // Real outlines. They are not part of the project: without them, skipped.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ostream>
 
+#include "tests/support/parts_check.h"
 #include "tests/unit/terrain_outlines.h"
 
 namespace obliq {
@@ -50,7 +52,13 @@ TEST_P(RealCity, EveryPrismIsAClosedSolidOfItsFootprintAndHeight) {
     ASSERT_GT(area, 0);
     ASSERT_GT(height, 0);
     ASSERT_NEAR(test::enclosed_volume_m3(world.buildings, k), area * height, 1e-6 * area * height) << k;
+    test::expect_parts_make_up(world.buildings, static_cast<std::uint32_t>(k),
+                               "building " + std::to_string(k));
   }
+  std::printf("%zu buildings are cut into %zu convex parts\n",
+              static_cast<std::size_t>(std::ranges::count_if(
+                  world.buildings.list, [](const Building& b) { return b.n_parts > 0; })),
+              world.buildings.parts.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Cities, RealCity,

@@ -98,10 +98,9 @@ class Flight {
     const double steps = std::ceil((to.time_s - from.time_s) / arguments_.speed * arguments_.rate_hz - 1e-6);
     for (double step = 1; step < steps; ++step) {
       const TrackPoint point = on_the_way(from, to, step / steps);
-      const auto spacing = std::chrono::duration<double>(1 / arguments_.rate_hz);
-      if (Clock::now() > due(point) + spacing) {  // of many, on to the first that is not late
-        const std::chrono::duration<double> late = Clock::now() - due(point);
-        step += std::floor(late / spacing);
+      const double late_periods = seconds_since(due(point)) * arguments_.rate_hz;
+      if (late_periods > 1) {  // of many, on to the first that is not late
+        step += std::floor(late_periods);
         continue;
       }
       if (!wait_until(due(point))) return false;

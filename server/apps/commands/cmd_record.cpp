@@ -112,7 +112,7 @@ client::Status receive_all(client::ResumingClient& client, const RecordArguments
   auto shown = start;
   while (!recorder.finished() && !interrupted()) {
     const auto now = Clock::now();
-    if (arguments.seconds > 0 && now - start >= std::chrono::duration<double>(arguments.seconds)) break;
+    if (arguments.seconds > 0 && to_seconds(now - start) >= arguments.seconds) break;
     if (terminal && now - shown >= kProgressPause) {
       std::fprintf(stderr, "\r%s: %s  ", radar.c_str(), recorder.text(start).c_str());
       shown = now;

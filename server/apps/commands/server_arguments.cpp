@@ -19,7 +19,7 @@
 #include "server/control/quality_presets.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 namespace obliq {
 namespace {

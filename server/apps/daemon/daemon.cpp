@@ -144,7 +144,7 @@ void Daemon::wait_for_signal() {
 // the end: by then every client has its last message, and nothing is left to save.
 void Daemon::end_by(double limit_s) {
   std::thread([limit_s] {
-    std::this_thread::sleep_for(std::chrono::duration<double>(limit_s));
+    std::this_thread::sleep_for(from_seconds(limit_s));
     spdlog::warn("stopped at server.stop_limit_s; unfinished work was dropped");
     spdlog::default_logger()->flush();
     _exit(0);

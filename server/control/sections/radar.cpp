@@ -113,6 +113,10 @@ const std::array kParameters{
     row<&RadarSettings::pixel_rows>(
         "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
         "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
+    row<&RadarSettings::sub_columns>("frustum.sub_columns", "", closed(0, 1024), "sub_columns", {260, u16},
+                                     "Parts of an azimuth bin that see its buildings, of the sweep; 16 or "
+                                     "more, a power of two or the next "
+                                     "one; 0: exact planes at each building."),
     row<&RadarSettings::azimuth_bins>("bins.azimuth", "", closed(1, 8192), "azimuth_bins", {254, u16},
                                       "Azimuth bins in the sector."),
     row<&RadarSettings::range_bins>("bins.range", "", closed(1, 8192), "range_bins", {255, u16},
@@ -190,7 +194,7 @@ void read_name(SectionReader& reader, std::string& name) {
     reader.complain(*reader.table().find("name"), "name", "1 to 64 letters, digits, _ - .");
 }
 
-/// Gives a radar whose frustum nobody names that of kDefaultQuality.
+/// Gives a radar without a named frustum that of kDefaultQuality.
 FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
   const auto empty = [](const ConfigNode& frustum) { return frustum.items.empty(); };
   const auto names_kind = [](const ConfigNode& f) {
@@ -206,13 +210,13 @@ FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
   return FrustumChoice::nothing;
 }
 
-/// Says which radars have a frustum that nobody named.
+/// Says which radars have a frustum that no source names.
 void note_choice(SceneConfig& config, const std::vector<std::string>& radars, const std::string& text) {
   if (radars.empty()) return;
-  std::string whose;
+  std::string of_radars;
   if (radars.size() < config.radars.size())
-    for (const std::string& name : radars) whose += (whose.empty() ? "radar " : ", ") + name;
-  config.notes.push_back(whose + (whose.empty() ? "" : ": ") + text);
+    for (const std::string& name : radars) of_radars += (of_radars.empty() ? "radar " : ", ") + name;
+  config.notes.push_back(of_radars + (of_radars.empty() ? "" : ": ") + text);
 }
 
 RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {

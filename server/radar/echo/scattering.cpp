@@ -1,5 +1,6 @@
 #include "server/radar/echo/scattering.h"
 
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -51,6 +52,20 @@ double ScatteringTable::cross_section_m2(std::uint8_t material, double projected
 double ScatteringTable::constant_gamma(std::size_t material) const {
   const Row& row = rows_[material];
   return row.model == ScatteringModel::constant_gamma ? row.gamma : std::numeric_limits<double>::quiet_NaN();
+}
+
+EchoTable ScatteringTable::echo_table() const {
+  EchoTable table{};
+  for (std::size_t m = 0; m < rows_.size() && m < std::size(table.gamma); ++m) {
+    const Row& row = rows_[m];
+    if (row.model == ScatteringModel::flat_plate) continue;
+    table.gamma[m] = row.gamma;
+    if (row.model != ScatteringModel::geometric_optics) continue;
+    table.peak[m] = row.peak;
+    table.over_two_slope2[m] = row.over_two_slope2;
+    table.any_lobes = table.any_lobes || row.peak > 0;
+  }
+  return table;
 }
 
 }  // namespace obliq

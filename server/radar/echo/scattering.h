@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/radar/simd/cross_section.h"
 #include "server/scene/materials.h"
 
 namespace obliq {
@@ -27,6 +28,8 @@ class ScatteringTable {
   std::size_t size() const { return rows_.size(); }
   /// Of a material whose cross section is that times the projected area, whatever the incidence; else NaN.
   double constant_gamma(std::size_t material) const;
+  /// For the kernels: gamma, peak and slope by material. Flat plates are not in it.
+  EchoTable echo_table() const;
 
  private:
   struct Row {

@@ -84,10 +84,11 @@ class SpeckleField {
   void describe_cells(SwathCells& cells) const;
 
   std::uint64_t hash(const Scatterer& scatterer) const;
+  /// Where its phase is taken.
+  glm::dvec3 reference_point(const Scatterer& scatterer) const;
 
  private:
   bool lies_in_one_cell(const BuildingFace& face, double side_m) const;
-  glm::dvec3 reference_point(const Scatterer& scatterer) const;
 
   const World& world_;
   glm::dvec3 antenna_m_;

@@ -112,7 +112,7 @@ void PolarFirstHits::trace(const RayBatch& rays, RoughHit* hits) {
     const std::uint32_t surface = surface_[at];
     hits[k] = surface == ProfileRays::kUnder ? walk(rays, k) : RoughHit{};
     if (surface == ProfileRays::kUnder || surface == ProfileRays::kNothing) continue;
-    // As float, like Embree's: refinement then gives the same bits, whoever traced the ray.
+    // As float, like Embree's: refinement then gives the same bits, whichever tracer took the ray.
     hits[k].distance_m = static_cast<float>(slant_range_m_[at]);
     hits[k].kind = surface < ProfileRays::kFace ? RoughHit::Kind::ground : RoughHit::Kind::building;
     if (surface >= ProfileRays::kFace) hits[k].triangle = triangle_of(surface - ProfileRays::kFace);

@@ -186,7 +186,7 @@ std::span<const std::uint16_t> GroundFirstHits::trace(const RayBatch& rays, Roug
     hits[k] = {};
     if (range_m_[k] <= roof_m_[k]) {
       hits[k].kind = RoughHit::Kind::ground;
-      // As float, like Embree's: refinement then gives the same bits, whoever traced the ray.
+      // As float, like Embree's: refinement then gives the same bits, whichever tracer took the ray.
       hits[k].distance_m = static_cast<float>(range_m_[k]);
     } else if (roof_m_[k] < kInfinity) {
       left_[left++] = static_cast<std::uint16_t>(k);

@@ -4,12 +4,16 @@
 
 #include "server/radar/simd/bin_samples.h"
 #include "server/radar/simd/cut_at_bins.h"
+#include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/free_ray_hits.h"
+#include "server/radar/simd/ground_echoes.h"
+#include "server/radar/simd/ground_places.h"
 #include "server/radar/simd/ground_speckle.h"
 #include "server/radar/simd/highest_ground.h"
 #include "server/radar/simd/pixel_rays.h"
 #include "server/radar/simd/profile_ray_hits.h"
 #include "server/radar/simd/refine_hits.h"
+#include "server/radar/simd/sub_columns.h"
 #include "server/radar/simd/sum_scatterers.h"
 #include "server/radar/simd/visible_ground.h"
 #include "server/radar/simd/visible_ranges.h"
@@ -24,6 +28,11 @@ namespace obliq {
   K(highest_ground)         \
   K(visible_ground)         \
   K(cut_at_range_bins)      \
+  K(ground_echoes)          \
+  K(ground_places)          \
+  K(profile_nodes)          \
+  K(see_part)               \
+  K(face_voltages)          \
   K(mark_visible_ranges)    \
   K(bin_samples)            \
   K(sum_scatterers)         \

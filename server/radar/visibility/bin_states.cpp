@@ -20,7 +20,7 @@ void narrow(BinBlock& block, std::vector<Request>& requests, const IsOpen& is_op
   for (Request& request : requests) {
     const std::uint8_t* const state = states_of(block, request.azimuth_bin);
     const auto closed = [&](int r) {
-      return state[r] == static_cast<std::uint8_t>(BinState::sampled) || !is_open(request.azimuth_bin, r);
+      return state[r] != static_cast<std::uint8_t>(BinState::not_sampled) || !is_open(request.azimuth_bin, r);
     };
     RangeWindow& bins = request.bins;
     while (!bins.empty() && closed(bins.first)) ++bins.first;
@@ -53,9 +53,9 @@ void decide_states(const FramePlan& plan, WedgeVisibility& profile, BinBlock& bl
     std::uint8_t* const state = states_of(block, request.azimuth_bin);
     for (int r = request.bins.first; r <= request.bins.last; ++r) {
       const auto k = static_cast<std::size_t>(r);
-      const bool sampled = state[k] == static_cast<std::uint8_t>(BinState::sampled);
-      before_surface = before_surface && !sampled && !marks.present[k];
-      if (sampled) continue;
+      const bool decided_before = state[k] != static_cast<std::uint8_t>(BinState::not_sampled);
+      before_surface = before_surface && !decided_before && !marks.present[k];
+      if (decided_before) continue;
       const BinState decided = marks.visible[k]   ? BinState::not_sampled
                                : marks.present[k] ? BinState::shadow
                                : before_surface   ? BinState::nearer_than_ground

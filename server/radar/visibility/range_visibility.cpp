@@ -26,13 +26,14 @@ SinCos bearing_at(const FramePlan& plan, double position) {
 }
 
 /// The profile at a position, at the nadir.
-Profile profile_at(const FramePlan& plan, double position, std::vector<RoofSpan>& spans) {
+Profile profile_at(const FramePlan& plan, const VisibilityRequest& request, std::vector<RoofSpan>& spans) {
   const World& world = plan.scene().world();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   Profile profile;
-  profile.bearing = bearing_at(plan, position);
+  profile.bearing = bearing_at(plan, request.position);
+  if (!request.roofs) return profile;
   // A building that reaches across a bin's edge is in the lists of both bins.
-  const int azimuth_bin = std::min(static_cast<int>(position), plan.bins().n_azimuth - 1);
+  const int azimuth_bin = std::min(static_cast<int>(request.position), plan.bins().n_azimuth - 1);
   spans.clear();
   for (const std::uint32_t b : plan.buildings_in(azimuth_bin))
     add_roof_spans(world.buildings, b, antenna.x, antenna.z, profile.bearing.sin, profile.bearing.cos, spans);
@@ -147,7 +148,7 @@ void mark_profiles(const FramePlan& plan, std::span<const VisibilityRequest> req
     lanes.end_m[lane] = -1;
     if (lane >= requests.size()) continue;
     results[lane] = BinMarks(bins.n_range);
-    Profile& profile = profiles.emplace_back(profile_at(plan, requests[lane].position, spans));
+    Profile& profile = profiles.emplace_back(profile_at(plan, requests[lane], spans));
     const GroundWalk walk = set_out_for(plan, profile, requests[lane].bins);
     if (walk.done()) continue;
     set_out(lanes, lane, profile.bearing, walk);

@@ -39,6 +39,7 @@ std::size_t first_bin_of_sub_azimuth(const FramePlan& plan, int sub_azimuth, int
 struct VisibilityRequest {
   double position;
   RangeWindow bins;
+  bool roofs = true;  ///< false: over bare ground
 };
 
 /// Marches up to kMostProfiles vertical profiles side by side from the nadir through every triangle edge,

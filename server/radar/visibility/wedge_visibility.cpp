@@ -12,10 +12,11 @@ void BinMarks::add(const BinMarks& other, RangeWindow bins) {
   }
 }
 
-WedgeVisibility::WedgeVisibility(const FramePlan& plan, AzimuthRange range)
+WedgeVisibility::WedgeVisibility(const FramePlan& plan, AzimuthRange range, bool roofs)
     : plan_(plan),
       range_(range),
       sub_azimuths_(sub_azimuths_per_bin(plan)),
+      roofs_(roofs),
       profiles_(static_cast<std::size_t>(range.count) * static_cast<std::size_t>(sub_azimuths_) + 1) {}
 
 /// The edges and the centre count everywhere, the others as far as they say anything.
@@ -58,7 +59,8 @@ void WedgeVisibility::march(Wanted& wanted) {
     const std::size_t n = std::min<std::size_t>(kMostProfiles, open.size() - first);
     std::array<VisibilityRequest, kMostProfiles> requests;
     std::array<BinMarks, kMostProfiles> results;
-    for (std::size_t k = 0; k < n; ++k) requests[k] = {position(open[first + k]), wanted[open[first + k]]};
+    for (std::size_t k = 0; k < n; ++k)
+      requests[k] = {position(open[first + k]), wanted[open[first + k]], roofs_};
     mark_profiles(plan_, std::span(requests).first(n), std::span(results).first(n), spans_);
     for (std::size_t k = 0; k < n; ++k)
       profiles_[open[first + k]] = {requests[k].bins, std::move(results[k])};

@@ -10,7 +10,8 @@ namespace obliq {
 /// task.
 class WedgeVisibility {
  public:
-  WedgeVisibility(const FramePlan& plan, AzimuthRange range);
+  /// roofs: false where what buildings hide is known otherwise.
+  WedgeVisibility(const FramePlan& plan, AzimuthRange range, bool roofs = true);
 
   /// An azimuth bin, and those of its range bins whose marks are wanted.
   struct Request {
@@ -55,6 +56,7 @@ class WedgeVisibility {
   const FramePlan& plan_;
   AzimuthRange range_;
   int sub_azimuths_;
+  bool roofs_;
   std::vector<SubAzimuth> profiles_;   // [range.count sub-azimuths + 1], the last an edge
   std::vector<BinMarks> whole_marks_;  // [range.count], or none yet
   std::vector<RoofSpan> spans_;

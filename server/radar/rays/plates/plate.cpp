@@ -123,12 +123,15 @@ const std::vector<PlatePart>& Plate::finish(double solid_angle_sr) {
 void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
                 double cos_bearing, std::vector<Sample>& samples) {
   const std::vector<PlatePart>& parts = plate.finish(nearest.solid_angle_sr);
-  if (parts.empty()) {
-    samples.push_back(nearest);
-    return;
-  }
   const glm::dvec3& antenna = plan.sector().antenna_m;
   Sample sample = nearest;
+  if (parts.empty()) {
+    // From the hit's height, as the parts have it, not from the ray's direction.
+    const double y_m = antenna.y + nearest.slant_range_m * nearest.sin_elevation;
+    sample.sin_elevation = (y_m - antenna.y) / nearest.slant_range_m;
+    samples.push_back(sample);
+    return;
+  }
   for (const PlatePart& part : parts) {
     sample.slant_range_m = part.range_m();
     sample.solid_angle_sr = part.share;

@@ -1,4 +1,4 @@
-#include "terrain/base/unique_fd.h"
+#include "terrain/base/files.h"
 
 #include <filesystem>
 

@@ -1,0 +1,166 @@
+#include "server/radar/echo/echo_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/echo/antenna_pattern.h"
+#include "server/radar/simd/kernels.h"
+#include "terrain/base/stage_clock.h"
+
+namespace obliq {
+
+EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+                     Surfaces surfaces, bool voltages)
+    : plan_(plan),
+      speckle_(speckle),
+      surfaces_(surfaces),
+      voltages_(voltages),
+      merges_(sweep_columns_per_bin(plan.settings()) > 1),
+      table_(scattering.echo_table()) {
+  const double four_pi = 4 * std::numbers::pi;
+  const double lambda = plan.wavelength_m();
+  const double gain = AntennaPattern(plan.settings().gain_db).power_gain(0, 0);
+  table_.factor = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi) * gain * gain;
+  table_.range_normalisation = plan.settings().range_normalisation;
+  const glm::dvec3& antenna = plan.sector().antenna_m;
+  where_ = {};
+  where_.antenna_x_m = antenna.x;
+  where_.antenna_z_m = antenna.z;
+  SwathCells swath{};
+  speckle.describe_cells(swath);
+  const BinGrid& bins = plan.bins();
+  for (int bin = 0; bin < bins.n_range; ++bin) {
+    const auto octave = static_cast<int>(octave_of((bins.edge_m(bin + 0.0) + bins.edge_m(bin + 1.0)) / 2));
+    cells_per_m_.push_back(swath.cells_per_m[octave]);
+    level_bits_.push_back(
+        static_cast<std::uint64_t>(static_cast<std::uint16_t>(static_cast<int>(swath.level[octave]))) << 8);
+  }
+  where_.cells_per_m = cells_per_m_.data();
+  where_.level_bits = level_bits_.data();
+}
+
+void EchoCells::restart(AzimuthRange range) {
+  range_ = range;
+  const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
+  cells_.assign(n, {0, 0, 0, 0});
+  shadow_.assign(n, 0);
+  if (merges_ && voltages_) last_.assign(n, {0, 0, 0});
+  echoes_ = 0;
+  n_ = 0;
+  faces_.n = 0;
+}
+
+void EchoCells::set_bearings(const double* sin_bearing, const double* cos_bearing) {
+  std::copy_n(sin_bearing, kWedgeAzimuthBins, where_.sin_bearing);
+  std::copy_n(cos_bearing, kWedgeAzimuthBins, where_.cos_bearing);
+}
+
+void EchoCells::add(GroundEchoes& echoes) {
+  const StageProbe probe(Stage::bin);
+  const int n = std::exchange(echoes.n, 0);
+  if (surfaces_ == Surfaces::buildings) return;
+  echoes_ += static_cast<std::uint64_t>(n);
+  for (int k = 0; k < n; ++k) {
+    Cell& cell = cells_[echoes.at[k]];
+    cell.power_w += echoes.power_w[k];
+    cell.count += 1;
+  }
+  if (!voltages_) return;
+  echoes.n = n;
+  widest_kernels().ground_places(where_, echoes, list_place_, list_kind_);
+  echoes.n = 0;
+  for (int k = 0; k < n; ++k) {
+    const std::uint32_t at = echoes.at[k];
+    const Scatterer here{list_place_[k], list_kind_[k], echoes.power_w[k]};
+    if (!merges_) {
+      put(at, here);
+      continue;
+    }
+    Scatterer& last = last_[at];
+    if (last.place == here.place && last.kind == here.kind) {
+      last.power_w += here.power_w;
+    } else {
+      if (last.power_w > 0) put(at, last);
+      last = here;
+    }
+  }
+}
+
+void EchoCells::put(std::uint32_t at, const Scatterer& scatterer) {
+  at_[n_] = at;
+  place_[n_] = scatterer.place;
+  kind_[n_] = scatterer.kind;
+  power_w_[n_] = scatterer.power_w;
+  if (++n_ == static_cast<int>(kBlock)) take_scatterers();
+}
+
+void EchoCells::take_scatterers() {
+  speckle_.respond({n_, place_, kind_, power_w_, re_, im_});
+  for (int k = 0; k < n_; ++k) {
+    Cell& cell = cells_[at_[k]];
+    cell.re += re_[k];
+    cell.im += im_[k];
+  }
+  n_ = 0;
+}
+
+void EchoCells::add(int profile, const FaceEcho& echo) {
+  if (surfaces_ == Surfaces::ground) return;
+  const Buildings& buildings = plan_.scene().world().buildings;
+  const std::uint8_t material = buildings.list[buildings.faces[echo.face].building].material;
+  const int k = faces_.n++;
+  const double range2 = echo.range_m * echo.range_m;
+  faces_.at[k] = static_cast<std::uint32_t>(index(profile, echo.range_bin));
+  faces_.material[k] = material;
+  faces_.power_w[k] =
+      table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
+  faces_.sec2[k] = echo.sec2_incidence;
+  if (voltages_) {
+    const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, material);
+    const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
+    faces_.x_m[k] = from_antenna.x;
+    faces_.y_m[k] = from_antenna.y;
+    faces_.z_m[k] = from_antenna.z;
+    faces_.hash[k] = speckle_.hash(scatterer);
+    faces_.whole[k] = scatterer.level == obliq::Scatterer::kWholeFace ? 1 : 0;
+  }
+  ++echoes_;
+  if (faces_.n == FaceEchoes::kMost) take_faces();
+}
+
+void EchoCells::take_faces() {
+  widest_kernels().face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
+  for (int k = 0; k < faces_.n; ++k) {
+    Cell& cell = cells_[faces_.at[k]];
+    cell.power_w += faces_.power_w[k];
+    cell.re += re_[k];
+    cell.im += im_[k];
+    cell.count += 1;
+  }
+  faces_.n = 0;
+}
+
+void EchoCells::write(BinBlock& block) {
+  take_faces();
+  for (std::size_t at = 0; at < last_.size(); ++at)
+    if (last_[at].power_w > 0) put(static_cast<std::uint32_t>(at), last_[at]);
+  if (voltages_) take_scatterers();
+  for (int a = 0; a < block.n_azimuth; ++a) {
+    for (int r = 0; r < block.n_range; ++r) {
+      const Cell& cell = cells_[index(a, r)];
+      const std::size_t bin =
+          static_cast<std::size_t>(a) * static_cast<std::size_t>(block.n_range) + static_cast<std::size_t>(r);
+      block.iq[bin] = voltages_ ? std::complex<float>(std::complex<double>(cell.re, cell.im)) : 0.0F;
+      block.power_w[bin] = cell.power_w;
+      block.count[bin] = static_cast<std::uint32_t>(cell.count);
+      if (cell.count > 0) {
+        block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);
+      } else if (shadow_[index(a, r)] != 0) {
+        block.state[bin] = static_cast<std::uint8_t>(BinState::shadow);
+      }
+    }
+  }
+}
+
+}  // namespace obliq

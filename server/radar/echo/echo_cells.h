@@ -1,0 +1,99 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/bins.h"
+#include "server/radar/echo/scattering.h"
+#include "server/radar/echo/speckle.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/simd/face_voltages.h"
+#include "server/radar/simd/ground_echoes.h"
+#include "server/radar/simd/ground_places.h"
+
+namespace obliq {
+
+/// An echo of a building's face in one range bin.
+struct FaceEcho {
+  int range_bin;
+  std::uint32_t face;
+  double solid_angle_sr;
+  double range_m;
+  double sec2_incidence;
+  glm::dvec3 at_m;  ///< where on the face, for its cell
+};
+
+/// One wedge's sums of echoes that come bin by bin, each a scatterer: the sweep's. Ground echoes of one plane
+/// have one ground cell a range bin; where the next plane of the azimuth bin has the same one, their powers
+/// are added before the speckle. Sums run in the order of arrival.
+class EchoCells {
+ public:
+  /// voltages: false where nobody wants I&Q.
+  EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+            Surfaces surfaces, bool voltages);
+
+  void restart(AzimuthRange range);
+
+  /// The cross sections and the radar equation of all echoes.
+  const EchoTable& table() const { return table_; }
+
+  /// Of the planes whose echoes come next, by azimuth bin of the wedge.
+  void set_bearings(const double* sin_bearing, const double* cos_bearing);
+  /// Takes a list and empties it.
+  void add(GroundEchoes& echoes);
+  /// Of azimuth bin `profile` of the wedge.
+  void add(int profile, const FaceEcho& echo);
+
+  /// Ground that is seen over terrain and hidden by buildings.
+  void mark_building_shadow(int profile, int range_bin) { shadow_[index(profile, range_bin)] = 1; }
+
+  /// Echoes so far.
+  std::uint64_t count() const { return echoes_; }
+
+  /// Writes I&Q, power and count of all bins and the states that follow. Add nothing after it before a
+  /// restart.
+  void write(BinBlock& block);
+
+ private:
+  struct alignas(32) Cell {
+    double power_w, re, im, count;
+  };
+  struct Scatterer {
+    std::uint64_t place, kind;
+    double power_w;
+  };
+  static std::size_t index(int profile, int range_bin) {
+    return static_cast<std::size_t>(range_bin) * kWedgeAzimuthBins + static_cast<std::size_t>(profile);
+  }
+  void put(std::uint32_t at, const Scatterer& scatterer);
+  void take_scatterers();
+  void take_faces();
+
+  const FramePlan& plan_;
+  const SpeckleField& speckle_;
+  Surfaces surfaces_;
+  bool voltages_;
+  bool merges_;  // an azimuth bin has several planes
+  AzimuthRange range_;
+  EchoTable table_;
+  std::vector<double> cells_per_m_;        // [n_range]
+  std::vector<std::uint64_t> level_bits_;  // [n_range]
+  PlaceOfEchoes where_;
+  std::vector<Cell> cells_;           // [n_range][8]
+  std::vector<Scatterer> last_;       // [n_range][8] of the last plane; without power: none
+  std::vector<std::uint8_t> shadow_;  // [n_range][8]
+  std::uint64_t echoes_ = 0;
+
+  static constexpr std::size_t kBlock = 512;
+  int n_ = 0;  // scatterers that wait for their voltages
+  std::uint32_t at_[kBlock];
+  std::uint64_t place_[kBlock];
+  std::uint64_t kind_[kBlock];
+  double power_w_[kBlock];
+  double re_[kBlock];
+  double im_[kBlock];
+  std::uint64_t list_place_[GroundEchoes::kMost + GroundEchoes::kSpare];
+  std::uint64_t list_kind_[GroundEchoes::kMost + GroundEchoes::kSpare];
+  FaceEchoes faces_;
+};
+
+}  // namespace obliq

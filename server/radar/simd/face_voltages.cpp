@@ -1,0 +1,26 @@
+#include "server/radar/simd/face_voltages.h"
+
+namespace obliq::OBLIQ_ISA {
+
+void face_voltages(const EchoTable& table, double wavelength_m, FaceEchoes& faces, double* re, double* im) {
+  for (int k = 0; k < faces.n; k += kLanes) {
+    const f64x8 power = load(faces.power_w + k) *
+                        cross_section_of_area(table, load_u64(faces.material + k), load(faces.sec2 + k));
+    store(faces.power_w + k, power);
+    const f64x8 x = load(faces.x_m + k);
+    const f64x8 y = load(faces.y_m + k);
+    const f64x8 z = load(faces.z_m + k);
+    const f64x8 range = sqrt(x * x + y * y + z * z);
+    const u64x8 hash = load_u64(faces.hash + k);
+    const f64x8 round_trips = 2.0 * range / wavelength_m;
+    const f64x8 own_turns = to_doubles(hash >> 32) * 0x1p-32;
+    const SinCosOf<f64x8> at = sincos_turns(own_turns - (round_trips - floor(round_trips)));
+    const f64x8 uniform = (to_doubles(hash & 0xffffffffull) + 0.5) * 0x1p-32;
+    const f64x8 modulus2 = load_u64(faces.whole + k) != 0 ? broadcast(1) : -log_of_positive(uniform);
+    const f64x8 amplitude = sqrt(power) * sqrt(modulus2);
+    store(re + k, amplitude * at.cos);
+    store(im + k, amplitude * at.sin);
+  }
+}
+
+}  // namespace obliq::OBLIQ_ISA

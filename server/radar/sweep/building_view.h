@@ -1,0 +1,80 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/radar/echo/echo_cells.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/simd/sub_columns.h"
+
+namespace obliq {
+
+/// The slope (height above the antenna over ground distance) that all surface in the swath stands above: what
+/// lies lower is nearer, and hides nothing in the swath.
+double lowest_slope_in_swath(const FramePlan& plan);
+
+/// The buildings of one azimuth bin as its sub-columns see them, one after the other by distance, and what
+/// they leave of the light of its planes' ground. A sub-column is narrower than a building: its horizon of
+/// buildings is one slope. There are more of them farther out, where the bin is wider.
+class BuildingView {
+ public:
+  /// The most parts that a step looks at.
+  static constexpr int kMostParts = 512;
+
+  explicit BuildingView(const FramePlan& plan);
+
+  /// Begins with another azimuth bin; `profile`: its place in the wedge. False: no building is near it.
+  bool start(int azimuth_bin, int profile);
+  /// Goes on; false when all buildings have been seen.
+  bool step(EchoCells& cells);
+
+  /// Writes the share of a plane's light that buildings leave in each range bin to kept[bin * 8], and marks
+  /// in `cells` where they leave none.
+  void kept_shares(int plane, float* kept, EchoCells& cells) const;
+
+ private:
+  struct Corner {
+    float right_m, ahead_m, tangent;
+  };
+  static constexpr std::uint32_t kWhole = 0xffffffffu;
+  struct Part {
+    std::uint64_t order;  // by distance, then as loaded
+    std::uint32_t building;
+    std::uint32_t of;        // into Buildings::parts; kWhole: the outline
+    std::uint32_t first, n;  // into corners_
+    float from, to;          // tangents
+  };
+  SinCos bearing(double position) const;
+  void set_out(SinCos centre);
+  void collect(std::uint32_t building);
+  void collect(std::uint32_t building, std::uint32_t of, std::span<const glm::vec2> outline);
+  void see(const Part& part, EchoCells& cells);
+  void fill_shape(const Part& part);
+  void refine(float near_m);
+  void set_fineness(int n);
+  void add_echoes(const Part& part, EchoCells& cells);
+  FaceEcho face_echo(const PartEchoes::Echo& echo) const;
+  void add_parts_together(EchoCells& cells);
+
+  const FramePlan& plan_;
+  int planes_;
+  int least_n_;
+  int most_n_;
+  int profile_ = 0;
+  SinCos centre_{};
+  float half_ = 0;  // tangent of half the bin
+  double lowest_slope_;
+  std::span<const std::uint32_t> buildings_;
+  std::size_t collected_ = 0;
+  std::size_t seen_ = 0;
+  std::vector<Corner> corners_;
+  std::vector<Part> parts_;
+  SubColumns columns_{};
+  std::vector<float> horizon_, clearance_, range_bin_, hidden_;  // [planes][stride]
+  std::vector<float> roofs_, per_plane_;
+  ConvexShape shape_{};
+  PartEchoes echoes_{};
+  std::vector<FaceEcho> of_parts_;  // of buildings that have several
+};
+
+}  // namespace obliq
