@@ -38,9 +38,9 @@ def main():
     for panel in panels.flat[len(axes):]:
         panel.set_visible(False)
     for panel, axis in zip(panels.flat, axes.values()):
-        at = [point["at"] for point in axis["points"]]
         for name, colour in COLOURS.items():
-            seconds = [point[name] for point in axis["points"]]
+            points = [point for point in axis["points"] if name in point]
+            at, seconds = [point["at"] for point in points], [point[name] for point in points]
             exponent = law(at, seconds)
             panel.loglog(at, [1000 * s for s in seconds], "o-", color=colour, label=f"{name}: ends as x^{exponent:.2f}")
         panel.set_xlabel(axis["label"])

@@ -18,9 +18,10 @@ class CaseList {
  public:
   explicit CaseList(double cell_m) : cell_m_(cell_m) {}
 
-  void add(FrustumKind kind, PlateKind plates, double columns, double rows) {
-    SamplingCase c{kind, plates, static_cast<int>(std::lround(columns)), static_cast<int>(std::lround(rows)),
-                   cell_m_};
+  void add(FrustumKind kind, PlateKind plates, double columns, double rows, int sub_columns = 0) {
+    SamplingCase c{
+        kind,    plates,     static_cast<int>(std::lround(columns)), static_cast<int>(std::lround(rows)),
+        cell_m_, sub_columns};
     const bool sweep = kind == FrustumKind::sweep;
     if (c.columns < 1 || c.columns > kMostSide || c.rows < (sweep ? 0 : 1) || c.rows > kMostSide) return;
     if (std::ranges::find(cases_, c) == cases_.end()) cases_.push_back(c);
@@ -49,8 +50,9 @@ std::vector<SamplingCase> all_samplings(const RadarSettings& settings, const Fro
     for (const double columns : range.per_azimuth)
       for (const double rows : range.per_range)
         list.add(FrustumKind::polar, plates, columns * settings.azimuth_bins, rows * settings.range_bins);
-  for (const double planes : range.sweeps)
-    list.add(FrustumKind::sweep, PlateKind::spread, planes * settings.azimuth_bins, 0);
+  for (const int sub_columns : range.sub_columns)
+    for (const double planes : range.sweeps)
+      list.add(FrustumKind::sweep, PlateKind::spread, planes * settings.azimuth_bins, 0, sub_columns);
   return list.take();
 }
 
@@ -64,7 +66,8 @@ std::vector<SamplingCase> few_samplings(const RadarSettings& settings, const Fro
              range.per_azimuth[range.per_azimuth.size() / 2] * settings.azimuth_bins,
              range.per_range.front() * settings.range_bins);
   for (std::size_t k = 0; k < std::min<std::size_t>(3, range.sweeps.size()); ++k)
-    list.add(FrustumKind::sweep, PlateKind::spread, range.sweeps[k] * settings.azimuth_bins, 0);
+    list.add(FrustumKind::sweep, PlateKind::spread, range.sweeps[k] * settings.azimuth_bins, 0,
+             range.sub_columns.front());
   return list.take();
 }
 
@@ -81,12 +84,15 @@ RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling
   settings.frustum = sampling.kind;
   settings.plates = sampling.plates;
   settings.pixel_columns = sampling.columns;
+  settings.sub_columns = sampling.sub_columns;
   if (sampling.kind != FrustumKind::sweep) settings.pixel_rows = sampling.rows;
   return settings;
 }
 
 std::string sampling_text(const SamplingCase& c) {
-  if (c.kind == FrustumKind::sweep) return fmt::format("sweep {}", c.columns);
+  if (c.kind == FrustumKind::sweep)
+    return fmt::format("sweep {}, {}", c.columns,
+                       c.sub_columns > 0 ? fmt::format("{} sub-columns", c.sub_columns) : "exact");
   return fmt::format("{} {} x {} {}", frustum_name(c.kind), c.columns, c.rows, plates_name(c.plates));
 }
 
@@ -108,14 +114,14 @@ std::vector<SamplingCase> sampling_ladder(const RadarSettings& s, double cell_m)
   std::vector<SamplingCase> ladder;
   const bool sweep = s.frustum == FrustumKind::sweep;
   if (!sweep && s.frustum != FrustumKind::polar) {
-    for (const int side : kSides) ladder.push_back({s.frustum, s.plates, side, side, cell_m});
+    for (const int side : kSides) ladder.push_back({s.frustum, s.plates, side, side, cell_m, s.sub_columns});
     return ladder;
   }
   for (const int per_bin : kPerBin) {
     const int columns = per_bin * s.azimuth_bins;
     const int rows = sweep ? 0 : per_bin * s.range_bins;
     if (columns <= kMostSide && rows <= kMostSide)
-      ladder.push_back({s.frustum, s.plates, columns, rows, cell_m});
+      ladder.push_back({s.frustum, s.plates, columns, rows, cell_m, s.sub_columns});
   }
   return ladder;
 }

@@ -20,6 +20,7 @@ struct SamplingCase {
   int columns = 2048;                    ///< of pixels; the sweep's azimuths in the sector
   int rows = 2048;                       ///< 0 for the sweep
   double cell_m = 0;
+  int sub_columns = 0;  ///< the sweep's; 0: exact strands
 
   bool operator==(const SamplingCase&) const = default;
 };
@@ -30,7 +31,7 @@ inline bool is_paper_sampling(const SamplingCase& c) { return c == paper_samplin
 
 RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling);
 
-/// "oblique 2048 x 2048 nearest", "sweep 2048".
+/// "oblique 2048 x 2048 nearest", "sweep 2048, 64 sub-columns", "sweep 2048, exact".
 std::string sampling_text(const SamplingCase& sampling);
 
 /// What a frontier goes over.
@@ -39,8 +40,10 @@ struct FrontierRange {
   std::vector<double> per_azimuth{1, 2, 4};   ///< polar columns per azimuth bin
   std::vector<double> per_range{0.5, 1, 2};   ///< polar rows per range bin
   std::vector<double> sweeps{1, 2, 4, 8};     ///< the sweep's azimuths per azimuth bin
-  std::vector<double> cells_m;                ///< the first is the scene's: all samplings; others: a few
-  std::vector<FrustumKind> kinds;             ///< those alone; empty: all
+  /// With each of the sweeps' azimuths, exact strands for 0. The first stands for all where nothing is built.
+  std::vector<int> sub_columns{64, 16, 0};
+  std::vector<double> cells_m;     ///< the first is the scene's: all samplings; others: a few
+  std::vector<FrustumKind> kinds;  ///< those alone; empty: all
 };
 
 /// Every case once, grouped by cell in the order of cells_m, cheap ones first within a kind. The paper's

@@ -110,7 +110,7 @@ std::string truth_text(const FrontierHeader& h, const std::vector<FrontierRow>& 
   std::string text = fmt::format(
       "Truth: {}{} planes in each azimuth bin{}, on the grid of {} m, compared on {} of {} azimuth bins.\n",
       reference ? "the sweep with " : "", h.truth.planes_per_bin,
-      reference ? std::string(" (quality \"reference\")")
+      reference ? std::string(" and exact strands (quality \"reference\")")
                 : ", steps of " + short_number(h.truth.step_m) + " m",
       short_number(h.truth_cell_m), h.azimuths_compared, h.azimuth_bins);
   if (h.truth_checks.empty()) return text + "Its own error was not measured.\n";

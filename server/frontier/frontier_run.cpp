@@ -126,6 +126,7 @@ class FrontierRun {
 
   void find_cases() {
     const RadarSettings& s = radar_.settings;
+    if (finest_.world().buildings.list.empty()) range_.sub_columns.resize(1);
     cases_ = frontier_cases(s, range_);
     header_.view = fmt::format("{:.4g} to {:.4g} km, {:.4g} degrees, {} x {} bins", s.r_min_m / 1000,
                                s.r_max_m / 1000, s.sector_deg, s.azimuth_bins, s.range_bins);
@@ -215,10 +216,10 @@ class FrontierRun {
                                      terminal_progress());
   }
 
-  /// The sweep with so many planes in each azimuth bin, over the truth's ground.
+  /// The sweep with so many planes in each azimuth bin and exact strands, over the truth's ground.
   SamplingCase exact_sweep(int planes_per_bin) const {
-    return {FrustumKind::sweep, PlateKind::spread, planes_per_bin * header_.azimuth_bins, 0,
-            finest_.cell_m()};
+    return {
+        FrustumKind::sweep, PlateKind::spread, planes_per_bin * header_.azimuth_bins, 0, finest_.cell_m(), 0};
   }
 
   TruthBins render_exact(int planes_per_bin, const AzimuthRuns& runs) const {
@@ -231,7 +232,8 @@ class FrontierRun {
   /// Rendered anew in each run: that takes seconds.
   void make_reference() {
     const int planes = header_.truth.planes_per_bin;
-    say_on_terminal(fmt::format("reference: the sweep with {} planes in each azimuth bin", planes));
+    say_on_terminal(
+        fmt::format("reference: the sweep with {} planes in each azimuth bin and exact strands", planes));
     truth_ = render_exact(planes, runs_);
     if (resumed_) return;
     if (exact_sweep(2 * planes).columns <= kMostSide) {

@@ -47,8 +47,8 @@ constexpr std::array kColumns{
     Column{"buildings_missed", &FrontierRow::buildings_missed},
     Column{"load", &FrontierRow::load},
 };
-constexpr std::string_view kCaseColumns = "kind,columns,rows,plates,cell_m,returns";
-constexpr std::size_t kCaseFields = 6;
+constexpr std::string_view kCaseColumns = "kind,columns,rows,plates,sub_columns,cell_m,returns";
+constexpr std::size_t kCaseFields = 7;
 constexpr std::size_t kFields = kCaseFields + kColumns.size() + 1;
 
 /// The shortest text that reads back to the same bits.
@@ -78,17 +78,19 @@ std::optional<FrontierRow> row_of(const std::string& line) {
   SamplingCase& c = row.sampling;
   const auto columns = number_of(fields[1]);
   const auto rows = number_of(fields[2]);
-  const auto cell_m = number_of(fields[4]);
+  const auto sub_columns = number_of(fields[4]);
+  const auto cell_m = number_of(fields[5]);
   const std::array kinds{FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar,
                          FrustumKind::sweep};
   if (!choose(fields[0], kinds, frustum_name, c.kind) ||
       !choose(fields[3], std::array{PlateKind::spread, PlateKind::nearest}, plates_name, c.plates) ||
-      !choose(fields[5], std::array{Returns::all, Returns::terrain, Returns::buildings}, returns_name,
+      !choose(fields[6], std::array{Returns::all, Returns::terrain, Returns::buildings}, returns_name,
               row.returns) ||
-      !columns || !rows || !cell_m)
+      !columns || !rows || !sub_columns || !cell_m)
     return std::nullopt;
   c.columns = static_cast<int>(*columns);
   c.rows = static_cast<int>(*rows);
+  c.sub_columns = static_cast<int>(*sub_columns);
   c.cell_m = *cell_m;
   for (std::size_t k = 0; k < kColumns.size(); ++k) {
     const auto value = number_of(fields[kCaseFields + k]);
@@ -161,8 +163,9 @@ std::string csv_header() {
 
 std::string csv_line(const FrontierRow& row) {
   const SamplingCase& c = row.sampling;
-  std::string text = fmt::format("{},{},{},{},{},{}", frustum_name(c.kind), c.columns, c.rows,
-                                 plates_name(c.plates), number_text(c.cell_m), returns_name(row.returns));
+  std::string text =
+      fmt::format("{},{},{},{},{},{},{}", frustum_name(c.kind), c.columns, c.rows, plates_name(c.plates),
+                  c.sub_columns, number_text(c.cell_m), returns_name(row.returns));
   for (const Column& column : kColumns) text += "," + number_text(row.*column.value);
   return text + "," + csv_field(one_line(row.not_possible)) + "\n";
 }

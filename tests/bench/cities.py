@@ -176,7 +176,8 @@ def frontier(programs, row):
         if ran.returncode != 0:
             return {"missing": ran.stderr.strip().splitlines()[-1]}
         with open(f"{folder}/frontier/frontier.csv", encoding="utf-8", newline="") as file:
-            found = {int(line["columns"]): line for line in csv.DictReader(file) if line["returns"] == "all"}
+            found = {int(line["columns"]): line for line in csv.DictReader(file)
+                     if line["returns"] == "all" and line["sub_columns"] == "64"}
     return {planes: {key: float(found[1024 * planes][key]) for key in ("power_error", "energy_error", "gap_fraction",
                                                                         "false_light", "false_light_energy", "buildings_missed",
                                                                         "buildings_visible")} for planes in (1, 2)}

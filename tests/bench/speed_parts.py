@@ -77,7 +77,9 @@ def frontier_commands(folder_of_programs, folder):
 
 # Of all that obliq frontier measures; it writes the rest itself.
 FRONTIER_ROWS = ("oblique 2048 x 2048 nearest", "oblique 2048 x 2048 spread", "symmetric 2048 x 2048 nearest", "polar 2048 x 2048 nearest",
-                 "polar 2048 x 512 spread", "polar 2048 x 1024 spread", "sweep 1024", "sweep 2048", "sweep 4096", "sweep 8192")
+                 "polar 2048 x 512 spread", "polar 2048 x 1024 spread", "sweep 1024, 16 sub-columns", "sweep 1024, 64 sub-columns",
+                 "sweep 2048, 16 sub-columns", "sweep 2048, 64 sub-columns", "sweep 1024, exact", "sweep 2048, exact", "sweep 4096, exact", "sweep 4096, 64 sub-columns",
+                 "sweep 8192, exact")
 
 
 def frontier_figures(_, folder):
@@ -87,11 +89,17 @@ def frontier_figures(_, folder):
 
 def frontier_words(figures):
     finest = min(float(row["cell_m"]) for row in figures["rows"])
-    found = {" ".join([row["kind"], row["columns"], *(["x", row["rows"], row["plates"]] if row["kind"] != "sweep" else [])]): row
-             for row in figures["rows"] if float(row["cell_m"]) == finest and row["returns"] == "all"}
+    def name_of(row):
+        if row["kind"] != "sweep":
+            return f"{row['kind']} {row['columns']} x {row['rows']} {row['plates']}"
+        return f"sweep {row['columns']}, " + (f"{row['sub_columns']} sub-columns" if row.get("sub_columns", "0") != "0" else "exact")
+
+    found = {name_of(row): row for row in figures["rows"] if float(row["cell_m"]) == finest and row["returns"] == "all"}
     paper = found[FRONTIER_ROWS[0]]
     rows = []
     for name in FRONTIER_ROWS:
+        if name not in found:  # an older run
+            continue
         row = found[name]
         quicker, truer = (float(paper[figure]) / float(row[figure]) for figure in ("frame_ms", "power_error"))
         rows.append([name, f"{float(row['frame_ms']):.0f} ms", f"{1 / quicker:.2f}", f"{float(row['power_error']):.2g}", f"{truer:.3g}",

@@ -38,7 +38,8 @@ class FrontierCommand : public testing::Test {
 
   static double number(const CsvRow& row, const std::string& column) { return std::stod(row.at(column)); }
   static std::string name(const CsvRow& row) {
-    return row.at("kind") + " " + row.at("columns") + " " + row.at("rows") + " " + row.at("plates");
+    return row.at("kind") + " " + row.at("columns") + " " + row.at("rows") + " " + row.at("plates") + " " +
+           row.at("sub_columns");
   }
 
   TestFolder folder_;
@@ -82,7 +83,7 @@ TEST_F(FrontierCommand, GoesOnWhereItStoppedAndItsTableAddsUp) {
     }
     EXPECT_LE(number(row, "median_db"), number(row, "percentile95_db"));
     EXPECT_LE(number(row, "buildings_missed"), number(row, "buildings_visible"));
-    if (row.at("returns") == "all" && name(row) == "oblique 2048 2048 nearest") paper = &row;
+    if (row.at("returns") == "all" && name(row) == "oblique 2048 2048 nearest 0") paper = &row;
   }
   for (const auto& [sampling, n] : lines) EXPECT_EQ(n, 3) << sampling;
   EXPECT_EQ(kinds, (std::set<std::string>{"oblique", "polar", "sweep", "symmetric"}));
@@ -98,7 +99,7 @@ TEST_F(FrontierCommand, GoesOnWhereItStoppedAndItsTableAddsUp) {
   ASSERT_NE(sweep, nullptr);
   const double ratio = number(*paper, "power_error") / number(*sweep, "power_error");
   const std::string report = text_of(folder_ / "files" / "frontier.md");
-  const std::size_t line = report.find("| sweep " + sweep->at("columns") + " | ");
+  const std::size_t line = report.find("| sweep " + sweep->at("columns") + ", ");
   ASSERT_NE(line, std::string::npos) << report;
   std::stringstream cells(report.substr(line, report.find('\n', line) - line));
   std::string cell;
@@ -153,23 +154,26 @@ TEST_F(FrontierCommand, WhatCannotSeeTheSceneIsListedWithItsReason) {
 TEST_F(FrontierCommand, AgainstTheReferenceItMeasuresTheDistanceFromEightPlanes) {
   const std::string scene = folder_.write("scene.toml", kScene);
   const auto errors_against = [&](const std::string& what) {
-    const auto run = test::run_program(OBLIQ_PROGRAM,
-                                       {"frontier", scene, "--out", (folder_ / what).string(), "--against",
-                                        what, "--kinds", "sweep", "--repeats", "1", "--cells", "80"},
-                                       folder_.path());
+    const auto run =
+        test::run_program(OBLIQ_PROGRAM,
+                          {"frontier", scene, "--out", (folder_ / what).string(), "--against", what,
+                           "--kinds", "sweep", "--repeats", "1", "--cells", "80", "--sub-columns", "0,16"},
+                          folder_.path());
     EXPECT_EQ(run.code, 0) << run.err;
     std::map<std::string, CsvRow> rows;
     for (const CsvRow& row : test::csv_rows(text_of(folder_ / what / "frontier.csv")))
-      rows[row.at("columns") + " " + row.at("cell_m") + " " + row.at("returns")] = row;
+      rows[row.at("columns") + " " + row.at("sub_columns") + " " + row.at("cell_m") + " " +
+           row.at("returns")] = row;
     return rows;
   };
   const auto truth = errors_against("truth"), reference = errors_against("reference");
-  // 1, 2, 4 and 8 planes over the scene's cells, 1, 2 and 4 over others; 8 is the reference itself.
-  ASSERT_EQ(truth.size(), 7u * 3);
-  ASSERT_EQ(reference.size(), 6u * 3);
+  // 1, 2, 4 and 8 planes, exact and with sub-columns, and 1, 2 and 4 over other cells; 8 exact ones are the
+  // reference itself.
+  ASSERT_EQ(truth.size(), 11u * 3);
+  ASSERT_EQ(reference.size(), 10u * 3);
   for (const auto& [key, row] : reference) {
     const CsvRow& same = truth.at(key);
-    const CsvRow& eight = truth.at("128 40 " + row.at("returns"));
+    const CsvRow& eight = truth.at("128 0 40 " + row.at("returns"));
     // Bin by bin the frame is as far from the reference as from the truth, but for the reference's own error.
     EXPECT_NEAR(number(row, "power_error"), number(same, "power_error"), 1.2 * number(eight, "power_error"))
         << key;
@@ -180,7 +184,8 @@ TEST_F(FrontierCommand, AgainstTheReferenceItMeasuresTheDistanceFromEightPlanes)
     EXPECT_GE(number(row, "buildings_visible"), number(same, "buildings_visible")) << key;
   }
   const std::string report = text_of(folder_ / "reference" / "frontier.md");
-  EXPECT_NE(report.find("the sweep with 8 planes in each azimuth bin"), std::string::npos) << report;
+  EXPECT_NE(report.find("the sweep with 8 planes in each azimuth bin and exact strands"), std::string::npos)
+      << report;
 }
 
 TEST_F(FrontierCommand, MaterialsWithoutATruthAreRefused) {

@@ -108,8 +108,14 @@ Ring around(double a, double b, int corners) {
   return ring;
 }
 
+constexpr const char* kHouseNames[] = {
+    "L",     "U",      "comb",   "cross",  "courtyard", "row", "tower on podium",
+    "round", "sliver", "needle", "copies", "hall",      "box"};
+
 class Town {
  public:
+  const std::string& kinds() const { return kinds_; }
+
   Town(World& world, const Land& land, Dice& dice) : world_(world), land_(land), dice_(dice) {}
 
   /// One house, or a few that belong together, about a point of the world.
@@ -119,7 +125,9 @@ class Town {
     along_ = {std::sin(bearing), std::cos(bearing)};
     const double a = size_m, b = size_m * dice_.logarithmic(0.3, 1);
     const double height = dice_.logarithmic(2, 60);
-    switch (dice_.integer(0, 13)) {
+    const int kind = dice_.integer(0, 13);
+    kinds_ += std::string(kinds_.empty() ? "" : ", ") + kHouseNames[std::min(kind, 12)];
+    switch (kind) {
       case 0:
         return stand({l_shape(a, b)}, height);
       case 1:
@@ -176,6 +184,7 @@ class Town {
   const Land& land_;
   Dice& dice_;
   OutlineShaper shaper_;
+  std::string kinds_;
   glm::dvec2 at_{0.0};
   glm::dvec2 along_{0, 1};
 };
@@ -248,7 +257,7 @@ RandomScene random_town(std::uint64_t seed) {
        << " m, antenna " << place << " at (" << at.x << ", " << at.y << ", " << at.z << "), ground "
        << ground_m << ", sector " << s.sector_deg << " at " << town.pose.bearing_world_rad / kDegree_rad
        << " degrees, " << s.r_min_m << " to " << s.r_max_m << " m, " << s.azimuth_bins << " x "
-       << s.range_bins << " bins";
+       << s.range_bins << " bins; houses: " << houses.kinds();
   town.text = text.str();
   return town;
 }

@@ -28,6 +28,7 @@ void make_quick(const CLI::App& command, FrontierOptions& options) {
   options.range.per_azimuth = {1, 2};
   options.range.per_range = {0.5};
   options.range.sweeps = {1, 2, 4};
+  if (command.count("--sub-columns") == 0) options.range.sub_columns = {64};
   options.scene_cell_only = true;
   if (command.count("--azimuths") == 0) options.azimuths = 64;
 }
@@ -68,6 +69,11 @@ void add_frontier(CLI::App& app) {
       ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
       ->delimiter(',')
       ->check(whole_number_from(1, kMostSide));
+  command
+      ->add_option("--sub-columns", options.range.sub_columns,
+                   "Sub-columns that the sweep sees buildings by; 0: exact strands")
+      ->delimiter(',')
+      ->check(whole_number_from(0, 1024));
   command
       ->add_option("--cells", options.range.cells_m,
                    "Cell sizes in metres beside the scene's own; the truth takes the finest. Without: "

@@ -10,8 +10,8 @@ namespace obliq {
 struct FaceEchoes {
   static constexpr int kMost = 512;
   int n = 0;
-  std::uint32_t at[kMost];  ///< range bin x 8 + azimuth bin of the wedge
-  std::uint64_t material[kMost];
+  std::uint32_t at[kMost];                    ///< range bin x 8 + azimuth bin of the wedge
+  std::uint64_t material[kMost]{};            ///< beyond n: any that is in the table
   double power_w[kMost];                      ///< of a unit of cross section for each unit of projected area
   double sec2[kMost];                         ///< 1 / cos^2 of the incidence
   double x_m[kMost], y_m[kMost], z_m[kMost];  ///< the scatterer's reference point, from the antenna
