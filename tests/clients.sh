@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the Python package with programs that others wrote: each checks that what obliq makes means to them what it should.
 #
-#   tests/clients.sh [NAME...]     default: wheel oldest notebook sigmf gdal octave dask ray kubernetes
+#   tests/clients.sh [NAME...]     default: wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes
 #
 # Installs into build/clients/. The last line says "N passed, M failed, K skipped"; exit code 77 where nothing failed and a
 # registry or an archive did not answer, which is no failure. Needs obliqd in build/release/bin.
@@ -209,6 +209,47 @@ check_kubernetes() {
   ! "$work/env-kubernetes/bin/kubernetes-validate" --strict "$work/wrong.yaml" && echo "manifests are valid, a wrong one is not"
 }
 
+# An entity that opendis encodes, with its own conversion of angles, is where the radar goes.
+check_opendis() {
+  with_wheel opendis numpy protobuf google-crc32c opendis || return
+  on_daemon "$work/env-opendis/bin/python" - <<'PY'
+import io, math, os, re, signal, socket, subprocess, time
+from opendis.DataOutputStream import DataOutputStream
+from opendis.RangeCoordinates import GPS
+from opendis.dis7 import EntityStatePdu
+import obliq
+
+ride = subprocess.Popen([os.environ["OBLIQ_BIN"] + "/obliq", "fly", "--server", os.environ["address"], "--radar", "main", "--dis",
+                         "17:23:42", "--udp", "0"], stdout=subprocess.PIPE, text=True)
+port = int(re.search(r"127.0.0.1:(\d+)", ride.stdout.readline()).group(1))
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+with obliq.connect(os.environ["address"]) as server:
+    for heading in (0.0, 30.0, 100.0, 200.0, 300.0):
+        pdu = EntityStatePdu()
+        pdu.entityID.siteID, pdu.entityID.applicationID, pdu.entityID.entityID = 17, 23, 42
+        x, y, z, psi, theta, phi = GPS().llarpy2ecef(*map(math.radians, (33.02, -99.48)), 1800.0, 0.0, 0.0, math.radians(heading))
+        pdu.entityLocation.x, pdu.entityLocation.y, pdu.entityLocation.z = x, y, z
+        pdu.entityOrientation.psi, pdu.entityOrientation.theta, pdu.entityOrientation.phi = psi, theta, phi
+        stream = io.BytesIO()
+        pdu.serialize(DataOutputStream(stream))
+        data = bytearray(stream.getvalue())
+        data[8:10] = len(data).to_bytes(2, "big")
+        sender.sendto(data, ("127.0.0.1", port))
+        end = time.monotonic() + 10
+        while True:
+            pose = server.radar("main").pose
+            off = (pose.bearing_deg - heading + 180) % 360 - 180
+            if abs(off) < 1e-3 or time.monotonic() > end:
+                break
+        assert abs(off) < 1e-3, (heading, pose)
+        assert abs(pose.latitude_deg - 33.02) < 1e-7 and abs(pose.longitude_deg + 99.48) < 1e-7, pose
+        assert abs(pose.height_m - 1800) < 0.05, pose
+ride.send_signal(signal.SIGINT)
+assert ride.wait(20) == 0
+print(len(data), "bytes of opendis, five headings")
+PY
+}
+
 case "${1:-}" in -h | --help)
   sed -n '2,8s/^# \{0,1\}//p' "$0"
   exit 0
@@ -219,7 +260,7 @@ esac
   exit 1
 }
 mkdir -p "$work"
-[ $# -gt 0 ] || set -- wheel oldest notebook sigmf gdal octave dask ray kubernetes
+[ $# -gt 0 ] || set -- wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes
 if [ "$1" != wheel ] && [ ! -x "$work/env-all/bin/python" ]; then set -- wheel "$@"; fi
 for name in "$@"; do
   declare -F "check_$name" >/dev/null || {
