@@ -226,6 +226,8 @@ sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 with obliq.connect(os.environ["address"]) as server:
     for heading in (0.0, 30.0, 100.0, 200.0, 300.0):
         pdu = EntityStatePdu()
+        pdu.pduType, pdu.protocolFamily, pdu.exerciseID = 1, 1, 1
+        pdu.pduStatus = pdu.entityAppearance = pdu.capabilities = 0  # opendis 1.0 has no numbers there
         pdu.entityID.siteID, pdu.entityID.applicationID, pdu.entityID.entityID = 17, 23, 42
         x, y, z, psi, theta, phi = GPS().llarpy2ecef(*map(math.radians, (33.02, -99.48)), 1800.0, 0.0, 0.0, math.radians(heading))
         pdu.entityLocation.x, pdu.entityLocation.y, pdu.entityLocation.z = x, y, z
