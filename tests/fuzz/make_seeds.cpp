@@ -5,8 +5,11 @@
 #include <gdal_priv.h>
 #include <ogrsf_frmts.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -146,6 +149,32 @@ std::string modbus(const std::vector<int>& bytes) {
   std::string frame{'\1', static_cast<char>(bytes.size())};
   for (const int byte : bytes) frame += static_cast<char>(byte);
   return frame;
+}
+
+/// Big-endian, as DIS is; obliq's own datagram is little-endian.
+template <typename Number>
+std::string number_bytes(Number value, bool big) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  if (big) std::ranges::reverse(bytes);
+  return bytes;
+}
+
+void write_ownship() {
+  std::string pose = "OBLP" + number_bytes(std::uint16_t{1}, false) + number_bytes(std::uint16_t{0}, false) +
+                     number_bytes(std::int64_t{1'000'000'000}, false);
+  for (const double value : {33.0, -99.5, 1500.0, 60.0}) pose += number_bytes(value, false);
+  write_seed("ownship", "pose", pose + number_bytes(std::uint64_t{7}, false));
+  // Entity State, IEEE 1278.1-2012, 7.2.2: entity 1:2:3 near 33 N 99.5 W, flying at 200 m/s.
+  std::string pdu{7, 1, 1, 1, 0, 0, 0, 0, 0, static_cast<char>(144), 0, 0, 0, 1, 0, 2, 0, 3};
+  pdu.resize(36, '\0');
+  for (const float value : {200.0F, 0.0F, 0.0F}) pdu += number_bytes(value, true);
+  for (const double value : {-884000.0, -5281500.0, 3454500.0}) pdu += number_bytes(value, true);
+  for (const float value : {1.0F, -0.5F, 0.0F}) pdu += number_bytes(value, true);
+  pdu.resize(88, '\0');
+  pdu += '\4';
+  pdu.resize(144, '\0');
+  write_seed("ownship", "entity", pdu);
 }
 
 void write_modbus() {
@@ -339,6 +368,7 @@ int main(int argc, char** argv) {
   obliq::fuzz::write_streams();
   obliq::fuzz::write_requests();
   obliq::fuzz::write_modbus();
+  obliq::fuzz::write_ownship();
   obliq::fuzz::write_elevations();
   obliq::fuzz::write_footprints();
   obliq::fuzz::write_configurations();

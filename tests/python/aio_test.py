@@ -93,7 +93,12 @@ class Aio(unittest.IsolatedAsyncioTestCase):
             first = await frames.__anext__()
             await asyncio.sleep(0.3)
             ids = [(await frames.__anext__()).frame_id for _ in range(20)]
+            await asyncio.sleep(0.3)
+            # Frames wait before the answer to this, and are read on for it.
+            self.assertEqual((await self.radar.info()).watchers, 1)
+            await asyncio.sleep(0.3)
         self.assertEqual(ids, list(range(first.frame_id + 1, first.frame_id + 21)))
+        self.assertEqual((await self.radar.info()).watchers, 0)
 
     async def test_cancelling_a_wait_leaves_a_connection_that_works(self):
         task = asyncio.create_task(self.server.render(None, dict(latitude_deg=33, longitude_deg=-99.5, height_m=2000),

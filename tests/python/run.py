@@ -26,4 +26,5 @@ def main():
     return 77 if len(result.skipped) == result.testsRun else 0
 
 
-sys.exit(main())
+if __name__ == "__main__":  # not where a worker imports this file
+    sys.exit(main())

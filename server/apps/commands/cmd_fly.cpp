@@ -11,6 +11,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
+#include "server/apps/commands/fly_datagrams.h"
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
@@ -32,6 +33,7 @@ struct FlyArguments {
   std::string reference;
   double speed = 1;
   double rate_hz = 0;
+  DatagramSource datagrams;
 };
 
 // Between looks at signals, at the server's heartbeats and at a pipe.
@@ -163,7 +165,16 @@ void read_through(TrackReader& track) {
 }
 
 void run(const FlyArguments& arguments) {
+  if (arguments.track.empty() == !arguments.datagrams.wanted())
+    throw InputError("fly: found " +
+                     std::string(arguments.track.empty() ? "no TRACK" : "TRACK and --udp or --dis") +
+                     "; allowed: one of TRACK, --udp PORT, --dis SITE:APP:ENTITY");
   heed_interrupts();
+  if (arguments.datagrams.wanted()) {
+    client::Client client = connect_to_server(arguments.server, "obliq fly");
+    return fly_by_datagrams(client, choose_remote_radar(client, arguments.server), arguments.datagrams,
+                            arguments.rate_hz, arguments.reference);
+  }
   TrackReader track(arguments.track);
   if (track.is_file()) read_through(track);
   client::Client client = connect_to_server(arguments.server, "obliq fly");
@@ -191,19 +202,18 @@ void add_fly(CLI::App& app) {
       "Fly a server's radar along a track; Ctrl-C ends it, the radar stays where it is and is released");
   auto arguments = std::make_shared<FlyArguments>();
   add_server_arguments(*command, arguments->server);
-  command
-      ->add_option(
-          "TRACK", arguments->track,
-          "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
-          "(with or without a header; other columns are ignored), or - for the standard input")
-      ->required();
+  command->add_option(
+      "TRACK", arguments->track,
+      "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
+      "(with or without a header; other columns are ignored), or - for the standard input");
+  add_datagram_options(*command, arguments->datagrams);
   command->add_option("--speed", arguments->speed, "Speed factor: 2 flies the track twice as fast")
       ->type_name("FACTOR")
       ->default_val(1.0)
       ->check(number_from(kSlowest, kFastest));
   command
       ->add_option("--rate", arguments->rate_hz,
-                   "Send poses between the lines at this rate, on a straight path; 0: none")
+                   "Send poses between the lines, or between an entity's PDUs, at this rate; 0: none")
       ->type_name("HZ")
       ->default_val(kUsualRate_hz)
       ->check(number_from(0, kMostRate_hz));

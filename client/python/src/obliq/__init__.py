@@ -11,7 +11,9 @@ frame. obliq.batch, obliq.Dataset: data sets.
 __version__ = "0.1.0"
 
 from . import aio, errors, obliq_pb2 as wire
+from ._batch import Done, Job, batch, prepare, todo
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
+from ._shards import Dataset
 from .client import Control, Radar, Server, Stream, connect
 from .errors import (BadStream, CannotConnect, ConnectionLost, Fault, FrameAborted, InvalidValue, NotInControl, ObliqError,
                      OverLimit, Refused, RenderFailed, ReplayOnly, ServerFull, ServerStopping, TimedOut, Unauthorized,

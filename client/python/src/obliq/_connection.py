@@ -55,7 +55,7 @@ class Connection:
         self._lock = threading.Lock()
         self.session = Session()
         self._splitter = Splitter()
-        self.address = f"{host}:{port}"
+        self.address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         self._socket = open_socket(host, port, tls, timeout_s)
         try:
             self.run(self.session.hello(name, token, timeout_s))

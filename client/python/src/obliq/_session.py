@@ -13,7 +13,7 @@ import typing
 from . import obliq_pb2 as wire
 from ._assembly import Assembler, Buffers, Wedge
 from ._wire import MAJOR, MINOR, encode
-from .errors import BadStream, ConnectionLost, FrameAborted, ObliqError, from_message
+from .errors import BadStream, ConnectionLost, FrameAborted, ObliqError, Refused, from_message
 
 REPLY_S = 30.0
 # Heartbeats that may fail to come before a server is taken for dead: any may be late.
@@ -156,11 +156,16 @@ class Session:
 
     def call(self, message, timeout_s=REPLY_S):
         """Command: the answer to a request."""
-        pending = self.ask(message)
-        yield Wait(pending.done, timeout_s, f"the answer to {message.DESCRIPTOR.name}")
+        return (yield from self._answer(self.ask(message), message, timeout_s)).reply
+
+    def _answer(self, pending, message, timeout_s=REPLY_S):
+        try:
+            yield Wait(pending.done, timeout_s, f"the answer to {message.DESCRIPTOR.name}")
+        finally:
+            self._pending.pop(message.request_id, None)
         if pending.error:
             raise pending.error
-        return pending.reply
+        return pending
 
     def end(self, error):
         """Nothing more will come."""
@@ -231,6 +236,9 @@ class Session:
             sink.whole(assembler.end(parsed))
 
     def has_enough(self):
+        """Nothing more is to be read for now. Not while somebody waits for an answer, which may be behind the frames."""
+        if self._pending or self._renderings:
+            return False
         return any(sink.has_enough() for sink in self.subscriptions.values())
 
     def patience_s(self):
@@ -257,10 +265,8 @@ class Session:
     def measure_clock(self):
         """How much the server's clock is behind ours: PROTOCOL.md, "Latency"."""
         before_ns = time.time_ns()
-        pending = self.ask(wire.Heartbeat(answer_wanted=True))
-        yield Wait(pending.done, REPLY_S, "the answer to Heartbeat")
-        if pending.error:
-            raise pending.error
+        beat = wire.Heartbeat(answer_wanted=True)
+        pending = yield from self._answer(self.ask(beat), beat)
         self.offset_ns = (before_ns + time.time_ns()) // 2 - pending.header.utc_ns
         return self.offset_ns * 1e-9
 
@@ -287,6 +293,7 @@ class Session:
 
     def forget_render(self, rendering):
         self._renderings.pop(rendering.request_id, None)
+        self._pending.pop(rendering.request_id, None)
         self._streams = {number: sink for number, sink in self._streams.items() if sink is not rendering}
 
     def begin_stream(self, subscription):
@@ -298,12 +305,13 @@ class Session:
         # progress are not this one's: its stream is forgotten.
         self._streams = {number: sink for number, sink in self._streams.items() if sink is not old}
         self.subscriptions[radar] = subscription
-        yield Wait(pending.done, REPLY_S, "the answer to Subscribe")
-        if pending.error:
+        try:
+            yield from self._answer(pending, subscription.request)
+        except Refused:
             self.subscriptions.pop(radar, None)
             if old is not None:
                 self.subscriptions[radar] = old
-            raise pending.error
+            raise
         if old is not None and old is not subscription:
             old.error = ObliqError(f"another stream of radar {radar} was begun on this connection: connect once more "
                                    "to watch it twice")

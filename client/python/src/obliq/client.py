@@ -45,6 +45,11 @@ class Server:
         return f"<obliq.Server {self._connection.address}: {self.info.scene}, {', '.join(self.info.radars)}>"
 
     @property
+    def address(self):
+        """HOST:PORT of the server."""
+        return self._connection.address
+
+    @property
     def info(self):
         """Name, version, scene, radars, encodings, limits and role, as the server's Welcome had them."""
         return requests.ServerInfo.of(self._connection.session.welcome)

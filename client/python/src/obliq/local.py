@@ -54,6 +54,9 @@ class Daemon:
         """What it has printed so far."""
         return pathlib.Path(self._log.name).read_text(errors="replace")
 
+    def is_running(self):
+        return self._keeper.poll() is None
+
     def _await_ready(self, timeout):
         end = time.monotonic() + timeout
         while True:

@@ -1,0 +1,210 @@
+#include "server/apps/commands/fly_datagrams.h"
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/commands/interrupts.h"
+#include "server/apps/commands/number_option.h"
+#include "server/apps/commands/server_arguments.h"
+#include "terrain/base/errors.h"
+#include "terrain/base/seconds.h"
+#include "terrain/base/unique_fd.h"
+
+namespace obliq {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr int kDisPort = 3000;  // IEEE 1278.2-2015, 5.6
+// An entity that sends no PDU for so long has gone: 2.4 heartbeats of 5 s, IEEE 1278.1-2012, 4.2.8.
+constexpr double kDisTimeout_s = 12;
+constexpr milliseconds kLook{10};
+constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
+
+UniqueFd bind_udp(const std::string& address, int port, int& bound_port) {
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(static_cast<std::uint16_t>(port));
+  if (inet_pton(AF_INET, address.c_str(), &at.sin_addr) != 1)
+    throw InputError(
+        fmt::format("--listen: found \"{}\"; allowed: an IPv4 address of this machine", address));
+  UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  socklen_t size = sizeof at;
+  if (socket.get() < 0 || bind(socket.get(), reinterpret_cast<sockaddr*>(&at), size) != 0 ||
+      getsockname(socket.get(), reinterpret_cast<sockaddr*>(&at), &size) != 0)
+    throw InputError(fmt::format("{}:{}: cannot be listened to: {}", address, port, std::strerror(errno)));
+  bound_port = ntohs(at.sin_port);
+  return socket;
+}
+
+/// What comes is sent on; what is no pose is counted, and told when the reason changes.
+class Ride {
+ public:
+  Ride(client::Client& client, std::string radar, const DatagramSource& source, double rate_hz,
+       const std::string& height_reference)
+      : client_(client), radar_(std::move(radar)), source_(source), rate_hz_(rate_hz) {
+    if (!source.entity.empty()) {
+      entity_ = parse_entity_id(source.entity);
+      if (!entity_)
+        throw InputError(
+            fmt::format("--dis: found \"{}\"; allowed: SITE:APP:ENTITY, each 0 to 65535", source.entity));
+    }
+    if (height_reference == "datum") reference_ = wire::DATUM;
+    if (height_reference == "ground") reference_ = wire::GROUND;
+    if (height_reference == "ellipsoid" || entity_) reference_ = wire::ELLIPSOID;
+    int port = 0;
+    socket_ = bind_udp(source.address, source.udp_port >= 0 ? source.udp_port : kDisPort, port);
+    std::printf("%s: listening on %s:%d\n", radar_.c_str(), source.address.c_str(), port);
+    std::fflush(stdout);
+  }
+
+  void run() {
+    std::array<std::byte, kMostDatagram> bytes;
+    while (!interrupted()) {
+      // Heartbeats are answered, and a takeover by an admin is heard.
+      const client::Status status = client_.receive(milliseconds(0));
+      if (status.outcome != client::Outcome::timed_out) require(status);
+      pollfd waiting{socket_.get(), POLLIN, 0};
+      if (poll(&waiting, 1, static_cast<int>(kLook.count())) > 0) {
+        for (ssize_t size; (size = recv(socket_.get(), bytes.data(), bytes.size(), 0)) >= 0;)
+          take(std::span<const std::byte>(bytes).first(static_cast<std::size_t>(size)));
+      }
+      if (entity_) reckon();
+    }
+  }
+
+  void print_summary() const {
+    std::printf("%s: %llu poses, %llu datagrams that were none\n", radar_.c_str(),
+                static_cast<unsigned long long>(sent_), static_cast<unsigned long long>(refused_));
+  }
+
+ private:
+  void take(std::span<const std::byte> bytes) {
+    if (!entity_) {
+      const auto read = read_pose_datagram(bytes);
+      if (const auto* none = std::get_if<NoPose>(&read)) return tell(none->why);
+      const OwnshipPose& pose = std::get<OwnshipPose>(read);
+      return send(pose, pose.sim_time_ns, pose.pose_id);
+    }
+    const auto read = read_entity_state(bytes);
+    if (const auto* none = std::get_if<NoPose>(&read)) return tell(none->why);
+    const EntityState& state = std::get<EntityState>(read);
+    if (!(state.id == *entity_) || (source_.exercise >= 0 && state.exercise != source_.exercise)) return;
+    newest_ = state;
+    arrived_ = Clock::now();
+    next_ = arrived_;
+    silent_ = false;
+  }
+
+  /// Between PDUs the entity goes on as its dead reckoning says.
+  void reckon() {
+    const auto now = Clock::now();
+    if (!newest_ || now < next_ || silent_) return;
+    const double after_s = seconds_since(arrived_);
+    if (after_s > kDisTimeout_s) {
+      silent_ = true;
+      std::fprintf(stderr,
+                   "obliq: no Entity State of %s for %.0f s: the radar stays where it is until one comes\n",
+                   source_.entity.c_str(), kDisTimeout_s);
+      return;
+    }
+    const auto since_start = std::chrono::duration_cast<std::chrono::nanoseconds>(now - start_);
+    send(dead_reckoned(*newest_, after_s), since_start.count(), sent_ + 1);
+    next_ = rate_hz_ > 0 ? now + from_seconds(1 / rate_hz_) : Clock::time_point::max();
+  }
+
+  void send(const OwnshipPose& ownship, std::int64_t sim_time_ns, std::uint64_t pose_id) {
+    wire::Pose pose;
+    pose.set_latitude_deg(ownship.latitude_deg);
+    pose.set_longitude_deg(ownship.longitude_deg);
+    pose.set_height_m(ownship.height_m);
+    pose.set_bearing_deg(std::remainder(ownship.heading_deg + source_.look_deg, 360.0));
+    pose.set_sim_time_ns(sim_time_ns);
+    pose.set_pose_id(pose_id);
+    if (reference_) pose.set_height_reference(*reference_);
+    if (entity_) pose.set_geoid_undulation_m(source_.undulation_m);
+    wire::Ack ack;
+    const client::Status status = client_.set_pose(radar_, pose, ack);
+    if (status.outcome == client::Outcome::refused && status.number == 100) return tell(status.sentence());
+    require(status);
+    ++sent_;
+  }
+
+  void tell(const std::string& why) {
+    ++refused_;
+    if (why != told_) std::fprintf(stderr, "obliq: a datagram is no pose: %s\n", why.c_str());
+    told_ = why;
+  }
+
+  client::Client& client_;
+  const std::string radar_;
+  const DatagramSource& source_;
+  const double rate_hz_;
+  std::optional<EntityId> entity_;
+  std::optional<wire::HeightReference> reference_;
+  UniqueFd socket_;
+  std::optional<EntityState> newest_;
+  Clock::time_point arrived_, next_;
+  const Clock::time_point start_ = Clock::now();
+  bool silent_ = false;
+  std::uint64_t sent_ = 0;
+  std::uint64_t refused_ = 0;
+  std::string told_;
+};
+
+}  // namespace
+
+void add_datagram_options(CLI::App& command, DatagramSource& source) {
+  command
+      .add_option("--udp", source.udp_port,
+                  "In place of TRACK: poses as datagrams to this UDP port (0: any free one); with --dis the "
+                  "port of its PDUs")
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
+  command
+      .add_option("--dis", source.entity,
+                  "In place of TRACK: the ownship is this entity of a DIS exercise, by its Entity State PDUs "
+                  "to port 3000 or --udp")
+      ->type_name("SITE:APP:ENTITY");
+  command
+      .add_option("--listen", source.address, "IPv4 address to listen on; 0.0.0.0: all, for other machines")
+      ->type_name("ADDRESS")
+      ->default_val("127.0.0.1");
+  command.add_option("--exercise", source.exercise, "Only PDUs of this exercise; without: of any")
+      ->type_name("ID")
+      ->check(CLI::Range(0, 255));
+  command.add_option("--look", source.look_deg, "Centre of the sector, clockwise from the heading")
+      ->type_name("DEG")
+      ->default_val(0.0)
+      ->check(number_from(-360, 360));
+  command
+      .add_option(
+          "--undulation", source.undulation_m,
+          "With --dis, whose heights are above the ellipsoid: height of the terrain's datum above it there")
+      ->type_name("M")
+      ->default_val(0.0)
+      ->check(number_from(-120, 120));
+}
+
+void fly_by_datagrams(client::Client& client, const std::string& radar, const DatagramSource& source,
+                      double rate_hz, const std::string& height_reference) {
+  require(client.claim_control(radar));
+  Ride ride(client, radar, source, rate_hz, height_reference);
+  ride.run();
+  ride.print_summary();
+  require(client.release_control(radar));
+}
+
+}  // namespace obliq

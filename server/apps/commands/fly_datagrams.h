@@ -1,0 +1,32 @@
+#pragma once
+// `obliq fly --udp` and `--dis`: a radar rides on a simulator's own aircraft or ship. ownship/README.md has
+// the datagrams.
+#include <optional>
+#include <string>
+
+#include "client/client.h"
+#include "server/apps/ownship/ownship.h"
+
+namespace CLI {
+class App;
+}
+
+namespace obliq {
+
+struct DatagramSource {
+  int udp_port = -1;        ///< of poses, or with `entity` of PDUs; -1: none
+  std::string entity;       ///< SITE:APP:ENTITY; empty: poses
+  std::string address;      ///< to bind to
+  int exercise = -1;        ///< of DIS; -1: any
+  double look_deg = 0;      ///< of the sector's centre, from the nose
+  double undulation_m = 0;  ///< of the geoid, for heights of DIS
+  bool wanted() const { return udp_port >= 0 || !entity.empty(); }
+};
+
+void add_datagram_options(CLI::App& command, DatagramSource& source);
+
+/// Until interrupted. rate_hz: of poses between an entity's PDUs. Throws InputError.
+void fly_by_datagrams(client::Client& client, const std::string& radar, const DatagramSource& source,
+                      double rate_hz, const std::string& height_reference);
+
+}  // namespace obliq

@@ -1,0 +1,173 @@
+#include "server/apps/ownship/ownship.h"
+
+#include <fmt/core.h>
+
+#include <GeographicLib/Geocentric.hpp>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+namespace obliq {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+// Limits of a pose: server/control/PARAMETERS.md, antenna.*.
+constexpr double kLeastHeight_m = -1000;
+constexpr double kMostHeight_m = 100000;
+constexpr std::int64_t kMostTime_ns = 4'000'000'000'000'000'000;
+// Further from the earth's centre than that is no aircraft; the square of such a number still has a meaning.
+constexpr double kMostRadius_m = 7e6;
+constexpr double kMostSpeed_m_s = 20000;
+
+template <typename Number, std::endian order>
+Number number_at(std::span<const std::byte> bytes, std::size_t offset) {
+  std::array<std::byte, sizeof(Number)> raw;
+  std::memcpy(raw.data(), bytes.data() + offset, sizeof raw);
+  if constexpr (order != std::endian::native)
+    for (std::size_t i = 0; i < raw.size() / 2; ++i) std::swap(raw[i], raw[raw.size() - 1 - i]);
+  return std::bit_cast<Number>(raw);
+}
+
+template <typename Number>
+Number little(std::span<const std::byte> bytes, std::size_t offset) {
+  return number_at<Number, std::endian::little>(bytes, offset);
+}
+template <typename Number>
+Number big(std::span<const std::byte> bytes, std::size_t offset) {
+  return number_at<Number, std::endian::big>(bytes, offset);
+}
+
+/// Why not; empty: within the limits of a pose.
+std::string fault_of(const OwnshipPose& pose) {
+  const auto outside = [](const char* name, double value, double least, double most) {
+    return value >= least && value <= most  // not so for NaN
+               ? std::string()
+               : fmt::format("{}: found {}; allowed: {} to {}", name, value, least, most);
+  };
+  for (const std::string& fault :
+       {outside("latitude", pose.latitude_deg, -90, 90), outside("longitude", pose.longitude_deg, -180, 180),
+        outside("height", pose.height_m, kLeastHeight_m, kMostHeight_m),
+        outside("heading", pose.heading_deg, -360, 360)})
+    if (!fault.empty()) return fault;
+  if (pose.sim_time_ns < -kMostTime_ns || pose.sim_time_ns > kMostTime_ns)
+    return fmt::format("sim_time_ns: found {}; allowed: {} to {}", pose.sim_time_ns, -kMostTime_ns,
+                       kMostTime_ns);
+  return {};
+}
+
+std::array<double, 3> three_floats(std::span<const std::byte> bytes, std::size_t offset) {
+  return {big<float>(bytes, offset), big<float>(bytes, offset + 4), big<float>(bytes, offset + 8)};
+}
+
+double size_of(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+struct Place {
+  double latitude_deg, longitude_deg, height_m;
+};
+
+Place place_of(const std::array<double, 3>& location_m) {
+  Place place{};
+  GeographicLib::Geocentric::WGS84().Reverse(location_m[0], location_m[1], location_m[2], place.latitude_deg,
+                                             place.longitude_deg, place.height_m);
+  return place;
+}
+
+/// Of the body's x axis. Psi, theta: IEEE 1278.1-2012, 6.2.32: rotations from the earth's axes about z, then
+/// about y.
+double heading_of(const Place& at, double psi, double theta) {
+  const std::array<double, 3> nose{std::cos(theta) * std::cos(psi), std::cos(theta) * std::sin(psi),
+                                   -std::sin(theta)};
+  const double phi = at.latitude_deg * kDegree;
+  const double lambda = at.longitude_deg * kDegree;
+  const double east = -std::sin(lambda) * nose[0] + std::cos(lambda) * nose[1];
+  const double north = -std::sin(phi) * std::cos(lambda) * nose[0] -
+                       std::sin(phi) * std::sin(lambda) * nose[1] + std::cos(phi) * nose[2];
+  return std::atan2(east, north) / kDegree;
+}
+
+}  // namespace
+
+std::variant<OwnshipPose, NoPose> read_pose_datagram(std::span<const std::byte> bytes) {
+  if (bytes.size() != kPoseDatagramBytes)
+    return NoPose{fmt::format("found {} bytes; allowed: {}", bytes.size(), kPoseDatagramBytes)};
+  if (std::memcmp(bytes.data(), "OBLP", 4) != 0) return NoPose{"found no \"OBLP\" at its start"};
+  if (const auto version = little<std::uint16_t>(bytes, 4); version != 1)
+    return NoPose{fmt::format("version: found {}; allowed: 1", version)};
+  OwnshipPose pose;
+  pose.sim_time_ns = little<std::int64_t>(bytes, 8);
+  pose.latitude_deg = little<double>(bytes, 16);
+  pose.longitude_deg = little<double>(bytes, 24);
+  pose.height_m = little<double>(bytes, 32);
+  pose.heading_deg = little<double>(bytes, 40);
+  pose.pose_id = little<std::uint64_t>(bytes, 48);
+  if (std::string fault = fault_of(pose); !fault.empty()) return NoPose{std::move(fault)};
+  return pose;
+}
+
+std::optional<EntityId> parse_entity_id(const std::string& text) {
+  std::array<std::uint16_t, 3> parts{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto [past, error] = std::from_chars(at, end, parts[i]);
+    const bool last = i + 1 == parts.size();
+    if (error != std::errc() || (last ? past != end : past == end || *past != ':')) return std::nullopt;
+    at = past + (last ? 0 : 1);
+  }
+  return EntityId{parts[0], parts[1], parts[2]};
+}
+
+std::variant<EntityState, NoPose> read_entity_state(std::span<const std::byte> bytes) {
+  constexpr std::uint8_t kEntityState =
+      1;  // PDU type, and the family of entity information: IEEE 1278.1-2012, table 26
+  if (bytes.size() < kEntityStateBytes)
+    return NoPose{fmt::format("found {} bytes; allowed: {} or more", bytes.size(), kEntityStateBytes)};
+  if (const auto type = big<std::uint8_t>(bytes, 2); type != kEntityState)
+    return NoPose{fmt::format("PDU type: found {}; allowed: 1, Entity State", type)};
+  if (const auto length = big<std::uint16_t>(bytes, 8); length < kEntityStateBytes || length > bytes.size())
+    return NoPose{
+        fmt::format("length: found {}; allowed: {} to {}", length, kEntityStateBytes, bytes.size())};
+  EntityState state;
+  state.exercise = big<std::uint8_t>(bytes, 1);
+  state.id = {big<std::uint16_t>(bytes, 12), big<std::uint16_t>(bytes, 14), big<std::uint16_t>(bytes, 16)};
+  state.velocity_m_s = three_floats(bytes, 36);
+  state.location_m = {big<double>(bytes, 48), big<double>(bytes, 56), big<double>(bytes, 64)};
+  const double psi = big<float>(bytes, 72);
+  const double theta = big<float>(bytes, 76);
+  state.dead_reckoning = big<std::uint8_t>(bytes, 88);
+  state.acceleration_m_s2 = three_floats(bytes, 104);
+  if (!(size_of(state.location_m) <= kMostRadius_m) || !(size_of(state.location_m) > 0))
+    return NoPose{"location: found a point that is no place near the earth"};
+  if (!(size_of(state.velocity_m_s) <= kMostSpeed_m_s) ||
+      !(size_of(state.acceleration_m_s2) <= kMostSpeed_m_s) || !std::isfinite(psi) || !std::isfinite(theta))
+    return NoPose{"velocity, acceleration or orientation: found no number, or one that is too large"};
+  const Place at = place_of(state.location_m);
+  if (!(at.height_m >= kLeastHeight_m && at.height_m <= kMostHeight_m))
+    return NoPose{fmt::format("height above the ellipsoid: found {:.0f} m; allowed: {} to {}", at.height_m,
+                              kLeastHeight_m, kMostHeight_m)};
+  state.heading_deg = heading_of(at, psi, theta);
+  return state;
+}
+
+OwnshipPose dead_reckoned(const EntityState& state, double after_s) {
+  // IEEE 1278.1-2012, annex E.8, table E.1. FPW, RPW: velocity; RVW, FVW: acceleration, too; all in world
+  // axes.
+  const int algorithm = state.dead_reckoning;
+  const double velocity = algorithm >= 2 && algorithm <= 5 ? after_s : 0;
+  const double acceleration = algorithm == 4 || algorithm == 5 ? 0.5 * after_s * after_s : 0;
+  std::array<double, 3> location_m{};
+  for (std::size_t i = 0; i < 3; ++i)
+    location_m[i] =
+        state.location_m[i] + state.velocity_m_s[i] * velocity + state.acceleration_m_s2[i] * acceleration;
+  const Place at = place_of(location_m);
+  OwnshipPose pose;
+  pose.latitude_deg = at.latitude_deg;
+  pose.longitude_deg = at.longitude_deg;
+  pose.height_m = at.height_m;
+  pose.heading_deg = state.heading_deg;
+  return pose;
+}
+
+}  // namespace obliq

@@ -1,0 +1,64 @@
+#pragma once
+// Where a simulator's own aircraft or ship is, as datagrams say it: obliq's own of fixed size, and the Entity
+// State PDU of DIS. Pure functions of bytes; docs: server/apps/ownship/README.md.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+
+namespace obliq {
+
+/// Degrees, metres above whatever the receiver is told (--height-reference); of a PDU above the ellipsoid.
+struct OwnshipPose {
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  double height_m = 0;
+  double heading_deg = 0;  ///< of the nose, true, -180 to 180
+  std::int64_t sim_time_ns = 0;
+  std::uint64_t pose_id = 0;
+};
+
+/// Why a datagram is no pose, for a log: "found ...; allowed: ...".
+struct NoPose {
+  std::string why;
+};
+
+constexpr std::size_t kPoseDatagramBytes = 56;
+/// obliq's own: little-endian, README.md has the table. Numbers outside a pose's limits are no pose.
+std::variant<OwnshipPose, NoPose> read_pose_datagram(std::span<const std::byte> bytes);
+
+/// Which entity of a DIS exercise.
+struct EntityId {
+  std::uint16_t site = 0;
+  std::uint16_t application = 0;
+  std::uint16_t entity = 0;
+  bool operator==(const EntityId&) const = default;
+};
+
+/// SITE:APP:ENTITY, each 0 to 65535.
+std::optional<EntityId> parse_entity_id(const std::string& text);
+
+constexpr std::size_t kEntityStateBytes = 144;
+/// A state of IEEE 1278.1-2012, 7.2.2: earth-centred metres, metres a second, metres a second squared.
+struct EntityState {
+  EntityId id;
+  std::uint8_t exercise = 0;
+  std::array<double, 3> location_m{};
+  std::array<double, 3> velocity_m_s{};
+  std::array<double, 3> acceleration_m_s2{};
+  double heading_deg = 0;
+  std::uint8_t dead_reckoning = 1;  ///< algorithm, 0 to 9
+};
+
+/// Entity State PDUs of 144 bytes and more (articulation follows); NoPose for others.
+std::variant<EntityState, NoPose> read_entity_state(std::span<const std::byte> bytes);
+
+/// Where the entity is so long after the PDU, by its dead reckoning: 2 and 3 go straight on, 4 and 5 with the
+/// acceleration, too; all others stand (6 to 9 have their velocity in body axes, which is not followed). The
+/// heading stays.
+OwnshipPose dead_reckoned(const EntityState& state, double after_s);
+
+}  // namespace obliq

@@ -1,0 +1,31 @@
+// A simulator's datagrams: poses of obliq's own and Entity State PDUs of DIS. Any bytes are a pose within its
+// limits, or none.
+#include <cmath>
+
+#include "server/apps/ownship/ownship.h"
+#include "tests/fuzz/input.h"
+
+namespace obliq {
+namespace {
+
+void check(const OwnshipPose& pose) {
+  const bool fits = std::abs(pose.latitude_deg) <= 90 && std::abs(pose.longitude_deg) <= 180 &&
+                    std::isfinite(pose.height_m) && std::abs(pose.heading_deg) <= 360;
+  if (!fits) fuzz::broken("a pose outside its limits");
+}
+
+void run(std::span<const std::byte> bytes) {
+  const auto pose = read_pose_datagram(bytes);
+  if (const auto* found = std::get_if<OwnshipPose>(&pose)) check(*found);
+  const auto state = read_entity_state(bytes);
+  if (const auto* found = std::get_if<EntityState>(&state))
+    for (const double after_s : {0.0, 0.1, 12.0}) check(dead_reckoned(*found, after_s));
+}
+
+}  // namespace
+}  // namespace obliq
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  obliq::run(std::as_bytes(std::span(data, size)));
+  return 0;
+}

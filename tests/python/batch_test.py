@@ -1,0 +1,226 @@
+"""Data sets: the same frames, each once, however they were made and whoever was killed."""
+import concurrent.futures
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import support
+from support import OBLIQD, Folder, obliq
+import numpy as np
+from obliq import _batch, _shards
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src")}
+POSES = [{"id": f"p{k:03d}", "latitude_deg": 33.0, "longitude_deg": -99.5, "height_m": 1200.0 + 10 * k, "bearing_deg": 7.0 * k}
+         for k in range(30)]
+
+
+def lines(folder, poses, name="poses.jsonl"):
+    path = folder / name
+    path.write_text("".join(json.dumps(pose) + "\n" for pose in poses))
+    return path
+
+
+class Batch(Folder):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = support.shared_daemon()
+
+    def run_batch(self, out, poses=POSES, **options):
+        return obliq.batch(poses, self.folder / out, server=self.server, shard_size=4, progress=False, **options)
+
+    def command(self, out, *words, poses=POSES, **options):
+        return subprocess.Popen([sys.executable, "-m", "obliq.batch", str(lines(self.folder, poses)), "--out",
+                                 str(self.folder / out), "--shard-size", "4", *words], stderr=subprocess.PIPE, text=True,
+                                env=ENVIRONMENT, **options)
+
+    def whole(self):
+        """id -> sha256, as one run makes them."""
+        if not hasattr(Batch, "_whole"):
+            self.run_batch("whole")
+            Batch._whole = obliq.Dataset(self.folder / "whole").verify()
+        return Batch._whole
+
+    def assert_whole(self, out, wanted=None):
+        data = obliq.Dataset(self.folder / out)
+        self.assertEqual(data.missing, [])
+        self.assertEqual(data.verify(), wanted or self.whole())
+        self.assertEqual([path.name for path in (self.folder / out).glob(".*")], [])
+        return data
+
+    def test_one_run_makes_the_frames_that_render_makes(self):
+        done = self.run_batch("one")
+        self.assertEqual((done.frames, done.failed, done.parts, done.complete), (30, 0, 8, True))
+        data = self.assert_whole("one")
+        self.assertEqual(data.ids, [pose["id"] for pose in POSES])
+        with obliq.connect(self.server) as server:
+            settings = server.radar("main").settings
+            for at in (0, 5, 29):
+                pose = {key: value for key, value in POSES[at].items() if key != "id"}
+                frame = server.render(settings, pose, planes="iq state")
+                self.assertEqual(data[at].sha256(), frame.sha256())
+                self.assertEqual(data.by_id(POSES[at]["id"]).pose.bearing_deg, POSES[at]["bearing_deg"])
+                np.testing.assert_array_equal(data[at].places()[0], frame.places()[0])
+        array = np.load(self.folder / "one" / "part-00001" / "iq.npy", mmap_mode="r")
+        self.assertEqual((array.shape, array.dtype), ((4, 64, 96), np.dtype("<c8")))
+        self.assertEqual(sum(1 for _ in data), 30)
+
+    def test_shares_make_the_same_set_and_a_second_run_does_nothing(self):
+        for share in ("2/3", "1/3", "3/3"):
+            process = self.command("shares", "--server", self.server, "--shard", share)
+            self.assertIn("parts are there", process.communicate()[1])
+            self.assertEqual(process.returncode, 0)
+        self.assert_whole("shares")
+        before = {path: path.stat().st_mtime_ns for path in (self.folder / "shares").rglob("*.npy")}
+        self.assertEqual(self.run_batch("shares").frames, 0)
+        self.assertEqual({path: path.stat().st_mtime_ns for path in (self.folder / "shares").rglob("*.npy")}, before)
+        # The indices of an Indexed Job begin at 0.
+        for share in ("0/2", "1/2"):
+            self.run_batch("pods", shard=share)
+        self.assert_whole("pods")
+
+    def test_kills_lose_no_finished_shard_and_make_no_id_twice(self):
+        out = self.folder / "killed"
+        poses = POSES * 1
+        seen = {}
+        for kill in range(5):
+            process = self.command("killed", "--server", self.server)
+            end = time.monotonic() + 30
+            while len(list(out.glob("part-*"))) <= kill and process.poll() is None and time.monotonic() < end:
+                time.sleep(0.002)
+            process.send_signal(signal.SIGKILL)
+            process.communicate()
+            for part in out.glob("part-*"):
+                made = (part / "frames.jsonl").stat()
+                self.assertEqual(seen.setdefault(part.name, made.st_ino), made.st_ino, "rendered again")
+            obliq.Dataset(out).verify()
+        self.run_batch("killed", poses)
+        data = self.assert_whole("killed")
+        self.assertEqual(len(set(data.ids)), len(POSES))
+        for name, inode in seen.items():
+            self.assertEqual((out / name / "frames.jsonl").stat().st_ino, inode)
+
+    def test_a_killed_worker_of_a_pool_costs_its_shard_alone(self):
+        out = self.folder / "pool"
+        spawn = multiprocessing.get_context("spawn")
+        os.environ["PYTHONPATH"] = ENVIRONMENT["PYTHONPATH"]
+        self.addCleanup(os.environ.pop, "PYTHONPATH")
+        with concurrent.futures.ProcessPoolExecutor(2, mp_context=spawn) as executor:
+            job = obliq.prepare(POSES, out, server=self.server, shard_size=4)
+            futures = [executor.submit(job.run, number) for number in obliq.todo(job)]
+            concurrent.futures.wait(futures, return_when=concurrent.futures.FIRST_COMPLETED)
+            os.kill(next(iter(executor._processes)), signal.SIGKILL)
+            concurrent.futures.wait(futures)
+        finished = {path.name: path.stat().st_ino for path in out.glob("part-*")}
+        self.assertTrue(finished)
+        with concurrent.futures.ProcessPoolExecutor(2, mp_context=spawn) as executor:
+            self.run_batch("pool", executor=executor)
+        self.assert_whole("pool")
+        for name, inode in finished.items():
+            self.assertEqual((out / name).stat().st_ino, inode)
+
+    def test_two_workers_on_the_same_shards_do_no_harm(self):
+        with concurrent.futures.ThreadPoolExecutor(4) as executor:
+            job = obliq.prepare(POSES, self.folder / "twice", server=self.server, shard_size=4)
+            list(executor.map(job.run, [number for number in job.shards() for _ in range(2)]))
+        self.assert_whole("twice")
+
+    def test_daemons_of_its_own_make_the_same_set(self):
+        config = support.scene(self.folder)
+        process = self.command("own", "--local", str(config), "--obliqd", OBLIQD)
+        said = process.communicate()[1]
+        self.assertEqual(process.returncode, 0, said)
+        self.assert_whole("own")
+
+    def test_refused_poses_are_listed_and_the_rest_goes_on(self):
+        poses = list(POSES[:10])
+        poses[3] = dict(poses[3], height_m=1e6)
+        poses[7] = dict(poses[7], r_max_m=1.0)
+        process = self.command("refused", "--server", self.server, poses=poses)
+        process.communicate()
+        self.assertEqual(process.returncode, 2)
+        failed = [json.loads(line) for line in (self.folder / "refused" / "failed.jsonl").read_text().splitlines()]
+        self.assertEqual([line["id"] for line in failed], ["p003", "p007"])
+        self.assertEqual(failed[0]["faults"][0]["argument"], "height_m")
+        wanted = {key: value for key, value in self.whole().items() if key in {p["id"] for p in POSES[:10]} - {"p003", "p007"}}
+        self.assert_whole("refused", wanted)
+
+    def test_another_run_in_the_same_folder_is_refused_by_what_differs(self):
+        self.run_batch("mine", POSES[:4])
+        for options, name in ((dict(poses=POSES[:5]), "poses"), (dict(planes="iq"), "planes"),
+                              (dict(settings={"r_max_m": 9000.0}), "settings")):
+            options = {"poses": POSES[:4], **options}
+            with self.assertRaisesRegex(ValueError, f"{name}: found"):
+                self.run_batch("mine", **options)
+        with self.assertRaisesRegex(ValueError, "shard_size: found 4"):
+            obliq.batch(POSES[:4], self.folder / "mine", server=self.server, shard_size=3)
+        with support.daemon(support.SCENE.replace("cell_m = 60.0", "cell_m = 50.0")) as other:
+            with self.assertRaisesRegex(ValueError, "cell_m: found 50.0; allowed: 60.0"):
+                obliq.batch(POSES[:4], self.folder / "mine", server=other, shard_size=4)
+        (self.folder / "alien" / "part-00000").mkdir(parents=True)
+        with self.assertRaisesRegex(ValueError, "not a data set"):
+            self.run_batch("alien")
+
+    def test_values_that_changed_on_the_disk_are_found(self):
+        self.run_batch("changed", POSES[:4])
+        path = self.folder / "changed" / "part-00000" / "iq.npy"
+        data = bytearray(path.read_bytes())
+        data[-5] ^= 1
+        path.write_bytes(data)
+        with self.assertRaisesRegex(obliq.BadStream, "frame 3, id 'p003'"):
+            obliq.Dataset(self.folder / "changed").verify()
+
+    def test_a_disk_that_is_full_leaves_no_part(self):
+        job = obliq.prepare(POSES, self.folder / "full", server=self.server, shard_size=4)
+        code = ("import pickle, resource, signal, sys\n"
+                "job = pickle.load(sys.stdin.buffer)\n"
+                "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+                "resource.setrlimit(resource.RLIMIT_FSIZE, (60000, 60000))\n"
+                "try: job.run(0)\n"
+                "except OSError as error: print('refused', error)\n")
+        import pickle
+
+        done = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(job), capture_output=True, env=ENVIRONMENT)
+        self.assertIn(b"refused", done.stdout, done.stderr)
+        self.assertEqual([path.name for path in (self.folder / "full").iterdir()], [_shards.MANIFEST])
+
+
+class BadPoses(Folder):
+    def test_each_is_refused_by_its_line(self):
+        good = json.dumps(POSES[0])
+        for text, words in (("", "found no pose"), ("{\n", "line 1: not JSON"), (good + "\n[1]\n", "line 2: found list"),
+                            (good + "\n" + good, "line 2: id 'p000' stands in line 1 already"),
+                            (good.replace("bearing_deg", "bearing"), "line 1: .*did you mean bearing_deg"),
+                            ('{"id": 1, "latitude_deg": 3}', "line 1: lacks longitude_deg, height_m"),
+                            (good.replace("33.0", '"x"'), "line 1: .*latitude_deg='x'; allowed: a number"),
+                            (good.replace("33.0", "1e400"), "line 1: .*finite"),
+                            (good.replace('"p000"', "[1]"), "line 1: id: found"),
+                            (good + "\n" + good.replace("p000", "b").replace("}", ', "azimuth_bins": 8}'), "line 2: azimuth_bins")):
+            (self.folder / "poses.jsonl").write_text(text)
+            with self.assertRaisesRegex(ValueError, words, msg=text):
+                _batch.read_poses(self.folder / "poses.jsonl")
+
+    def test_the_command_says_it_in_one_line(self):
+        for words, said in ((["--server", "127.0.0.1:1"], "Is obliqd running"), (["--local", "none.toml"], "no such scene file"),
+                            (["--server", "x", "--set", "r_maxm=1"], "KEY=VALUE"), (["--server", "a", "--shard", "4/3"], "I/N")):
+            done = subprocess.run([sys.executable, "-m", "obliq.batch", str(lines(self.folder, POSES)), "--out",
+                                   str(self.folder / "out"), *words], capture_output=True, text=True, env={**ENVIRONMENT,
+                                                                                                      "OBLIQD": OBLIQD})
+            self.assertIn(done.returncode, (1, 2))
+            self.assertIn(said, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+    def test_a_folder_that_is_none_of_ours(self):
+        with self.assertRaisesRegex(FileNotFoundError, "no data set"):
+            obliq.Dataset(self.folder)
+        (self.folder / "manifest.json").write_text('{"format": 99}')
+        with self.assertRaisesRegex(ValueError, "format: found 99"):
+            obliq.Dataset(self.folder)
+
+
+if __name__ == "__main__":
+    unittest.main()
