@@ -113,7 +113,7 @@ std::vector<ReportLine> world_report_lines(const World& world) {
     count(report.buildings_outside, "skipped outside the loaded area");
     count(report.buildings_around, "skipped as larger than the loaded area");
     count(report.buildings_too_complex, "skipped as too complex");
-    count(report.buildings_too_wide, "skipped as wider than 5 km");
+    count(report.buildings_too_wide, "skipped as wider than 8 km");
     count(report.buildings_no_ground, "skipped over unknown ground");
     count(report.buildings_unusable, "skipped as no usable polygon");
     count(report.buildings_slivers, "narrower than 10 cm");

@@ -13,8 +13,8 @@ namespace obliq {
 std::uint64_t outline_identity(const GeoPolygon& polygon);
 
 /// Wider outlines are districts or mistakes: the Klystron Gallery at SLAC, 3.07 km, is among the longest
-/// buildings that there are.
-constexpr double kWidest_m = 5000;
+/// buildings that there are. Dams and walls are longer still.
+constexpr double kWidest_m = 8000;
 
 /// Reads all [[buildings]], stands them on world.grid and counts in world.report. Outlines are kept only when
 /// all their corners lie inside the grid and the area's polygon, and they are no wider than kWidest_m. Throws

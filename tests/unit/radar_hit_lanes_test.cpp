@@ -67,7 +67,7 @@ TEST_F(HitLanes, GiveTheBitsOfOneRayAtATimeOrNoAnswer) {
       if (std::isnan(hits->slant_range_m[k])) continue;
       ++answered;
       const auto plain = refine_near(world_, antenna_m_, {dir_x_[k], dir_y_[k], dir_z_[k]},
-                                     {static_cast<float>(rough_m_[k]), 0, RoughHit::Kind::ground});
+                                     {static_cast<float>(rough_m_[k]), kNoFace, 0, RoughHit::Kind::ground});
       ASSERT_TRUE(plain) << k;
       EXPECT_EQ(hits->slant_range_m[k], plain->slant_range_m) << k;
       EXPECT_EQ(hits->cos_incidence[k], plain->cos_incidence) << k;

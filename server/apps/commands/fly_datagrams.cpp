@@ -14,12 +14,12 @@
 #include <cstring>
 
 #include "proto/obliq.pb.h"
-#include "server/apps/commands/interrupts.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
+#include "server/apps/commands/stream_arguments.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/files.h"
 #include "terrain/base/seconds.h"
-#include "terrain/base/unique_fd.h"
 
 namespace obliq {
 namespace {

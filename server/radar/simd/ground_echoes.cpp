@@ -96,10 +96,11 @@ OBLIQ_INLINE f32x16 cross_section_of_area(const EchoTable& table, f32x16 materia
 /// those that are not done are in `wanted`, from parts.at on.
 OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Running& now, GroundEchoes& out) {
   const auto r_min = static_cast<float>(cut.axis.r_min_m);
-  const auto r_max = static_cast<float>(cut.axis.r_max_m);
   const auto spacing = static_cast<float>(cut.axis.range_spacing_m);
   const float bins_per_m = 1 / spacing;
   const auto n_range = static_cast<float>(cut.axis.n_range);
+  // An edge like the others: what is nearer must not depend on where the swath ends.
+  const float r_max = r_min + n_range * spacing;
   const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
   const f32x16 first_d = parts.from + parts.at;
   const f32x16 first_h = parts.height + parts.rise * parts.at;
@@ -139,7 +140,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
     f32x16 bin = first_bin;
     if (k > 1 || any16(wanted & ~at_end)) {
       const f32x16 edge_index = outwards ? first_bin + k : last_bin - k + 1.0F;
-      const f32x16 edge = edge_index == n_range ? all_lanes(r_max) : r_min + edge_index * spacing;
+      const f32x16 edge = r_min + edge_index * spacing;
       const f32x16 grown = (edge - first_r) * (edge + first_r);
       const f32x16 root = sqrt(max(along2 + rate2 * grown, f32x16{}));
       const f32x16 at_edge = clamp(grown / (along + sign * root), t0, length);

@@ -129,15 +129,11 @@ OBLIQ_INLINE void hide_ground(const SubColumns& columns, mask16 which, i32x16 pl
                               f32x16 from, f32x16 to) {
   const NodeProfiles& nodes = columns.nodes;
   const float until = greatest_of(which ? to : all_lanes(kLowest));
-  int first_plane = nodes.planes;
-  int last_plane = -1;
-  int node = nodes.n_nodes;
-  for (int lane = 0; lane < kFloatLanes; ++lane) {
-    if (which[lane] == 0) continue;
-    first_plane = min(first_plane, plane[lane]);
-    last_plane = max(last_plane, plane[lane]);
-    node = min(node, k[lane]);
-  }
+  // Planes rise with the lanes.
+  const unsigned lanes = movemask16(which);
+  const int first_plane = plane[__builtin_ctz(lanes)];
+  const int last_plane = plane[31 - __builtin_clz(lanes)];
+  const auto node = static_cast<int>(least_of(which ? floats_of(k) : all_lanes(1e9F)));
   for (int p = first_plane; p <= last_plane; ++p) {
     const float* const horizon = nodes.horizon + static_cast<std::ptrdiff_t>(p) * nodes.stride;
     float* const hidden = nodes.hidden + static_cast<std::ptrdiff_t>(p) * nodes.stride;

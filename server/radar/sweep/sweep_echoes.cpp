@@ -18,8 +18,10 @@ namespace {
 constexpr double kWidest_rad = std::numbers::pi / 360;
 /// Floats keep a range of 37 km to 4 mm.
 constexpr double kFinest_m = 1;
-/// Nearer buildings fill too much of a bin's elevation to be spread over range evenly.
+/// Nearer buildings, and those nearer than so many times their height, fill too much of a bin's elevation to
+/// be spread over range evenly. In 3,000 random towns strands up to there leave a median E of 0.003.
 constexpr double kNearest_m = 100;
+constexpr double kNearestHeights = 8;
 
 bool has_flat_plates(const Scene& scene) {
   return std::ranges::any_of(scene.materials(), [](const Material& material) {
@@ -27,21 +29,27 @@ bool has_flat_plates(const Scene& scene) {
   });
 }
 
-/// Of which some part is no farther than kNearest_m, and some that are.
+double height_of(const Building& building) {
+  return static_cast<double>(building.roof_y_m) - static_cast<double>(building.base_y_m);
+}
+double nearest_for(double height_m) { return std::max(kNearest_m, kNearestHeights * height_m); }
+
+/// Those that are too near, as far as their circles tell.
 std::vector<std::uint32_t> near_buildings(const FramePlan& plan) {
-  const BuildingIndex& index = plan.scene().building_index();
-  std::vector<std::uint32_t> found;
-  if (index.empty()) return found;
+  const BuildingCircles& circles = plan.scene().circles();
+  const Buildings& all = plan.scene().world().buildings;
   const glm::dvec3& antenna = plan.sector().antenna_m;
-  const double step_m = BuildingIndex::kCells * plan.scene().world().grid.cell_m;
-  const int steps = static_cast<int>(kNearest_m / step_m) + 1;
-  for (int i = -steps; i <= steps; ++i)
-    for (int j = -steps; j <= steps; ++j) {
-      const auto near = index.near(antenna.x + i * step_m, antenna.z + j * step_m);
-      found.insert(found.end(), near.begin(), near.end());
-    }
-  std::ranges::sort(found);
-  found.erase(std::ranges::unique(found).begin(), found.end());
+  const double lowest_m = plan.scene().tiles().lowest_m();
+  std::vector<std::uint32_t> found;
+  for (std::size_t b = 0; b < circles.size(); ++b) {
+    const double dx = static_cast<double>(circles.x_m[b]) - antenna.x;
+    const double dz = static_cast<double>(circles.z_m[b]) - antenna.z;
+    const double reach =
+        nearest_for(static_cast<double>(circles.roof_y_m[b]) - lowest_m) + static_cast<double>(circles.radius_m[b]) + 1;
+    if (dx * dx + dz * dz > reach * reach) continue;
+    const double own = nearest_for(height_of(all.list[b])) + static_cast<double>(circles.radius_m[b]) + 1;
+    if (dx * dx + dz * dz <= own * own) found.push_back(static_cast<std::uint32_t>(b));
+  }
   return found;
 }
 
@@ -58,8 +66,9 @@ SubColumnBins::SubColumnBins(const FramePlan& plan)
   suffices_.assign(suffices_.size(), true);
   const double lowest_slope = lowest_slope_in_swath(plan);
   for (const std::uint32_t b : near_buildings(plan)) {
-    const Silhouette seen = silhouette_of(plan.scene().world().buildings, plan.sector(), b);
-    if (seen.near_m > kNearest_m || seen.top_slope < lowest_slope) continue;
+    const Buildings& all = plan.scene().world().buildings;
+    const Silhouette seen = silhouette_of(all, plan.sector(), b);
+    if (seen.near_m > nearest_for(height_of(all.list[b])) || seen.top_slope < lowest_slope) continue;
     for (int bin = 0; bin < bins.n_azimuth; ++bin)
       for (int turn = -1; turn <= 1; ++turn)
         if (bins.azimuth_edge_rad(bin + 1.0) + turn * 2 * std::numbers::pi > seen.from_rad &&
