@@ -152,7 +152,7 @@ class Batch(Folder):
     def test_another_run_in_the_same_folder_is_refused_by_what_differs(self):
         self.run_batch("mine", POSES[:4])
         for options, name in ((dict(poses=POSES[:5]), "poses"), (dict(planes="iq"), "planes"),
-                              (dict(settings={"r_max_m": 9000.0}), "settings")):
+                              (dict(settings={"r_max_m": 9000.0}), "settings.r_max_m")):
             options = {"poses": POSES[:4], **options}
             with self.assertRaisesRegex(ValueError, f"{name}: found"):
                 self.run_batch("mine", **options)

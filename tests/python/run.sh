@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# run.sh NAME_test [MORE...]: tests of the Python package with the first interpreter that can import what it needs.
+# run.sh NAME_test: tests of the Python package with the first interpreter that can import what it needs.
+# run.sh --program FILE [ARGUMENT...]: a program of it.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 for python in ${OBLIQ_PYTHON:-} "$here/../../build/clients/venv/bin/python" /usr/bin/python3 python3; do
   if command -v "$python" >/dev/null && PYTHONPATH=$here/../../client/python/src "$python" -c 'import obliq' 2>/dev/null; then
+    if [ "$1" = --program ]; then exec "$python" "${@:2}"; fi
     exec "$python" -W default::ResourceWarning "$here/run.py" "$@"
   fi
 done

@@ -44,8 +44,8 @@ std::vector<std::uint32_t> near_buildings(const FramePlan& plan) {
   for (std::size_t b = 0; b < circles.size(); ++b) {
     const double dx = static_cast<double>(circles.x_m[b]) - antenna.x;
     const double dz = static_cast<double>(circles.z_m[b]) - antenna.z;
-    const double reach =
-        nearest_for(static_cast<double>(circles.roof_y_m[b]) - lowest_m) + static_cast<double>(circles.radius_m[b]) + 1;
+    const double reach = nearest_for(static_cast<double>(circles.roof_y_m[b]) - lowest_m) +
+                         static_cast<double>(circles.radius_m[b]) + 1;
     if (dx * dx + dz * dz > reach * reach) continue;
     const double own = nearest_for(height_of(all.list[b])) + static_cast<double>(circles.radius_m[b]) + 1;
     if (dx * dx + dz * dz <= own * own) found.push_back(static_cast<std::uint32_t>(b));

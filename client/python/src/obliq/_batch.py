@@ -209,13 +209,10 @@ def check_manifest(job, world):
         if key == "world":
             same_world(theirs, value, str(path))
         elif theirs != value:
-            raise ValueError(f"{path}: {key}: found {_short(theirs)}; this run has {_short(value)}. Choose another folder for "
-                             "another data set")
-
-
-def _short(value):
-    text = json.dumps(value)
-    return text if len(text) < 200 else text[:200] + "..."
+            if isinstance(value, dict) and isinstance(theirs, dict):
+                part = next(name for name in {**value, **theirs} if value.get(name) != theirs.get(name))
+                key, theirs, value = f"{key}.{part}", theirs.get(part), value.get(part)
+            raise ValueError(f"{path}: {key}: found {theirs!r}; this run has {value!r}. Choose another folder for another data set")
 
 
 # ---- The whole run ----
