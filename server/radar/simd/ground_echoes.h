@@ -20,7 +20,7 @@ struct GroundCut {
 };
 
 /// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go
-/// side by side: two planes of eight azimuth bins, or two stretches of one. Each has one bin on the way, the
+/// side by side: two planes of eight azimuth bins. Each has one bin on the way, the
 /// others are in the list in the order in which they ended. Seven digits do: distances are kept from where a
 /// segment begins, ranges to 4 mm at 37 km.
 struct GroundEchoes {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/ground_walk.h"
@@ -178,8 +177,7 @@ void SweepEchoes::start_plane(int half) {
     profiles.width_to_m[lane] = kInfinity;
     profiles.next_width_rad[lane] = &kNoWidth;
     profiles.next_width_to_m[lane] = &kInfinity;
-    for (int run = half; run < 2; ++run)
-      cells_.set_bearing(lane + static_cast<std::size_t>(run) * SightProfiles::kLanes, bearing);
+    cells_.set_bearing(lane + static_cast<std::size_t>(half) * SightProfiles::kLanes, bearing);
   }
 }
 
@@ -192,30 +190,13 @@ void SweepEchoes::step_ground() {
         half_marching_[half] = kernels_.visible_ground(ground_, profiles_[half], segments_[half]);
     }
     marching_ = half_marching_[0] || half_marching_[1];
-    add_rows();
+    SegmentRows a{&segments_[0], 0, segments_[0].n};
+    SegmentRows b{&segments_[1], 0, segments_[1].n};
+    while (!kernels_.ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
   }
   if (marching_) return;
   for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_run(run);
   cells_.add(echoes_);
-}
-
-/// The rows of two planes side by side, or of one in two stretches, of which the second goes on in the next
-/// first one.
-void SweepEchoes::add_rows() {
-  const bool one = together_ == 1;
-  const int middle = one ? (segments_[0].n + 1) / 2 : segments_[0].n;
-  SegmentRows a{&segments_[0], 0, middle};
-  SegmentRows b{&segments_[one ? 0 : 1], one ? middle : 0, segments_[one ? 0 : 1].n};
-  while (!kernels_.ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
-  if (!one || middle == segments_[0].n) return;
-  for (std::size_t run = 0; run < SightProfiles::kLanes; ++run) {
-    const std::size_t other = run + SightProfiles::kLanes;
-    end_run(run);
-    echoes_.bin_now[run] = std::exchange(echoes_.bin_now[other], -1.0F);
-    echoes_.distance_now_m[run] = echoes_.distance_now_m[other];
-    echoes_.light_now[run] = echoes_.light_now[other];
-    echoes_.material_now[run] = echoes_.material_now[other];
-  }
 }
 
 /// What is on the way in a run ends here.

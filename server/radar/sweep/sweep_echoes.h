@@ -34,7 +34,6 @@ class SweepEchoes {
   void start_planes();
   void start_plane(int half);
   void step_ground();
-  void add_rows();
   void end_run(std::size_t run);
 
   const FramePlan& plan_;
@@ -50,7 +49,7 @@ class SweepEchoes {
   bool marching_ = false;
   GroundCut cut_;
   GroundView ground_;
-  // Two planes of each azimuth bin side by side, or two stretches of one.
+  // Two planes of each azimuth bin side by side, where it has two.
   int together_ = 1;
   bool half_marching_[2];
   SightProfiles profiles_[2];
