@@ -23,6 +23,7 @@ struct Message {
   std::span<const std::byte> plane() const { return std::span(payload).subspan(header.descriptor_length); }
 };
 
+/// One thread at a time.
 class Connection {
  public:
   static Status open(const Endpoint& endpoint, const TlsOptions& tls, Timeout timeout, Connection& out);

@@ -43,7 +43,7 @@ struct AssembledFrame {
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin
 /// of every plane arrives exactly once. Frames of other streams are ignored while one is being received.
 /// Planes are allocated when a part of their values has arrived: memory follows what comes, not what is
-/// claimed.
+/// claimed. For one thread at a time: that of the client whose handler it is.
 class FrameAssembler : public FrameHandler {
  public:
   enum class State { idle, receiving, complete, aborted };

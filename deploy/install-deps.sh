@@ -20,7 +20,7 @@ test_packages=(
   libgtest-dev libbenchmark-dev
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format
-  python3 python3-numpy python3-matplotlib python3-pip python3-protobuf python3-crc32c
+  python3 python3-numpy python3-matplotlib python3-pip python3-venv python3-protobuf python3-crc32c
   mbpoll openssl curl socat                                    # clients from elsewhere
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
 )

@@ -15,6 +15,7 @@ import pathlib
 import sys
 import threading
 import time
+import uuid
 
 from ._requests import Tls
 from ._shards import FORMAT, MANIFEST, Dataset, PartWriter, digest, part_name, sweep, write_whole
@@ -198,7 +199,7 @@ def check_manifest(job, world):
         if any(pathlib.Path(job.out).glob("part-*")):
             raise ValueError(f"{job.out}: has parts but no {MANIFEST}: not a data set of obliq's")
         # Two that begin at once: the second finds the first's, or writes the same.
-        draft = path.with_name(f".{MANIFEST}.draft.{os.getpid()}")
+        draft = path.with_name(f".{MANIFEST}.draft.{uuid.uuid4().hex}")
         write_whole(draft, json.dumps(mine, indent=1) + "\n")
         with contextlib.suppress(FileExistsError):
             os.link(draft, path)
