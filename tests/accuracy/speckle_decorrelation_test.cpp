@@ -64,6 +64,7 @@ class DecorrelationOfEverySource : public testing::TestWithParam<test::NamedSour
          double far_m)
         : antenna_m(antenna) {
       settings.frustum = GetParam().kind;
+      settings.sub_columns = 0;              // shares are of samples
       settings.plates = PlateKind::nearest;  // three pixels a cell and side are fine enough
       settings.frequency_ghz = kFrequency_ghz;
       // Between 4096 and 8192 m a cell is the largest power of two up to 4096 m x width / 2: 1 m. At 8186 m

@@ -195,7 +195,7 @@ TEST_P(SpeckleOfEverySource, OfRoofsAndWallsOfManyCellsIsThatOfGround) {
 TEST_P(SpeckleOfEverySource, OfAFaceNoLargerThanACellIsOnePhasor) {
   RadarSettings s = settings(1.5);
   s.sub_columns = 0;  // the shares below are of samples
-  s.r_min_m = 4100;  // cells of 4 m, and 8 beyond 8192
+  s.r_min_m = 4100;   // cells of 4 m, and 8 beyond 8192
   s.azimuth_bins = s.range_bins = 200;
   const auto scene = faces_alone(true);
   const auto shares =

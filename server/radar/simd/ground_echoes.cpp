@@ -181,7 +181,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
       if (const unsigned ended = movemask16(fresh & (now.bin >= 0.0F)); ended != 0) put(ended, now, out);
       now.light = same ? now.light + light : (fresh ? light : now.light);
       now.bin = fresh ? bin : now.bin;
-      now.distance = fresh ? (d0 + d1) * 0.5F : now.distance;
+      now.distance = fresh ? d0 + 0.5F * spacing : now.distance;
       now.material = fresh ? parts.material : now.material;
     }
     t0 = t1;

@@ -34,7 +34,7 @@ struct GroundEchoes {
   float material_now[kRuns];
   int n;
   std::uint32_t at[kMost + kSpare];  ///< range bin x 16 + run
-  float distance_m[kMost + kSpare];  ///< ground distance of the middle of the first part
+  float distance_m[kMost + kSpare];  ///< ground distance of its middle, as if all of the bin were seen
   float light[kMost + kSpare];       ///< power over EchoTable::factor, W
   std::uint32_t material[kMost + kSpare];
 };
