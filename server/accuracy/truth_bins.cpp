@@ -5,7 +5,6 @@
 #include <fstream>
 #include <optional>
 
-#include "server/radar/echo/antenna_pattern.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
 
@@ -67,7 +66,7 @@ ReferenceView reference_view(const FramePlan& plan) {
   view.range_bins = settings.range_bins;
   view.wavelength_m = plan.wavelength_m();
   view.power_w = settings.power_w;
-  view.gain = AntennaPattern(settings.gain_db).power_gain(0, 0);
+  view.gain = std::pow(10.0, settings.gain_db / 10);
   view.range_normalisation = settings.range_normalisation;
   return view;
 }

@@ -17,6 +17,10 @@ enum class FrustumKind;
 enum class PlateKind;
 enum class ScanMode;
 enum class SpeckleKind;
+enum class BeamPattern;
+enum class ElevationPattern;
+enum class PulseKind;
+enum class PulseWindow;
 enum class HeightReference;
 enum class SyntheticKind;
 enum class ScatteringModel;
@@ -29,8 +33,9 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 
 /// Where a value lives. An optional number is "auto" where it is empty.
 using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*,
-                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, HeightReference*,
-                          SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
+                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, BeamPattern*,
+                          ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*, SyntheticKind*,
+                          ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

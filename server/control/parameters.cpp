@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/control/beam_limits.h"
 #include "server/radar/render.h"
 
 namespace obliq {
@@ -84,6 +85,7 @@ std::vector<FieldError> validate(const RadarSettings& settings) {
   check_limits({"", settings, {}}, WireMessage::radar_settings, errors);
   check_together(settings, errors);
   check_scan(settings, errors);
+  check_beam(settings, errors);
   return errors;
 }
 

@@ -113,6 +113,8 @@ std::vector<FieldError> merge_message(const wire::RadarSettings& message, RadarS
 
 std::vector<FieldError> merge_message(const wire::Pose& message, PoseSettings& pose) {
   RadarConfig config{"", {}, pose};
+  // A number alone is meant to be taken.
+  if (message.has_tilt_deg()) config.pose.tilt_auto = false;
   std::vector<FieldError> errors = merge_fields(WireMessage::pose, message, config);
   pose = config.pose;
   return errors;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 
+#include "server/radar/beam/echo_rows.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
@@ -49,6 +51,68 @@ void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
          "an antenna above it, or frustum.quality = \"standard\", the sweep, which sees from anywhere"});
 }
 
+/// y of the ground under the antenna, or of the lowest in the sector.
+double ground_y_m(const Pose& pose, const SectorExtent& extent) {
+  return std::isnan(pose.ground_y_m) && extent.any ? extent.bottom_y_m : pose.ground_y_m;
+}
+
+/// The boresight's elevation about the antenna's own vertical: the pose's, or that of level ground in the
+/// middle of the swath.
+double tilt_rad(const RadarSettings& settings, const Pose& pose, const SectorExtent& extent,
+                const WorldFrame& frame) {
+  if (!pose.settings.tilt_auto) return pose.settings.tilt_deg * kPi / 180;
+  const glm::dvec3& at = pose.antenna.m;
+  const double middle_m = (settings.r_min_m + settings.r_max_m) / 2;
+  const double ground = ground_y_m(pose, extent);
+  const double height_m = std::isnan(ground) ? at.y - frame.datum_y_m(at.x, at.z) : at.y - ground;
+  // How far the datum falls away below the antenna's horizon: the same in all directions.
+  const double drop_m = frame.datum_y_m(at.x, at.z) -
+                        (frame.datum_y_m(at.x + middle_m, at.z) + frame.datum_y_m(at.x - middle_m, at.z)) / 2;
+  return -std::asin(std::clamp((height_m + drop_m) / middle_m, -1.0, 1.0));
+}
+
+std::shared_ptr<const AntennaGain> antenna_gain(const RadarSettings& settings, const Pose& pose,
+                                                const SectorExtent& extent, const WorldFrame& frame) {
+  AntennaGain::View view;
+  view.tilt_rad = tilt_rad(settings, pose, extent, frame);
+  if (settings.beam.elevation != ElevationPattern::off) {
+    const glm::dvec3& at = pose.antenna.m;
+    constexpr double kStep_m = 1;
+    view.lean_x =
+        (frame.datum_y_m(at.x - kStep_m, at.z) - frame.datum_y_m(at.x + kStep_m, at.z)) / (2 * kStep_m);
+    view.lean_z =
+        (frame.datum_y_m(at.x, at.z - kStep_m) - frame.datum_y_m(at.x, at.z + kStep_m)) / (2 * kStep_m);
+    // What stands higher or lower than all surface needs no place in the table.
+    const double lean = std::hypot(view.lean_x, view.lean_z) + 1e-3;
+    const double nearest_m = std::max(settings.r_min_m, 1.0);
+    if (extent.any) {
+      view.least_sine = std::max(-1.0, std::min((extent.bottom_y_m - at.y) / nearest_m,
+                                                (extent.bottom_y_m - at.y) / settings.r_max_m)) -
+                        lean;
+      view.greatest_sine = std::min(1.0, std::max((extent.top_y_m - at.y) / nearest_m,
+                                                  (extent.top_y_m - at.y) / settings.r_max_m)) +
+                           lean;
+    }
+  }
+  return std::make_shared<const AntennaGain>(settings, view);
+}
+
+std::string degrees_text(double degrees) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g deg", degrees);
+  return text;
+}
+
+/// A cosecant squared begins half a width below the nose, which must be below the horizon.
+void check_elevation(const FramePlan& plan, std::vector<FieldError>& errors) {
+  const BeamSettings& beam = plan.settings().beam;
+  const double tilt_deg = plan.antenna_gain().tilt_rad() * 180 / kPi;
+  if (beam.elevation == ElevationPattern::cosecant && tilt_deg >= beam.elevation_width_deg / 2)
+    errors.push_back(
+        {"antenna.tilt_deg", degrees_text(tilt_deg) + " with beam.elevation = \"cosecant\"",
+         "below half of beam.elevation_width_deg, " + degrees_text(beam.elevation_width_deg / 2)});
+}
+
 }  // namespace
 
 FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose)
@@ -63,11 +127,19 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot&
       wavelength_m_(kSpeedOfLight_m_s / (snapshot_.settings.frequency_ghz * 1e9)),
       buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m(),
                                                           snapshot_.settings.frustum != FrustumKind::sweep)),
-      seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())) {}
+      seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())),
+      antenna_gain_(obliq::antenna_gain(snapshot_.settings, pose_, extent_, scene_->world().frame)) {
+  snapshot_.settings.speckle = resolved_speckle(snapshot_.settings);
+}
 
 std::shared_ptr<FramePlan> FramePlan::again(const PoseSettings& pose) const {
   std::shared_ptr<FramePlan> plan(new FramePlan(*this));
   plan->pose_.settings = pose;
+  if (sharp_) {
+    plan->sharp_ = sharp_->again(pose);
+    plan->seen_ = plan->sharp_->seen_;
+    return plan;
+  }
   plan->seen_ = std::make_shared<SeenBuildings>(scene_->world().buildings.list.size());
   return plan;
 }
@@ -84,10 +156,73 @@ int sweep_columns_per_bin(const RadarSettings& settings) {
   return (settings.pixel_columns + settings.azimuth_bins - 1) / settings.azimuth_bins;
 }
 
-PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {
+/// Plans a frame by its steps.
+class FramePlanner {
+ public:
+  FramePlanner(std::shared_ptr<const Scene> scene, const Pose& pose)
+      : scene_(std::move(scene)), pose_(pose) {}
+
+  /// A frame whose bins are traced themselves.
+  PlanResult traced(const SettingsSnapshot& snapshot, const Pose& pose, bool adds_voltages) const;
+  /// One whose bins are made from those of a sharp frame.
+  PlanResult summed(const SettingsSnapshot& snapshot) const;
+
+ private:
+  EchoPlace place(const RadarSettings& settings) const;
+
+  std::shared_ptr<const Scene> scene_;
+  const Pose& pose_;
+};
+
+EchoPlace FramePlanner::place(const RadarSettings& settings) const {
+  EchoPlace place;
+  SectorExtent extent;
+  if (std::isnan(pose_.ground_y_m)) extent = measure_sector(*scene_, Sector(settings, pose_));
+  const double above_m = pose_.antenna.m.y - ground_y_m(pose_, extent);
+  if (std::isnan(above_m)) return place;
+  place.height_m = above_m;
+  const bool camera = settings.frustum == FrustumKind::symmetric || settings.frustum == FrustumKind::oblique;
+  if (camera) place.least_r_min_m = above_m;
+  return place;
+}
+
+PlanResult FramePlanner::summed(const SettingsSnapshot& snapshot) const {
   PlanResult result;
-  auto plan = std::make_shared<FramePlan>(std::move(scene), *snapshot, pose);
+  const RadarSettings& settings = snapshot.settings;
+  std::optional<EchoPlan> echo = plan_echo(settings, place(settings), result.errors);
+  if (!echo) return result;
+  Pose turned = pose_;
+  turned.bearing_world_rad += echo->turn_bins * echo->sharp.sector_deg * kPi / 180 / echo->sharp.azimuth_bins;
+  result = traced({echo->sharp, snapshot.version}, turned, blurs(settings));
+  if (!result.plan) return result;
+  std::shared_ptr<FramePlan> plan(new FramePlan(*result.plan));
+  plan->snapshot_ = snapshot;
+  plan->snapshot_.settings.speckle = resolved_speckle(settings);
+  plan->pose_ = pose_;
+  plan->sector_ = Sector(settings, pose_);
+  plan->bins_ = bin_grid(settings);
+  plan->box_ = SectorBox(pose_.antenna.m.y - plan->extent_.bottom_y_m,
+                         plan->extent_.top_y_m - plan->extent_.bottom_y_m, plan->sector_.r_min_m,
+                         plan->sector_.r_max_m, plan->sector_.width_rad);
+  plan->echo_ = std::make_shared<const EchoPlan>(std::move(*echo));
+  plan->sharp_ = result.plan;
+  result.plan = std::move(plan);
+  return result;
+}
+
+PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {
+  const FramePlanner planner(std::move(scene), pose);
+  return needs_echo_plan(snapshot->settings) ? planner.summed(*snapshot)
+                                             : planner.traced(*snapshot, pose, false);
+}
+
+PlanResult FramePlanner::traced(const SettingsSnapshot& snapshot, const Pose& pose,
+                                bool adds_voltages) const {
+  PlanResult result;
+  auto plan = std::make_shared<FramePlan>(scene_, snapshot, pose);
+  plan->adds_voltages_ = adds_voltages;
   check_frustum(*plan, result.errors);
+  check_elevation(*plan, result.errors);
   if (!result.errors.empty()) return result;
   const RadarSettings& settings = plan->settings();
   if (plan->extent_.any) {

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "server/radar/beam/antenna_gain.h"
+#include "server/radar/beam/echo_plan.h"
 #include "server/radar/bins.h"
 #include "server/radar/geometry/azimuth_buildings.h"
 #include "server/radar/geometry/perspective_frustum.h"
@@ -18,6 +20,7 @@
 namespace obliq {
 
 class FramePlan;
+class SharpStore;  // server/radar/beam/echo_rows.h
 
 /// The geometry of a frame, worked out once for all its wedges. `plan` is null when `errors` is not empty.
 struct PlanResult {
@@ -99,11 +102,26 @@ class FramePlan {
   /// or nearer bins would depend on where the swath ends.
   double building_reach_m() const;
 
+  /// Towards every direction.
+  const AntennaGain& antenna_gain() const { return *antenna_gain_; }
+
+  /// How the bins follow from those of traced(); null: they are traced themselves.
+  const EchoPlan* echo() const { return echo_.get(); }
+  /// The frame whose wedges are rendered: this one, or a sharp one with a wider sector and swath.
+  const FramePlan& traced() const { return sharp_ ? *sharp_ : *this; }
+  /// Its bins are added up as voltages, so each scatterer must be in one of them.
+  bool adds_voltages() const { return adds_voltages_; }
+  /// Keeps sharp wedges for the next rendering; null where nothing is to be shared.
+  SharpStore* sharp_store() const { return sharp_store_.get(); }
+  void share_sharp_wedges(std::shared_ptr<SharpStore> store) { sharp_store_ = std::move(store); }
+  const std::shared_ptr<SharpStore>& shared_sharp_store() const { return sharp_store_; }
+
   /// By this frame's wedges.
   SeenBuildings& seen() const { return *seen_; }
 
  private:
   friend PlanResult plan_frame(std::shared_ptr<const Scene>, const SettingsPtr&, const Pose&);
+  friend class FramePlanner;
   FramePlan(const FramePlan&) = default;  // shares what has been seen
 
   std::shared_ptr<const Scene> scene_;
@@ -119,6 +137,11 @@ class FramePlan {
   double wavelength_m_;
   std::shared_ptr<const AzimuthBuildings> buildings_;
   std::shared_ptr<SeenBuildings> seen_;
+  std::shared_ptr<const AntennaGain> antenna_gain_;
+  std::shared_ptr<const EchoPlan> echo_;
+  std::shared_ptr<const FramePlan> sharp_;
+  std::shared_ptr<SharpStore> sharp_store_;
+  bool adds_voltages_ = false;
 };
 
 }  // namespace obliq

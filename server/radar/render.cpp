@@ -33,6 +33,12 @@ void write_bins(WedgeWork& work) {
 void find_states(const FramePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
   const StageProbe probe(Stage::states);
   decide_states(plan, visibility, wedge.bins);
+  count_states(wedge);
+}
+
+}  // namespace
+
+void count_states(Wedge& wedge) {
   const auto of = [&](BinState state) {
     return static_cast<std::uint64_t>(std::ranges::count(wedge.bins.state, static_cast<std::uint8_t>(state)));
   };
@@ -48,8 +54,6 @@ void measure_coverage(const FramePlan& plan, Wedge& wedge) {
     wedge.stats.covered_area_m2 += area.covered_m2;
   }
 }
-
-}  // namespace
 
 bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may_go_on) {
   // rays/: generate rays, trace them to their first hits, refine those in double, spread each pixel over

@@ -48,6 +48,7 @@ struct RenderOptions {
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;     ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
+  std::uint64_t draw = 0;       ///< names the frame: independent speckle repeats with it
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 

@@ -17,6 +17,12 @@ std::string frustum_name(FrustumKind kind) {
 
 std::string plates_name(PlateKind plates) { return plates == PlateKind::nearest ? "nearest" : "spread"; }
 
+SpeckleKind resolved_speckle(const RadarSettings& settings) {
+  if (settings.speckle != SpeckleKind::automatic) return settings.speckle;
+  const bool turns = settings.scan_mode != ScanMode::frame && settings.beam.pattern != BeamPattern::off;
+  return turns ? SpeckleKind::independent : SpeckleKind::ground;
+}
+
 bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/radar/beam_settings.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
@@ -12,23 +13,18 @@ enum class FrustumKind { symmetric, oblique, polar, sweep };
 /// How a hit is given to range bins: spread over all that its pixel covers, or whole to the bin of its own
 /// range, as the paper does it.
 enum class PlateKind { spread, nearest };
-enum class SpeckleKind { ground, geometric };
+/// What makes bins glitter. ground: scatterers fixed to the ground; geometric: the paper's, from the ranges
+/// of samples; none: the root of the mean power; independent: each azimuth bin another draw, as of a radar
+/// that turns or changes frequency; automatic: independent where an antenna with a beam scans, else ground.
+enum class SpeckleKind { ground, geometric, none, independent, automatic };
 /// How a live radar's antenna sweeps its sector: all of it at once in each frame, to and fro, or round and
 /// round.
 enum class ScanMode { frame, sector, circular };
-/// One-way power pattern of the antenna in azimuth, and in elevation (server/radar/beam/patterns.h).
-enum class BeamPattern { off, gaussian, uniform, cosine, taylor, file };
-enum class ElevationPattern { off, gaussian, cosecant, file };
-/// What a point becomes in range (server/radar/beam/point_response.h).
-enum class PulseKind { off, rectangular, compressed };
-enum class PulseWindow { none, hamming, hann, taylor };
 enum class HeightReference { datum, ground, ellipsoid };
 
 /// As in a scene file: "symmetric", "oblique", "polar", "sweep"; "nearest", "spread".
 std::string frustum_name(FrustumKind kind);
 std::string plates_name(PlateKind plates);
-
-struct PatternCuts;  // server/radar/beam/pattern_cuts.h
 
 /// Everything a client may choose about a radar, in the operator's units (server/control/parameters.h has
 /// the table of names, defaults and limits). Ranges are slant ranges.
@@ -40,7 +36,7 @@ struct RadarSettings {
   double power_w = 1;
   double gain_db = 0;
   bool range_normalisation = false;
-  SpeckleKind speckle = SpeckleKind::ground;
+  SpeckleKind speckle = SpeckleKind::automatic;
   std::int64_t speckle_seed = 1;
   FrustumKind frustum = FrustumKind::oblique;
   PlateKind plates = PlateKind::spread;
@@ -53,26 +49,25 @@ struct RadarSettings {
   ScanMode scan_mode = ScanMode::frame;
   double scan_rate_deg_s = 36;  ///< 6 turns a minute
   int scan_dwell_bins = 8;      ///< azimuth bins that share a pose: a multiple of kWedgeAzimuthBins
-
-  BeamPattern beam_pattern = BeamPattern::off;
-  double beam_width_deg = 3;  ///< one-way, half power
-  double beam_sidelobe_db = 30;
-  int beam_nbar = 4;
-  double beam_extent_deg = 0;  ///< beyond it the azimuth pattern is 0; 0: chosen by the pattern
-  ElevationPattern beam_elevation = ElevationPattern::off;
-  double beam_elevation_width_deg = 6;
-  double beam_cosecant_to_deg = 30;              ///< depression to which the cosecant reaches
-  std::shared_ptr<const PatternCuts> beam_file;  ///< of the patterns "file"; else null
-
-  PulseKind pulse_kind = PulseKind::off;
-  double pulse_length_us = 1;
-  double pulse_bandwidth_mhz = 0;  ///< of a compressed pulse; 0: that which a range bin resolves
-  PulseWindow pulse_window = PulseWindow::hamming;
-  double pulse_sidelobe_db = 30;
-  int pulse_nbar = 4;
-  int pulse_extent_bins = 16;  ///< half the length of the range filter
-  bool pulse_eclipse = false;
+  /// Elevations of the boresight, one a pass of a scan, in turn; empty: the pose's.
+  std::vector<double> scan_bars_deg;
+  BeamSettings beam;
+  PulseSettings pulse;
 };
+
+/// The kind that `automatic` stands for; others are themselves.
+SpeckleKind resolved_speckle(const RadarSettings& settings);
+
+/// Bins are sums over neighbouring sharp ones: of azimuths, of ranges.
+inline bool blurs(const RadarSettings& s) {
+  return s.beam.pattern != BeamPattern::off || s.pulse.kind != PulseKind::off;
+}
+
+/// I&Q follow from the mean powers of bins, and not from scatterers.
+inline bool draws_speckle(const RadarSettings& s) {
+  const SpeckleKind kind = resolved_speckle(s);
+  return kind == SpeckleKind::none || kind == SpeckleKind::independent;
+}
 
 /// Where the antenna is and where its sector's centre points, in the operator's units.
 struct PoseSettings {
@@ -84,7 +79,9 @@ struct PoseSettings {
   double bearing_deg = 0;         ///< centre of the sector, clockwise from the antenna's true north
   std::int64_t sim_time_ns = 0;   ///< in the controller's clock (server/flight/pose_time_line.h)
   std::uint64_t pose_id = 0;
-  double valid_s = 0;  ///< stale so long after its arrival; 0: never
+  double tilt_deg = 0;     ///< elevation of the boresight, about the antenna's own vertical, up positive
+  bool tilt_auto = false;  ///< instead: towards level ground in the middle of the swath
+  double valid_s = 0;      ///< stale so long after its arrival; 0: never
 
   bool operator==(const PoseSettings&) const = default;
 };

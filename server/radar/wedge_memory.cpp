@@ -48,7 +48,7 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
   const double columns = std::ceil(s.pixel_columns * share);
   const bool sweep = s.frustum == FrustumKind::sweep;
   double bytes = kBytesOfBatches + kBytesABin * azimuths * s.range_bins;
-  if (s.speckle == SpeckleKind::ground) {
+  if (s.speckle != SpeckleKind::geometric) {
     // The sweep cuts each of its planes at range bins and cells; a spread pixel reaches into some bins.
     const double samples =
         columns / azimuths * (sweep ? 4.0 * s.range_bins : 2.0 * s.pixel_rows + s.range_bins);

@@ -4,10 +4,14 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "server/radar/beam/echo_rows.h"
+#include "server/radar/beam/echo_sums.h"
+#include "server/radar/visibility/coverage.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/stage_clock.h"
 
@@ -15,11 +19,19 @@ namespace obliq {
 
 class BegunWedges {
  public:
-  BegunWedges(const FramePlan& plan, int first, int threads)
-      : tables(plan), next(first), work(static_cast<std::size_t>(threads)) {}
+  BegunWedges(const FramePlan& plan, int first, int end, int threads)
+      : tables(plan.traced()), first(first), end(end), work(static_cast<std::size_t>(threads)) {
+    if (plan.echo() == nullptr) return;
+    rows.emplace(*plan.echo(), first, end);
+    this->first = 0;
+    this->end = rows->n_sharp();
+  }
 
   const FrameTables tables;
-  std::atomic<int> next;
+  std::optional<EchoRows> rows;  // of a frame that is made from sharp wedges
+  // Wedges to render: their own numbers, or places in the order of `rows`.
+  int first, end;
+  std::atomic<int> begun{0};
   std::vector<std::unique_ptr<WedgeWork>> work;  // each thread's
 };
 
@@ -28,8 +40,10 @@ namespace {
 /// One call of render_wedges.
 class WedgeThreads {
  public:
-  WedgeThreads(const FramePlan& plan, int end, const RenderOptions& options, BegunWedges& begun)
-      : plan_(plan), end_(end), options_(options), begun_(begun) {}
+  WedgeThreads(const FramePlan& plan, const RenderOptions& options, BegunWedges& begun)
+      : plan_(plan), options_(options), traced_(options), begun_(begun) {
+    if (begun.rows && plan.echo()->draws()) traced_.iq = false;
+  }
 
   /// True when it has paused.
   bool run() {
@@ -49,7 +63,7 @@ class WedgeThreads {
   void work_until_done(std::unique_ptr<WedgeWork>& work) {
     const StageClock clock(options_.times);
     try {
-      if (!work) work = std::make_unique<WedgeWork>(plan_, begun_.tables, options_);
+      if (!work) work = std::make_unique<WedgeWork>(plan_.traced(), begun_.tables, traced_);
       render_wedges(*work);
     } catch (...) {
       if (!failed_.exchange(true)) failure_ = std::current_exception();
@@ -66,18 +80,68 @@ class WedgeThreads {
       return --batches > 0 && !(options_.pause->is_due && options_.pause->is_due());
     };
     while (!stopped() && !failed_) {
+      if (begun_.rows) sum_what_is_ready();
       if (!work.begun()) {
-        const int index = begun_.next++;
-        if (index >= end_) return;
+        const int place = begun_.first + begun_.begun++;
+        if (place >= begun_.end) return;
+        const int index = begun_.rows ? begun_.rows->sharp_wedge(place) : place;
+        if (begun_.rows && take_kept(index)) continue;
         if (options_.before_wedge) options_.before_wedge(index);
-        begin_wedge(work, index, options_.observer);
+        begin_wedge(work, index, begun_.rows ? nullptr : options_.observer);
       }
       if (!render_wedge(work, options_.states, may_go_on)) {
         if (!stopped()) paused_ = true;
         return;
       }
-      deliver(std::move(work.wedge));
+      if (begun_.rows) {
+        take_sharp(std::move(work.wedge));
+      } else {
+        deliver(std::move(work.wedge));
+      }
     }
+  }
+
+  /// A sharp wedge of the dwell before.
+  bool take_kept(int index) {
+    SharpWedgePtr kept =
+        plan_.sharp_store() ? plan_.sharp_store()->find(index, traced_.iq, options_.states) : nullptr;
+    if (kept == nullptr) return false;
+    begun_.rows->take(index, std::move(kept));
+    sum_what_is_ready();
+    return true;
+  }
+
+  void take_sharp(Wedge&& wedge) {
+    const StageProbe probe(Stage::bin);
+    auto sharp =
+        std::make_shared<const SharpWedge>(*plan_.echo(), std::move(wedge.bins), wedge.stats, traced_.iq);
+    if (plan_.sharp_store()) plan_.sharp_store()->keep(wedge.index, options_.states, sharp);
+    begun_.rows->take(wedge.index, std::move(sharp));
+    sum_what_is_ready();
+  }
+
+  /// Output wedges of which no sharp one is missing.
+  void sum_what_is_ready() {
+    EchoRows::Ready ready;
+    while (!stopped() && begun_.rows->next_ready(ready)) {
+      Wedge wedge;
+      {
+        const StageProbe probe(Stage::bin);
+        wedge.index = ready.wedge;
+        wedge.bins = BinBlock(ready.azimuths.first, ready.azimuths.count, plan_.bins().n_range);
+        wedge.stats = ready.stats;
+        EchoSums(*plan_.echo()).sum(ready.rows, options_.draw, options_.iq, wedge.bins);
+        describe(wedge);
+      }
+      deliver(std::move(wedge));
+    }
+  }
+
+  /// States and area of an output wedge, which its sharp ones know of themselves alone.
+  void describe(Wedge& wedge) const {
+    count_states(wedge);
+    wedge.stats.sector_area_m2 = wedge.stats.covered_area_m2 = 0;
+    measure_coverage(plan_, wedge);
   }
 
   void deliver(Wedge&& wedge) {
@@ -90,8 +154,8 @@ class WedgeThreads {
   }
 
   const FramePlan& plan_;
-  int end_;
   const RenderOptions& options_;
+  RenderOptions traced_;  // of the wedges that are rendered
   BegunWedges& begun_;
   std::atomic<bool> paused_{false};
   std::atomic<bool> failed_{false};
@@ -110,8 +174,8 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
                           : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   std::shared_ptr<BegunWedges> begun;
   if (options.pause) begun = std::exchange(options.pause->begun, nullptr);
-  if (!begun) begun = std::make_shared<BegunWedges>(plan, first, threads);
-  const bool paused = WedgeThreads(plan, end, options, *begun).run();
+  if (!begun) begun = std::make_shared<BegunWedges>(plan, first, end, threads);
+  const bool paused = WedgeThreads(plan, options, *begun).run();
   if (paused) options.pause->begun = std::move(begun);
   return !options.stop.stop_requested();
 }

@@ -44,6 +44,11 @@ struct WedgeWork {
   bool begun() const { return source || sweep; }
 };
 
+/// Lit and unsampled bins of a wedge, by its states.
+void count_states(Wedge& wedge);
+/// Ground area of a wedge's azimuth bins, added to its counts.
+void measure_coverage(const FramePlan& plan, Wedge& wedge);
+
 /// Takes wedge `index` in hand.
 void begin_wedge(WedgeWork& work, int index, HitObserver* observer);
 

@@ -13,11 +13,11 @@ import tempfile
 # other way. Where a folder holds both what is below and what is above its rooms, files are named one by one:
 # the longest name that fits decides.
 BASE = ["terrain/base"]
-WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/samples", "server/radar/unsampled"]
+WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled"]
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
-TO_PLAN = TO_GEOMETRY + [R + "frame_plan"]
+TO_PLAN = TO_GEOMETRY + [R + "beam", R + "frame_plan"]
 TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
 TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
@@ -38,6 +38,7 @@ ALLOWED = {
         ("tracer_isa", "ground_triangle", "tolerances")],
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
+    "server/radar/beam_settings": TO_PROFILE,
     "server/radar/settings": TO_PROFILE,
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,

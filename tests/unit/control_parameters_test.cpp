@@ -33,14 +33,24 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
   auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
-         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell] = config.settings;
-  auto& [latitude, longitude, height, reference, undulation, bearing, time, id, valid] = config.pose;
+         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, bars, beam, pulse] =
+      config.settings;
+  auto& [pattern, width, sidelobe, nbar, extent, elevation, elevation_width, cosecant_to, file] = beam;
+  auto& [kind, length, bandwidth, window, range_sidelobe, range_nbar, range_extent, eclipse] = pulse;
+  auto& [latitude, longitude, height, reference, undulation, bearing, time, id, tilt, tilt_auto, valid] =
+      config.pose;
   const std::set<const void*> fields{
-      &frequency, &sector, &r_min,       &r_max,     &power,     &gain,      &normalisation,
-      &speckle,   &seed,   &sub_columns, &frustum,   &plates,    &columns,   &rows,
-      &azimuth,   &range,  &latitude,    &longitude, &height,    &reference, &undulation,
-      &bearing,   &time,   &id,          &valid,     &scan_mode, &scan_rate, &scan_dwell};
-  ASSERT_EQ(fields.size(), 28u);
+      &frequency,    &sector,  &r_min,       &r_max,     &power,     &gain,           &normalisation,
+      &speckle,      &seed,    &sub_columns, &frustum,   &plates,    &columns,        &rows,
+      &azimuth,      &range,   &latitude,    &longitude, &height,    &reference,      &undulation,
+      &bearing,      &time,    &id,          &valid,     &scan_mode, &scan_rate,      &scan_dwell,
+      &pattern,      &width,   &sidelobe,    &nbar,      &extent,    &elevation,      &elevation_width,
+      &cosecant_to,  &kind,    &length,      &bandwidth, &window,    &range_sidelobe, &range_nbar,
+      &range_extent, &eclipse, &tilt,        &tilt_auto};
+  // A list and a table, which no message carries: scan.bars and beam.file.
+  EXPECT_TRUE(bars.empty());
+  EXPECT_EQ(file, nullptr);
+  ASSERT_EQ(fields.size(), 46u);
   std::set<const void*> covered;
   for (const Parameter& p : parameters())
     EXPECT_TRUE(covered.insert(address(p.slot(config))).second) << p.key.name;

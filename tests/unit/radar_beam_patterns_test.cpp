@@ -16,8 +16,8 @@ constexpr double kRad = std::numbers::pi / 180;
 
 RadarSettings beam(BeamPattern pattern, double width_deg) {
   RadarSettings s;
-  s.beam_pattern = pattern;
-  s.beam_width_deg = width_deg;
+  s.beam.pattern = pattern;
+  s.beam.width_deg = width_deg;
   return s;
 }
 
@@ -52,7 +52,7 @@ TEST(AzimuthPattern, HasTheSidelobesOfItsAperture) {
   EXPECT_NEAR(highest_beyond(AzimuthPattern(beam(BeamPattern::uniform, 2)), width, 1.1288), -13.26, 0.005);
   EXPECT_NEAR(highest_beyond(AzimuthPattern(beam(BeamPattern::cosine, 2)), width, 1.2616), -23.00, 0.005);
   RadarSettings taylor = beam(BeamPattern::taylor, 2);
-  taylor.beam_extent_deg = 8;  // by itself it ends before its sidelobes
+  taylor.beam.extent_deg = 8;  // by itself it ends before its sidelobes
   EXPECT_NEAR(highest_beyond(AzimuthPattern(taylor), width, 1.35), -30.31, 0.01);
   EXPECT_LT(AzimuthPattern(beam(BeamPattern::uniform, 2)).power_gain(width / 0.88589), 1e-10);
 }
@@ -71,7 +71,7 @@ TEST(AzimuthPattern, EndsAtItsExtent) {
   EXPECT_NEAR(AzimuthPattern(s).extent_rad(), 12 * kRad, 1e-9);
   // A Gaussian is 30 dB down at sqrt(3 ln 10 / 4 ln 2) = 1.5785 widths.
   EXPECT_NEAR(AzimuthPattern(beam(BeamPattern::gaussian, 3)).extent_rad(), 3 * 1.5785 * kRad, 0.01 * kRad);
-  s.beam_extent_deg = 5;
+  s.beam.extent_deg = 5;
   const AzimuthPattern pattern(s);
   EXPECT_GT(pattern.power_gain(4.99 * kRad), 0);
   EXPECT_EQ(pattern.power_gain(5.01 * kRad), 0);
@@ -86,9 +86,9 @@ TEST(AzimuthPattern, ThatIsOffSeesItsOwnBearingAlone) {
 
 RadarSettings fan(ElevationPattern kind) {
   RadarSettings s;
-  s.beam_elevation = kind;
-  s.beam_elevation_width_deg = 4;
-  s.beam_cosecant_to_deg = 30;
+  s.beam.elevation = kind;
+  s.beam.elevation_width_deg = 4;
+  s.beam.cosecant_to_deg = 30;
   return s;
 }
 

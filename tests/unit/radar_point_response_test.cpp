@@ -12,16 +12,16 @@ constexpr double kSpeedOfLight_m_s = 299792458.0;
 
 RadarSettings compressed(PulseWindow window, double bandwidth_mhz = 10) {
   RadarSettings s;
-  s.pulse_kind = PulseKind::compressed;
-  s.pulse_window = window;
-  s.pulse_bandwidth_mhz = bandwidth_mhz;
+  s.pulse.kind = PulseKind::compressed;
+  s.pulse.window = window;
+  s.pulse.bandwidth_mhz = bandwidth_mhz;
   return s;
 }
 
 RadarSettings rectangular(double length_us) {
   RadarSettings s;
-  s.pulse_kind = PulseKind::rectangular;
-  s.pulse_length_us = length_us;
+  s.pulse.kind = PulseKind::rectangular;
+  s.pulse.length_us = length_us;
   return s;
 }
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <map>
-#include <type_traits>
 
-#include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
+#include "server/control/sections/parameter_row.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/special_values.h"
+#include "server/radar/beam/pattern_cuts.h"
 
 namespace obliq {
 
@@ -17,32 +18,16 @@ constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"obl
                                    Choice{"polar", "POLAR"}, Choice{"sweep", "SWEEP"}};
 constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
 constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
-                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}};
+                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}, Choice{"none", "NO_SPECKLE"},
+                                   Choice{"independent", "INDEPENDENT_SPECKLE"},
+                                   Choice{"auto", "AUTOMATIC_SPECKLE"}};
 constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
                                 Choice{"circular", "CIRCULAR_SCAN"}};
 constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
                                        Choice{"ellipsoid", "ELLIPSOID"}};
 
 using enum ModbusWords;
-
-/// The row of a member of RadarSettings or PoseSettings: what it accepts, the field of its message, its place
-/// in the Modbus map, its sentence.
-template <auto member>
-Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
-              ModbusColumn modbus, std::string_view summary) {
-  constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
-  return {{name, unit, accepts.limits, accepts.choices, summary},
-          Change::live,
-          of_pose ? WireMessage::pose : WireMessage::radar_settings,
-          field,
-          modbus,
-          [](RadarConfig& radar) -> Slot {
-            if constexpr (of_pose)
-              return &(radar.pose.*member);
-            else
-              return &(radar.settings.*member);
-          }};
-}
+using parameter_table::row;
 
 // Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
 // 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
@@ -77,6 +62,13 @@ const std::array kParameters{
     row<&PoseSettings::valid_s>(
         "antenna.valid_s", "s", closed(0, 86400), "valid_s", {220, i32, 1e3},
         "A pose is marked stale this long after it arrived if no other has arrived since; 0: never."),
+    row<&PoseSettings::tilt_deg>(
+        "antenna.tilt_deg", "deg", closed(-90, 90), "tilt_deg", {222, i32, 1e3},
+        "Elevation of the boresight, up positive; of patterns in elevation. \"auto\" "
+        "in a scene file is antenna.tilt_auto."),
+    row<&PoseSettings::tilt_auto>(
+        "antenna.tilt_auto", "", kAny, "tilt_auto", {224, u16},
+        "Tilt towards level ground in the middle of the swath instead of by antenna.tilt_deg."),
     row<&RadarSettings::frequency_ghz>("radar.frequency_ghz", "GHz", closed(0.03, 300), "frequency_ghz",
                                        {232, wavelength}, "Carrier frequency."),
     row<&RadarSettings::sector_deg>(
@@ -95,7 +87,9 @@ const std::array kParameters{
                                              "Multiply amplitudes by range squared; phases stay."),
     row<&RadarSettings::speckle>(
         "radar.speckle", "", kSpeckleKinds, "speckle", {245, u16},
-        "Speckle fixed to the ground, or the paper's, from the ranges of the samples."),
+        "Speckle fixed to the ground; the paper's, from the ranges of the samples; none; or drawn anew for "
+        "each "
+        "azimuth bin. auto: independent where an antenna with a beam scans, else ground."),
     row<&RadarSettings::speckle_seed>("radar.speckle_seed", "", kAny, "speckle_seed", {246, i64},
                                       "Each seed gives another speckle pattern on the same ground."),
     row<&RadarSettings::frustum>(
@@ -134,6 +128,9 @@ const std::array kParameters{
 
 using Kind = ConfigNode::Kind;
 
+constexpr Limits kTilts = closed(-90, 90);
+constexpr std::size_t kMostBars = 16;
+
 const std::array kShortForms{
     special<RadarConfig>(
         "frustum.quality", "", quality_choices(), "",
@@ -142,6 +139,12 @@ const std::array kShortForms{
     special<RadarConfig>("frustum.pixels", "", closed(1, 16384),
                          "[columns, rows], or one integer; not beside pixel_columns and pixel_rows;",
                          "Sets pixel_columns and pixel_rows.", nullptr, nullptr, "2048", Change::live),
+    special<RadarConfig>("scan.bars", "deg", kTilts, "a list of up to 16 numbers,",
+                         "Elevations of the boresight, one a pass, in turn; empty: antenna.tilt_deg.",
+                         nullptr, nullptr, "[]", Change::reload),
+    special<RadarConfig>("beam.file", "", kAny, "the path of a table cut,angle_deg,gain_db",
+                         "What the patterns \"file\" are, by the cuts azimuth and elevation.", nullptr,
+                         nullptr, "\"\"", Change::reload),
 };
 
 /// What the scene says about a radar's frustum.
@@ -155,15 +158,44 @@ struct RadarReading {
   FrustumChoice choice = FrustumChoice::named;
 };
 
+constexpr std::string_view kTilt = "antenna.tilt_deg";
+
+/// Whether a key is there and says "auto"; then it has been read.
+bool reads_auto(SectionReader& reader, const std::string& name) {
+  const ConfigNode* node = reader.table().find(name);
+  const auto* text = node == nullptr ? nullptr : std::get_if<std::string>(&node->value);
+  return text != nullptr && *text == "auto" && reader.take(name) != nullptr;
+}
+
 /// Reads the parameters of one section from a table that holds them.
 void read_parameters(SectionReader& reader, const std::string& section, RadarReading& radar) {
   for (const Parameter& parameter : parameters()) {
     const std::string name(parameter.key.name);
     if (!name.starts_with(section + ".")) continue;
     const std::string local = name.substr(section.size() + 1);
+    if (name == kTilt && reads_auto(reader, local)) {
+      radar.config.pose.tilt_auto = true;
+      radar.set_at[name] = reader.table().find(local)->where;
+      continue;
+    }
     if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
       radar.set_at[name] = reader.table().find(local)->where;
   }
+}
+
+/// scan.bars and beam.file, which no message carries.
+void read_special(SceneReading& scene, SectionReader& reader, RadarReading& radar) {
+  RadarSettings& settings = radar.config.settings;
+  if (reader.full_name("bars") == "scan.bars" && reader.table().find("bars") != nullptr)
+    settings.scan_bars_deg = reader.numbers("bars", kTilts, 1, kMostBars);
+  if (reader.full_name("file") != "beam.file") return;
+  const ConfigNode* file = reader.take("file");
+  if (file == nullptr) return;
+  const auto* path = std::get_if<std::string>(&file->value);
+  if (path == nullptr) return reader.complain(*file, "file", "the path of a table cut,angle_deg,gain_db");
+  if (!path->empty())
+    settings.beam.file =
+        std::make_shared<const PatternCuts>(read_pattern_cuts(resolved_path(*file, scene.folder)));
 }
 
 /// The table of that name; null if there is none.
@@ -235,6 +267,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
       }
       SectionReader reader(*found, std::string(name), scene.complaints);
       read_parameters(reader, std::string(name), radar);
+      read_special(scene, reader, radar);
       reader.finish();
     }
   }
@@ -255,6 +288,14 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   return radar;
 }
 
+/// As TOML; empty where there is nothing to print.
+std::string special_value(std::string_view name, const RadarSettings& settings) {
+  if (name == "scan.bars" && !settings.scan_bars_deg.empty())
+    return toml_list(settings.scan_bars_deg, toml_number);
+  if (name == "beam.file" && settings.beam.file) return toml_string(settings.beam.file->path.string());
+  return {};
+}
+
 std::string printed_parameters(std::string_view table, RadarConfig radar) {
   std::string text;
   if (radar.finds_pixels && table == kFrustum)
@@ -267,12 +308,24 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
       text += printed_line(name, toml_text(load(p.key, p.slot(radar))), p.key.summary,
                            allowed_text(p.key, p.slot(radar)), p.change);
   }
+  for (const auto& [key, form, read, print, default_text, change] : kShortForms) {
+    const std::string value = special_value(key.name, radar.settings);
+    if (!value.empty() && !name_in(table, key.name).empty())
+      text += printed_line(name_in(table, key.name), value, key.summary, allowed_text(key, form), change);
+  }
   return text;
 }
 
 }  // namespace
 
-std::span<const Parameter> parameters() { return kParameters; }
+std::span<const Parameter> parameters() {
+  static const std::vector<Parameter> all = [] {
+    std::vector<Parameter> list(kParameters.begin(), kParameters.end());
+    list.insert(list.end(), beam_parameters().begin(), beam_parameters().end());
+    return list;
+  }();
+  return all;
+}
 
 std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortForms; }
 

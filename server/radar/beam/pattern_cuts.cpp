@@ -104,6 +104,7 @@ PatternCuts read_pattern_cuts(const std::filesystem::path& file) {
   Place at{file, 0};
   if (!stream) throw InputError(file.string() + ": beam.file: cannot be read; allowed: a readable file");
   PatternCuts cuts;
+  cuts.path = file;
   std::string line;
   for (char c = 0; stream.get(c);) {
     if (c != '\n') {

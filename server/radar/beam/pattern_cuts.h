@@ -17,6 +17,7 @@ struct PatternCut {
 
 /// A measured antenna: its cuts through the boresight.
 struct PatternCuts {
+  std::filesystem::path path;
   PatternCut azimuth;
   PatternCut elevation;
 };

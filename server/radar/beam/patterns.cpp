@@ -20,13 +20,13 @@ double gaussian_gain(double offset, double width) {
 }
 
 std::optional<Taper> taper_of(const RadarSettings& s) {
-  switch (s.beam_pattern) {
+  switch (s.beam.pattern) {
     case BeamPattern::uniform:
       return Taper::uniform();
     case BeamPattern::cosine:
       return Taper::half_cosine();
     case BeamPattern::taylor:
-      return Taper::taylor(s.beam_nbar, s.beam_sidelobe_db);
+      return Taper::taylor(s.beam.nbar, s.beam.sidelobe_db);
     default:
       return std::nullopt;
   }
@@ -35,9 +35,9 @@ std::optional<Taper> taper_of(const RadarSettings& s) {
 }  // namespace
 
 AzimuthPattern::AzimuthPattern(const RadarSettings& s)
-    : kind_(s.beam_pattern), width_rad_(s.beam_width_deg * kRad), taper_(taper_of(s)), file_(s.beam_file) {
+    : kind_(s.beam.pattern), width_rad_(s.beam.width_deg * kRad), taper_(taper_of(s)), file_(s.beam.file) {
   if (kind_ == BeamPattern::off) return;
-  extent_rad_ = s.beam_extent_deg > 0 ? s.beam_extent_deg * kRad : chosen_extent_rad();
+  extent_rad_ = s.beam.extent_deg > 0 ? s.beam.extent_deg * kRad : chosen_extent_rad();
   extent_rad_ = std::min(extent_rad_, std::numbers::pi);
 }
 
@@ -78,11 +78,11 @@ double AzimuthPattern::equivalent_width_rad() const {
 }
 
 ElevationGain::ElevationGain(const RadarSettings& s, double tilt_rad)
-    : kind_(s.beam_elevation),
+    : kind_(s.beam.elevation),
       tilt_rad_(tilt_rad),
-      width_rad_(s.beam_elevation_width_deg * kRad),
-      cosecant_to_rad_(s.beam_cosecant_to_deg * kRad),
-      file_(s.beam_file) {}
+      width_rad_(s.beam.elevation_width_deg * kRad),
+      cosecant_to_rad_(s.beam.cosecant_to_deg * kRad),
+      file_(s.beam.file) {}
 
 double ElevationGain::gaussian(double offset_rad) const { return gaussian_gain(offset_rad, width_rad_); }
 

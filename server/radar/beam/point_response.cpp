@@ -10,13 +10,13 @@ namespace {
 constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 
 Taper taper_of(const RadarSettings& s) {
-  switch (s.pulse_window) {
+  switch (s.pulse.window) {
     case PulseWindow::hamming:
       return Taper::hamming();
     case PulseWindow::hann:
       return Taper::hann();
     case PulseWindow::taylor:
-      return Taper::taylor(s.pulse_nbar, s.pulse_sidelobe_db);
+      return Taper::taylor(s.pulse.nbar, s.pulse.sidelobe_db);
     case PulseWindow::none:
       break;
   }
@@ -24,11 +24,11 @@ Taper taper_of(const RadarSettings& s) {
 }
 
 double resolution_of(const RadarSettings& s) {
-  switch (s.pulse_kind) {
+  switch (s.pulse.kind) {
     case PulseKind::rectangular:
-      return kSpeedOfLight_m_s / 2 * s.pulse_length_us * 1e-6;
+      return kSpeedOfLight_m_s / 2 * s.pulse.length_us * 1e-6;
     case PulseKind::compressed:
-      return s.pulse_bandwidth_mhz > 0 ? kSpeedOfLight_m_s / 2 / (s.pulse_bandwidth_mhz * 1e6)
+      return s.pulse.bandwidth_mhz > 0 ? kSpeedOfLight_m_s / 2 / (s.pulse.bandwidth_mhz * 1e6)
                                        : (s.r_max_m - s.r_min_m) / s.range_bins;
     case PulseKind::off:
       break;
@@ -39,9 +39,9 @@ double resolution_of(const RadarSettings& s) {
 }  // namespace
 
 PointResponse::PointResponse(const RadarSettings& settings)
-    : kind_(settings.pulse_kind),
+    : kind_(settings.pulse.kind),
       resolution_m_(resolution_of(settings)),
-      half_pulse_m_(kSpeedOfLight_m_s / 2 * settings.pulse_length_us * 1e-6),
+      half_pulse_m_(kSpeedOfLight_m_s / 2 * settings.pulse.length_us * 1e-6),
       taper_(taper_of(settings)) {}
 
 double PointResponse::at(double offset_m) const {

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <numbers>
 
-#include "server/radar/echo/antenna_pattern.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 
@@ -46,7 +45,8 @@ void EchoBins::restart(AzimuthRange range) {
 
 std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
-  const AntennaPattern pattern(plan_.settings().gain_db);
+  const AntennaGain& antenna = plan_.antenna_gain();
+  const glm::dvec3& at_m = plan_.sector().antenna_m;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
@@ -63,7 +63,8 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       sigma = scattering_.cross_section_m2(
           samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
     // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
-    const double gain = pattern.power_gain(samples.azimuth_offset_rad[k], samples.sin_elevation[k]);
+    const double gain =
+        antenna.power_gain(samples.sin_elevation[k], samples.x_m[k] - at_m.x, samples.z_m[k] - at_m.z, r);
     const double power = range_constant_ * gain * gain * sigma / placed_.spreading[k];
     const auto azimuth = static_cast<std::size_t>(samples.azimuth_bin[k] - range_.first);
     const std::size_t bin = azimuth * n_range + static_cast<std::size_t>(range_bin);
@@ -81,12 +82,11 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       const std::uint32_t face = samples.face[k];
       const std::uint64_t ground =
           static_cast<std::uint64_t>(face) << 32 | placed_.level[k] | samples.material[k];
-      const glm::dvec3 at_m(samples.x_m[k], plan_.sector().antenna_m.y + r * samples.sin_elevation[k],
-                            samples.z_m[k]);
+      const glm::dvec3 point_m(samples.x_m[k], at_m.y + r * samples.sin_elevation[k], samples.z_m[k]);
       sums_[azimuth].add(static_cast<std::uint32_t>(range_bin),
                          face == kNoFace
                              ? ScattererKey(placed_.cell[k], ground)
-                             : ScattererKey(speckle_.scatterer(r, at_m, face, samples.material[k])),
+                             : ScattererKey(speckle_.scatterer(r, point_m, face, samples.material[k])),
                          power);
     }
   }
@@ -114,7 +114,7 @@ void EchoBins::add_speckle() {
 }
 
 void EchoBins::write(BinBlock& block) {
-  if (plan_.settings().speckle == SpeckleKind::ground) add_speckle();
+  if (plan_.settings().speckle != SpeckleKind::geometric) add_speckle();
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
     block.iq[bin] = std::complex<float>(voltage_[bin]);
     block.power_w[bin] = power_w_[bin];

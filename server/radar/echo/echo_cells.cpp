@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/echo/antenna_pattern.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
@@ -19,9 +18,10 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
       table_(scattering.echo_table()) {
   const double four_pi = 4 * std::numbers::pi;
   const double lambda = plan.wavelength_m();
-  const double gain = AntennaPattern(plan.settings().gain_db).power_gain(0, 0);
+  const double gain = plan.antenna_gain().peak();
   table_.factor = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi) * gain * gain;
   table_.range_normalisation = plan.settings().range_normalisation;
+  table_.elevation = plan.antenna_gain().elevation();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   where_ = {};
   where_.antenna_x_m = antenna.x;
@@ -115,6 +115,13 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
   faces_.material[k] = material;
   faces_.power_w[k] =
       table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
+  if (table_.elevation.gain != nullptr) {
+    const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
+    const double gain =
+        plan_.antenna_gain().power_gain(offset.y / echo.range_m, offset.x, offset.z, echo.range_m) /
+        plan_.antenna_gain().peak();
+    faces_.power_w[k] *= gain * gain;
+  }
   faces_.sec2[k] = echo.sec2_incidence;
   if (voltages_) {
     const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, material);

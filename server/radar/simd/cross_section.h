@@ -1,6 +1,7 @@
 #pragma once
 // ScatteringTable::cross_section_m2 of constant gamma and of geometric optics, for eight parts of surface at
 // a time.
+#include "server/radar/simd/elevation_gain.h"
 #include "server/radar/simd/exact_math.h"
 
 namespace obliq {
@@ -15,6 +16,7 @@ struct EchoTable {
   float gamma_f[256];
   double peak[256];
   double over_two_slope2[256];
+  ElevationTable elevation;
 };
 
 /// The far field begins beyond this (EchoBins), squared.

@@ -167,6 +167,11 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
         gain *= cross_section_of_area(
             cut.echo, parts.material,
             max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all_lanes(1.0F)));
+      if (cut.echo.elevation.gain != nullptr) {
+        const f32x16 height = 0.5F * (h0 + h1) + load_floats(cut.lean) * (0.5F * (d0 + d1));
+        const f32x16 towards = elevation_gain(cut.echo.elevation, height / sqrt(r01));
+        gain *= towards * towards;
+      }
       f32x16 light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
       if (cut.kept[0] != nullptr) {
         const i32x16 at = truncated(in_swath ? bin : f32x16{}) * kLanes +

@@ -17,6 +17,8 @@ struct GroundCut {
   /// Of the first eight runs and of the others: [n_range][8] share of a profile's light that buildings
   /// leave to the ground of a bin; null: all of it.
   const float* kept[2];
+  /// [16] rise of the antenna's horizon along each run: ElevationTable's lean along its bearing.
+  float lean[16];
 };
 
 /// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go

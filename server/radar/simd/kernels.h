@@ -5,6 +5,7 @@
 #include "server/radar/simd/bin_samples.h"
 #include "server/radar/simd/circles.h"
 #include "server/radar/simd/cut_at_bins.h"
+#include "server/radar/simd/echo_filters.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/free_ray_hits.h"
 #include "server/radar/simd/ground_echoes.h"
@@ -14,6 +15,7 @@
 #include "server/radar/simd/pixel_rays.h"
 #include "server/radar/simd/profile_ray_hits.h"
 #include "server/radar/simd/refine_hits.h"
+#include "server/radar/simd/speckle_draw.h"
 #include "server/radar/simd/sub_columns.h"
 #include "server/radar/simd/sum_scatterers.h"
 #include "server/radar/simd/visible_ground.h"
@@ -38,6 +40,9 @@ namespace obliq {
   K(bin_samples)            \
   K(sum_scatterers)         \
   K(ground_speckle)         \
+  K(azimuth_sum)            \
+  K(range_sum)              \
+  K(draw_speckle)           \
   K(circle_bins)            \
   K(idle_circles)
 

@@ -93,7 +93,8 @@ SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& c
           cells.table(),
           world.surface_material.empty() ? nullptr : world.surface_material.data(),
           world.grid.nx,
-          {nullptr, nullptr}};
+          {nullptr, nullptr},
+          {}};
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
 }
@@ -177,7 +178,10 @@ void SweepEchoes::start_plane(int half) {
     profiles.width_to_m[lane] = kInfinity;
     profiles.next_width_rad[lane] = &kNoWidth;
     profiles.next_width_to_m[lane] = &kInfinity;
-    cells_.set_bearing(lane + static_cast<std::size_t>(half) * SightProfiles::kLanes, bearing);
+    const std::size_t run = lane + static_cast<std::size_t>(half) * SightProfiles::kLanes;
+    cells_.set_bearing(run, bearing);
+    const ElevationTable& elevation = cut_.echo.elevation;
+    cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }
 }
 

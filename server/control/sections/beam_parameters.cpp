@@ -1,0 +1,82 @@
+// The parameters of the antenna's beam and of the pulse.
+#include <array>
+
+#include "server/control/sections/parameter_row.h"
+
+namespace obliq {
+namespace {
+
+// The lists follow their enumerations.
+constexpr std::array kBeamPatterns{Choice{"off", "BEAM_OFF"},         Choice{"gaussian", "GAUSSIAN_BEAM"},
+                                   Choice{"uniform", "UNIFORM_BEAM"}, Choice{"cosine", "COSINE_BEAM"},
+                                   Choice{"taylor", "TAYLOR_BEAM"},   Choice{"file", "FILE_BEAM"}};
+constexpr std::array kElevationPatterns{
+    Choice{"off", "ELEVATION_OFF"}, Choice{"gaussian", "GAUSSIAN_ELEVATION"},
+    Choice{"cosecant", "COSECANT_ELEVATION"}, Choice{"file", "FILE_ELEVATION"}};
+constexpr std::array kPulseKinds{Choice{"off", "PULSE_OFF"}, Choice{"rectangular", "RECTANGULAR_PULSE"},
+                                 Choice{"compressed", "COMPRESSED_PULSE"}};
+constexpr std::array kPulseWindows{Choice{"none", "NO_WINDOW"}, Choice{"hamming", "HAMMING_WINDOW"},
+                                   Choice{"hann", "HANN_WINDOW"}, Choice{"taylor", "TAYLOR_WINDOW"}};
+
+using enum ModbusWords;
+using parameter_table::row;
+
+/// Sidelobes nearer to the main lobe than 13 dB need no taper; 60 dB both ways is below any converter.
+constexpr Limits kSidelobe_db = closed(13, 60);
+
+const std::array kParameters{
+    row<&RadarSettings::beam, &BeamSettings::pattern>(
+        "beam.pattern", "", kBeamPatterns, "beam_pattern", {261, u16},
+        "The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone."),
+    row<&RadarSettings::beam, &BeamSettings::width_deg>("beam.width_deg", "deg", closed(0.05, 90),
+                                                        "beam_width_deg", {262, i32, 1e3},
+                                                        "One-way half-power beamwidth in azimuth."),
+    row<&RadarSettings::beam, &BeamSettings::sidelobe_db>(
+        "beam.sidelobe_db", "dB", kSidelobe_db, "beam_sidelobe_db", {264, u16, 1e2},
+        "How far a Taylor pattern's sidelobes lie below its peak, one way."),
+    row<&RadarSettings::beam, &BeamSettings::nbar>("beam.nbar", "", closed(2, 20), "beam_nbar", {265, u16},
+                                                   "Sidelobes of a Taylor pattern that are nearly equal."),
+    row<&RadarSettings::beam, &BeamSettings::extent_deg>(
+        "beam.extent_deg", "deg", closed(0, 180), "beam_extent_deg", {266, i32, 1e3},
+        "Beyond it the azimuth pattern is 0; 0: where it stays 30 dB down, at most four widths."),
+    row<&RadarSettings::beam, &BeamSettings::elevation>(
+        "beam.elevation", "", kElevationPatterns, "beam_elevation", {268, u16},
+        "The antenna's pattern in elevation about antenna.tilt_deg: a pencil (gaussian) or a fan "
+        "(cosecant)."),
+    row<&RadarSettings::beam, &BeamSettings::elevation_width_deg>(
+        "beam.elevation_width_deg", "deg", closed(0.05, 90), "beam_elevation_width_deg", {269, i32, 1e3},
+        "One-way half-power beamwidth in elevation."),
+    row<&RadarSettings::beam, &BeamSettings::cosecant_to_deg>(
+        "beam.cosecant_to_deg", "deg", closed(0.1, 90), "beam_cosecant_to_deg", {271, i32, 1e3},
+        "Depression to which a cosecant-squared pattern reaches."),
+    row<&RadarSettings::pulse, &PulseSettings::kind>(
+        "pulse.kind", "", kPulseKinds, "pulse_kind", {273, u16},
+        "What a point becomes in range; off: it stays in its range bin."),
+    row<&RadarSettings::pulse, &PulseSettings::length_us>(
+        "pulse.length_us", "us", closed(0.001, 10000), "pulse_length_us", {274, i32, 1e3},
+        "Length of the pulse; a rectangular one resolves c/2 times it."),
+    row<&RadarSettings::pulse, &PulseSettings::bandwidth_mhz>(
+        "pulse.bandwidth_mhz", "MHz", closed(0, 5000), "pulse_bandwidth_mhz", {276, i32, 1e3},
+        "Bandwidth of a compressed pulse; 0: the range bin is its resolution, c/2B."),
+    row<&RadarSettings::pulse, &PulseSettings::window>("pulse.window", "", kPulseWindows, "pulse_window",
+                                                       {278, u16},
+                                                       "Weighting of a compressed pulse over its band."),
+    row<&RadarSettings::pulse, &PulseSettings::sidelobe_db>(
+        "pulse.sidelobe_db", "dB", kSidelobe_db, "pulse_sidelobe_db", {},
+        "How far a Taylor window's range sidelobes lie below the peak."),
+    row<&RadarSettings::pulse, &PulseSettings::nbar>(
+        "pulse.nbar", "", closed(2, 20), "pulse_nbar", {},
+        "Range sidelobes of a Taylor window that are nearly equal."),
+    row<&RadarSettings::pulse, &PulseSettings::extent_bins>(
+        "pulse.extent_bins", "", closed(1, 256), "pulse_extent_bins", {},
+        "Range bins on either side that a point reaches."),
+    row<&RadarSettings::pulse, &PulseSettings::eclipse>(
+        "pulse.eclipse", "", kAny, "pulse_eclipse", {279, u16},
+        "Cut the echo of what is nearer than half a pulse: the antenna still transmits."),
+};
+
+}  // namespace
+
+std::span<const Parameter> beam_parameters() { return kParameters; }
+
+}  // namespace obliq

@@ -1,0 +1,33 @@
+#include "server/radar/beam/antenna_gain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/radar/beam/patterns.h"
+
+namespace obliq {
+namespace {
+
+/// No direction is quite dark, 160 dB both ways: a bin's ground stays there to be counted.
+constexpr double kLeastGain = 1e-8;
+
+}  // namespace
+
+AntennaGain::AntennaGain(const RadarSettings& settings, const View& view)
+    : tilt_rad_(view.tilt_rad), peak_(std::pow(10.0, settings.gain_db / 10)) {
+  if (settings.beam.elevation == ElevationPattern::off) return;
+  const ElevationGain pattern(settings, view.tilt_rad);
+  constexpr int kSteps = ElevationTable::kSteps;
+  table_.from = std::clamp(view.least_sine, -1.0, 1.0);
+  const double to = std::clamp(view.greatest_sine, table_.from + 1e-3, 1.01);
+  table_.per_sine = kSteps / (to - table_.from);
+  table_.lean_x = view.lean_x;
+  table_.lean_z = view.lean_z;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double sine = std::min(1.0, table_.from + k / table_.per_sine);
+    gains_.push_back(static_cast<float>(std::max(kLeastGain, pattern.power_gain(std::asin(sine)))));
+  }
+  table_.gain = gains_.data();
+}
+
+}  // namespace obliq

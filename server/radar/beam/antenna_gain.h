@@ -1,0 +1,45 @@
+#pragma once
+#include <vector>
+
+#include "server/radar/settings.h"
+#include "server/radar/simd/elevation_gain.h"
+
+namespace obliq {
+
+/// One-way power gain of the antenna over elevation, as samples and echoes need it: a table over the sines
+/// that surface in the swath may have. Its bearings are the beam's (AzimuthPattern). Immutable.
+class AntennaGain {
+ public:
+  /// Sines of elevation about the world's vertical; lean: from those to sines about the antenna's own
+  /// vertical (ElevationTable).
+  struct View {
+    double tilt_rad = 0;
+    double least_sine = -1;
+    double greatest_sine = 1;
+    double lean_x = 0;
+    double lean_z = 0;
+  };
+  AntennaGain(const RadarSettings& settings, const View& view);
+  AntennaGain(const AntennaGain&) = delete;
+  AntennaGain& operator=(const AntennaGain&) = delete;
+
+  double tilt_rad() const { return tilt_rad_; }
+  /// Power gain on the boresight.
+  double peak() const { return peak_; }
+  bool has_pattern() const { return table_.gain != nullptr; }
+  const ElevationTable& elevation() const { return table_; }
+
+  /// Towards a point: its horizontal offset from the antenna and its slant range.
+  double power_gain(double sin_elevation, double dx_m, double dz_m, double range_m) const {
+    if (!has_pattern()) return peak_;
+    return peak_ * table_.at(sin_elevation + (table_.lean_x * dx_m + table_.lean_z * dz_m) / range_m);
+  }
+
+ private:
+  double tilt_rad_;
+  double peak_;
+  std::vector<float> gains_;
+  ElevationTable table_;
+};
+
+}  // namespace obliq

@@ -1,0 +1,69 @@
+#pragma once
+// How the bins of a radar with a beam and a pulse follow from sharp ones: the settings of a sharp frame with
+// a wider sector and swath, and the weights of two sums over its bins (README.md beside this file).
+#include <optional>
+#include <vector>
+
+#include "server/radar/bins.h"
+#include "server/radar/settings.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+
+/// What a plan needs to know of the place.
+struct EchoPlace {
+  double height_m = 0;       ///< of the antenna above the ground
+  double least_r_min_m = 0;  ///< what the frustum allows
+};
+
+/// Weights of a beam at one elevation, of sharp azimuths first .. first + n - 1 counted from those of the
+/// output bin.
+struct AzimuthWeights {
+  std::vector<float> voltage;
+  std::vector<float> power;  ///< their squares
+};
+
+/// The plan of a blurred frame. Immutable once made.
+struct EchoPlan {
+  RadarSettings sharp;  ///< of the inner frame
+  int n_azimuth = 0;    ///< output bins
+  int n_range = 0;
+  int azimuth_parts = 1;  ///< sharp bins an output bin, each way
+  int range_parts = 1;
+  /// Sharp azimuth bin at the left edge of output bin 0; the sharp frame's bearing is turned clockwise by
+  /// this many of its bins to make it whole.
+  int first_azimuth = 0;
+  double turn_bins = 0;
+  bool wraps = false;   ///< the sharp frame goes all the way round
+  int first_range = 0;  ///< sharp range bin at the near edge of output bin 0
+  SpeckleKind speckle = SpeckleKind::ground;
+  bool range_normalisation = false;  ///< to be done with the bins
+  double power_scale = 1;            ///< from sharp powers, of 1 W and 0 dBi, to the radar's
+
+  /// Azimuth weights by tiles of kTile sharp range bins, all of the same length: the beam is wider on the
+  /// ground where it looks steeply down. The first is of sharp azimuth first_azimuth + first_tap.
+  static constexpr int kTile = 64;
+  int first_tap = 0;
+  int n_taps = 1;
+  std::vector<AzimuthWeights> tiles;
+  /// Of sharp range bins first_range + first_gate_tap + j from an output bin's first.
+  int first_gate_tap = 0;
+  std::vector<float> gate_voltage, gate_power;
+  /// [sharp.range_bins] what the sharp bins are multiplied by: eclipsing. Empty: 1.
+  std::vector<float> amplitude;
+  /// Gate m's phase with speckle "none": -4 pi r / lambda.
+  double wavelength_m = 0;
+
+  bool draws() const { return speckle == SpeckleKind::none || speckle == SpeckleKind::independent; }
+  /// Sharp azimuth of tap 0 of an output bin; counted on beyond the edges where the frame wraps.
+  int first_row(int output) const { return first_azimuth + output * azimuth_parts + first_tap; }
+};
+
+/// Whether the bins of these settings are made from sharp ones.
+inline bool needs_echo_plan(const RadarSettings& s) { return blurs(s) || draws_speckle(s); }
+
+/// Of settings that need one. Nothing, with a reason, where the sector leaves no room.
+std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace& place,
+                                  std::vector<FieldError>& errors);
+
+}  // namespace obliq

@@ -1,0 +1,76 @@
+#pragma once
+#include <deque>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "server/radar/beam/sharp_wedge.h"
+
+namespace obliq {
+
+/// Sharp wedges that outlive a rendering: the next dwell of a scan looks at most of them again. Bounded; from
+/// any thread.
+class SharpStore {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+
+  /// Null: not there, or without I&Q though it is wanted.
+  SharpWedgePtr find(int sharp_wedge, bool iq, bool states) const;
+  /// Keeps it for as long as there is room: what came first goes first.
+  void keep(int sharp_wedge, bool states, SharpWedgePtr wedge);
+  std::size_t bytes() const;
+
+ private:
+  struct Kept {
+    SharpWedgePtr wedge;
+    bool states;
+  };
+  mutable std::mutex mutex_;
+  std::map<int, Kept> kept_;
+  std::deque<int> order_;
+  std::size_t bytes_ = 0;
+};
+
+/// The sharp wedges that the output wedges [first, end) of one rendering are made from, in the order in which
+/// they are wanted, and those that are there. An output wedge is ready when all of its own are. From any
+/// thread.
+class EchoRows {
+ public:
+  EchoRows(const EchoPlan& plan, int first, int end);
+
+  /// Sharp wedges to render, in order.
+  int n_sharp() const { return static_cast<int>(order_.size()); }
+  int sharp_wedge(int k) const { return order_[static_cast<std::size_t>(k)]; }
+
+  void take(int sharp_wedge, SharpWedgePtr wedge);
+
+  /// An output wedge that is ready and that nobody has been given.
+  struct Ready {
+    int wedge = 0;
+    AzimuthRange azimuths;
+    std::vector<SharpWedgePtr> owners;    ///< of what `rows` points to
+    std::vector<const SharpWedge*> rows;  ///< by sharp azimuth, as EchoSums takes them
+    FrameStats stats;                     ///< of the sharp wedges that count as its own
+  };
+  /// False: none at the moment.
+  bool next_ready(Ready& ready);
+
+ private:
+  struct Output {
+    std::vector<int> sharp;  // wedges, each once
+    int missing = 0;
+  };
+  std::vector<int> sharp_rows(int output) const;
+  int owner_of(int sharp_wedge) const;
+
+  const EchoPlan& plan_;
+  int first_;
+  std::vector<Output> outputs_;
+  std::vector<int> order_;
+  std::mutex mutex_;
+  std::map<int, SharpWedgePtr> there_;
+  std::map<int, int> users_;  // outputs that still need a sharp wedge
+  std::deque<int> ready_;     // outputs, counted from first_
+};
+
+}  // namespace obliq

@@ -1,0 +1,168 @@
+#include "server/radar/beam/echo_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/simd/exact_math.h"
+#include "terrain/base/hash.h"
+
+namespace obliq {
+namespace {
+
+constexpr int kIq = 0;
+constexpr int kPower = 1;
+constexpr int kOutputs = AzimuthSum::kOutputs;
+constexpr std::size_t kSpare = 64;
+
+std::vector<float> padded(const std::vector<float>& taps, int step) {
+  std::vector<float> all(taps.size() + 2 * static_cast<std::size_t>((kOutputs - 1) * step));
+  std::ranges::copy(taps, all.begin() + (kOutputs - 1) * step);
+  return all;
+}
+
+/// What a bin of several sharp ones is: the first of these that one of them is.
+BinState joined(BinState a, BinState b) {
+  for (const BinState state :
+       {BinState::sampled, BinState::not_sampled, BinState::shadow, BinState::no_surface})
+    if (a == state || b == state) return state;
+  return BinState::nearer_than_ground;
+}
+
+}  // namespace
+
+EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
+    : plan_(plan), kernels_(kernels), stride_(sharp_stride(plan)), zeros_(2 * stride_) {
+  // A kernel may reach beyond the sharp swath where the near side had no room.
+  pad_ = plan.gate_voltage.size() + kSpare;
+  for (const AzimuthWeights& tile : plan.tiles) {
+    voltage_.push_back(padded(tile.voltage, plan.azimuth_parts));
+    power_.push_back(padded(tile.power, plan.azimuth_parts));
+  }
+  for (const int kind : {kIq, kPower}) {
+    const std::size_t floats = kind == kIq ? 2 : 1;
+    rows_[kind].assign(kOutputs, std::vector<float>(floats * (stride_ + 2 * pad_)));
+    ranges_[kind].assign(floats * (stride_ + kSpare), 0);
+  }
+  const RadarSettings& s = plan.sharp;
+  const double sharp_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  for (int m = 0; m < plan.n_range; ++m) {
+    const double range_m = s.r_min_m + (plan.first_range + (m + 0.5) * plan.range_parts) * sharp_m;
+    const double round_trips = 2 * range_m / plan.wavelength_m;
+    const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));
+    phase_.emplace_back(static_cast<float>(at.cos), static_cast<float>(at.sin));
+    if (plan.range_normalisation) range2_m2_.push_back(range_m * range_m);
+  }
+}
+
+int EchoSums::sharp_azimuth(int row) const {
+  if (!plan_.wraps) return row;
+  const int all = plan_.sharp.azimuth_bins;
+  return ((row % all) + all) % all;
+}
+
+void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, BinBlock& bins) {
+  const auto step = static_cast<std::size_t>(plan_.azimuth_parts);
+  const int first_row = plan_.first_row(bins.first_azimuth);
+  const bool coherent = iq && !plan_.draws();
+  const std::size_t n_group = (kOutputs - 1) * step + static_cast<std::size_t>(plan_.n_taps);
+  Rows iq_rows(n_group), power_rows(n_group);
+  for (int first = 0; first < bins.n_azimuth; first += kOutputs) {
+    for (std::size_t k = 0; k < n_group; ++k) {
+      const std::size_t row = static_cast<std::size_t>(first) * step + k;
+      const SharpWedge* const wedge = row < rows.size() ? rows[row] : nullptr;
+      const int azimuth = sharp_azimuth(first_row + static_cast<int>(row));
+      power_rows[k] = wedge == nullptr ? zeros_.data() : wedge->power_row(azimuth);
+      iq_rows[k] = wedge == nullptr || !coherent ? zeros_.data() : wedge->iq_row(azimuth);
+    }
+    sum_azimuths(power_rows, kPower);
+    if (coherent) sum_azimuths(iq_rows, kIq);
+    for (int o = 0; o < std::min(kOutputs, bins.n_azimuth - first); ++o) {
+      const auto lane = static_cast<std::size_t>(o);
+      const std::size_t row = static_cast<std::size_t>(first + o) * static_cast<std::size_t>(plan_.n_range);
+      const bool drawn = iq && plan_.speckle == SpeckleKind::independent;
+      if (drawn) draw_row(draw, bins.first_azimuth + first + o, lane);
+      sum_ranges(kPower, lane);
+      if (coherent || drawn) sum_ranges(kIq, lane);
+      write(bins, row, iq);
+    }
+  }
+  write_ground(rows, bins);
+}
+
+/// Of kOutputs neighbouring output bins, into rows_.
+void EchoSums::sum_azimuths(const Rows& rows, int kind) {
+  const int floats = kind == kIq ? 2 : 1;
+  AzimuthSum sum{rows.data(), plan_.azimuth_parts, plan_.n_taps, nullptr, 0, floats * EchoPlan::kTile, {}};
+  for (int o = 0; o < kOutputs; ++o)
+    sum.out[o] = rows_[kind][static_cast<std::size_t>(o)].data() + static_cast<std::size_t>(floats) * pad_;
+  for (std::size_t tile = 0; tile < plan_.tiles.size(); ++tile) {
+    sum.padded_taps = (kind == kIq ? voltage_ : power_)[tile].data();
+    sum.first = static_cast<int>(tile) * floats * EchoPlan::kTile;
+    kernels_.azimuth_sum(sum);
+  }
+}
+
+/// Sharp bins of an output azimuth, each a draw of its own about its mean power.
+void EchoSums::draw_row(std::uint64_t draw, int azimuth, std::size_t lane) {
+  kernels_.draw_speckle({draw, static_cast<std::uint64_t>(azimuth) << 32, static_cast<int>(stride_),
+                         rows_[kPower][lane].data() + pad_, rows_[kIq][lane].data() + 2 * pad_});
+}
+
+/// Of one output row, into ranges_.
+void EchoSums::sum_ranges(int kind, std::size_t lane) {
+  const std::vector<float>& taps = kind == kIq ? plan_.gate_voltage : plan_.gate_power;
+  const int floats = kind == kIq ? 2 : 1;
+  const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(pad_) + plan_.first_range + plan_.first_gate_tap;
+  kernels_.range_sum({floats, static_cast<int>(taps.size()), taps.data(),
+                      rows_[kind][lane].data() + floats * from,
+                      floats * ((plan_.n_range - 1) * plan_.range_parts + 1), ranges_[kind].data()});
+}
+
+/// One row of bins, of the radar's power.
+void EchoSums::write(BinBlock& bins, std::size_t row, bool iq) const {
+  const double voltage_scale = std::sqrt(plan_.power_scale);
+  const bool from_power = plan_.speckle == SpeckleKind::none;
+  for (std::size_t m = 0; m < static_cast<std::size_t>(plan_.n_range); ++m) {
+    const std::size_t sharp = m * static_cast<std::size_t>(plan_.range_parts);
+    const double r2 = range2_m2_.empty() ? 1 : range2_m2_[m];
+    const double power_w = static_cast<double>(ranges_[kPower][sharp]) * plan_.power_scale * (r2 * r2);
+    bins.power_w[row + m] = power_w;
+    if (!iq) {
+      bins.iq[row + m] = 0;
+    } else if (from_power) {
+      bins.iq[row + m] = phase_[m] * static_cast<float>(std::sqrt(power_w));
+    } else {
+      const double scale = voltage_scale * r2;
+      bins.iq[row + m] = {static_cast<float>(static_cast<double>(ranges_[kIq][2 * sharp]) * scale),
+                          static_cast<float>(static_cast<double>(ranges_[kIq][2 * sharp + 1]) * scale)};
+    }
+  }
+}
+
+/// Count and state of the bins' own ground.
+void EchoSums::write_ground(const std::vector<const SharpWedge*>& rows, BinBlock& bins) const {
+  const int first_row = plan_.first_row(bins.first_azimuth);
+  for (int a = 0; a < bins.n_azimuth; ++a) {
+    for (int part = 0; part < plan_.azimuth_parts; ++part) {
+      const int row = a * plan_.azimuth_parts + part - plan_.first_tap;
+      const SharpWedge& wedge = *rows[static_cast<std::size_t>(row)];
+      const std::size_t from =
+          static_cast<std::size_t>(sharp_azimuth(first_row + row) - wedge.first_azimuth) *
+              static_cast<std::size_t>(wedge.n_range) +
+          static_cast<std::size_t>(plan_.first_range);
+      const std::size_t to = static_cast<std::size_t>(a) * static_cast<std::size_t>(plan_.n_range);
+      const auto parts = static_cast<std::size_t>(plan_.range_parts);
+      for (std::size_t r = 0; r < static_cast<std::size_t>(plan_.n_range) * parts; ++r) {
+        const std::size_t bin = to + r / parts;
+        const bool fresh = part == 0 && r % parts == 0;
+        const auto state = static_cast<BinState>(wedge.state[from + r]);
+        bins.count[bin] = (fresh ? 0 : bins.count[bin]) + wedge.count[from + r];
+        bins.state[bin] =
+            static_cast<std::uint8_t>(fresh ? state : joined(static_cast<BinState>(bins.state[bin]), state));
+      }
+    }
+  }
+}
+
+}  // namespace obliq

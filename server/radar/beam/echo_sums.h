@@ -1,0 +1,45 @@
+#pragma once
+#include <vector>
+
+#include "server/radar/beam/sharp_wedge.h"
+#include "server/radar/simd/kernels.h"
+
+namespace obliq {
+
+/// Makes a wedge's bins from rows of sharp ones: the beam's sum over azimuths, the draw of speckle where it
+/// is independent, the pulse's sum over ranges, the radar's power. Every bin is a fixed sum in a fixed order:
+/// the same bits from any thread and with any instruction set. Holds its buffers; one thread at a time.
+class EchoSums {
+ public:
+  /// kernels: for tests that compare instruction sets.
+  explicit EchoSums(const EchoPlan& plan, const Kernels& kernels = widest_kernels());
+
+  /// rows: of sharp azimuth plan.first_row(bins.first_azimuth) and the following, as many as rows_of() says.
+  /// draw: names the frame, for independent speckle. iq: whether I&Q is wanted.
+  void sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, BinBlock& bins);
+
+  /// Sharp rows that `n_azimuth` output bins are made from.
+  int rows_of(int n_azimuth) const { return (n_azimuth - 1) * plan_.azimuth_parts + plan_.n_taps; }
+
+ private:
+  using Rows = std::vector<const float*>;
+  void sum_azimuths(const Rows& rows, int kind);
+  void draw_row(std::uint64_t draw, int azimuth, std::size_t lane);
+  void sum_ranges(int kind, std::size_t lane);
+  void write(BinBlock& bins, std::size_t row, bool iq) const;
+  void write_ground(const std::vector<const SharpWedge*>& rows, BinBlock& bins) const;
+  int sharp_azimuth(int row) const;
+
+  const EchoPlan& plan_;
+  const Kernels& kernels_;
+  std::size_t stride_;
+  std::size_t pad_;                                  // bins before a row, zeros
+  std::vector<float> zeros_;                         // a row without ground
+  std::vector<std::vector<float>> voltage_, power_;  // [tiles] padded taps
+  std::vector<std::vector<float>> rows_[2];          // of iq and of power: [outputs][pad + stride + pad] bins
+  std::vector<float> ranges_[2];                     // a row, summed over ranges
+  std::vector<std::complex<float>> phase_;           // [n_range] with speckle "none"
+  std::vector<double> range2_m2_;                    // [n_range] of range normalisation; else empty
+};
+
+}  // namespace obliq

@@ -1,0 +1,38 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/radar/beam/echo_plan.h"
+#include "server/radar/bins.h"
+
+namespace obliq {
+
+/// A wedge of the sharp frame as the sums over it read it: rows of floats, of 1 W and 0 dBi, with zeros
+/// behind them up to whole tiles. Immutable once made.
+struct SharpWedge {
+  int first_azimuth = 0;
+  int n_azimuth = 0;
+  int n_range = 0;
+  std::size_t stride = 0;    ///< bins a row, a multiple of EchoPlan::kTile
+  std::vector<float> iq;     ///< [n_azimuth][stride][2]; empty: not wanted
+  std::vector<float> power;  ///< [n_azimuth][stride]
+  std::vector<std::uint32_t> count;
+  std::vector<std::uint8_t> state;
+  FrameStats stats;
+
+  SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins, bool with_iq);
+
+  const float* power_row(int azimuth) const { return power.data() + row(azimuth); }
+  const float* iq_row(int azimuth) const { return iq.data() + 2 * row(azimuth); }
+  std::size_t bytes() const;
+
+ private:
+  std::size_t row(int azimuth) const { return static_cast<std::size_t>(azimuth - first_azimuth) * stride; }
+};
+using SharpWedgePtr = std::shared_ptr<const SharpWedge>;
+
+/// Bins of a row of sharp ones, with what is behind them.
+std::size_t sharp_stride(const EchoPlan& plan);
+
+}  // namespace obliq

@@ -1,0 +1,36 @@
+#include "server/radar/beam/sub_bins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/beam/patterns.h"
+#include "server/radar/beam/point_response.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kBinsABeamwidth = 2;
+
+/// A whole number of parts is not one more for a last bit.
+int parts(double bins) { return static_cast<int>(std::clamp(std::ceil(bins * (1 - 1e-9)), 1.0, 1e6)); }
+
+}  // namespace
+
+double narrowest_beam_rad(const RadarSettings& s) {
+  if (s.beam.pattern == BeamPattern::file) return AzimuthPattern(s).equivalent_width_rad();
+  return s.beam.width_deg * std::numbers::pi / 180;
+}
+
+int azimuth_sub_bins(const RadarSettings& s) {
+  if (s.beam.pattern == BeamPattern::off) return 1;
+  const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
+  return parts(kBinsABeamwidth * width_rad / narrowest_beam_rad(s));
+}
+
+int range_sub_bins(const RadarSettings& s) {
+  if (s.pulse.kind == PulseKind::off) return 1;
+  return parts((s.r_max_m - s.r_min_m) / s.range_bins / PointResponse(s).resolution_m());
+}
+
+}  // namespace obliq
