@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/radar/beam/echo_rows.h"
+#include "server/radar/simd/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
@@ -142,6 +143,16 @@ std::shared_ptr<FramePlan> FramePlan::again(const PoseSettings& pose) const {
   }
   plan->seen_ = std::make_shared<SeenBuildings>(scene_->world().buildings.list.size());
   return plan;
+}
+
+WedgeEdges FramePlan::wedge_edges(int first_azimuth) const {
+  WedgeEdges edges;
+  for (int k = 0; k < kWedgeAzimuthBins; ++k) {
+    const SinCos bearing = sincos_turns(bearing_rad(first_azimuth + k) / (2 * kPi));
+    edges.sin[k] = bearing.sin;
+    edges.cos[k] = bearing.cos;
+  }
+  return edges;
 }
 
 double FramePlan::building_reach_m() const { return sector_.r_max_m + 2 * scene_->world().grid.cell_m; }

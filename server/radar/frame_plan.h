@@ -15,6 +15,7 @@
 #include "server/radar/geometry/sector_extent.h"
 #include "server/radar/profile/profile_rays.h"
 #include "server/radar/settings.h"
+#include "server/radar/simd/scatterer_owner.h"
 #include "server/scene/scene.h"
 
 namespace obliq {
@@ -91,6 +92,9 @@ class FramePlan {
   double wavelength_m() const { return wavelength_m_; }
   /// World angle of an azimuth position, in bins from the sector's left edge.
   double bearing_rad(double position) const { return sector_.bearing_rad + bins_.azimuth_edge_rad(position); }
+
+  /// Of the wedge that begins with an azimuth bin.
+  WedgeEdges wedge_edges(int first_azimuth) const;
 
   /// Indices, rising, of all buildings that overlap an azimuth bin within building_reach_m(), and of some
   /// that only come close.

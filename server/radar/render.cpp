@@ -105,7 +105,8 @@ void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
 FrameTables::FrameTables(const FramePlan& plan)
     : scattering(plan.scene().materials(), plan.wavelength_m()),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
-              plan.bins().azimuth_width_rad, plan.settings().speckle_seed),
+              plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
+              plan.adds_voltages() ? OwnerBins{plan.bins(), 1 / plan.bins().azimuth_width_rad} : OwnerBins{}),
       sub_columns(plan) {}
 
 FrameStats FrameSum::total() const {

@@ -39,7 +39,7 @@ ALLOWED = {
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
     "server/radar/beam_settings": TO_PROFILE,
-    "server/radar/settings": TO_PROFILE,
+    "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings"],
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,
     "server/radar/beam": TO_PROFILE + WORDS,

@@ -42,7 +42,7 @@ struct EchoPlan {
 
   /// Azimuth weights by tiles of kTile sharp range bins, all of the same length: the beam is wider on the
   /// ground where it looks steeply down. The first is of sharp azimuth first_azimuth + first_tap.
-  static constexpr int kTile = 64;
+  static constexpr int kTile = 16;
   int first_tap = 0;
   int n_taps = 1;
   std::vector<AzimuthWeights> tiles;

@@ -98,6 +98,8 @@ void EchoBins::add_speckle() {
   constexpr std::size_t kBlock = 512;
   double re[kBlock + ScattererLists::kSpare];
   double im[kBlock + ScattererLists::kSpare];
+  std::uint32_t at[kBlock];
+  const WedgeEdges edges = plan_.wedge_edges(range_.first);
   const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
   for (std::size_t azimuth = 0; azimuth < sums_.size(); ++azimuth) {
     ScattererSums& sums = sums_[azimuth];
@@ -105,8 +107,10 @@ void EchoBins::add_speckle() {
     std::complex<double>* const voltage = voltage_.data() + azimuth * n_range;
     for (std::size_t first = 0; first < sums.size(); first += kBlock) {
       const std::size_t n = std::min(kBlock, sums.size() - first);
+      for (std::size_t k = 0; k < n; ++k)
+        at[k] = sums.range_bin(first + k) * kWedgeAzimuthBins + static_cast<std::uint32_t>(azimuth);
       speckle_.respond({static_cast<int>(n), sums.places() + first, sums.kinds() + first,
-                        sums.powers_w() + first, re, im});
+                        sums.powers_w() + first, re, im, at, &edges});
       for (std::size_t k = 0; k < n; ++k)
         voltage[sums.range_bin(first + k)] += std::complex<double>(re[k], im[k]);
     }

@@ -41,6 +41,7 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
 
 void EchoCells::restart(AzimuthRange range) {
   range_ = range;
+  edges_ = plan_.wedge_edges(range.first);
   const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cells_.assign(n, {0, 0, 0, 0});
   shadow_.assign(n, 0);
@@ -96,7 +97,7 @@ void EchoCells::put(std::size_t at, const Scatterer& scatterer) {
 }
 
 void EchoCells::take_scatterers() {
-  speckle_.respond({n_, place_, kind_, power_w_, re_, im_});
+  speckle_.respond({n_, place_, kind_, power_w_, re_, im_, at_, &edges_});
   for (int k = 0; k < n_; ++k) {
     Cell& cell = cells_[at_[k]];
     cell.re += re_[k];
@@ -129,7 +130,8 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;
     faces_.z_m[k] = from_antenna.z;
-    faces_.hash[k] = speckle_.hash(scatterer);
+    const auto p = static_cast<std::size_t>(profile);
+    faces_.hash[k] = speckle_.hash(scatterer, OwnBin{echo.range_bin, {edges_.sin[p], edges_.cos[p]}});
     faces_.whole[k] = scatterer.level == obliq::Scatterer::kWholeFace ? 1 : 0;
   }
   ++echoes_;

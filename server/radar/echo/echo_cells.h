@@ -76,6 +76,7 @@ class EchoCells {
   Surfaces surfaces_;
   bool voltages_;
   AzimuthRange range_;
+  WedgeEdges edges_;
   EchoTable table_;
   std::vector<double> cells_per_m_;        // [n_range]
   std::vector<std::uint64_t> level_bits_;  // [n_range]

@@ -27,11 +27,13 @@ double side_of(const Scatterer& s) {
 }  // namespace
 
 SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m,
-                           double range_spacing_m, double azimuth_width_rad, std::int64_t seed)
+                           double range_spacing_m, double azimuth_width_rad, std::int64_t seed,
+                           const OwnerBins& owners)
     : world_(world),
       antenna_m_(antenna_m),
       wavelength_m_(wavelength_m),
-      seed_(mix64(static_cast<std::uint64_t>(seed))) {
+      seed_(mix64(static_cast<std::uint64_t>(seed))),
+      owners_(owners) {
   for (int octave = 0; octave < 64; ++octave) {
     const double side = 0.5 * std::min(range_spacing_m, std::ldexp(azimuth_width_rad, octave));
     level_of_octave_[octave] = static_cast<std::int16_t>(std::clamp(std::ilogb(side), kFinestLevel, 20));
@@ -87,12 +89,20 @@ bool SpeckleField::lies_in_one_cell(const BuildingFace& face, double side_m) con
          is_near(all.ring_xz_m[edge_of_wall(all, index).from]);
 }
 
-std::uint64_t SpeckleField::hash(const Scatterer& s) const {
+std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const {
   const ScattererKey key(s);
-  const std::uint64_t kind = key.kind & 0xffffffffull;
+  const std::uint64_t kind = (key.kind & 0xffffffffull) | owner;
   if (s.face == kNoFace) return mix64(mix64(seed_ ^ key.place) ^ kind);
   const std::uint64_t of_face = mix64(seed_ ^ world_.buildings.faces[s.face].identity);
-  return s.level == Scatterer::kWholeFace ? of_face : mix64(mix64(of_face ^ key.place) ^ kind);
+  if (s.level != Scatterer::kWholeFace) return mix64(mix64(of_face ^ key.place) ^ kind);
+  return owner == 0 ? of_face : mix64(of_face ^ owner);
+}
+
+std::uint64_t SpeckleField::hash(const Scatterer& s, const OwnBin& bin) const {
+  if (!has_owners()) return hash(s, std::uint64_t{0});
+  const glm::dvec3 from_antenna = reference_point(s) - antenna_m_;
+  return hash(s, owner_code(owners_, from_antenna.x, from_antenna.z, glm::length(from_antenna),
+                            static_cast<double>(bin.range_bin), bin.left_edge.sin, bin.left_edge.cos));
 }
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
@@ -102,16 +112,21 @@ glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
     return centre_m + side_of(s) * glm::dvec3(s.x_cell, s.y_cell, s.z_cell);
   }
   const double side = side_of(s);
-  const double x = (s.x_cell + 0.5) * side;
-  const double z = (s.z_cell + 0.5) * side;
+  double x = (s.x_cell + 0.5) * side;
+  double z = (s.z_cell + 0.5) * side;
+  if (has_owners()) {
+    const std::uint64_t place_hash = mix64(ScattererKey(s).place ^ seed_);
+    x += (jitter<double>(place_hash, 0) - 0.5) * side;
+    z += (jitter<double>(place_hash, 16) - 0.5) * side;
+  }
   const double y = world_.grid.height_at_m(x, z);
   // A cell whose centre has no ground (the edge of a void) takes the datum surface: fixed, like the rest.
   return {x, std::isnan(y) ? world_.frame.datum_y_m(x, z) : y, z};
 }
 
-std::complex<double> SpeckleField::response(const Scatterer& s) const {
+std::complex<double> SpeckleField::response(const Scatterer& s, const OwnBin& bin) const {
   const double range_m = glm::length(reference_point(s) - antenna_m_);
-  const std::uint64_t h = hash(s);
+  const std::uint64_t h = hash(s, bin);
   const double own_turns = static_cast<double>(h >> 32) * 0x1p-32;
   // Phase in turns, -4 pi r / lambda = -2 pi (2 r / lambda): reduced modulo one turn before any sine.
   const double round_trips = 2 * range_m / wavelength_m_;
@@ -125,11 +140,17 @@ std::complex<double> SpeckleField::response(const Scatterer& s) const {
 }
 
 void SpeckleField::respond(const SpeckleBlock& block) const {
-  widest_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_}, block);
+  widest_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_, owners_},
+                                  block);
   for (int k = 0; k < block.n; ++k) {
     const ScattererKey key(block.place[k], block.kind[k]);
     if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;
-    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(key.scatterer());
+    OwnBin bin;
+    if (has_owners()) {
+      const std::uint32_t azimuth = block.at[k] % 8;
+      bin = {static_cast<int>(block.at[k] / 8), {block.edges->sin[azimuth], block.edges->cos[azimuth]}};
+    }
+    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(key.scatterer(), bin);
     block.re[k] = voltage.real();
     block.im[k] = voltage.imag();
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/radar/simd/bin_samples.h"
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/ground_speckle.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/base/hash.h"
@@ -62,11 +63,20 @@ struct ScattererKey {
   }
 };
 
+/// The bin that a scatterer's power lies in.
+struct OwnBin {
+  int range_bin = 0;
+  SinCos left_edge{};  ///< bearing of its azimuth bin's left edge
+};
+
 /// Amplitude and phase of scatterers for one frame geometry. Immutable.
 class SpeckleField {
  public:
   SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m, double range_spacing_m,
-               double azimuth_width_rad, std::int64_t seed);
+               double azimuth_width_rad, std::int64_t seed, const OwnerBins& owners = {});
+
+  /// Each scatterer is in one bin (simd/scatterer_owner.h).
+  bool has_owners() const { return owners_.per_rad > 0; }
 
   /// The scatterer of a sample. Cell side: the largest power of two metres that is at most half of
   /// min(range spacing, r0 x azimuth width), r0 the power of two at or below the slant range.
@@ -75,7 +85,8 @@ class SpeckleField {
 
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for a cell, unit modulus for a face
   /// that is no larger than one.
-  std::complex<double> response(const Scatterer& scatterer) const;
+  /// bin: with an owner rule, that of the power.
+  std::complex<double> response(const Scatterer& scatterer, const OwnBin& bin = {}) const;
 
   /// sqrt(power) response of the block's scatterers, the same to the bit.
   void respond(const SpeckleBlock& block) const;
@@ -83,17 +94,20 @@ class SpeckleField {
   /// The ground cells by octave of slant range, in `cells`.
   void describe_cells(SwathCells& cells) const;
 
-  std::uint64_t hash(const Scatterer& scatterer) const;
+  /// Bits of its amplitude and phase for power in that bin.
+  std::uint64_t hash(const Scatterer& scatterer, const OwnBin& bin = {}) const;
   /// Where its phase is taken.
   glm::dvec3 reference_point(const Scatterer& scatterer) const;
 
  private:
+  std::uint64_t hash(const Scatterer& scatterer, std::uint64_t owner) const;
   bool lies_in_one_cell(const BuildingFace& face, double side_m) const;
 
   const World& world_;
   glm::dvec3 antenna_m_;
   double wavelength_m_;
   std::uint64_t seed_;
+  OwnerBins owners_;
   std::int16_t level_of_octave_[64];  // indexed by floor(log2 r), clamped to 0..63
   double cells_per_m_[64];            // 2^-level of the same octave: exact
 };

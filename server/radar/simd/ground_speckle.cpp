@@ -49,20 +49,33 @@ OBLIQ_INLINE void ask_for_heights(const GridView& grid, const SpeckleBlock& bloc
 
 void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
   constexpr int kAhead = 4 * kLanes;
+  const bool owned = ground.owners.per_rad > 0;
   const double per_cell = 1 / ground.view.grid.cell_m;
   for (int k = 0; k < kAhead && k < block.n; k += kLanes)
     ask_for_heights(ground.view.grid, block, k, per_cell);
   for (int k = 0; k < block.n; k += kLanes) {
     if (k + kAhead < block.n) ask_for_heights(ground.view.grid, block, k + kAhead, per_cell);
     const u64x8 place = load_u64(block.place + k);
-    const u64x8 kind = load_u64(block.kind + k) & 0xffffffffull;
-    const auto [x, z] = centre_of(place, kind);
+    u64x8 kind = load_u64(block.kind + k) & 0xffffffffull;
+    const u64x8 place_hash = mix_words(place ^ ground.seed);
+    auto [x, z] = centre_of(place, kind);
+    if (owned) {
+      const f64x8 side = as_doubles(((((kind >> 8) & 0xffff) ^ 0x8000) - std::uint64_t{0x8000 - 1023}) << 52);
+      x += (jitter<f64x8>(place_hash, 0) - 0.5) * side;
+      z += (jitter<f64x8>(place_hash, 16) - 0.5) * side;
+    }
     const f64x8 dx = x - ground.view.antenna_x_m;
     const f64x8 dy = height_at(ground.view.grid, x, z) - ground.view.antenna_y_m;
     const f64x8 dz = z - ground.view.antenna_z_m;
     const f64x8 range = sqrt(dx * dx + dy * dy + dz * dz);
 
-    const u64x8 hash = mix_words(mix_words(place ^ ground.seed) ^ kind);
+    if (owned) {
+      u64x8 at{};
+      for (int lane = 0; lane < kLanes; ++lane) at[lane] = k + lane < block.n ? block.at[k + lane] : 0;
+      kind |= owner_code(ground.owners, dx, dz, range, to_doubles(at / 8), gather(block.edges->sin, at % 8),
+                         gather(block.edges->cos, at % 8));
+    }
+    const u64x8 hash = mix_words(place_hash ^ kind);
     const f64x8 own_turns = to_doubles(hash >> 32) * 0x1p-32;
     const f64x8 round_trips = 2.0 * range / ground.wavelength_m;
     const SinCosOf<f64x8> at = sincos_turns(own_turns - (round_trips - floor(round_trips)));

@@ -3,6 +3,7 @@
 
 #include "server/radar/simd/grid_view.h"
 #include "server/radar/simd/kernel.h"
+#include "server/radar/simd/scatterer_owner.h"
 
 namespace obliq {
 
@@ -11,6 +12,7 @@ struct SpeckleGround {
   GroundView view;
   double wavelength_m;
   std::uint64_t seed;
+  OwnerBins owners{};  ///< with a rule, reference points lie anywhere in their cells, else in their middles
 };
 
 /// Scatterers as keys (ScattererKey), and what they answer with. The arrays are read and written up to a
@@ -22,6 +24,9 @@ struct SpeckleBlock {
   const double* power_w;
   double* re;  ///< sqrt(power) response, as if all were ground; NaN where a cell's centre has no known ground
   double* im;
+  /// With an owner rule: range bin x 8 + azimuth bin of the wedge, and the wedge's edges.
+  const std::uint32_t* at = nullptr;
+  const WedgeEdges* edges = nullptr;
 };
 
 /// The same bits whatever the instruction set.

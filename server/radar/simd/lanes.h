@@ -62,6 +62,11 @@ OBLIQ_INLINE double as_doubles(std::uint64_t bits) { return __builtin_bit_cast(d
 /// Whole numbers from 0 to 2^52.
 OBLIQ_INLINE double to_doubles(std::uint64_t whole) { return static_cast<double>(whole); }
 
+/// Whole numbers of either sign, |x| < 2^51, in two's complement.
+OBLIQ_INLINE std::uint64_t to_i64(double whole) {
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(whole));
+}
+
 #if defined(OBLIQ_ISA)
 
 // Eight doubles.
