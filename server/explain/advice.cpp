@@ -219,7 +219,7 @@ std::string change_text(const Comparison& c) {
 std::string words(const Comparison& c, const Explanation& all) {
   if (!c.reason.empty()) return "not measured: " + c.reason + ".";
   if (c.ingredient == Ingredient::speckle) {
-    const bool ground = all.facts.settings.speckle == SpeckleKind::ground;
+    const bool ground = resolved_speckle(all.facts.settings) != SpeckleKind::geometric;
     return fmt::format(
         "{} where I&Q is used from pulse to pulse, since geometric follows the sampling; powers are the "
         "same: {} {}.",

@@ -110,8 +110,10 @@ class Experiment {
     loaded.fine = plan(loaded, comparison(kComparisonSource, kComparisonDensity));
   }
 
+  /// What is compared are sharp bins: the beam has rows of its own.
   std::shared_ptr<const FramePlan> plan(const LoadedScene& loaded, const RadarSettings& settings) const {
-    const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
+    const auto snapshot =
+        std::make_shared<const SettingsSnapshot>(SettingsSnapshot{sharp_settings(settings), 1});
     const PlanResult planned = plan_frame(loaded.scene, snapshot, loaded.pose);
     if (!planned.plan) throw InputError("radar \"" + input_.radar + "\": " + all_text(planned.errors));
     return planned.plan;
@@ -231,7 +233,7 @@ class Experiment {
     const WedgePlanes geometric = frame(SpeckleKind::geometric);
     result_.ground_speckle = measure_speckle(ground);
     result_.geometric_speckle = measure_speckle(geometric);
-    const bool is_ground = input_.settings.speckle == SpeckleKind::ground;
+    const bool is_ground = resolved_speckle(input_.settings) != SpeckleKind::geometric;
     Comparison c = named(Ingredient::speckle, "speckle", is_ground ? "geometric" : "ground");
     RangeBins ranges = ranges_;
     ranges.range_normalisation = input_.settings.range_normalisation;

@@ -61,7 +61,7 @@ class PixelSearch {
 
  private:
   bool good(const Pixels& pixels, const std::vector<int>& wedges) {
-    RadarSettings settings = radar_.settings;
+    RadarSettings settings = sharp_settings(radar_.settings);
     settings.pixel_columns = pixels.columns;
     settings.pixel_rows = pixels.rows;
     const PlanResult planned =

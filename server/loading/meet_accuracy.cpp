@@ -96,7 +96,7 @@ class AccuracySearch {
   BinErrors measure(const ProbedRadar& p, const SamplingCase& sampling,
                     const std::shared_ptr<const Scene>& scene) {
     const auto match = match_buildings(finest_->world().buildings, scene->world().buildings);
-    return measure_errors(view_of(scene, *p.radar, with_sampling(p.radar->settings, sampling)), p.truth,
+    return measure_errors(view_of(scene, *p.radar, with_sampling(sharp_settings(p.radar->settings), sampling)), p.truth,
                           match, config_.threads)
         .errors[static_cast<int>(Returns::all)]
         .bins;
@@ -104,7 +104,7 @@ class AccuracySearch {
 
   void probe(RadarConfig& radar) {
     ProbedRadar p{&radar, {}, {}, {}};
-    RadarSettings any = radar.settings;
+    RadarSettings any = sharp_settings(radar.settings);
     any.frustum = FrustumKind::polar;  // sees from any pose, as the truth does
     const View view = view_of(finest_, radar, any);
     const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);

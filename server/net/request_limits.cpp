@@ -26,7 +26,7 @@ FrameCost cost_without_bytes(const RadarSettings& settings) {
 
 /// Of all threads.
 std::int64_t wedges_bytes(const RadarSettings& settings, const ServerOptions& options) {
-  return threads_of(options) * wedge_bytes(settings);
+  return rendering_bytes(settings, threads_of(options));
 }
 
 std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) + " x " + std::to_string(b); }

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "server/radar/beam/echo_rows.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"

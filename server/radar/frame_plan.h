@@ -21,7 +21,6 @@
 namespace obliq {
 
 class FramePlan;
-class SharpStore;  // server/radar/beam/echo_rows.h
 
 /// The geometry of a frame, worked out once for all its wedges. `plan` is null when `errors` is not empty.
 struct PlanResult {
@@ -115,10 +114,6 @@ class FramePlan {
   const FramePlan& traced() const { return sharp_ ? *sharp_ : *this; }
   /// Its bins are added up as voltages, so each scatterer must be in one of them.
   bool adds_voltages() const { return adds_voltages_; }
-  /// Keeps sharp wedges for the next rendering; null where nothing is to be shared.
-  SharpStore* sharp_store() const { return sharp_store_.get(); }
-  void share_sharp_wedges(std::shared_ptr<SharpStore> store) { sharp_store_ = std::move(store); }
-  const std::shared_ptr<SharpStore>& shared_sharp_store() const { return sharp_store_; }
 
   /// By this frame's wedges.
   SeenBuildings& seen() const { return *seen_; }
@@ -144,7 +139,6 @@ class FramePlan {
   std::shared_ptr<const AntennaGain> antenna_gain_;
   std::shared_ptr<const EchoPlan> echo_;
   std::shared_ptr<const FramePlan> sharp_;
-  std::shared_ptr<SharpStore> sharp_store_;
   bool adds_voltages_ = false;
 };
 

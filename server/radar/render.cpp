@@ -9,6 +9,7 @@
 #include "server/radar/visibility/coverage.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/hash.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
@@ -108,6 +109,10 @@ FrameTables::FrameTables(const FramePlan& plan)
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               plan.adds_voltages() ? OwnerBins{plan.bins(), 1 / plan.bins().azimuth_width_rad} : OwnerBins{}),
       sub_columns(plan) {}
+
+std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter) {
+  return mix64(checksum(radar.data(), radar.size()) ^ mix64(counter));
+}
 
 FrameStats FrameSum::total() const {
   FrameStats total;

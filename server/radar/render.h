@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <stop_token>
+#include <string_view>
 #include <vector>
 
 #include "server/radar/bins.h"
@@ -16,6 +17,7 @@
 namespace obliq {
 
 class HitObserver;  // server/radar/rays/hit_observer.h
+class SharpStore;   // server/radar/beam/echo_rows.h
 class StageTimes;   // terrain/base/stage_clock.h
 
 struct Wedge {
@@ -51,6 +53,9 @@ struct RenderOptions {
   std::uint64_t draw = 0;       ///< names the frame: independent speckle repeats with it
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
+
+/// Of a radar's frame, by the radar's name and the frame's number.
+std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter);
 
 /// Adds up wedge counts in azimuth order, whatever order the wedges arrive in: the same bits every time.
 class FrameSum {

@@ -23,6 +23,14 @@ SpeckleKind resolved_speckle(const RadarSettings& settings) {
   return turns ? SpeckleKind::independent : SpeckleKind::ground;
 }
 
+RadarSettings sharp_settings(RadarSettings settings) {
+  if (draws_speckle(settings) || settings.speckle == SpeckleKind::automatic)
+    settings.speckle = SpeckleKind::ground;
+  settings.beam = {};
+  settings.pulse = {};
+  return settings;
+}
+
 bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;

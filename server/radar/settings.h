@@ -63,6 +63,10 @@ inline bool blurs(const RadarSettings& s) {
   return s.beam.pattern != BeamPattern::off || s.pulse.kind != PulseKind::off;
 }
 
+/// The same radar as a map maker has it: bins as sharp as their edges, no pattern in elevation, speckle of
+/// scatterers. What sampling is judged by.
+RadarSettings sharp_settings(RadarSettings settings);
+
 /// I&Q follow from the mean powers of bins, and not from scatterers.
 inline bool draws_speckle(const RadarSettings& s) {
   const SpeckleKind kind = resolved_speckle(s);

@@ -9,4 +9,7 @@ namespace obliq {
 /// that wait, and hits. It leaves out the scene, the frame's plan and planes that wait to be sent.
 std::int64_t wedge_bytes(const RadarSettings& settings);
 
+/// What a rendering by so many threads holds at once: their wedges, and the sharp ones that a beam adds up.
+std::int64_t rendering_bytes(const RadarSettings& settings, std::int64_t threads);
+
 }  // namespace obliq

@@ -104,7 +104,7 @@ class WedgeThreads {
   /// A sharp wedge of the dwell before.
   bool take_kept(int index) {
     SharpWedgePtr kept =
-        plan_.sharp_store() ? plan_.sharp_store()->find(index, traced_.iq, options_.states) : nullptr;
+        options_.sharp ? options_.sharp->find(index, traced_.iq, options_.states) : nullptr;
     if (kept == nullptr) return false;
     begun_.rows->take(index, std::move(kept));
     sum_what_is_ready();
@@ -115,7 +115,7 @@ class WedgeThreads {
     const StageProbe probe(Stage::bin);
     auto sharp =
         std::make_shared<const SharpWedge>(*plan_.echo(), std::move(wedge.bins), wedge.stats, traced_.iq);
-    if (plan_.sharp_store()) plan_.sharp_store()->keep(wedge.index, options_.states, sharp);
+    if (options_.sharp) options_.sharp->keep(wedge.index, options_.states, sharp);
     begun_.rows->take(wedge.index, std::move(sharp));
     sum_what_is_ready();
   }

@@ -154,6 +154,8 @@ FrameCache::FrameCache(const FrameRenderer& renderer, std::size_t most_bytes)
 FrameCache::~FrameCache() = default;
 
 FrameRenderer::Plan FrameCache::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+  // Each frame is another draw.
+  if (resolved_speckle(settings->settings) == SpeckleKind::independent) return renderer_.plan(settings, pose);
   const std::uint64_t generation = renderer_.generation();
   if (const auto place = find(settings, pose, generation))
     if (auto again = place->again(pose)) return {std::make_unique<Frame>(std::move(again), place), {}, {}};

@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
+#include "server/radar/beam/echo_rows.h"
 #include "server/rendering/scan_schedule.h"
 #include "terrain/base/seconds.h"
 
@@ -42,8 +43,26 @@ struct ScanJob::Scan {
   SettingsPtr settings;
   ScanSchedule schedule;
   Dwell next;  ///< in order
+  /// Behind a beam: what neighbouring dwells look at both, and the antenna and scene that it is of.
+  SharpStore sharp;
+  PoseSettings sharp_pose;
+  std::uint64_t generation = 0;
+  bool moved = false;  ///< within a pass
+
+  /// The pose of a pass: each has an elevation of its own, where bars are asked for.
+  std::shared_ptr<const LiveView> at_bar(const LiveView& view) const;
   std::unique_ptr<Pass> pass;
 };
+
+std::shared_ptr<const LiveView> ScanJob::Scan::at_bar(const LiveView& view) const {
+  auto barred = std::make_shared<LiveView>(view);
+  const std::vector<double>& bars = settings->settings.scan_bars_deg;
+  if (!bars.empty()) {
+    barred->pose.tilt_deg = bars[next.pass % bars.size()];
+    barred->pose.tilt_auto = false;
+  }
+  return barred;
+}
 
 ScanJob::ScanJob(const RenderContext& context, LiveStream& stream) : context_(context), stream_(stream) {}
 
@@ -79,7 +98,7 @@ bool ScanJob::work() {
     leave_out(scan_->schedule.next(scan_->next, now));
     const Time middle = scan_->schedule.middle(scan_->next);
     if (middle <= now) {
-      view = std::make_shared<const LiveView>(start->view->at(in_nanoseconds(middle)));
+      view = scan_->at_bar(start->view->at(in_nanoseconds(middle)));
       errors = scan_->pass ? plan_dwell(*view) : begin_pass(*view, start->demands);
       if (errors.empty()) render_dwell(*view, start->stop);
     }
@@ -134,6 +153,14 @@ std::vector<FieldError> ScanJob::begin_pass(const LiveView& view, const std::vec
   auto plan = context_.renderer.plan(scan_->settings, view.pose);
   if (!plan.frame) return plan.errors;
 
+  // Sharp wedges of the pass before are those of this one while nothing has moved.
+  const std::uint64_t generation = context_.renderer.generation();
+  if (std::exchange(scan_->moved, false) || !same_antenna(view.pose, scan_->sharp_pose) ||
+      generation != scan_->generation)
+    scan_->sharp.clear();
+  scan_->sharp_pose = view.pose;
+  scan_->generation = generation;
+
   scan_->pass = std::make_unique<Pass>(stream_, stream_.next_frame_id(), std::move(plan.frame), settings,
                                        order, view, 0);
   Pass& pass = *scan_->pass;
@@ -161,6 +188,7 @@ std::vector<FieldError> ScanJob::plan_dwell(const LiveView& view) {
   if (!plan.frame) return plan.errors;
   pass.plan = std::move(plan.frame);
   pass.planned_pose = view.pose;
+  scan_->moved = true;
   return {};
 }
 
@@ -174,6 +202,7 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
   // Wedges of one dwell are finished in any order; a display is given them in the beam's.
   std::vector<Wedge> wedges;
   RenderOptions options = context_.render_options(pass.iq, pass.states, stop, nullptr);
+  options.sharp = &scan_->sharp;
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
   if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;
   const bool clockwise = scan_->schedule.is_clockwise(scan_->next.pass);

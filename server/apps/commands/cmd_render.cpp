@@ -67,6 +67,10 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
     throw InputError(
         "render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
         "\"symmetric\", \"oblique\" or \"polar\"");
+  if (arguments.samples && needs_echo_plan(radar.settings))
+    throw InputError(
+        "render: --samples: found a beam, a pulse or drawn speckle, whose bins have no pixels of their own; "
+        "allowed: beam.pattern = \"off\", pulse.kind = \"off\" and radar.speckle = \"ground\"");
   const int threads = arguments.threads > 0 ? arguments.threads : config.threads;
   StageTimes loading;
   std::optional<StageClock> clock(arguments.profile ? &loading : nullptr);
@@ -97,6 +101,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   RenderOptions options;
   options.threads = threads;
   options.observer = textures.get();
+  options.draw = frame_draw(radar.name, 0);
   options.on_wedge = [&](Wedge&& wedge) {
     copy_azimuths(wedge.bins, frame.bins);
     sum.add(wedge);

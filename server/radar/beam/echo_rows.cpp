@@ -28,6 +28,13 @@ void SharpStore::keep(int sharp_wedge, bool states, SharpWedgePtr wedge) {
   while (bytes_ > kMostBytes && order_.size() > 1) drop(order_.front());
 }
 
+void SharpStore::clear() {
+  const std::lock_guard lock(mutex_);
+  kept_.clear();
+  order_.clear();
+  bytes_ = 0;
+}
+
 std::size_t SharpStore::bytes() const {
   const std::lock_guard lock(mutex_);
   return bytes_;

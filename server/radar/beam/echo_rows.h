@@ -18,6 +18,7 @@ class SharpStore {
   SharpWedgePtr find(int sharp_wedge, bool iq, bool states) const;
   /// Keeps it for as long as there is room: what came first goes first.
   void keep(int sharp_wedge, bool states, SharpWedgePtr wedge);
+  void clear();
   std::size_t bytes() const;
 
  private:

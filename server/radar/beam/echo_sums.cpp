@@ -105,7 +105,8 @@ void EchoSums::sum_azimuths(const Rows& rows, int kind) {
 
 /// Sharp bins of an output azimuth, each a draw of its own about its mean power.
 void EchoSums::draw_row(std::uint64_t draw, int azimuth, std::size_t lane) {
-  kernels_.draw_speckle({draw, static_cast<std::uint64_t>(azimuth) << 32, static_cast<int>(stride_),
+  kernels_.draw_speckle({mix64(draw ^ static_cast<std::uint64_t>(plan_.sharp.speckle_seed)),
+                         static_cast<std::uint64_t>(azimuth) << 32, static_cast<int>(stride_),
                          rows_[kPower][lane].data() + pad_, rows_[kIq][lane].data() + 2 * pad_});
 }
 
