@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/explain/beam_lines.h"
 #include "server/explain/explanation.h"
 #include "server/explain/table.h"
 #include "terrain/base/text.h"
@@ -47,6 +48,7 @@ std::vector<std::string> scene_lines(const Explanation& all) {
   lines.push_back(
       fmt::format("The antenna is {:.0f} m above its median ground; {}; cells of {} m; {} buildings.",
                   f.height_m, earth, short_number(f.cell_m, 4), f.buildings));
+  for (std::string& line : beam_lines(f)) lines.push_back(std::move(line));
   std::string density =
       kComparisonSource.frustum == FrustumKind::sweep
           ? fmt::format("the sweep, {} planes an azimuth bin", f.columns)

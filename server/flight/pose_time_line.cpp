@@ -32,6 +32,7 @@ PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u) {
   const double turn_deg = std::remainder(b.bearing_deg - a.bearing_deg, 360.0);
   p.bearing_deg = std::remainder(a.bearing_deg + u * turn_deg, 360.0);
   if (turn_deg == 0) p.bearing_deg = a.bearing_deg;
+  p.tilt_deg = a.tilt_deg + u * (b.tilt_deg - a.tilt_deg);
   if (a.height_reference != b.height_reference || same_place(a, b)) return p;
   const bool over_ground = a.height_reference == HeightReference::ground;
   // Straight in the tangent frame of a. The scene's world frame bends space by its lift: over the 600 m of

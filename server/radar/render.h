@@ -50,7 +50,10 @@ struct RenderOptions {
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;     ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
-  std::uint64_t draw = 0;       ///< names the frame: independent speckle repeats with it
+  std::uint64_t draw = 0;       ///< names the frame (frame_draw): independent speckle repeats with it
+  /// Behind a beam: shares sharp wedges with the renderings before and after it, of one antenna and scene,
+  /// or of one that has moved little. Null: shares nothing.
+  SharpStore* sharp = nullptr;
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 

@@ -83,9 +83,9 @@ struct PoseSettings {
   double bearing_deg = 0;         ///< centre of the sector, clockwise from the antenna's true north
   std::int64_t sim_time_ns = 0;   ///< in the controller's clock (server/flight/pose_time_line.h)
   std::uint64_t pose_id = 0;
+  double valid_s = 0;      ///< stale so long after its arrival; 0: never
   double tilt_deg = 0;     ///< elevation of the boresight, about the antenna's own vertical, up positive
   bool tilt_auto = false;  ///< instead: towards level ground in the middle of the swath
-  double valid_s = 0;      ///< stale so long after its arrival; 0: never
 
   bool operator==(const PoseSettings&) const = default;
 };

@@ -37,7 +37,7 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
       config.settings;
   auto& [pattern, width, sidelobe, nbar, extent, elevation, elevation_width, cosecant_to, file] = beam;
   auto& [kind, length, bandwidth, window, range_sidelobe, range_nbar, range_extent, eclipse] = pulse;
-  auto& [latitude, longitude, height, reference, undulation, bearing, time, id, tilt, tilt_auto, valid] =
+  auto& [latitude, longitude, height, reference, undulation, bearing, time, id, valid, tilt, tilt_auto] =
       config.pose;
   const std::set<const void*> fields{
       &frequency,    &sector,  &r_min,       &r_max,     &power,     &gain,           &normalisation,

@@ -35,8 +35,10 @@ RadarConfig unlike_defaults() {
                 ScanMode::sector,
                 7,
                 16};
-  c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -4'000'000'000'000'000'000,
-            ~0ULL,  2.5};
+  c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -4'000'000'000'000'000'000, ~0ULL,
+            2.5,    -7.5,  true};
+  c.settings.beam = {BeamPattern::taylor, 2.5, 35, 5, 12, ElevationPattern::cosecant, 4, 25, nullptr};
+  c.settings.pulse = {PulseKind::compressed, 2, 3, PulseWindow::hann, 40, 6, 8, true};
   return c;
 }
 
