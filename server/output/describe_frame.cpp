@@ -167,6 +167,8 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_settings_version(plan.settings_version());
   write_message(plan.settings(), *descriptor.mutable_settings());
   write_message(pose.settings, *descriptor.mutable_pose());
+  if (pose.settings.tilt_auto)
+    descriptor.mutable_pose()->set_tilt_deg(plan.antenna_gain().tilt_rad() / kDegree_rad);
   descriptor.set_origin_latitude_deg(world.frame.origin_latitude_rad() / kDegree_rad);
   descriptor.set_origin_longitude_deg(world.frame.origin_longitude_rad() / kDegree_rad);
   descriptor.set_radius_factor(world.frame.radius_factor());

@@ -19,19 +19,20 @@ namespace obliq {
 
 class BegunWedges {
  public:
-  BegunWedges(const FramePlan& plan, int first, int end, int threads)
-      : tables(plan.traced()), first(first), end(end), work(static_cast<std::size_t>(threads)) {
+  /// Output wedges [first_wedge, end_wedge).
+  BegunWedges(const FramePlan& plan, int first_wedge, int end_wedge, int threads)
+      : tables(plan.traced()), next(first_wedge), end(end_wedge), work(static_cast<std::size_t>(threads)) {
     if (plan.echo() == nullptr) return;
-    rows.emplace(*plan.echo(), first, end);
-    this->first = 0;
-    this->end = rows->n_sharp();
+    rows.emplace(*plan.echo(), first_wedge, end_wedge);
+    next = 0;
+    end = rows->n_sharp();
   }
 
   const FrameTables tables;
   std::optional<EchoRows> rows;  // of a frame that is made from sharp wedges
   // Wedges to render: their own numbers, or places in the order of `rows`.
-  int first, end;
-  std::atomic<int> begun{0};
+  std::atomic<int> next;
+  int end;
   std::vector<std::unique_ptr<WedgeWork>> work;  // each thread's
 };
 
@@ -82,7 +83,7 @@ class WedgeThreads {
     while (!stopped() && !failed_) {
       if (begun_.rows) sum_what_is_ready();
       if (!work.begun()) {
-        const int place = begun_.first + begun_.begun++;
+        const int place = begun_.next++;
         if (place >= begun_.end) return;
         const int index = begun_.rows ? begun_.rows->sharp_wedge(place) : place;
         if (begun_.rows && take_kept(index)) continue;
@@ -103,8 +104,7 @@ class WedgeThreads {
 
   /// A sharp wedge of the dwell before.
   bool take_kept(int index) {
-    SharpWedgePtr kept =
-        options_.sharp ? options_.sharp->find(index, traced_.iq, options_.states) : nullptr;
+    SharpWedgePtr kept = options_.sharp ? options_.sharp->find(index, traced_.iq, options_.states) : nullptr;
     if (kept == nullptr) return false;
     begun_.rows->take(index, std::move(kept));
     sum_what_is_ready();

@@ -46,7 +46,7 @@ EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
   }
   const RadarSettings& s = plan.sharp;
   const double sharp_m = (s.r_max_m - s.r_min_m) / s.range_bins;
-  for (int m = 0; m < plan.n_range; ++m) {
+  for (int m = 0; m < plan.n_range && (plan.speckle == SpeckleKind::none || plan.range_normalisation); ++m) {
     const double range_m = s.r_min_m + (plan.first_range + (m + 0.5) * plan.range_parts) * sharp_m;
     const double round_trips = 2 * range_m / plan.wavelength_m;
     const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

@@ -15,7 +15,8 @@ struct ElevationTable {
   double lean_z = 0;
 
   double at(double sine) const {
-    const double step = clamp((sine - from) * per_sine, 0.0, static_cast<double>(kSteps) - 1e-6);
+    const double at = (sine - from) * per_sine;
+    const double step = at > 0 ? min(at, static_cast<double>(kSteps) - 1e-6) : 0;
     const auto k = static_cast<int>(step);
     const auto low = static_cast<double>(gain[k]);
     return low + (step - k) * (static_cast<double>(gain[k + 1]) - low);
@@ -25,8 +26,10 @@ struct ElevationTable {
 #if defined(OBLIQ_ISA)
 
 OBLIQ_INLINE f32x16 elevation_gain(const ElevationTable& table, f32x16 sine) {
-  const f32x16 step = clamp((sine - static_cast<float>(table.from)) * static_cast<float>(table.per_sine),
-                            all_lanes(0.0F), all_lanes(static_cast<float>(ElevationTable::kSteps) - 0.01F));
+  const f32x16 at = (sine - static_cast<float>(table.from)) * static_cast<float>(table.per_sine);
+  // Lanes without surface may hold anything, NaN too: they look up the first.
+  const f32x16 step =
+      min(at > 0.0F ? at : f32x16{}, all_lanes(static_cast<float>(ElevationTable::kSteps) - 0.01F));
   const i32x16 k = truncated(step);
   const f32x16 low = gather(table.gain, k);
   return low + (step - floats_of(k)) * (gather(table.gain + 1, k) - low);
