@@ -27,7 +27,7 @@ std::shared_ptr<const FramePlan> plan_of(const test::RandomScene& town) {
 BinBlock wedge_with(const FramePlan& plan, const FrameTables& tables, const Kernels& kernels) {
   const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
   EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true, kernels);
-  cells.restart(range);
+  cells.restart();
   SweepEchoes sweep(plan, range, cells, kernels);
   FrameStats stats;
   while (sweep.step(stats)) {

@@ -156,8 +156,8 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
     const f32x16 turned = r01 + (d0 * d1 + h0 * h1);
     const f32x16 lit = parts.facing * (t1 - t0) * (d0 * r1 + d1 * r0);
     const f32x16 third = (r0 * r0 + r01 + r1 * r1) * (1.0F / 3);
-    const mask16 in_swath =
-        wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) & (r01 > static_cast<float>(kNearest2_m2));
+    const mask16 in_swath = wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) &
+                            (r01 > static_cast<float>(kNearest_m * kNearest_m));
     if (any16(in_swath)) {
       f32x16 gain = parts.gain;
       const f32x16 over = 1.0F / (r01 * turned);

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <span>
 
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/sweep/ground_light.h"
 
 namespace obliq {
@@ -65,9 +63,7 @@ BuildingView::BuildingView(const FramePlan& plan, const Kernels& kernels)
 }
 
 SinCos BuildingView::bearing(double position) const {
-  const SinCos offset = sincos_turns(plan_.bins().azimuth_edge_rad(position) / (2 * std::numbers::pi));
-  const glm::dvec3 d = plan_.sector().world_from_antenna(offset.sin, 0, offset.cos);
-  return {d.x, d.z};
+  return plan_.sector().world_bearing(plan_.bins().azimuth_edge_rad(position));
 }
 
 bool BuildingView::start(int azimuth_bin, int profile) {
