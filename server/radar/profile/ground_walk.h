@@ -7,6 +7,7 @@
 
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/ground_cells.h"
+#include "server/radar/simd/horizon.h"
 #include "server/radar/simd/visible_ground.h"
 #include "terrain/height_grid.h"
 
