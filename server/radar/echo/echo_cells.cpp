@@ -99,17 +99,15 @@ void EchoCells::take_scatterers() {
 
 void EchoCells::add(int profile, const FaceEcho& echo) {
   if (surfaces_ == Surfaces::ground) return;
-  const Buildings& buildings = plan_.scene().world().buildings;
-  const std::uint8_t material = buildings.list[buildings.faces[echo.face].building].material;
   const int k = faces_.n++;
   const double range2 = echo.range_m * echo.range_m;
   faces_.at[k] = static_cast<std::uint32_t>(index(profile, echo.range_bin));
-  faces_.material[k] = material;
+  faces_.material[k] = echo.material;
   faces_.power_w[k] =
       table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
   faces_.sec2[k] = echo.sec2_incidence;
   if (voltages_) {
-    const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, material);
+    const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, echo.material);
     const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;

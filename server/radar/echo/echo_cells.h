@@ -18,6 +18,7 @@ namespace obliq {
 struct FaceEcho {
   int range_bin;
   std::uint32_t face;
+  std::uint8_t material;
   double solid_angle_sr;
   double range_m;
   double sec2_incidence;
