@@ -1,4 +1,5 @@
 #pragma once
+#include <numbers>
 #include <vector>
 
 #include "server/radar/settings.h"
@@ -41,5 +42,11 @@ class AntennaGain {
   std::vector<float> gains_;
   ElevationTable table_;
 };
+
+/// K = P lambda^2 / (4 pi)^3 of the monostatic radar equation, K G^2 sigma / r^4 (Richards 2014, eq. 2.8).
+inline double radar_equation_constant(double power_w, double wavelength_m) {
+  constexpr double kFourPi = 4 * std::numbers::pi;
+  return power_w * wavelength_m * wavelength_m / (kFourPi * kFourPi * kFourPi);
+}
 
 }  // namespace obliq

@@ -34,8 +34,7 @@ class EchoCells {
   EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
             Surfaces surfaces, bool voltages, const Kernels& kernels = widest_kernels());
 
-  /// Begins with another wedge.
-  /// For the wedge that begins with an azimuth bin.
+  /// Begins with the wedge of this first azimuth bin.
   void restart(int first_azimuth);
 
   /// The cross sections and the radar equation of all echoes.

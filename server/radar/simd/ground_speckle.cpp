@@ -70,10 +70,11 @@ void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
     const f64x8 range = sqrt(dx * dx + dy * dy + dz * dz);
 
     if (owned) {
-      u64x8 at{};
-      for (int lane = 0; lane < kLanes; ++lane) at[lane] = k + lane < block.n ? block.at[k + lane] : 0;
-      kind |= owner_code(ground.owners, dx, dz, range, to_doubles(at / 8), gather(block.edges->sin, at % 8),
-                         gather(block.edges->cos, at % 8));
+      const u64x8 bin = lane_by_lane<std::uint64_t, kLanes>([&](int lane) __attribute__((always_inline)) {
+        return k + lane < block.n ? block.at[k + lane] : 0;
+      });
+      kind |= owner_code(ground.owners, dx, dz, range, to_doubles(bin >> 3),
+                         gather(block.edges->sin, bin & 7), gather(block.edges->cos, bin & 7));
     }
     const u64x8 hash = mix_words(place_hash ^ kind);
     const f64x8 own_turns = to_doubles(hash >> 32) * 0x1p-32;
