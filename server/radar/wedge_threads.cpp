@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "server/radar/beam/echo_rows.h"
-#include "server/radar/beam/echo_sums.h"
 #include "server/radar/visibility/coverage.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/stage_clock.h"
@@ -81,7 +80,7 @@ class WedgeThreads {
       return --batches > 0 && !(options_.pause->is_due && options_.pause->is_due());
     };
     while (!stopped() && !failed_) {
-      if (begun_.rows) sum_what_is_ready();
+      if (begun_.rows) sum_what_is_ready(work);
       if (!work.begun()) {
         const int place = begun_.next++;
         if (place >= begun_.end) return;
@@ -96,6 +95,7 @@ class WedgeThreads {
       }
       if (begun_.rows) {
         take_sharp(std::move(work.wedge));
+        sum_what_is_ready(work);
       } else {
         deliver(std::move(work.wedge));
       }
@@ -107,7 +107,6 @@ class WedgeThreads {
     SharpWedgePtr kept = options_.sharp ? options_.sharp->find(index, traced_.iq, options_.states) : nullptr;
     if (kept == nullptr) return false;
     begun_.rows->take(index, std::move(kept));
-    sum_what_is_ready();
     return true;
   }
 
@@ -117,11 +116,10 @@ class WedgeThreads {
         std::make_shared<const SharpWedge>(*plan_.echo(), std::move(wedge.bins), wedge.stats, traced_.iq);
     if (options_.sharp) options_.sharp->keep(wedge.index, options_.states, sharp);
     begun_.rows->take(wedge.index, std::move(sharp));
-    sum_what_is_ready();
   }
 
   /// Output wedges of which no sharp one is missing.
-  void sum_what_is_ready() {
+  void sum_what_is_ready(WedgeWork& work) {
     EchoRows::Ready ready;
     while (!stopped() && begun_.rows->next_ready(ready)) {
       Wedge wedge;
@@ -130,7 +128,8 @@ class WedgeThreads {
         wedge.index = ready.wedge;
         wedge.bins = BinBlock(ready.azimuths.first, ready.azimuths.count, plan_.bins().n_range);
         wedge.stats = ready.stats;
-        EchoSums(*plan_.echo()).sum(ready.rows, options_.draw, options_.iq, wedge.bins);
+        if (!work.sums) work.sums = std::make_unique<EchoSums>(*plan_.echo());
+        work.sums->sum(ready.rows, options_.draw, options_.iq, wedge.bins);
         describe(wedge);
       }
       deliver(std::move(wedge));

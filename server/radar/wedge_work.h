@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "server/radar/beam/echo_sums.h"
 #include "server/radar/echo/echo_bins.h"
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/echo/scattering.h"
@@ -33,6 +34,7 @@ struct WedgeWork {
   std::unique_ptr<SampleSource> source;  ///< of samples, or
   std::unique_ptr<SweepEchoes> sweep;    ///< of echoes; both null: no wedge in hand
   std::optional<WedgeVisibility> visibility;
+  std::unique_ptr<EchoSums> sums;  ///< of a frame that is made from sharp wedges, when the first are there
   Wedge wedge;
 
   WedgeWork(const FramePlan& frame_plan, const FrameTables& frame_tables, const RenderOptions& options)

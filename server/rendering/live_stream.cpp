@@ -194,6 +194,8 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
   rendered.waited_s = waited_s;
 }
 
+std::uint64_t BegunFrame::draw() const { return frame_draw(stream.name_, frame_id); }
+
 void BegunFrame::send(std::vector<BlockPtr> blocks) const {
   stream.context_.events.on_live_blocks(stream.radar_, frame, std::move(blocks));
 }

@@ -124,6 +124,8 @@ struct BegunFrame {
              const RadarSettings& settings, const Order& order, const LiveView& view, double waited_s);
 
   void send(std::vector<BlockPtr> blocks) const;
+  /// Names it (RenderOptions).
+  std::uint64_t draw() const;
   /// FrameBegin, with the pose of `view`.
   void send_begin(const LiveView& view);
   /// FrameEnd; `rendered` is given the counts of what was rendered.

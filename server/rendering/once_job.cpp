@@ -145,6 +145,7 @@ bool OnceJob::render_slice(Frame& frame) const {
   const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
   RenderOptions options = context_.render_options(wants(wire::Plane::iq), wants(wire::Plane::state),
                                                   request.stop.get_token(), &frame.pause);
+  options.draw = frame_draw(request.radar, 0);
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);
     for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins)) {

@@ -203,6 +203,7 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
   std::vector<Wedge> wedges;
   RenderOptions options = context_.render_options(pass.iq, pass.states, stop, nullptr);
   options.sharp = &scan_->sharp;
+  options.draw = pass.draw();
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
   if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;
   const bool clockwise = scan_->schedule.is_clockwise(scan_->next.pass);

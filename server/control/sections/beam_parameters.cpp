@@ -7,15 +7,15 @@ namespace obliq {
 namespace {
 
 // The lists follow their enumerations.
-constexpr std::array kBeamPatterns{Choice{"off", "BEAM_OFF"},         Choice{"gaussian", "GAUSSIAN_BEAM"},
+constexpr std::array kBeamPatterns{Choice{"off", "OFF_BEAM"},         Choice{"gaussian", "GAUSSIAN_BEAM"},
                                    Choice{"uniform", "UNIFORM_BEAM"}, Choice{"cosine", "COSINE_BEAM"},
                                    Choice{"taylor", "TAYLOR_BEAM"},   Choice{"file", "FILE_BEAM"}};
 constexpr std::array kElevationPatterns{
-    Choice{"off", "ELEVATION_OFF"}, Choice{"gaussian", "GAUSSIAN_ELEVATION"},
+    Choice{"off", "OFF_ELEVATION"}, Choice{"gaussian", "GAUSSIAN_ELEVATION"},
     Choice{"cosecant", "COSECANT_ELEVATION"}, Choice{"file", "FILE_ELEVATION"}};
-constexpr std::array kPulseKinds{Choice{"off", "PULSE_OFF"}, Choice{"rectangular", "RECTANGULAR_PULSE"},
+constexpr std::array kPulseKinds{Choice{"off", "OFF_PULSE"}, Choice{"rectangular", "RECTANGULAR_PULSE"},
                                  Choice{"compressed", "COMPRESSED_PULSE"}};
-constexpr std::array kPulseWindows{Choice{"none", "NO_WINDOW"}, Choice{"hamming", "HAMMING_WINDOW"},
+constexpr std::array kPulseWindows{Choice{"none", "NONE_WINDOW"}, Choice{"hamming", "HAMMING_WINDOW"},
                                    Choice{"hann", "HANN_WINDOW"}, Choice{"taylor", "TAYLOR_WINDOW"}};
 
 using enum ModbusWords;

@@ -18,9 +18,9 @@ constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"obl
                                    Choice{"polar", "POLAR"}, Choice{"sweep", "SWEEP"}};
 constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
 constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
-                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}, Choice{"none", "NO_SPECKLE"},
+                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}, Choice{"none", "NONE_SPECKLE"},
                                    Choice{"independent", "INDEPENDENT_SPECKLE"},
-                                   Choice{"auto", "AUTOMATIC_SPECKLE"}};
+                                   Choice{"auto", "AUTO_SPECKLE"}};
 constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
                                 Choice{"circular", "CIRCULAR_SCAN"}};
 constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},

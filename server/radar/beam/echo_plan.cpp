@@ -158,8 +158,16 @@ struct Planner {
       const double gain = s.beam.pattern == BeamPattern::off
                               ? (plan.first_tap + j == 0 ? 1 : 0)
                               : gain_of_turning(pattern, offset_rad, cos_elevation(range_m), turn_rad());
+      if (gain == 0 && w.voltage.empty()) {
+        ++w.first;
+        continue;
+      }
       w.voltage.push_back(static_cast<float>(gain));
       w.power.push_back(static_cast<float>(gain * gain));
+    }
+    while (w.voltage.size() > 1 && w.voltage.back() == 0) {
+      w.voltage.pop_back();
+      w.power.pop_back();
     }
     return w;
   }

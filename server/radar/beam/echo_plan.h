@@ -19,6 +19,7 @@ struct EchoPlace {
 /// Weights of a beam at one elevation, of sharp azimuths first .. first + n - 1 counted from those of the
 /// output bin.
 struct AzimuthWeights {
+  int first = 0;  ///< taps that are 0 are left out on either side
   std::vector<float> voltage;
   std::vector<float> power;  ///< their squares
 };

@@ -13,6 +13,7 @@ namespace {
 constexpr int kIq = 0;
 constexpr int kPower = 1;
 constexpr int kOutputs = AzimuthSum::kOutputs;
+constexpr int kLanesOut = kWedgeAzimuthBins;  // a whole number of kOutputs
 constexpr std::size_t kSpare = 64;
 
 std::vector<float> padded(const std::vector<float>& taps, int step) {
@@ -41,7 +42,7 @@ EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
   }
   for (const int kind : {kIq, kPower}) {
     const std::size_t floats = kind == kIq ? 2 : 1;
-    rows_[kind].assign(kOutputs, std::vector<float>(floats * (stride_ + 2 * pad_)));
+    rows_[kind].assign(kLanesOut, std::vector<float>(floats * (stride_ + 2 * pad_)));
     ranges_[kind].assign(floats * (stride_ + kSpare), 0);
   }
   const RadarSettings& s = plan.sharp;
@@ -62,44 +63,47 @@ int EchoSums::sharp_azimuth(int row) const {
 }
 
 void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, BinBlock& bins) {
-  const auto step = static_cast<std::size_t>(plan_.azimuth_parts);
   const int first_row = plan_.first_row(bins.first_azimuth);
   const bool coherent = iq && !plan_.draws();
-  const std::size_t n_group = (kOutputs - 1) * step + static_cast<std::size_t>(plan_.n_taps);
-  Rows iq_rows(n_group), power_rows(n_group);
-  for (int first = 0; first < bins.n_azimuth; first += kOutputs) {
-    for (std::size_t k = 0; k < n_group; ++k) {
-      const std::size_t row = static_cast<std::size_t>(first) * step + k;
-      const SharpWedge* const wedge = row < rows.size() ? rows[row] : nullptr;
-      const int azimuth = sharp_azimuth(first_row + static_cast<int>(row));
-      power_rows[k] = wedge == nullptr ? zeros_.data() : wedge->power_row(azimuth);
-      iq_rows[k] = wedge == nullptr || !coherent ? zeros_.data() : wedge->iq_row(azimuth);
-    }
-    sum_azimuths(power_rows, kPower);
-    if (coherent) sum_azimuths(iq_rows, kIq);
-    for (int o = 0; o < std::min(kOutputs, bins.n_azimuth - first); ++o) {
-      const auto lane = static_cast<std::size_t>(o);
-      const std::size_t row = static_cast<std::size_t>(first + o) * static_cast<std::size_t>(plan_.n_range);
-      const bool drawn = iq && plan_.speckle == SpeckleKind::independent;
-      if (drawn) draw_row(draw, bins.first_azimuth + first + o, lane);
-      sum_ranges(kPower, lane);
-      if (coherent || drawn) sum_ranges(kIq, lane);
-      write(bins, row, iq);
-    }
+  const bool drawn = iq && plan_.speckle == SpeckleKind::independent;
+  Rows iq_rows(static_cast<std::size_t>(rows_of(kLanesOut)), zeros_.data());
+  Rows power_rows = iq_rows;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int azimuth = sharp_azimuth(first_row + static_cast<int>(k));
+    power_rows[k] = rows[k]->power_row(azimuth);
+    if (coherent) iq_rows[k] = rows[k]->iq_row(azimuth);
+  }
+  sum_azimuths(power_rows, kPower, bins.n_azimuth);
+  if (coherent) sum_azimuths(iq_rows, kIq, bins.n_azimuth);
+  for (int o = 0; o < bins.n_azimuth; ++o) {
+    const auto lane = static_cast<std::size_t>(o);
+    if (drawn) draw_row(draw, bins.first_azimuth + o, lane);
+    sum_ranges(kPower, lane);
+    if (coherent || drawn) sum_ranges(kIq, lane);
+    write(bins, lane * static_cast<std::size_t>(plan_.n_range), iq);
   }
   write_ground(rows, bins);
 }
 
-/// Of kOutputs neighbouring output bins, into rows_.
-void EchoSums::sum_azimuths(const Rows& rows, int kind) {
+/// Of neighbouring output bins, into rows_. Tile by tile: what a tile reads of the rows stays in the nearest
+/// cache for the next outputs.
+void EchoSums::sum_azimuths(const Rows& rows, int kind, int n_azimuth) {
   const int floats = kind == kIq ? 2 : 1;
-  AzimuthSum sum{rows.data(), plan_.azimuth_parts, plan_.n_taps, nullptr, 0, floats * EchoPlan::kTile, {}};
-  for (int o = 0; o < kOutputs; ++o)
-    sum.out[o] = rows_[kind][static_cast<std::size_t>(o)].data() + static_cast<std::size_t>(floats) * pad_;
   for (std::size_t tile = 0; tile < plan_.tiles.size(); ++tile) {
-    sum.padded_taps = (kind == kIq ? voltage_ : power_)[tile].data();
-    sum.first = static_cast<int>(tile) * floats * EchoPlan::kTile;
-    kernels_.azimuth_sum(sum);
+    const AzimuthWeights& weights = plan_.tiles[tile];
+    for (int output = 0; output < n_azimuth; output += kOutputs) {
+      AzimuthSum sum{rows.data() + weights.first + output * plan_.azimuth_parts,
+                     plan_.azimuth_parts,
+                     static_cast<int>(weights.voltage.size()),
+                     (kind == kIq ? voltage_ : power_)[tile].data(),
+                     static_cast<int>(tile) * floats * EchoPlan::kTile,
+                     floats * EchoPlan::kTile,
+                     {}};
+      for (int o = 0; o < kOutputs; ++o)
+        sum.out[o] = rows_[kind][static_cast<std::size_t>(output + o)].data() +
+                     static_cast<std::size_t>(floats) * pad_;
+      kernels_.azimuth_sum(sum);
+    }
   }
 }
 

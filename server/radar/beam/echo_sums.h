@@ -23,7 +23,7 @@ class EchoSums {
 
  private:
   using Rows = std::vector<const float*>;
-  void sum_azimuths(const Rows& rows, int kind);
+  void sum_azimuths(const Rows& rows, int kind, int n_azimuth);
   void draw_row(std::uint64_t draw, int azimuth, std::size_t lane);
   void sum_ranges(int kind, std::size_t lane);
   void write(BinBlock& bins, std::size_t row, bool iq) const;
