@@ -52,7 +52,7 @@ std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding) {
   return plane == Plane::iq && encoding == IqEncoding::ci16_le ? 4 : bytes_per_bin(plane);
 }
 
-double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out) {
+double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out, double step) {
   const auto in = components(values);
   float largest = 0;
   for (const float value : in) {
@@ -60,11 +60,12 @@ double encode_ci16(std::span<const std::complex<float>> values, std::span<std::b
     if (size > largest && std::isfinite(size)) largest = size;
   }
   // In double neither the scale of the smallest float nor its inverse leaves the range of normal numbers.
-  const double scale = static_cast<double>(largest) / kFullScale;
-  const double per_value = largest > 0 ? kFullScale / static_cast<double>(largest) : 0;
+  const bool in_steps = step > 0 && static_cast<double>(largest) < (kFullScale + 1.5) * step;
+  const double scale = in_steps ? step : static_cast<double>(largest) / kFullScale;
+  const double per_value = in_steps ? 1 / step : largest > 0 ? kFullScale / static_cast<double>(largest) : 0;
   for (std::size_t i = 0; i < in.size(); ++i) {
     const double steps = static_cast<double>(in[i]) * per_value;
-    const double clamped = std::isnan(steps) ? 0 : std::clamp(steps, -kFullScale, kFullScale);
+    const double clamped = std::isnan(steps) ? 0 : std::clamp(steps, in_steps ? -kFullScale - 1 : -kFullScale, kFullScale);
     const auto integer = static_cast<std::int16_t>((clamped + kRounding) - kRounding);
     std::memcpy(out.data() + 2 * i, &integer, sizeof integer);
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/radar/rays/ray_samples.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/sweep/sweep_samples.h"
 #include "server/radar/visibility/bin_states.h"
 #include "server/radar/visibility/coverage.h"
@@ -118,7 +119,9 @@ Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pos
   Frame frame;
   frame.bins = BinBlock(azimuths.first, azimuths.count, plan.bins().n_range);
   FrameSum sum(plan.settings());
+  const Receiver own(plan.settings(), "", plan.settings().receiver.noise_frame);
   RenderOptions with_copy = options;
+  if (with_copy.receiver == nullptr) with_copy.receiver = &own;
   with_copy.on_wedge = [&](Wedge&& wedge) {
     sum.add(wedge);
     copy_azimuths(wedge.bins, frame.bins);

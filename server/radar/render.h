@@ -16,6 +16,7 @@
 namespace obliq {
 
 class HitObserver;  // server/radar/rays/hit_observer.h
+class Receiver;     // server/radar/receiver/receiver.h
 class StageTimes;   // terrain/base/stage_clock.h
 
 struct Wedge {
@@ -48,6 +49,9 @@ struct RenderOptions {
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;     ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
+  /// The frame's; on_wedge is given what it makes of the bins. Null: the echoes as they are, and no range
+  /// normalisation where that is the receiver's (normalises_samples).
+  const Receiver* receiver = nullptr;
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 
@@ -83,7 +87,8 @@ struct Frame {
 };
 
 /// Renders the azimuth bins of a scene. The same scene, settings, pose and azimuths give the same bits for
-/// any thread count. Throws InputError when the frame cannot be planned.
+/// any thread count. Without a receiver in the options the settings' own serves, of a radar without a name.
+/// Throws InputError when the frame cannot be planned.
 Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose,
              AzimuthRange azimuths, const RenderOptions& options = {});
 

@@ -17,6 +17,10 @@ std::string frustum_name(FrustumKind kind) {
 
 std::string plates_name(PlateKind plates) { return plates == PlateKind::nearest ? "nearest" : "spread"; }
 
+bool normalises_samples(const RadarSettings& settings) {
+  return settings.range_normalisation && !settings.receiver.is_on();
+}
+
 bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/radar/receiver_settings.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
@@ -45,7 +46,12 @@ struct RadarSettings {
   ScanMode scan_mode = ScanMode::frame;
   double scan_rate_deg_s = 36;  ///< 6 turns a minute
   int scan_dwell_bins = 8;      ///< azimuth bins that share a pose: a multiple of kWedgeAzimuthBins
+  ReceiverSettings receiver;
 };
+
+/// Samples are multiplied by range squared as they are binned. What comes after the bins needs them as they
+/// are: then range normalisation is the receiver's last step.
+bool normalises_samples(const RadarSettings& settings);
 
 /// Where the antenna is and where its sector's centre points, in the operator's units.
 struct PoseSettings {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/stage_clock.h"
 
@@ -75,6 +76,10 @@ class WedgeThreads {
       if (!render_wedge(work, options_.states, may_go_on)) {
         if (!stopped()) paused_ = true;
         return;
+      }
+      if (options_.receiver != nullptr) {
+        const StageProbe probe(Stage::bin);
+        options_.receiver->receive(work.wedge.bins, options_.iq);
       }
       deliver(std::move(work.wedge));
     }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq::net {
@@ -192,6 +193,13 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       states(order.states),
       plan(std::move(planned)) {
   rendered.waited_s = waited_s;
+  if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id);
+}
+
+RenderOptions BegunFrame::render_options(const std::stop_token& stop, RenderPause* pause) const {
+  RenderOptions options = stream.context_.render_options(iq, states, stop, pause);
+  if (receiver) options.receiver = &*receiver;
+  return options;
 }
 
 void BegunFrame::send(std::vector<BlockPtr> blocks) const {
@@ -201,6 +209,7 @@ void BegunFrame::send(std::vector<BlockPtr> blocks) const {
 void BegunFrame::send_begin(const LiveView& view) {
   wire::FrameDescriptor descriptor;
   plan->describe(stream.name_, descriptor);
+  if (receiver) describe_receiver(*receiver, descriptor);
   descriptor.set_frame_id(frame_id);
   descriptor.set_pose_stale(view.pose_stale);
   send(encoder.begin(descriptor));

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/radar/receiver/receiver.h"
 #include "server/rendering/demand.h"
 #include "server/rendering/fair_share.h"
 #include "server/rendering/job.h"
@@ -124,6 +125,8 @@ struct BegunFrame {
              const RadarSettings& settings, const Order& order, const LiveView& view, double waited_s);
 
   void send(std::vector<BlockPtr> blocks) const;
+  /// Of any part of it.
+  RenderOptions render_options(const std::stop_token& stop, RenderPause* pause) const;
   /// FrameBegin, with the pose of `view`.
   void send_begin(const LiveView& view);
   /// FrameEnd; `rendered` is given the counts of what was rendered.
@@ -138,6 +141,7 @@ struct BegunFrame {
   LiveFramePtr frame;
   bool iq = false;
   bool states = false;
+  std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
   std::unique_ptr<PlannedFrame> plan;
 };
 

@@ -110,6 +110,7 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
   *echo_->mutable_pose() = descriptor.pose();
   echo_->set_pose_stale(descriptor.pose_stale());
   echo_->set_settings_version(descriptor.settings_version());
+  iq_step_ = descriptor.adc_step();
   wire::FrameBegin message;
   message.set_frame_id(identity_.frame_id);
   message.set_request_id(identity_.request_id);
@@ -204,7 +205,7 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
     if (integers) {
       coded_.resize(n_bins * coded_bin_bytes);
       const std::span iq(reinterpret_cast<const std::complex<float>*>(plain.data()), n_bins);
-      echo_->set_scale(wire::encode_ci16(iq, coded_));
+      echo_->set_scale(wire::encode_ci16(iq, coded_, iq_step_));
       plain = coded_;
     }
     const bool compresses = product.format.compression == wire::Compression::zstd;

@@ -33,14 +33,18 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
   auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
-         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell] = config.settings;
+         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, receiver] = config.settings;
+  auto& [noise, figure, temperature, loss, noise_seed, noise_frame, receiver_gain, stc_range, stc_power, stc,
+         adc, full_scale] = receiver;
   auto& [latitude, longitude, height, reference, undulation, bearing, time, id, valid] = config.pose;
   const std::set<const void*> fields{
       &frequency, &sector, &r_min,       &r_max,     &power,     &gain,      &normalisation,
       &speckle,   &seed,   &sub_columns, &frustum,   &plates,    &columns,   &rows,
       &azimuth,   &range,  &latitude,    &longitude, &height,    &reference, &undulation,
-      &bearing,   &time,   &id,          &valid,     &scan_mode, &scan_rate, &scan_dwell};
-  ASSERT_EQ(fields.size(), 28u);
+      &bearing,   &time,   &id,          &valid,     &scan_mode, &scan_rate, &scan_dwell,
+      &noise,     &figure, &temperature, &loss,      &noise_seed, &noise_frame, &receiver_gain,
+      &stc_range, &stc_power, &stc,      &adc,       &full_scale};
+  ASSERT_EQ(fields.size(), 40u);
   std::set<const void*> covered;
   for (const Parameter& p : parameters())
     EXPECT_TRUE(covered.insert(address(p.slot(config))).second) << p.key.name;
@@ -148,7 +152,7 @@ TEST(Validate, NaNAndInfinityAreRefusedInEveryNumber) {
       EXPECT_TRUE(mentions(errors, p.key.name)) << p.key.name << " = " << bad;
     }
   }
-  EXPECT_EQ(numbers, 13);
+  EXPECT_EQ(numbers, 21);
 }
 
 TEST(Validate, LimitsHoldToTheLastBit) {
@@ -181,6 +185,19 @@ TEST(Validate, RangesMustRise) {
   EXPECT_TRUE(mentions(validate(s), "bins.range"));  // rising, but in bins of nanometres
   s.r_min_m = s.r_max_m - 1.1;                       // 1.07 mm bins
   EXPECT_TRUE(validate(s).empty());
+}
+
+TEST(Validate, StcEndsWithinTheSwathAndAConverterHasTwoBits) {
+  RadarSettings s;
+  s.receiver.stc_range_m = s.r_max_m;
+  s.receiver.adc_bits = 2;
+  EXPECT_TRUE(validate(s).empty());
+  s.receiver.stc_range_m = std::nextafter(s.r_max_m, kInfinity);
+  s.receiver.adc_bits = 1;
+  const auto errors = validate(s);
+  ASSERT_EQ(errors.size(), 2u);
+  EXPECT_EQ(errors[0].field, "receiver.stc_range_m");
+  EXPECT_EQ(errors[1].text(), "receiver.adc_bits: found 1; allowed: 0 (no converter) or 2 to 16");
 }
 
 TEST(Validate, TheSymmetricFrustumNeedsLessThanHalfACircle) {

@@ -25,9 +25,9 @@ constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground"
 
 using enum ModbusWords;
 
-/// The row of a member of RadarSettings or PoseSettings: what it accepts, the field of its message, its place
-/// in the Modbus map, its sentence.
-template <auto member>
+/// The row of a member of RadarSettings, of one of its parts or of PoseSettings: what it accepts, the field of
+/// its message, its place in the Modbus map, its sentence.
+template <auto member, auto... inner>
 Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
               ModbusColumn modbus, std::string_view summary) {
   constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
@@ -40,7 +40,7 @@ Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std
             if constexpr (of_pose)
               return &(radar.pose.*member);
             else
-              return &(radar.settings.*member);
+              return &((radar.settings.*member).*....*inner);
           }};
 }
 
@@ -130,6 +130,31 @@ const std::array kParameters{
     row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
                                          {259, u16},
                                          "Azimuth bins rendered together from one pose; a multiple of 8."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise>("receiver.noise", "", kAny, "noise", {280, u16},
+                                       "Add the receiver's noise, k T B, to the bins."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise_figure_db>("receiver.noise_figure_db", "dB", closed(0, 40), "noise_figure_db",
+                                                 {281, i32, 1e3},
+                                                 "Noise figure of the receiver at 290 K."),
+    row<&RadarSettings::receiver, &ReceiverSettings::antenna_temperature_k>("receiver.antenna_temperature_k", "K", closed(3, 1e5), "antenna_temperature_k", {},
+        "Noise temperature of what the antenna sees."),
+    row<&RadarSettings::receiver, &ReceiverSettings::loss_db>("receiver.loss_db", "dB", closed(0, 60), "loss_db", {290, i32, 1e3},
+        "Losses of the echo, there and back; they leave the noise as it is."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise_seed>("receiver.noise_seed", "", kAny, "noise_seed", {},
+                                            "Each seed gives other noise."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise_frame>("receiver.noise_frame", "", kAny, "noise_frame", {},
+        "Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts."),
+    row<&RadarSettings::receiver, &ReceiverSettings::gain_db>("receiver.gain_db", "dB", closed(-200, 200), "receiver_gain_db",
+                                         {283, i32, 1e3}, "Gain of the receiver, of echoes and noise."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_range_m>("receiver.stc_range_m", "m", closed(0, 500e3), "stc_range_m", {285, i32, 1e3},
+        "Sensitivity time control lowers the gain up to this slant range; 0: none."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_power>("receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
+        "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>("receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
+                                        "It lowers the gain by at most this."),
+    row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>("receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
+        "Bits of the converter, of I and of Q, 2 or more; 0: none."),
+    row<&RadarSettings::receiver, &ReceiverSettings::full_scale_dbm>("receiver.full_scale_dbm", "dBm", closed(-200, 100), "full_scale_dbm",
+                                                {}, "Power of a sine that just fills the converter."),
 };
 
 using Kind = ConfigNode::Kind;

@@ -1,5 +1,5 @@
 #pragma once
-// [radar] or [[radar]] with [antenna], [frustum], [bins] and [scan].
+// [radar] or [[radar]] with [antenna], [frustum], [bins], [scan] and [receiver].
 #include <array>
 #include <span>
 #include <string>
@@ -25,7 +25,8 @@ struct RadarConfig {
 };
 
 /// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.
-inline constexpr std::array<std::string_view, 4> kRadarTables{"antenna", "frustum", "bins", "scan"};
+inline constexpr std::array<std::string_view, 5> kRadarTables{"antenna", "frustum", "bins", "scan",
+                                                                "receiver"};
 
 /// The short forms frustum.quality and frustum.pixels.
 std::span<const SpecialKey<RadarConfig>> radar_special_keys();

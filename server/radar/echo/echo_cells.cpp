@@ -21,7 +21,7 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
   const double lambda = plan.wavelength_m();
   const double gain = AntennaPattern(plan.settings().gain_db).power_gain(0, 0);
   table_.factor = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi) * gain * gain;
-  table_.range_normalisation = plan.settings().range_normalisation;
+  table_.range_normalisation = normalises_samples(plan.settings());
   const glm::dvec3& antenna = plan.sector().antenna_m;
   where_ = {};
   where_.antenna_x_m = antenna.x;

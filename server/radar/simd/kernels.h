@@ -18,6 +18,7 @@
 #include "server/radar/simd/sum_scatterers.h"
 #include "server/radar/simd/visible_ground.h"
 #include "server/radar/simd/visible_ranges.h"
+#include "server/radar/simd/white_noise.h"
 
 namespace obliq {
 
@@ -38,6 +39,8 @@ namespace obliq {
   K(bin_samples)            \
   K(sum_scatterers)         \
   K(ground_speckle)         \
+  K(white_noise)            \
+  K(filter_row)             \
   K(circle_bins)            \
   K(idle_circles)
 
