@@ -17,6 +17,7 @@ enum class FrustumKind;
 enum class PlateKind;
 enum class ScanMode;
 enum class SpeckleKind;
+enum class Polarisation;
 enum class HeightReference;
 enum class SyntheticKind;
 enum class ScatteringModel;
@@ -29,7 +30,7 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 
 /// Where a value lives. An optional number is "auto" where it is empty.
 using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*,
-                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, HeightReference*,
+                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*, HeightReference*,
                           SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.

@@ -111,7 +111,8 @@ class Experiment {
   }
 
   std::shared_ptr<const FramePlan> plan(const LoadedScene& loaded, RadarSettings settings) const {
-    settings.receiver = {};  // what is compared are echoes
+    settings.receiver = {};
+    settings.atmosphere = {};  // what is compared are echoes
     const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
     const PlanResult planned = plan_frame(loaded.scene, snapshot, loaded.pose);
     if (!planned.plan) throw InputError("radar \"" + input_.radar + "\": " + all_text(planned.errors));

@@ -219,6 +219,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
 
 void describe_receiver(const Receiver& receiver, wire::FrameDescriptor& descriptor) {
   descriptor.set_adc_step(receiver.iq_step());
+  descriptor.set_video_floor_db(receiver.video_scale().floor_db);
   if (receiver.noise_power_w() == 0) return;
   descriptor.set_noise_power_w(receiver.noise_power_w());
   descriptor.set_noise_counter(receiver.counter());

@@ -24,4 +24,22 @@ struct ReceiverSettings {
   }
 };
 
+/// [video]: the plane that a display shows.
+struct VideoSettings {
+  int looks = 1;           ///< pulses that are integrated
+  bool floor_auto = true;  ///< the scale begins where receiver/video.h puts it, else at floor_db
+  double floor_db = -120;
+  double span_db = 100;
+};
+
+enum class Polarisation { horizontal, vertical };
+
+/// [atmosphere]: what is between the antenna and the ground.
+struct AtmosphereSettings {
+  double rain_mm_h = 0;  ///< everywhere up to
+  double rain_top_m = 4000;  ///< above the datum
+  bool gas = false;
+  Polarisation polarisation = Polarisation::horizontal;
+};
+
 }  // namespace obliq

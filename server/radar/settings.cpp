@@ -17,8 +17,12 @@ std::string frustum_name(FrustumKind kind) {
 
 std::string plates_name(PlateKind plates) { return plates == PlateKind::nearest ? "nearest" : "spread"; }
 
+bool has_receiver(const RadarSettings& settings) {
+  return settings.receiver.is_on() || settings.atmosphere.rain_mm_h > 0;
+}
+
 bool normalises_samples(const RadarSettings& settings) {
-  return settings.range_normalisation && !settings.receiver.is_on();
+  return settings.range_normalisation && !has_receiver(settings);
 }
 
 bool same_antenna(PoseSettings a, const PoseSettings& b) {

@@ -47,7 +47,12 @@ struct RadarSettings {
   double scan_rate_deg_s = 36;  ///< 6 turns a minute
   int scan_dwell_bins = 8;      ///< azimuth bins that share a pose: a multiple of kWedgeAzimuthBins
   ReceiverSettings receiver;
+  VideoSettings video;
+  AtmosphereSettings atmosphere;
 };
+
+/// Something is done to the bins after the echoes: by the receiver itself, or as rain's own echo.
+bool has_receiver(const RadarSettings& settings);
 
 /// Samples are multiplied by range squared as they are binned. What comes after the bins needs them as they
 /// are: then range normalisation is the receiver's last step.

@@ -79,7 +79,7 @@ class WedgeThreads {
       }
       if (options_.receiver != nullptr) {
         const StageProbe probe(Stage::bin);
-        options_.receiver->receive(work.wedge.bins, options_.iq);
+        options_.receiver->receive(work.wedge.bins, {options_.iq, options_.video8, options_.video16});
       }
       deliver(std::move(work.wedge));
     }

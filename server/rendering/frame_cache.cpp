@@ -102,6 +102,8 @@ class FrameCache::Frame : public PlannedFrame {
     frame_->summarise(stats, summary);
   }
 
+  AirView air() const override { return frame_->air(); }
+
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const bool goes_on = options.pause && options.pause->begun;
     if (!goes_on) {
@@ -145,7 +147,8 @@ class FrameCache::Frame : public PlannedFrame {
   }
 
   static void give(Wedge&& wedge, const RenderOptions& options) {
-    if (options.receiver) options.receiver->receive(wedge.bins, options.iq);
+    if (options.receiver)
+      options.receiver->receive(wedge.bins, {options.iq, options.video8, options.video16});
     if (options.on_wedge) options.on_wedge(std::move(wedge));
   }
 

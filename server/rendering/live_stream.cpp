@@ -191,14 +191,18 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       frame(stream.frames_->open(id, order.takers)),
       iq(order.iq),
       states(order.states),
+      video8(order.video8),
+      video16(order.video16),
       plan(std::move(planned)) {
   rendered.waited_s = waited_s;
-  if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id);
+  if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id, plan->air());
 }
 
 RenderOptions BegunFrame::render_options(const std::stop_token& stop, RenderPause* pause) const {
   RenderOptions options = stream.context_.render_options(iq, states, stop, pause);
   if (receiver) options.receiver = &*receiver;
+  options.video8 = video8;
+  options.video16 = video16;
   return options;
 }
 

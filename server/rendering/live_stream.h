@@ -141,8 +141,10 @@ struct BegunFrame {
   LiveFramePtr frame;
   bool iq = false;
   bool states = false;
-  std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
+  bool video8 = false;
+  bool video16 = false;
   std::unique_ptr<PlannedFrame> plan;
+  std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
 };
 
 }  // namespace obliq::net

@@ -7,7 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
-#include "server/radar/receiver/receiver.h"
+#include "server/rendering/demand.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
@@ -122,7 +122,7 @@ bool OnceJob::begin(Frame& frame) const {
   wire::FrameDescriptor descriptor;
   frame.plan->describe(request.radar, descriptor);
   const RadarSettings& settings = request.view.settings->settings;
-  frame.receiver.emplace(settings, request.radar, settings.receiver.noise_frame);
+  frame.receiver.emplace(settings, request.radar, settings.receiver.noise_frame, frame.plan->air());
   describe_receiver(*frame.receiver, descriptor);
   FrameIdentity identity;
   identity.stream_id = request.stream_id;
@@ -149,8 +149,11 @@ bool OnceJob::render_slice(Frame& frame) const {
       context_.scanning ? context_.options.slice_batches_while_scanning : context_.options.slice_batches;
 
   const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
-  RenderOptions options = context_.render_options(wants(wire::Plane::iq), wants(wire::Plane::state),
+  const ReceivedPlanes needed = needed_planes(request.choice, request.view.settings->settings);
+  RenderOptions options = context_.render_options(needed.iq, wants(wire::Plane::state),
                                                   request.stop.get_token(), &frame.pause);
+  options.video8 = needed.video8;
+  options.video16 = needed.video16;
   options.receiver = &*frame.receiver;
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);

@@ -18,6 +18,7 @@
 #include "client/socket.h"
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
+#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
@@ -142,7 +143,7 @@ class FrameRunner {
       send([&] { return encoder_->wedge(wedge.index, wedge.bins); });
     };
     const Receiver receiver(frame_.settings->settings, frame_.radar,
-                            frame_.settings->settings.receiver.noise_frame);
+                            frame_.settings->settings.receiver.noise_frame, air_view(*plan_));
     options.receiver = &receiver;
     render_wedges(*plan_, {0, plan_->bins().n_azimuth}, options);
     end(with_probes ? &serial : nullptr, sum, start);

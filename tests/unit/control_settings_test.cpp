@@ -35,7 +35,9 @@ RadarConfig unlike_defaults() {
                 ScanMode::sector,
                 7,
                 16,
-                {true, 7, 500, 3, -8, ~0ULL, 20, 5000, 3.5, 40, 12, 10}};
+                {true, 7, 500, 3, -8, ~0ULL, 20, 5000, 3.5, 40, 12, 10},
+                {16, false, -90, 60},
+                {16, 3000, true, Polarisation::vertical}};
   c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -4'000'000'000'000'000'000,
             ~0ULL,  2.5};
   return c;

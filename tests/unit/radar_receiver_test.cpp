@@ -38,7 +38,7 @@ BinBlock silence(const RadarSettings& settings) { return {0, settings.azimuth_bi
 
 BinBlock received(const RadarSettings& settings, BinBlock bins, std::uint64_t counter = 1,
                   const char* radar = "main") {
-  Receiver(settings, radar, counter).receive(bins, true);
+  Receiver(settings, radar, counter).receive(bins, {});
   return bins;
 }
 
@@ -192,7 +192,7 @@ TEST(Receiver, SwitchedOffLeavesEveryBit) {
   const BinBlock before = bins;
   const Receiver receiver(settings, "main", 1);
   EXPECT_FALSE(receiver.is_on());
-  receiver.receive(bins, true);
+  receiver.receive(bins, {});
   EXPECT_TRUE(same_bits(bins.iq, before.iq));
   EXPECT_TRUE(same_bits(bins.power_w, before.power_w));
 }

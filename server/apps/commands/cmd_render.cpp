@@ -15,6 +15,7 @@
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/air_view.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/scene/scene_memory.h"
@@ -95,7 +96,8 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   FrameSum sum(radar.settings);
   const Progress progress = terminal_progress();
   int done = 0;
-  const Receiver receiver(radar.settings, radar.name, radar.settings.receiver.noise_frame);
+  const Receiver receiver(radar.settings, radar.name, radar.settings.receiver.noise_frame,
+                          air_view(*planned.plan));
   RenderOptions options;
   options.threads = threads;
   options.receiver = &receiver;

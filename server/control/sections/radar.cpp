@@ -23,6 +23,8 @@ constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", 
 constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
                                        Choice{"ellipsoid", "ELLIPSOID"}};
 
+constexpr std::array kPolarisations{Choice{"horizontal", "HORIZONTAL"}, Choice{"vertical", "VERTICAL"}};
+
 using enum ModbusWords;
 
 /// The row of a member of RadarSettings, of one of its parts or of PoseSettings: what it accepts, the field of
@@ -155,6 +157,30 @@ const std::array kParameters{
         "Bits of the converter, of I and of Q, 2 or more; 0: none."),
     row<&RadarSettings::receiver, &ReceiverSettings::full_scale_dbm>("receiver.full_scale_dbm", "dBm", closed(-200, 100), "full_scale_dbm",
                                                 {}, "Power of a sine that just fills the converter."),
+    row<&RadarSettings::video, &VideoSettings::looks>(
+        "video.looks", "", closed(1, 1024), "video_looks", {292, u16},
+        "Pulses that the video integrates: it scatters as the mean of so many; 1: |I&Q|^2 itself."),
+    row<&RadarSettings::video, &VideoSettings::floor_auto>(
+        "video.floor_auto", "", kAny, "video_floor_auto", {293, u16},
+        "Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it."),
+    row<&RadarSettings::video, &VideoSettings::floor_db>("video.floor_db", "dB", closed(-400, 400),
+                                                         "video_floor_db", {294, i32, 1e3},
+                                                         "Power at which the video's scale begins."),
+    row<&RadarSettings::video, &VideoSettings::span_db>("video.span_db", "dB", closed(1, 400),
+                                                        "video_span_db", {296, u16, 1e2},
+                                                        "From there to the video's highest level."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_mm_h>(
+        "atmosphere.rain_mm_h", "mm/h", closed(0, 200), "rain_mm_h", {297, i32, 1e3},
+        "Rain everywhere up to rain_top_m: attenuation and an echo of its own."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_top_m>(
+        "atmosphere.rain_top_m", "m", closed(-1000, 20000), "rain_top_m", {},
+        "Height of the rain's top above the datum."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::gas>(
+        "atmosphere.gas", "", kAny, "gas", {299, u16},
+        "Attenuation by oxygen and water vapour of the standard atmosphere at sea level."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::polarisation>(
+        "atmosphere.polarisation", "", kPolarisations, "polarisation", {},
+        "Of the radar's wave, for the rain's attenuation."),
 };
 
 using Kind = ConfigNode::Kind;
@@ -263,6 +289,9 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
       reader.finish();
     }
   }
+  // A number without a word on floor_auto is meant.
+  if (radar.set_at.contains("video.floor_db") && !radar.set_at.contains("video.floor_auto"))
+    radar.config.settings.video.floor_auto = false;
   own.finish();
   radar.choice = choose_frustum(frusta);
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);

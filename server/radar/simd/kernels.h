@@ -16,6 +16,7 @@
 #include "server/radar/simd/refine_hits.h"
 #include "server/radar/simd/sub_columns.h"
 #include "server/radar/simd/sum_scatterers.h"
+#include "server/radar/simd/video_levels.h"
 #include "server/radar/simd/visible_ground.h"
 #include "server/radar/simd/visible_ranges.h"
 #include "server/radar/simd/white_noise.h"
@@ -41,6 +42,8 @@ namespace obliq {
   K(ground_speckle)         \
   K(white_noise)            \
   K(filter_row)             \
+  K(mean_of_looks)          \
+  K(video_levels)           \
   K(circle_bins)            \
   K(idle_circles)
 
