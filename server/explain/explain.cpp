@@ -8,6 +8,7 @@
 
 #include "server/explain/explanation.h"
 #include "server/explain/table.h"
+#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
 #include "server/scene/embree_tracer.h"
@@ -185,6 +186,7 @@ class Experiment {
     own.range_normalisation = false;
     own.power_w = 1;
     own.gain_db = 0;
+    result_.radar = radar_rows(input_.settings, air_view(*loaded.own), power_w_);
     result_.frustum_noise = power_change(power_w_, power(*plan(loaded, own)), ranges_);
   }
 
