@@ -60,7 +60,7 @@ int video_bits_of(const WedgeBlock& block, std::size_t payload_bytes) {
 }
 
 namespace {
-constexpr int kTop8 = 254;     // levels above the floor
+constexpr int kTop8 = 254;  // levels above the floor
 constexpr int kTop16 = 65534;
 }  // namespace
 
@@ -84,7 +84,8 @@ double encode_ci16(std::span<const std::complex<float>> values, std::span<std::b
   const double per_value = in_steps ? 1 / step : largest > 0 ? kFullScale / static_cast<double>(largest) : 0;
   for (std::size_t i = 0; i < in.size(); ++i) {
     const double steps = static_cast<double>(in[i]) * per_value;
-    const double clamped = std::isnan(steps) ? 0 : std::clamp(steps, in_steps ? -kFullScale - 1 : -kFullScale, kFullScale);
+    const double clamped =
+        std::isnan(steps) ? 0 : std::clamp(steps, in_steps ? -kFullScale - 1 : -kFullScale, kFullScale);
     const auto integer = static_cast<std::int16_t>((clamped + kRounding) - kRounding);
     std::memcpy(out.data() + 2 * i, &integer, sizeof integer);
   }

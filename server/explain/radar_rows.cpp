@@ -42,15 +42,15 @@ class Echoes {
     const double loss_db_km = path_loss_db_km(s, air);
     const auto n_range = static_cast<std::size_t>(s.range_bins);
     for (std::size_t k = 0; k < power_w.size(); ++k)
-      if (const double p = power_w[k] * factor * path_power_factor(loss_db_km, range_of(s, k % n_range)); p > 0)
+      if (const double p = power_w[k] * factor * path_power_factor(loss_db_km, range_of(s, k % n_range));
+          p > 0)
         thirds_[3 * (k % n_range) / n_range].push_back(db_of_ratio(p));
     for (auto& third : thirds_) std::ranges::sort(third);
   }
 
   Thirds median_db() const {
     Thirds db;
-    for (std::size_t k = 0; k < 3; ++k)
-      db[k] = thirds_[k].empty() ? NAN : thirds_[k][thirds_[k].size() / 2];
+    for (std::size_t k = 0; k < 3; ++k) db[k] = thirds_[k].empty() ? NAN : thirds_[k][thirds_[k].size() / 2];
     return db;
   }
   double share_below(double db) const {
@@ -79,11 +79,12 @@ RadarRow noise_row(const RadarSettings& settings, const Echoes& echoes) {
   const double drowned = echoes.share_below(noise_db);
   const double touched = echoes.share_below(noise_db + kClearOfNoise_db);
   const int looks = settings.video.looks;
-  const double one_w = echo_power_w(settings.power_w, settings.gain_db,
-                                    kSpeedOfLight_m_s / (settings.frequency_ghz * 1e9), settings.receiver.loss_db,
-                                    1, settings.r_max_m);
+  const double one_w =
+      echo_power_w(settings.power_w, settings.gain_db, kSpeedOfLight_m_s / (settings.frequency_ghz * 1e9),
+                   settings.receiver.loss_db, 1, settings.r_max_m);
   std::string text = fmt::format(
-      "{}: {:.1f} dBW = k T_s B, T_s {:.0f} K, B {} MHz. Clutter to noise, median of the lit bins in the near, "
+      "{}: {:.1f} dBW = k T_s B, T_s {:.0f} K, B {} MHz. Clutter to noise, median of the lit bins in the "
+      "near, "
       "middle and far third: {}; {:.1f} % of them are below the noise",
       settings.receiver.noise ? "on" : "off", noise_db,
       system_temperature_k(with.receiver.noise_figure_db, with.receiver.antenna_temperature_k),
@@ -91,12 +92,14 @@ RadarRow noise_row(const RadarSettings& settings, const Echoes& echoes) {
       100 * drowned);
   if (one_w > 0)
     text += fmt::format(
-        ". With {} look{} {:.1f} m^2 can be detected at r_max (Albersheim, Pd 0.9, Pfa 1e-6, ratio {:.1f} dB)",
+        ". With {} look{} {:.1f} m^2 can be detected at r_max (Albersheim, Pd 0.9, Pfa 1e-6, ratio {:.1f} "
+        "dB)",
         looks, looks == 1 ? "" : "s", ratio_of_db(detectable_snr_db(looks)) * noise_w / one_w,
         detectable_snr_db(looks));
-  text += touched > kNoticeableShare ? fmt::format(". It is needed: it changes {:.0f} % of the lit bins by more "
-                                                   "than {} dB, and all shadows.",
-                                                   100 * touched, kNoticeable_db)
+  text += touched > kNoticeableShare ? fmt::format(
+                                           ". It is needed: it changes {:.0f} % of the lit bins by more "
+                                           "than {} dB, and all shadows.",
+                                           100 * touched, kNoticeable_db)
                                      : ". It may be left out of the lit bins; shadows need it.";
   return {"noise", text};
 }
@@ -106,8 +109,8 @@ RadarRow stc_row(const RadarSettings& s, const Echoes& echoes) {
   std::string text = fmt::format("echoes fall by {:.0f} dB from the near to the far third", db[0] - db[2]);
   if (s.receiver.stc_range_m > 0)
     return {"STC", fmt::format("on: gain {:.1f} dB at r_min, full from {} km on; {}.",
-                               stc_gain_db(s.receiver, s.r_min_m), short_number(s.receiver.stc_range_m / 1000, 4),
-                               text)};
+                               stc_gain_db(s.receiver, s.r_min_m),
+                               short_number(s.receiver.stc_range_m / 1000, 4), text)};
   return {"STC", fmt::format("off; {}{}.", text,
                              s.range_normalisation ? "; range normalisation makes up for 1/r^4" : "")};
 }
@@ -126,24 +129,26 @@ RadarRow rain_row(const RadarSettings& settings, const AirView& air, const Echoe
   for (std::size_t k = 0; k < 3; ++k)
     ratio[k] = db_of_ratio(std::max(rain_w[(2 * k + 1) * rain_w.size() / 6], 1e-300)) - ratio[k];
   const bool counts = lost_db > kNoticeable_db || *std::ranges::max_element(ratio) > -kClearOfNoise_db;
-  return {"rain", fmt::format("{}: {} mm/h take {:.1f} dB there and back at r_max; their own echo against the "
-                              "ground's, near, middle, far: {}. {}",
-                              on ? "on" : "off, but if there were any", short_number(with.atmosphere.rain_mm_h, 3),
-                              lost_db, thirds_text(ratio),
-                              counts ? "It changes the bins." : "It may be left out.")};
+  return {"rain",
+          fmt::format("{}: {} mm/h take {:.1f} dB there and back at r_max; their own echo against the "
+                      "ground's, near, middle, far: {}. {}",
+                      on ? "on" : "off, but if there were any", short_number(with.atmosphere.rain_mm_h, 3),
+                      lost_db, thirds_text(ratio), counts ? "It changes the bins." : "It may be left out.")};
 }
 
 RadarRow gas_row(const RadarSettings& s) {
   const double lost_db = 2 * gas_attenuation_db_km(s.frequency_ghz) * s.r_max_m / 1000;
-  return {"gas", fmt::format("{}: {:.2f} dB there and back at r_max. {}", s.atmosphere.gas ? "on" : "off", lost_db,
-                             lost_db > kNoticeable_db ? "It changes the far bins." : "It may be left out.")};
+  return {"gas",
+          fmt::format("{}: {:.2f} dB there and back at r_max. {}", s.atmosphere.gas ? "on" : "off", lost_db,
+                      lost_db > kNoticeable_db ? "It changes the far bins." : "It may be left out.")};
 }
 
 RadarRow video_row(const RadarSettings& s) {
-  return {"video", fmt::format("from {:.0f} dB over {} dB; {} look{}, so that its contrast over even ground is "
-                               "{:.2f}.",
-                               video_floor_db(s), short_number(s.video.span_db, 4), s.video.looks,
-                               s.video.looks == 1 ? "" : "s", 1 / std::sqrt(s.video.looks))};
+  return {"video",
+          fmt::format("from {:.0f} dB over {} dB; {} look{}, so that its contrast over even ground is "
+                      "{:.2f}.",
+                      video_floor_db(s), short_number(s.video.span_db, 4), s.video.looks,
+                      s.video.looks == 1 ? "" : "s", 1 / std::sqrt(s.video.looks))};
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ std::vector<std::uint32_t> bin_colours(const BinBlock& bins, const BinLevels& le
   std::vector<std::uint32_t> colours(shown.size());
   for (std::size_t bin = 0; bin < shown.size(); ++bin) {
     const bool has_value = shown[bin] != BinLevels::kNoValue;
-    switch (!ideal && has_value ? static_cast<std::uint8_t>(BinState::sampled) : state_of(bins, levels, bin)) {
+    switch (!ideal && has_value ? static_cast<std::uint8_t>(BinState::sampled)
+                                : state_of(bins, levels, bin)) {
       case static_cast<std::uint8_t>(BinState::sampled):
         break;
       case static_cast<std::uint8_t>(BinState::not_sampled):

@@ -119,7 +119,8 @@ FrameTables::FrameTables(const FramePlan& plan)
   if (!attenuates(plan.settings())) return;
   const double loss_db_km = path_loss_db_km(plan.settings(), air_view(plan));
   for (int bin = 0; bin < plan.bins().n_range; ++bin)
-    path_power.push_back(path_power_factor(loss_db_km, plan.bins().r_min_m + (bin + 0.5) * plan.bins().range_spacing_m));
+    path_power.push_back(
+        path_power_factor(loss_db_km, plan.bins().r_min_m + (bin + 0.5) * plan.bins().range_spacing_m));
 }
 
 FrameStats FrameSum::total() const {

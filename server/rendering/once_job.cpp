@@ -150,8 +150,8 @@ bool OnceJob::render_slice(Frame& frame) const {
 
   const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
   const ReceivedPlanes needed = needed_planes(request.choice, request.view.settings->settings);
-  RenderOptions options = context_.render_options(needed.iq, wants(wire::Plane::state),
-                                                  request.stop.get_token(), &frame.pause);
+  RenderOptions options =
+      context_.render_options(needed.iq, wants(wire::Plane::state), request.stop.get_token(), &frame.pause);
   options.video8 = needed.video8;
   options.video16 = needed.video16;
   options.receiver = &*frame.receiver;

@@ -195,7 +195,8 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
   }
 
   const bool integers = product.plane == Plane::iq && product.format.iq == wire::IqEncoding::ci16_le;
-  const std::uint32_t coded_bin_bytes = wire::coded_bytes_per_bin(product.plane, product.format.iq, video_bits);
+  const std::uint32_t coded_bin_bytes =
+      wire::coded_bytes_per_bin(product.plane, product.format.iq, video_bits);
   echo_->set_plane(static_cast<wire::PlaneKind>(product.plane));
   echo_->set_iq_encoding(integers ? wire::CI16_LE : wire::CF32_LE);
   echo_->set_azimuth_step(product.window.azimuth.step == 1 ? 0 : product.window.azimuth.step);

@@ -29,7 +29,8 @@ bool FrameQueue::wants(const Block& block) const {
     case MessageType::wedge_block: {
       if (!(choice_.planes & block.planes)) return false;
       // A block is of one plane.
-      return block.format == choice_.format.of_plane(static_cast<wire::Plane>(std::countr_zero(block.planes)));
+      return block.format ==
+             choice_.format.of_plane(static_cast<wire::Plane>(std::countr_zero(block.planes)));
     }
     default:
       return true;

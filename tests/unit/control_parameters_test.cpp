@@ -33,21 +33,21 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
   auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
-         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, receiver,
-         video, atmosphere] = config.settings;
+         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, receiver, video, atmosphere] =
+      config.settings;
   auto& [noise, figure, temperature, loss, noise_seed, noise_frame, receiver_gain, stc_range, stc_power, stc,
          adc, full_scale] = receiver;
   auto& [looks, floor_auto, floor, span] = video;
   auto& [rain, rain_top, gas, polarisation] = atmosphere;
   auto& [latitude, longitude, height, reference, undulation, bearing, time, id, valid] = config.pose;
   const std::set<const void*> fields{
-      &frequency, &sector, &r_min,       &r_max,     &power,     &gain,      &normalisation,
-      &speckle,   &seed,   &sub_columns, &frustum,   &plates,    &columns,   &rows,
-      &azimuth,   &range,  &latitude,    &longitude, &height,    &reference, &undulation,
-      &bearing,   &time,   &id,          &valid,     &scan_mode, &scan_rate, &scan_dwell,
-      &noise,     &figure, &temperature, &loss,      &noise_seed, &noise_frame, &receiver_gain,
-      &stc_range, &stc_power, &stc,      &adc,       &full_scale,  &looks,    &floor_auto,
-      &floor,     &span,      &rain,     &rain_top,  &gas,         &polarisation};
+      &frequency, &sector,    &r_min,       &r_max,     &power,      &gain,        &normalisation,
+      &speckle,   &seed,      &sub_columns, &frustum,   &plates,     &columns,     &rows,
+      &azimuth,   &range,     &latitude,    &longitude, &height,     &reference,   &undulation,
+      &bearing,   &time,      &id,          &valid,     &scan_mode,  &scan_rate,   &scan_dwell,
+      &noise,     &figure,    &temperature, &loss,      &noise_seed, &noise_frame, &receiver_gain,
+      &stc_range, &stc_power, &stc,         &adc,       &full_scale, &looks,       &floor_auto,
+      &floor,     &span,      &rain,        &rain_top,  &gas,        &polarisation};
   ASSERT_EQ(fields.size(), 48u);
   std::set<const void*> covered;
   for (const Parameter& p : parameters())

@@ -1,6 +1,4 @@
 // Noise, gain, sensitivity time control and converter against closed forms and published numbers.
-#include "server/radar/receiver/receiver.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +10,9 @@
 
 #include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise_power.h"
-#include "server/radar/simd/kernels.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
+#include "server/radar/simd/kernels.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
 #include "tests/support/sources.h"
@@ -74,9 +73,9 @@ TEST(Decibels, AgreeWithTheLibrary) {
 TEST(RadarEquation, GivesTheSignalToNoiseRatiosThatMathWorksPrints) {
   const auto snr_db = [](double power_w, double gain_db, double frequency_hz, double loss_db,
                          double cross_section_m2, double range_m, double temperature_k, double pulse_s) {
-    return db_of_ratio(echo_power_w(power_w, gain_db, kSpeedOfLight_m_s / frequency_hz, loss_db,
-                                    cross_section_m2, range_m) /
-                       noise_power_w(temperature_k, {1 / pulse_s, 1}));
+    return db_of_ratio(
+        echo_power_w(power_w, gain_db, kSpeedOfLight_m_s / frequency_hz, loss_db, cross_section_m2, range_m) /
+        noise_power_w(temperature_k, {1 / pulse_s, 1}));
   };
   EXPECT_NEAR(snr_db(1e6, 20, 1e9, 0, 1, 50e3, 290, 0.2e-6), 5.5868, 5e-5);
   EXPECT_NEAR(snr_db(1e6, 40, 10e9, 3, 0.5, 100e3, 300, 1e-6), 14.3778, 5e-5);
@@ -277,8 +276,8 @@ TEST(Converter, MakesTheErrorOfItsStep) {
     const double amplitude = full_scale - 1.5 * step;
     BinBlock bins(0, settings.azimuth_bins, settings.range_bins);
     for (std::size_t k = 0; k < bins.iq.size(); ++k)
-      bins.iq[k] = std::complex<float>(
-          std::polar(amplitude, 2 * std::numbers::pi * std::fmod(static_cast<double>(k) * 0.618033988749895, 1)));
+      bins.iq[k] = std::complex<float>(std::polar(
+          amplitude, 2 * std::numbers::pi * std::fmod(static_cast<double>(k) * 0.618033988749895, 1)));
     const BinBlock sent = bins;
     bins = received(settings, bins);
     double error = 0;

@@ -1,6 +1,4 @@
 // The plane that a display shows: its scale, its looks.
-#include "server/radar/receiver/video.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "server/radar/receiver/noise_power.h"
 #include "server/radar/receiver/receiver.h"
+#include "server/radar/receiver/video.h"
 #include "server/radar/simd/kernels.h"
 #include "tests/support/small_frames.h"
 
@@ -144,7 +143,8 @@ TEST(Video, OfLooksStandsOverNoiseGainAndStc) {
                                40 * std::log10(std::min(1.0, range_m / 16000)) + 40 * std::log10(range_m);
     double sum_db = 0;
     for (int a = 0; a < settings.azimuth_bins; ++a)
-      sum_db += -20 + (out.video16[static_cast<std::size_t>(a * settings.range_bins + bin)] - 1) * 100 / 65534.0;
+      sum_db +=
+          -20 + (out.video16[static_cast<std::size_t>(a * settings.range_bins + bin)] - 1) * 100 / 65534.0;
     // 64 bins of 1024 looks: a deviation of 0.017 dB.
     EXPECT_NEAR(sum_db / settings.azimuth_bins, expected_db, 0.09) << bin;
   }
@@ -160,7 +160,8 @@ TEST(Video, FindsItsFloorFromTheSettingsAlone) {
   const double lambda = 299792458.0 / 9.4e9;
   const double r = settings.r_max_m;
   const double power = 50e3 * std::pow(10, 6.6) * lambda * lambda / std::pow(4 * std::numbers::pi, 3) *
-                       std::pow(10, -1.5) * (120 * std::numbers::pi / 180 / 64) * (r / 20) * 30 / std::pow(r, 4);
+                       std::pow(10, -1.5) * (120 * std::numbers::pi / 180 / 64) * (r / 20) * 30 /
+                       std::pow(r, 4);
   EXPECT_EQ(video_floor_db(settings), std::floor(10 * std::log10(power) - 20));
   settings.range_normalisation = true;
   EXPECT_EQ(video_floor_db(settings), std::floor(10 * std::log10(power * std::pow(r, 4)) - 20));

@@ -1,6 +1,4 @@
 // Attenuation against the Recommendations' published numbers, rain's echo against its closed form.
-#include "server/radar/receiver/weather.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <numbers>
 
 #include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/weather.h"
 #include "server/radar/render.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
@@ -75,10 +74,11 @@ TEST(Rain, EchoesAsItsVolume) {
     // The shell between ground and top: between sines of elevation -1200 / r and 1500 / r.
     const double volume_m3 = r * r * (120 * std::numbers::pi / 180 / 1024) * (2700 / r) * 180;
     const double constant = 50e3 * std::pow(10, 6.6) * lambda * lambda / std::pow(4 * std::numbers::pi, 3);
-    const double attenuation = std::pow(10, -0.2 * rain_attenuation_db_km(10, 10, Polarisation::horizontal) * r / 1000);
-    EXPECT_NEAR(rain_w[static_cast<std::size_t>(bin)] /
-                    (constant * eta * volume_m3 / std::pow(r, 4) * attenuation),
-                1, 1e-9)
+    const double attenuation =
+        std::pow(10, -0.2 * rain_attenuation_db_km(10, 10, Polarisation::horizontal) * r / 1000);
+    EXPECT_NEAR(
+        rain_w[static_cast<std::size_t>(bin)] / (constant * eta * volume_m3 / std::pow(r, 4) * attenuation),
+        1, 1e-9)
         << bin;
   }
 }

@@ -72,7 +72,8 @@ class ReplayedFrame : public net::PlannedFrame {
       wedge.bins.count = rows(frame.count, recorded.first_azimuth, recorded.n_azimuth, n_range);
       wedge.bins.state = rows(frame.state, recorded.first_azimuth, recorded.n_azimuth, n_range);
       if (options.video8 || options.video16)
-        add_video(rows(frame.video, recorded.first_azimuth, recorded.n_azimuth, n_range), options, wedge.bins);
+        add_video(rows(frame.video, recorded.first_azimuth, recorded.n_azimuth, n_range), options,
+                  wedge.bins);
       options.on_wedge(std::move(wedge));
     }
     return wait_until(due(recorded_->end_utc_ns), options.stop);
@@ -88,7 +89,8 @@ class ReplayedFrame : public net::PlannedFrame {
     const bool of_8_bits = recorded_->frame.video_bits == 8;
     const auto narrow = [](std::uint16_t level) { return static_cast<std::uint8_t>(level); };
     bins.video8.resize(options.video8 ? levels.size() : 0);
-    if (options.video8) std::ranges::transform(levels, bins.video8.begin(), [&](std::uint16_t level) {
+    if (options.video8)
+      std::ranges::transform(levels, bins.video8.begin(), [&](std::uint16_t level) {
         return of_8_bits ? narrow(level) : wire::video8_of(level);
       });
     if (!options.video16) return;

@@ -6,6 +6,7 @@
 
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
+#include "server/control/sections/parameter_row.h"
 #include "server/control/sections/section.h"
 
 namespace obliq {
@@ -23,28 +24,8 @@ constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", 
 constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
                                        Choice{"ellipsoid", "ELLIPSOID"}};
 
-constexpr std::array kPolarisations{Choice{"horizontal", "HORIZONTAL"}, Choice{"vertical", "VERTICAL"}};
-
 using enum ModbusWords;
-
-/// The row of a member of RadarSettings, of one of its parts or of PoseSettings: what it accepts, the field of
-/// its message, its place in the Modbus map, its sentence.
-template <auto member, auto... inner>
-Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
-              ModbusColumn modbus, std::string_view summary) {
-  constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
-  return {{name, unit, accepts.limits, accepts.choices, summary},
-          Change::live,
-          of_pose ? WireMessage::pose : WireMessage::radar_settings,
-          field,
-          modbus,
-          [](RadarConfig& radar) -> Slot {
-            if constexpr (of_pose)
-              return &(radar.pose.*member);
-            else
-              return &((radar.settings.*member).*....*inner);
-          }};
-}
+using parameter_table::row;
 
 // Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
 // 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
@@ -132,55 +113,6 @@ const std::array kParameters{
     row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
                                          {259, u16},
                                          "Azimuth bins rendered together from one pose; a multiple of 8."),
-    row<&RadarSettings::receiver, &ReceiverSettings::noise>("receiver.noise", "", kAny, "noise", {280, u16},
-                                       "Add the receiver's noise, k T B, to the bins."),
-    row<&RadarSettings::receiver, &ReceiverSettings::noise_figure_db>("receiver.noise_figure_db", "dB", closed(0, 40), "noise_figure_db",
-                                                 {281, i32, 1e3},
-                                                 "Noise figure of the receiver at 290 K."),
-    row<&RadarSettings::receiver, &ReceiverSettings::antenna_temperature_k>("receiver.antenna_temperature_k", "K", closed(3, 1e5), "antenna_temperature_k", {},
-        "Noise temperature of what the antenna sees."),
-    row<&RadarSettings::receiver, &ReceiverSettings::loss_db>("receiver.loss_db", "dB", closed(0, 60), "loss_db", {290, i32, 1e3},
-        "Losses of the echo, there and back; they leave the noise as it is."),
-    row<&RadarSettings::receiver, &ReceiverSettings::noise_seed>("receiver.noise_seed", "", kAny, "noise_seed", {},
-                                            "Each seed gives other noise."),
-    row<&RadarSettings::receiver, &ReceiverSettings::noise_frame>("receiver.noise_frame", "", kAny, "noise_frame", {},
-        "Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts."),
-    row<&RadarSettings::receiver, &ReceiverSettings::gain_db>("receiver.gain_db", "dB", closed(-200, 200), "receiver_gain_db",
-                                         {283, i32, 1e3}, "Gain of the receiver, of echoes and noise."),
-    row<&RadarSettings::receiver, &ReceiverSettings::stc_range_m>("receiver.stc_range_m", "m", closed(0, 500e3), "stc_range_m", {285, i32, 1e3},
-        "Sensitivity time control lowers the gain up to this slant range; 0: none."),
-    row<&RadarSettings::receiver, &ReceiverSettings::stc_power>("receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
-        "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
-    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>("receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
-                                        "It lowers the gain by at most this."),
-    row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>("receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
-        "Bits of the converter, of I and of Q, 2 or more; 0: none."),
-    row<&RadarSettings::receiver, &ReceiverSettings::full_scale_dbm>("receiver.full_scale_dbm", "dBm", closed(-200, 100), "full_scale_dbm",
-                                                {}, "Power of a sine that just fills the converter."),
-    row<&RadarSettings::video, &VideoSettings::looks>(
-        "video.looks", "", closed(1, 1024), "video_looks", {292, u16},
-        "Pulses that the video integrates: it scatters as the mean of so many; 1: |I&Q|^2 itself."),
-    row<&RadarSettings::video, &VideoSettings::floor_auto>(
-        "video.floor_auto", "", kAny, "video_floor_auto", {293, u16},
-        "Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it."),
-    row<&RadarSettings::video, &VideoSettings::floor_db>("video.floor_db", "dB", closed(-400, 400),
-                                                         "video_floor_db", {294, i32, 1e3},
-                                                         "Power at which the video's scale begins."),
-    row<&RadarSettings::video, &VideoSettings::span_db>("video.span_db", "dB", closed(1, 400),
-                                                        "video_span_db", {296, u16, 1e2},
-                                                        "From there to the video's highest level."),
-    row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_mm_h>(
-        "atmosphere.rain_mm_h", "mm/h", closed(0, 200), "rain_mm_h", {297, i32, 1e3},
-        "Rain everywhere up to rain_top_m: attenuation and an echo of its own."),
-    row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_top_m>(
-        "atmosphere.rain_top_m", "m", closed(-1000, 20000), "rain_top_m", {},
-        "Height of the rain's top above the datum."),
-    row<&RadarSettings::atmosphere, &AtmosphereSettings::gas>(
-        "atmosphere.gas", "", kAny, "gas", {299, u16},
-        "Attenuation by oxygen and water vapour of the standard atmosphere at sea level."),
-    row<&RadarSettings::atmosphere, &AtmosphereSettings::polarisation>(
-        "atmosphere.polarisation", "", kPolarisations, "polarisation", {},
-        "Of the radar's wave, for the rain's attenuation."),
 };
 
 using Kind = ConfigNode::Kind;
@@ -206,12 +138,24 @@ struct RadarReading {
   FrustumChoice choice = FrustumChoice::named;
 };
 
+/// Whether a key is there and says "auto"; then it has been read.
+bool reads_auto(SectionReader& reader, const std::string& name) {
+  const ConfigNode* node = reader.table().find(name);
+  const auto* text = node == nullptr ? nullptr : std::get_if<std::string>(&node->value);
+  return text != nullptr && *text == "auto" && reader.take(name) != nullptr;
+}
+
 /// Reads the parameters of one section from a table that holds them.
 void read_parameters(SectionReader& reader, const std::string& section, RadarReading& radar) {
   for (const Parameter& parameter : parameters()) {
     const std::string name(parameter.key.name);
     if (!name.starts_with(section + ".")) continue;
     const std::string local = name.substr(section.size() + 1);
+    if (name == "video.floor_db" && reads_auto(reader, local)) {
+      radar.config.settings.video.floor_auto = true;
+      radar.set_at["video.floor_auto"] = reader.table().find(local)->where;
+      continue;
+    }
     if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
       radar.set_at[name] = reader.table().find(local)->where;
   }
@@ -326,7 +270,14 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
 
 }  // namespace
 
-std::span<const Parameter> parameters() { return kParameters; }
+std::span<const Parameter> parameters() {
+  static const std::vector<Parameter> all = [] {
+    std::vector<Parameter> list(kParameters.begin(), kParameters.end());
+    list.insert(list.end(), receiver_parameters().begin(), receiver_parameters().end());
+    return list;
+  }();
+  return all;
+}
 
 std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortForms; }
 

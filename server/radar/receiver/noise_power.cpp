@@ -7,7 +7,7 @@
 namespace obliq {
 namespace {
 
-constexpr double kBoltzmann_j_k = 1.380649e-23;        // exact, SI
+constexpr double kBoltzmann_j_k = 1.380649e-23;    // exact, SI
 constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 
 }  // namespace

@@ -43,7 +43,10 @@ double adc_step(const ReceiverSettings& receiver) {
 /// A row on its way, with room for whole lanes.
 struct Receiver::Scratch {
   Scratch(std::size_t n_range, std::size_t n_taps)
-      : re(n_range + kSpare), im(n_range + kSpare), white_re(n_range + n_taps + 2 * kSpare), white_im(white_re) {}
+      : re(n_range + kSpare),
+        im(n_range + kSpare),
+        white_re(n_range + n_taps + 2 * kSpare),
+        white_im(white_re) {}
   static constexpr std::size_t kSpare = 8;
   std::vector<double> re, im;
   std::vector<double> white_re, white_im;
@@ -131,8 +134,7 @@ void Receiver::add_noise(std::uint64_t azimuth, Scratch& scratch) const {
   const auto n_range = static_cast<int>(voltage_gain_.size());
   const auto n_taps = static_cast<int>(noise_taps_.size());
   const std::uint64_t cell = azimuth << 32;
-  kernels.white_noise(
-      {key_, cell, n_range + n_taps - 1, scratch.white_re.data(), scratch.white_im.data()});
+  kernels.white_noise({key_, cell, n_range + n_taps - 1, scratch.white_re.data(), scratch.white_im.data()});
   kernels.filter_row({n_range, n_taps, noise_taps_.data(), scratch.white_re.data(), scratch.re.data()});
   kernels.filter_row({n_range, n_taps, noise_taps_.data(), scratch.white_im.data(), scratch.im.data()});
   for (std::size_t r = 0; r < noise_voltage_.size(); ++r) {
@@ -152,14 +154,14 @@ void Receiver::make_video(BinBlock& bins, const ReceivedPlanes& wanted) const {
     kernels.video_levels({bins.n_range, power.data(), video_.floor_db, top / video_.span_db,
                           static_cast<double>(video_levels(bits) - 1), level.data()});
     plane.resize(bins.state.size());
-    std::transform(level.begin(), level.begin() + bins.n_range, plane.begin() + static_cast<std::ptrdiff_t>(row),
-                   [](std::int32_t l) { return static_cast<typename std::decay_t<decltype(plane)>::value_type>(l); });
+    std::transform(
+        level.begin(), level.begin() + bins.n_range, plane.begin() + static_cast<std::ptrdiff_t>(row),
+        [](std::int32_t l) { return static_cast<typename std::decay_t<decltype(plane)>::value_type>(l); });
   };
   for (int a = 0; a < bins.n_azimuth; ++a) {
     const std::size_t row = static_cast<std::size_t>(a) * n_range;
     if (looks_ == 1) {
-      for (std::size_t r = 0; r < n_range; ++r)
-        power[r] = std::norm(std::complex<double>(bins.iq[row + r]));
+      for (std::size_t r = 0; r < n_range; ++r) power[r] = std::norm(std::complex<double>(bins.iq[row + r]));
     } else {
       const std::uint64_t azimuth = static_cast<std::uint64_t>(bins.first_azimuth + a);
       kernels.mean_of_looks({mix64(key_), azimuth << 32, bins.n_range, looks_, looks.data()});

@@ -19,10 +19,10 @@ struct ReceivedPlanes {
   bool any_video() const { return video8 || video16; }
 };
 
-/// Losses, noise, gain, sensitivity time control, converter and, last, range normalisation, in this order. The
-/// power plane stays the mean of the echoes: of these, losses and range normalisation change it. What a bin
-/// becomes follows from the frame's identity and the bin's own number, so wedges may come in any order, from
-/// any thread. Immutable.
+/// Losses, noise, gain, sensitivity time control, converter and, last, range normalisation, in this order.
+/// The power plane stays the mean of the echoes: of these, losses and range normalisation change it. What a
+/// bin becomes follows from the frame's identity and the bin's own number, so wedges may come in any order,
+/// from any thread. Immutable.
 class Receiver {
  public:
   /// radar: its name; counter: of the frame. Noise repeats with seed, radar and counter.
@@ -62,8 +62,8 @@ class Receiver {
   std::vector<double> power_factor_;   ///< [n_range] of the power plane
   VideoScale video_;
   int looks_;
-  double lsb_ = 0;                    ///< of the converter, sqrt(W); 0: none
-  double most_counts_ = 0;            ///< its codes go from minus this to this less one
+  double lsb_ = 0;          ///< of the converter, sqrt(W); 0: none
+  double most_counts_ = 0;  ///< its codes go from minus this to this less one
 };
 
 /// Sensitivity time control: the gain at a slant range, in dB; 0 or less.

@@ -26,7 +26,8 @@ double level_ground_power_w(const RadarSettings& s, double gamma_db, double slan
   const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
   const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
   const double cross_section_m2 = ratio_of_db(gamma_db) * width_rad * height_m * spacing_m;
-  return echo_power_w(s.power_w, s.gain_db, wavelength_m, s.receiver.loss_db, cross_section_m2, slant_range_m);
+  return echo_power_w(s.power_w, s.gain_db, wavelength_m, s.receiver.loss_db, cross_section_m2,
+                      slant_range_m);
 }
 
 double video_floor_db(const RadarSettings& settings) {

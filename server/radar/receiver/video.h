@@ -4,7 +4,7 @@
 namespace obliq {
 
 struct VideoScale {
-  double floor_db = 0;  ///< of level 1, in dB re the unit of power
+  double floor_db = 0;   ///< of level 1, in dB re the unit of power
   double span_db = 100;  ///< to the highest level
 };
 
@@ -16,7 +16,8 @@ double video_floor_db(const RadarSettings& settings);
 
 /// The mean return of level ground of constant gamma in an azimuth and range bin at a slant range, in watts:
 /// K G^2 gamma w h delta / r^4 (the ground's solid angle in a bin is w h delta / r^2).
-double level_ground_power_w(const RadarSettings& settings, double gamma_db, double slant_range_m, double height_m);
+double level_ground_power_w(const RadarSettings& settings, double gamma_db, double slant_range_m,
+                            double height_m);
 
 /// Whether video follows from I&Q: of one look. Of more it follows from the mean power.
 inline bool video_needs_iq(const RadarSettings& settings) { return settings.video.looks == 1; }

@@ -70,15 +70,14 @@ constexpr double kAir_hpa = kDryAir_hpa + kVapour_hpa;
 
 /// Line shape, P.676-12, equation 5: width and interference in GHz.
 double shape(double f, double line, double width, double delta) {
-  const auto wing = [&](double away) {
-    return (width - delta * away) / (away * away + width * width);
-  };
+  const auto wing = [&](double away) { return (width - delta * away) / (away * away + width * width); };
   return f / line * (wing(line - f) + wing(line + f));
 }
 
 /// Equations 3 to 7: strength times shape.
 double oxygen(double f, const GasLine& line) {
-  const double strength = line.a1 * 1e-7 * kDryAir_hpa * std::pow(kTheta, 3) * std::exp(line.a2 * (1 - kTheta));
+  const double strength =
+      line.a1 * 1e-7 * kDryAir_hpa * std::pow(kTheta, 3) * std::exp(line.a2 * (1 - kTheta));
   const double pressure =
       line.a3 * 1e-4 * (kDryAir_hpa * std::pow(kTheta, 0.8 - line.a4) + 1.1 * kVapour_hpa * kTheta);
   const double width = std::sqrt(pressure * pressure + 2.25e-6);
@@ -86,9 +85,11 @@ double oxygen(double f, const GasLine& line) {
   return strength * shape(f, line.ghz, width, delta);
 }
 double water(double f, const GasLine& line) {
-  const double strength = line.a1 * 0.1 * kVapour_hpa * std::pow(kTheta, 3.5) * std::exp(line.a2 * (1 - kTheta));
-  const double pressure = line.a3 * 1e-4 *
-                          (kDryAir_hpa * std::pow(kTheta, line.a4) + line.a5 * kVapour_hpa * std::pow(kTheta, line.a6));
+  const double strength =
+      line.a1 * 0.1 * kVapour_hpa * std::pow(kTheta, 3.5) * std::exp(line.a2 * (1 - kTheta));
+  const double pressure =
+      line.a3 * 1e-4 *
+      (kDryAir_hpa * std::pow(kTheta, line.a4) + line.a5 * kVapour_hpa * std::pow(kTheta, line.a6));
   const double width =
       0.535 * pressure + std::sqrt(0.217 * pressure * pressure + 2.1316e-12 * line.ghz * line.ghz / kTheta);
   return strength * shape(f, line.ghz, width, 0);
@@ -139,8 +140,8 @@ double rain_reflectivity_m2_m3(double rain_mm_h, double wavelength_m) {
 double path_loss_db_km(const RadarSettings& settings, const AirView& air) {
   const AtmosphereSettings& atmosphere = settings.atmosphere;
   double db_km = atmosphere.gas ? gas_attenuation_db_km(settings.frequency_ghz) : 0;
-  db_km += share_in_rain(atmosphere, air) * rain_attenuation_db_km(atmosphere.rain_mm_h, settings.frequency_ghz,
-                                                                   atmosphere.polarisation);
+  db_km += share_in_rain(atmosphere, air) *
+           rain_attenuation_db_km(atmosphere.rain_mm_h, settings.frequency_ghz, atmosphere.polarisation);
   return std::round(db_km * 1e12) / 1e12;
 }
 
@@ -162,7 +163,8 @@ std::vector<double> rain_echo_power_w(const RadarSettings& s, const AirView& air
     const double sin_top = std::clamp((s.atmosphere.rain_top_m - air.antenna_m) / r, -1.0, 1.0);
     const double sin_ground = std::clamp((air.ground_m - air.antenna_m) / r, -1.0, 1.0);
     const double solid_angle_sr = width_rad * std::max(0.0, sin_top - sin_ground);
-    power_w.push_back(one_m2_at_1_m * eta * solid_angle_sr * spacing_m / (r * r) * path_power_factor(loss_db_km, r));
+    power_w.push_back(one_m2_at_1_m * eta * solid_angle_sr * spacing_m / (r * r) *
+                      path_power_factor(loss_db_km, r));
   }
   return power_w;
 }

@@ -8,12 +8,14 @@ namespace {
 
 constexpr double kDb_of_log = 4.3429448190325182765;  // 10 / ln(10)
 
-OBLIQ_INLINE f64x8 uniform_of(u64x8 low_half) { return (to_doubles(low_half & 0xffffffffull) + 0.5) * 0x1p-32; }
+OBLIQ_INLINE f64x8 uniform_of(u64x8 low_half) {
+  return (to_doubles(low_half & 0xffffffffull) + 0.5) * 0x1p-32;
+}
 
 }  // namespace
 
-// Marsaglia and Tsang, "A simple method for generating gamma variables", ACM TOMS 26 (2000), for a shape of at
-// least 1: exact, and one trial in twenty or fewer is thrown away.
+// Marsaglia and Tsang, "A simple method for generating gamma variables", ACM TOMS 26 (2000), for a shape of
+// at least 1: exact, and one trial in twenty or fewer is thrown away.
 void mean_of_looks(const LooksRun& run) {
   const u64x8 lane{0, 1, 2, 3, 4, 5, 6, 7};
   const double d = run.looks - 1.0 / 3;
