@@ -262,7 +262,10 @@ TEST(Validate, AcceptsExactlyWhatIsInsideAllLimits) {
     config.settings.frustum = static_cast<FrustumKind>(random() % 4);
     int& dwell = config.settings.scan_dwell_bins;
     if (dwell > 8) dwell -= dwell % 8;
+    ReceiverSettings& receiver = config.settings.receiver;
+    if (receiver.adc_bits == 1) receiver.adc_bits = 2;
     const RadarSettings& s = config.settings;
+    if (receiver.stc_range_m <= 500e3) receiver.stc_range_m = std::clamp(receiver.stc_range_m, 0.0, s.r_max_m);
     good = good && s.r_max_m - s.r_min_m >= 0.001 * s.range_bins;
     good = good && !(s.frustum == FrustumKind::symmetric && s.sector_deg >= 180);
     EXPECT_EQ(validate(config).empty(), good) << "trial " << trial;

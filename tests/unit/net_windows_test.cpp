@@ -41,7 +41,7 @@ client::AssembledFrame received(const StreamChoice& choice, const std::vector<St
 
 StreamChoice choice_of(const wire::Window& window, wire::IqEncoding iq = wire::IqEncoding::cf32_le,
                        wire::Compression compression = wire::Compression::none) {
-  return {wire::kAllPlanes, {iq, compression, window}};
+  return {wire::kAllPlanes, {iq, compression, 8, window}};
 }
 
 const std::vector<StreamChoice> kChoices{

@@ -272,24 +272,25 @@ TEST(Converter, MakesTheErrorOfItsStep) {
     settings.receiver.adc_bits = bits;
     const double step = adc_step(settings.receiver);
     EXPECT_NEAR(step, full_scale / std::ldexp(1, bits - 1), 1e-12 * step);
-    // A complex sine just below full scale, at phases that no code repeats.
-    const double amplitude = full_scale - 1.5 * step;
+    // Of many sizes below full scale, at phases that no code repeats: the error is even over a step.
     BinBlock bins(0, settings.azimuth_bins, settings.range_bins);
     for (std::size_t k = 0; k < bins.iq.size(); ++k)
-      bins.iq[k] = std::complex<float>(std::polar(
-          amplitude, 2 * std::numbers::pi * std::fmod(static_cast<double>(k) * 0.618033988749895, 1)));
+      bins.iq[k] = std::complex<float>(
+          std::polar(full_scale * (0.2 + 0.7 * std::fmod(static_cast<double>(k) * 0.414213562373095, 1)),
+                     2 * std::numbers::pi * std::fmod(static_cast<double>(k) * 0.618033988749895, 1)));
     const BinBlock sent = bins;
     bins = received(settings, bins);
     double error = 0;
     for (std::size_t k = 0; k < bins.iq.size(); ++k)
       error += std::norm(std::complex<double>(bins.iq[k]) - std::complex<double>(sent.iq[k]));
     error /= 2 * static_cast<double>(bins.iq.size());  // of a component
-    EXPECT_NEAR(error / (step * step / 12), 1, bits < 6 ? 0.1 : 0.01) << bits;
-    if (bits == 12)  // 6.02 b + 1.76: published for the 12 bits of a sine, 74.0 dB
+    EXPECT_NEAR(error / (step * step / 12), 1, bits < 6 ? 0.03 : 0.01) << bits;
+    if (bits == 12) {  // 6.02 b + 1.76: published for the 12 bits of a sine, 74.0 dB
       EXPECT_NEAR(10 * std::log10(full_scale * full_scale / 2 / error), 74.0, 0.05);
+    }
     for (const std::complex<float> v : bins.iq) {
       const double counts = static_cast<double>(v.real()) / step;
-      ASSERT_NEAR(counts, std::round(counts), 1e-3) << bits;
+      ASSERT_NEAR(counts, std::round(counts), 5e-3) << bits;
     }
   }
 }
