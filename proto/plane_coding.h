@@ -40,8 +40,8 @@ std::uint8_t video8_of(std::uint16_t level);
 /// Writes 2 x int16 per value, little-endian, and returns the scale: value = integer x scale. The largest
 /// component becomes 32767, so each is off by at most scale / 2. All zero: scale 0. What is not finite is
 /// written as 0 (NaN) or full scale (infinity). `out` holds 4 bytes per value.
-/// step: what the components are whole multiples of, at most 32768 times: it becomes the scale, and nothing is
-/// lost. 0: of nothing.
+/// step: what the components are whole multiples of, at most 32768 times: it becomes the scale, and nothing
+/// is lost. 0: of nothing.
 double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out, double step = 0);
 void decode_ci16(std::span<const std::byte> bytes, double scale, std::span<std::complex<float>> values);
 

@@ -29,9 +29,10 @@ enum class LogLevel;
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
 /// Where a value lives. An optional number is "auto" where it is empty.
-using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*,
-                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*, HeightReference*,
-                          SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
+using Slot =
+    std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*, std::string*,
+                 FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*, HeightReference*,
+                 SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

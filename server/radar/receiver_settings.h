@@ -19,9 +19,7 @@ struct ReceiverSettings {
   double full_scale_dbm = -30;
 
   /// It changes bins.
-  bool is_on() const {
-    return noise || loss_db != 0 || gain_db != 0 || stc_range_m != 0 || adc_bits != 0;
-  }
+  bool is_on() const { return noise || loss_db != 0 || gain_db != 0 || stc_range_m != 0 || adc_bits != 0; }
 };
 
 /// [video]: the plane that a display shows.
@@ -36,7 +34,7 @@ enum class Polarisation { horizontal, vertical };
 
 /// [atmosphere]: what is between the antenna and the ground.
 struct AtmosphereSettings {
-  double rain_mm_h = 0;  ///< everywhere up to
+  double rain_mm_h = 0;      ///< everywhere up to
   double rain_top_m = 4000;  ///< above the datum
   bool gas = false;
   Polarisation polarisation = Polarisation::horizontal;

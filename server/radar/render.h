@@ -52,8 +52,8 @@ struct RenderOptions {
   /// The frame's; on_wedge is given what it makes of the bins. Null: the echoes as they are, and no range
   /// normalisation where that is the receiver's (normalises_samples).
   const Receiver* receiver = nullptr;
-  bool video8 = false;   ///< wanted of the receiver, in 256 levels;
-  bool video16 = false;  ///< in 65,536
+  bool video8 = false;          ///< wanted of the receiver, in 256 levels;
+  bool video16 = false;         ///< in 65,536
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 

@@ -10,8 +10,8 @@
 namespace obliq {
 namespace {
 
-/// Accumulators and block (49), its video (3), and a visible and a present mark of up to 9 profiles and of all
-/// together.
+/// Accumulators and block (49), its video (3), and a visible and a present mark of up to 9 profiles and of
+/// all together.
 constexpr double kBytesABin = 49 + 3 + 2 * 10;
 /// A bin, a cell, a kind and a power, for each of the wedge's azimuth bins and for merging one of them, with
 /// room to grow into.

@@ -25,7 +25,7 @@ struct Demand {
 struct Order {
   std::vector<std::uint64_t> takers;
   std::vector<StreamChoice> choices;  ///< different ones
-  bool iq = false;  ///< for itself, or for the video
+  bool iq = false;                    ///< for itself, or for the video
   bool states = false;
   bool video8 = false;
   bool video16 = false;

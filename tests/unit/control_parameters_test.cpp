@@ -265,7 +265,8 @@ TEST(Validate, AcceptsExactlyWhatIsInsideAllLimits) {
     ReceiverSettings& receiver = config.settings.receiver;
     if (receiver.adc_bits == 1) receiver.adc_bits = 2;
     const RadarSettings& s = config.settings;
-    if (receiver.stc_range_m <= 500e3) receiver.stc_range_m = std::clamp(receiver.stc_range_m, 0.0, s.r_max_m);
+    if (receiver.stc_range_m <= 500e3)
+      receiver.stc_range_m = std::clamp(receiver.stc_range_m, 0.0, s.r_max_m);
     good = good && s.r_max_m - s.r_min_m >= 0.001 * s.range_bins;
     good = good && !(s.frustum == FrustumKind::symmetric && s.sector_deg >= 180);
     EXPECT_EQ(validate(config).empty(), good) << "trial " << trial;

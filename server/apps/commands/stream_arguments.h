@@ -28,7 +28,8 @@ struct StreamArguments {
   int video_bits = 8;
 };
 
-/// Adds --encoding, --compress, --azimuths, --ranges, --planes and --video-bits. `arguments` must outlive the parsing.
+/// Adds --encoding, --compress, --azimuths, --ranges, --planes and --video-bits. `arguments` must outlive the
+/// parsing.
 void add_stream_arguments(CLI::App& app, StreamArguments& arguments);
 
 /// Writes them into a request. Throws InputError.

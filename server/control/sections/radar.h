@@ -26,7 +26,7 @@ struct RadarConfig {
 
 /// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.
 inline constexpr std::array<std::string_view, 7> kRadarTables{"antenna",  "frustum", "bins",      "scan",
-                                                                "receiver", "video",   "atmosphere"};
+                                                              "receiver", "video",   "atmosphere"};
 
 /// The short forms frustum.quality and frustum.pixels.
 std::span<const SpecialKey<RadarConfig>> radar_special_keys();
