@@ -84,6 +84,7 @@ void FrameAssembler::allocate() {
   frame_.power_w.assign(wanted(wire::Plane::power), 0.0);
   frame_.count.assign(wanted(wire::Plane::count), 0);
   frame_.state.assign(wanted(wire::Plane::state), 0);
+  frame_.video.assign(wanted(wire::Plane::video), 0);
   allocated_ = true;
   for (const Early& early : std::exchange(early_, {})) keep(early.plane, early.place, early.values);
 }
@@ -142,6 +143,8 @@ std::byte* FrameAssembler::plane_data(wire::Plane plane) {
       return reinterpret_cast<std::byte*>(frame_.count.data());
     case wire::Plane::state:
       return reinterpret_cast<std::byte*>(frame_.state.data());
+    case wire::Plane::video:
+      return reinterpret_cast<std::byte*>(frame_.video.data());
   }
   return nullptr;
 }
@@ -155,8 +158,16 @@ Status FrameAssembler::on_block(const wire::MessageHeader& header, const wire::W
   if (!(planes_ & wire::plane_bit(plane))) return {};
   const auto place = place_of(block);
   if (!place) return bad("a data block does not fit the frame");
-  const auto values = wire::plain_values(block, payload, scratch_);
+  auto values = wire::plain_values(block, payload, scratch_);
   if (!values) return bad("a compressed data block is damaged");
+  if (plane == wire::Plane::video && !values->empty()) {
+    frame_.video_bits = wire::video_bits_of(block, payload.size());
+    if (frame_.video_bits == 8) {
+      const auto* levels = reinterpret_cast<const std::uint8_t*>(values->data());
+      video_.assign(levels, levels + values->size());
+      values = std::as_bytes(std::span(video_));
+    }
+  }
 
   auto& filled = filled_[static_cast<int>(plane)];
   for (std::size_t row = 0; row < block.n_azimuth(); ++row) {

@@ -38,6 +38,8 @@ struct AssembledFrame {
   std::vector<double> power_w;
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
+  std::vector<std::uint16_t> video;  ///< levels of video_bits
+  int video_bits = 8;                ///< of what was sent; without video means nothing
 };
 
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin
@@ -98,6 +100,7 @@ class FrameAssembler : public FrameHandler {
   std::uint64_t bytes_received_ = 0;  ///< over all planes
   std::uint64_t bytes_expected_ = 0;
   std::vector<std::byte> scratch_;                    ///< for decoding
+  std::vector<std::uint16_t> video_;                  ///< values of a block of 8 bits
   std::vector<std::uint32_t> filled_[wire::kPlanes];  ///< [n_azimuth], range bins that have arrived
   std::uint64_t bins_received_ = 0;                   ///< over all planes
   std::uint64_t bins_expected_ = 0;

@@ -11,6 +11,8 @@ std::uint32_t bytes_per_bin(Plane plane) {
       return 4;
     case Plane::state:
       return 1;
+    case Plane::video:
+      return 2;
   }
   return 0;
 }
@@ -34,6 +36,8 @@ const char* plane_name(Plane plane) {
       return "count";
     case Plane::state:
       return "state";
+    case Plane::video:
+      return "video";
   }
   return "?";
 }

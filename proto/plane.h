@@ -6,17 +6,19 @@
 namespace obliq::wire {
 
 /// One quantity per bin; the numbers are those of the protobuf enumeration PlaneKind.
-enum class Plane : std::uint8_t { iq = 0, power = 1, count = 2, state = 3 };
-constexpr int kPlanes = 4;
+enum class Plane : std::uint8_t { iq = 0, power = 1, count = 2, state = 3, video = 4 };
+constexpr int kPlanes = 5;
 
 /// A set of planes, bit n for plane n.
 using PlaneSet = std::uint8_t;
-constexpr PlaneSet kAllPlanes = 0x0F;
+constexpr PlaneSet kAllPlanes = 0x0F;  ///< that who names none gets: all but video
+constexpr PlaneSet kEveryPlane = 0x1F;
 constexpr PlaneSet plane_bit(Plane plane) {
   return static_cast<PlaneSet>(1u << static_cast<unsigned>(plane));
 }
 
-/// Bytes per bin: iq 8 (two float32), power 8 (float64), count 4 (uint32), state 1.
+/// Bytes per bin: iq 8 (two float32), power 8 (float64), count 4 (uint32), state 1, video 2 (uint16; sent
+/// with 8 bits it is 1).
 std::uint32_t bytes_per_bin(Plane plane);
 /// The same of all planes of a set.
 std::uint32_t bytes_per_bin(PlaneSet planes);

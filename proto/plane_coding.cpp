@@ -48,11 +48,30 @@ const char* compression_name(Compression compression) {
   return compression == Compression::zstd ? "zstd" : "none";
 }
 
-std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding) {
+std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding, int video_bits) {
+  if (plane == Plane::video) return video_bits == 8 ? 1 : 2;
   return plane == Plane::iq && encoding == IqEncoding::ci16_le ? 4 : bytes_per_bin(plane);
 }
 
-double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out) {
+int video_bits_of(const WedgeBlock& block, std::size_t payload_bytes) {
+  const std::uint64_t bins = std::uint64_t{block.n_azimuth()} * block.n_range();
+  const std::uint64_t bytes = block.compression() == ZSTD ? block.plain_bytes() : payload_bytes;
+  return bytes == bins ? 8 : bytes == 2 * bins ? 16 : 0;
+}
+
+namespace {
+constexpr int kTop8 = 254;  // levels above the floor
+constexpr int kTop16 = 65534;
+}  // namespace
+
+std::uint16_t video16_of(std::uint8_t level) {
+  return level == 0 ? 0 : static_cast<std::uint16_t>(1 + ((level - 1) * kTop16 + kTop8 / 2) / kTop8);
+}
+std::uint8_t video8_of(std::uint16_t level) {
+  return level == 0 ? 0 : static_cast<std::uint8_t>(1 + ((level - 1) * kTop8 + kTop16 / 2) / kTop16);
+}
+
+double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out, double step) {
   const auto in = components(values);
   float largest = 0;
   for (const float value : in) {
@@ -60,11 +79,13 @@ double encode_ci16(std::span<const std::complex<float>> values, std::span<std::b
     if (size > largest && std::isfinite(size)) largest = size;
   }
   // In double neither the scale of the smallest float nor its inverse leaves the range of normal numbers.
-  const double scale = static_cast<double>(largest) / kFullScale;
-  const double per_value = largest > 0 ? kFullScale / static_cast<double>(largest) : 0;
+  const bool in_steps = step > 0 && static_cast<double>(largest) < (kFullScale + 1.5) * step;
+  const double scale = in_steps ? step : static_cast<double>(largest) / kFullScale;
+  const double per_value = in_steps ? 1 / step : largest > 0 ? kFullScale / static_cast<double>(largest) : 0;
   for (std::size_t i = 0; i < in.size(); ++i) {
     const double steps = static_cast<double>(in[i]) * per_value;
-    const double clamped = std::isnan(steps) ? 0 : std::clamp(steps, -kFullScale, kFullScale);
+    const double clamped =
+        std::isnan(steps) ? 0 : std::clamp(steps, in_steps ? -kFullScale - 1 : -kFullScale, kFullScale);
     const auto integer = static_cast<std::int16_t>((clamped + kRounding) - kRounding);
     std::memcpy(out.data() + 2 * i, &integer, sizeof integer);
   }
@@ -96,7 +117,7 @@ std::string fault_of_block(const WedgeBlock& block, std::size_t payload_bytes) {
   const auto plane = plane_from_number(block.plane());
   const auto encoding = iq_encoding_from_number(block.iq_encoding());
   const auto compression = compression_from_number(block.compression());
-  if (!plane) return "a data block of plane " + std::to_string(block.plane()) + "; allowed: 0 to 3";
+  if (!plane) return "a data block of plane " + std::to_string(block.plane()) + "; allowed: 0 to 4";
   if (!encoding) {
     return "a data block in encoding " + std::to_string(block.iq_encoding()) +
            "; allowed: 0 (cf32_le), 1 (ci16_le)";
@@ -106,7 +127,8 @@ std::string fault_of_block(const WedgeBlock& block, std::size_t payload_bytes) {
            "; allowed: 0 (none), 1 (zstd)";
   }
   const std::uint64_t bins = std::uint64_t{block.n_azimuth()} * block.n_range();
-  const std::uint64_t bytes_a_bin = coded_bytes_per_bin(*plane, *encoding);
+  const int video_bits = *plane == Plane::video ? video_bits_of(block, payload_bytes) : 0;
+  const std::uint64_t bytes_a_bin = coded_bytes_per_bin(*plane, *encoding, video_bits);
   if (bins > kMaxPlaneBytes / bytes_a_bin) {
     return "a data block of " + std::to_string(bins) + " bins; allowed: at most " +
            std::to_string(kMaxPlaneBytes / bytes_a_bin);

@@ -27,13 +27,22 @@ std::optional<Compression> compression_from_number(int number);
 const char* encoding_name(IqEncoding encoding);
 const char* compression_name(Compression compression);
 
-/// Bytes per bin before compression: as bytes_per_bin, but 4 for iq as ci16_le.
-std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding);
+/// Bytes per bin before compression: as bytes_per_bin, but 4 for iq as ci16_le and 1 for video of 8 bits.
+std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding, int video_bits = 16);
+
+/// Bits of a block's video values, 8 or 16, by its size; 0: of no such block.
+int video_bits_of(const WedgeBlock& block, std::size_t payload_bytes);
+
+/// Levels of 8 bits on the scale of 16, and back: 0 and the ends stay what they are.
+std::uint16_t video16_of(std::uint8_t level);
+std::uint8_t video8_of(std::uint16_t level);
 
 /// Writes 2 x int16 per value, little-endian, and returns the scale: value = integer x scale. The largest
 /// component becomes 32767, so each is off by at most scale / 2. All zero: scale 0. What is not finite is
 /// written as 0 (NaN) or full scale (infinity). `out` holds 4 bytes per value.
-double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out);
+/// step: what the components are whole multiples of, at most 32768 times: it becomes the scale, and nothing
+/// is lost. 0: of nothing.
+double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out, double step = 0);
 void decode_ci16(std::span<const std::byte> bytes, double scale, std::span<std::complex<float>> values);
 
 /// Empty when the result would not be smaller. The same bytes always for one version of libzstd.

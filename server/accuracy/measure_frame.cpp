@@ -19,7 +19,11 @@ struct RenderedFrame {
 };
 
 std::shared_ptr<const FramePlan> plan_or_throw(const View& view) {
-  const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);
+  // What is compared are the ground's echoes: without receiver and weather.
+  auto settings = std::make_shared<SettingsSnapshot>(*view.settings);
+  settings->settings.receiver = {};
+  settings->settings.atmosphere = {};
+  const PlanResult planned = plan_frame(view.scene, settings, view.pose);
   if (!planned.plan) throw InputError(all_text(planned.errors));
   return planned.plan;
 }

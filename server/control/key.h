@@ -21,6 +21,7 @@ enum class BeamPattern;
 enum class ElevationPattern;
 enum class PulseKind;
 enum class PulseWindow;
+enum class Polarisation;
 enum class HeightReference;
 enum class SyntheticKind;
 enum class ScatteringModel;
@@ -33,9 +34,9 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 
 /// Where a value lives. An optional number is "auto" where it is empty.
 using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*,
-                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, BeamPattern*,
-                          ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*, SyntheticKind*,
-                          ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
+                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*,
+                          BeamPattern*, ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*,
+                          SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

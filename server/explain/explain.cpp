@@ -8,6 +8,7 @@
 
 #include "server/explain/explanation.h"
 #include "server/explain/table.h"
+#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/unsampled.h"
 #include "server/scene/embree_tracer.h"
@@ -110,7 +111,7 @@ class Experiment {
     loaded.fine = plan(loaded, comparison(kComparisonSource, kComparisonDensity));
   }
 
-  /// What is compared are sharp bins: the beam has rows of its own.
+  /// What is compared are sharp echoes: beam and receiver have rows of their own.
   std::shared_ptr<const FramePlan> plan(const LoadedScene& loaded, const RadarSettings& settings) const {
     const auto snapshot =
         std::make_shared<const SettingsSnapshot>(SettingsSnapshot{sharp_settings(settings), 1});
@@ -185,6 +186,7 @@ class Experiment {
     own.range_normalisation = false;
     own.power_w = 1;
     own.gain_db = 0;
+    result_.radar = radar_rows(input_.settings, air_view(*loaded.own), power_w_);
     result_.frustum_noise = power_change(power_w_, power(*plan(loaded, own)), ranges_);
   }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/explain/measurement.h"
+#include "server/explain/radar_rows.h"
 #include "server/explain/variants.h"
 #include "server/scene/ray_method.h"
 #include "terrain/base/parallel.h"
@@ -92,6 +93,7 @@ struct Explanation {
   SpeckleMeasure ground_speckle;
   SpeckleMeasure geometric_speckle;
   std::vector<Comparison> comparisons;
+  std::vector<RadarRow> radar;  ///< what is between echoes and display
 };
 
 /// For a terminal of 100 columns.

@@ -181,6 +181,8 @@ std::string plain_report(const Explanation& all) {
   text += "\nFROM WHERE ON IT MATTERS, by closed forms with this scene's numbers\n\n";
   for (const Comparison& c : all.comparisons)
     if (!c.threshold.empty()) text += wrapped(c.name, c.threshold, kWidth, kLabel);
+  text += "\nBETWEEN ECHOES AND DISPLAY\n\n";
+  for (const RadarRow& row : all.radar) text += wrapped(row.name, row.text, kWidth, kLabel);
   text += "\nVERDICT\n\n";
   if (!all.unsampled.empty()) text += wrapped("sampling", all.unsampled + ".", kWidth, kLabel);
   for (const Comparison& c : all.comparisons) text += wrapped(c.name, c.advice, kWidth, kLabel);
@@ -202,6 +204,8 @@ std::string markdown_report(const Explanation& all) {
   text += fmt::format("\n## What it costs\n\n{}\n{}\n", markdown_table(cost_table(all)), times_text(all));
   text += "\n## From where on it matters\n\n";
   for (const Comparison& c : all.comparisons) item(title(c), c.threshold);
+  text += "\n## Between echoes and display\n\n";
+  for (const RadarRow& row : all.radar) item(row.name, row.text);
   text += "\n## Verdict\n\n";
   if (!all.unsampled.empty()) item("sampling", all.unsampled + ".");
   for (const Comparison& c : all.comparisons) item(c.name, c.advice);

@@ -11,6 +11,7 @@
 #include "server/accuracy/thresholds.h"
 #include "server/control/settings_message.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/unsampled.h"
 #include "terrain/base/constants.h"
 
@@ -216,6 +217,14 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_buildings_in_scene(static_cast<std::uint32_t>(world.buildings.list.size()));
   describe_load(world.report, descriptor);
   add_warnings(plan, rho_m, descriptor);
+}
+
+void describe_receiver(const Receiver& receiver, wire::FrameDescriptor& descriptor) {
+  descriptor.set_adc_step(receiver.iq_step());
+  descriptor.set_video_floor_db(receiver.video_scale().floor_db);
+  if (receiver.noise_power_w() == 0) return;
+  descriptor.set_noise_power_w(receiver.noise_power_w());
+  descriptor.set_noise_counter(receiver.counter());
 }
 
 void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::FrameSummary& summary) {

@@ -17,10 +17,14 @@ class Message;
 namespace obliq {
 
 class FramePlan;
+class Receiver;
 
 /// Fills the descriptor that the files and the stream share; everything known before the first wedge.
 void describe_frame(const FramePlan& plan, const std::string& radar, const std::string& scene_name,
                     wire::FrameDescriptor& descriptor);
+
+/// Adds what the frame's receiver does to its bins.
+void describe_receiver(const Receiver& receiver, wire::FrameDescriptor& descriptor);
 
 /// Fills the summary that is known after the last wedge.
 void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::FrameSummary& summary);

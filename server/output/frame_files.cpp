@@ -107,6 +107,8 @@ std::vector<PlaneFile> plane_files(const BinBlock& bins) {
           {"state", "state.npy", !bins.state.empty()}};
 }
 
+bool has_video(const BinBlock& bins) { return !bins.video8.empty() || !bins.video16.empty(); }
+
 std::string what_is_missing(const BinBlock& bins) {
   std::vector<std::string> planes;
   std::vector<std::string> files;
@@ -120,7 +122,7 @@ std::string what_is_missing(const BinBlock& bins) {
   if (!can_be_drawn(bins)) {
     files.insert(files.end(), {"ground_map.png", "ground_map.tif"});
   } else if (bins.iq.empty()) {
-    text += ", so the ground map shows its power";
+    text += std::string(", so the ground map shows its ") + (bins.power_w.empty() ? "video" : "power");
   }
   return text + "; not written: " + listed(files);
 }
@@ -156,6 +158,10 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   add_plane("power.npy", "<f8", bins.power_w);
   add_plane("count.npy", "<u4", bins.count);
   add_plane("state.npy", "|u1", bins.state);
+  if (bins.video16.empty())
+    add_plane("video.npy", "|u1", bins.video8);
+  else
+    add_plane("video.npy", "<u2", bins.video16);
   if (can_be_drawn(bins)) {
     written.scale = add_maps(files, descriptor, summary, bins, options);
   } else {
@@ -170,6 +176,7 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   std::vector<std::string> planes;
   for (const PlaneFile& one : plane_files(bins))
     if (one.there) planes.emplace_back(one.plane);
+  if (has_video(bins)) planes.emplace_back("video");
   files.leave_out("timing.json");  // of an older frame; that of this one comes when all is written
   files.add("frame.json",
             [&](const auto& path) { write_whole(path, frame_json(descriptor, summary, planes)); });

@@ -229,17 +229,47 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
   return map;
 }
 
-bool can_be_drawn(const BinBlock& bins) { return !bins.iq.empty() || !bins.power_w.empty(); }
+bool can_be_drawn(const BinBlock& bins) {
+  return !bins.iq.empty() || !bins.power_w.empty() || !bins.video8.empty() || !bins.video16.empty();
+}
+
+bool is_ideal(const wire::FrameDescriptor& descriptor) {
+  const wire::RadarSettings& s = descriptor.settings();
+  return !s.noise() && s.stc_range_m() == 0 && s.adc_bits() == 0 && s.rain_mm_h() == 0;
+}
+
+namespace {
+
+/// Of a video's values, on the scale that the descriptor gives.
+template <typename Level>
+void add_video(const std::vector<Level>& video, const wire::FrameDescriptor& descriptor, BinLevels& levels) {
+  const double steps = std::numeric_limits<Level>::max() - 1;
+  const double span_db = descriptor.settings().video_span_db();
+  for (std::size_t bin = 0; bin < std::min(video.size(), levels.db.size()); ++bin)
+    if (video[bin] > 0)
+      levels.db[bin] = static_cast<float>(descriptor.video_floor_db() + (video[bin] - 1) * span_db / steps);
+}
+
+}  // namespace
 
 BinLevels bin_levels(const wire::FrameDescriptor& descriptor, const BinBlock& bins) {
   BinLevels levels;
+  levels.of_video = bins.iq.empty() && bins.power_w.empty();
   levels.of_power = bins.iq.empty();
   levels.unit = levels.of_power ? descriptor.power_unit() : descriptor.unit();
   levels.db.assign(static_cast<std::size_t>(bins.n_azimuth) * static_cast<std::size_t>(bins.n_range),
                    BinLevels::kNoValue);
   if (!can_be_drawn(bins)) return levels;
+  if (levels.of_video) {
+    if (bins.video16.empty())
+      add_video(bins.video8, descriptor, levels);
+    else
+      add_video(bins.video16, descriptor, levels);
+    return levels;
+  }
+  const bool ideal = is_ideal(descriptor);
   for (std::size_t bin = 0; bin < levels.db.size(); ++bin) {
-    if (!bins.count.empty() && bins.count[bin] == 0) continue;
+    if (ideal && !bins.count.empty() && bins.count[bin] == 0) continue;
     const double power = levels.of_power ? bins.power_w[bin] : std::norm(std::complex<double>(bins.iq[bin]));
     if (power >= kLeast && std::isfinite(power))
       levels.db[bin] = static_cast<float>(kDb_of_log * log_of_positive(power));

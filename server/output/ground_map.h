@@ -49,11 +49,16 @@ struct BinLevels {
   std::vector<float> db;  ///< 20 log10 |I&Q|, dB re unit; kNoValue where that is 0
   std::string unit;       ///< as the frame's descriptor says
   bool of_power = false;  ///< 10 log10 of the power, because the frame has no I&Q
+  bool of_video = false;  ///< of the video, because it has neither: dB re the unit of power
   static constexpr float kNoValue = -9999;
 };
 
-/// Whether there is something to see in them: I&Q or power.
+/// Whether there is something to see in them: I&Q, power or video.
 bool can_be_drawn(const BinBlock& bins);
+
+/// An ideal map: no receiver has added anything to its echoes or changed their law in range. Else every bin
+/// with a value is drawn, whatever its state, and nothing is made up for the range.
+bool is_ideal(const wire::FrameDescriptor& descriptor);
 
 BinLevels bin_levels(const wire::FrameDescriptor& descriptor, const BinBlock& bins);
 

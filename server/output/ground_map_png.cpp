@@ -18,10 +18,15 @@ constexpr int kMargin = 60;       // for labels around the map
 constexpr int kLeastWidth = 800;  // the caption has no less
 constexpr double kLeastSpan_dB = 10;
 
+/// Whether the picture makes up for the range: of an ideal map, that is not normalised.
+bool is_compensated(const wire::FrameDescriptor& d, const BinLevels& levels) {
+  return !levels.of_video && !d.settings().range_normalisation() && is_ideal(d);
+}
+
 /// The levels of a picture: those of the bins with the display's range compensation.
 std::vector<float> shown_levels(const wire::FrameDescriptor& d, const BinLevels& levels, int n_range) {
   std::vector<float> shown = levels.db;
-  if (d.settings().range_normalisation()) return shown;
+  if (!is_compensated(d, levels)) return shown;
   std::vector<float> compensation(static_cast<std::size_t>(n_range));
   for (std::size_t i = 0; i < compensation.size(); ++i) {
     const double r_m = d.range_start_m() + (static_cast<double>(i) + 0.5) * d.range_spacing_m();
@@ -51,14 +56,16 @@ std::optional<DbRange> range_of(const GroundMap& map, const std::vector<float>& 
 
 /// The colour of each bin.
 std::vector<std::uint32_t> bin_colours(const BinBlock& bins, const BinLevels& levels,
-                                       const std::vector<float>& shown, const DbRange& range) {
+                                       const std::vector<float>& shown, const DbRange& range, bool ideal) {
   std::uint32_t greys[256];
   for (int k = 0; k < 256; ++k) greys[k] = packed(grey_of(k / 255.0));
   const float low = static_cast<float>(range.low);
   const float scale = static_cast<float>(255 / (range.high - range.low));
   std::vector<std::uint32_t> colours(shown.size());
   for (std::size_t bin = 0; bin < shown.size(); ++bin) {
-    switch (state_of(bins, levels, bin)) {
+    const bool has_value = shown[bin] != BinLevels::kNoValue;
+    switch (!ideal && has_value ? static_cast<std::uint8_t>(BinState::sampled)
+                                : state_of(bins, levels, bin)) {
       case static_cast<std::uint8_t>(BinState::sampled):
         break;
       case static_cast<std::uint8_t>(BinState::not_sampled):
@@ -125,11 +132,11 @@ std::string written(std::string unit) {
   return unit;
 }
 
-std::string quantity_text(const BinLevels& levels, bool normalised) {
-  std::string text = levels.of_power ? "power" : "|I&Q|";
-  if (!normalised) text += levels.of_power ? " × r⁴" : " × r²";
+std::string quantity_text(const BinLevels& levels, bool compensated) {
+  std::string text = levels.of_video ? "video" : levels.of_power ? "power" : "|I&Q|";
+  if (compensated) text += levels.of_power ? " × r⁴" : " × r²";
   return text + ", dB re " +
-         written(normalised ? levels.unit : levels.unit + (levels.of_power ? " m^4" : " m^2"));
+         written(compensated ? levels.unit + (levels.of_power ? " m^4" : " m^2") : levels.unit);
 }
 
 /// What a bin is that stays black.
@@ -155,7 +162,7 @@ std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, c
   const std::vector<float> shown = shown_levels(d, levels, bins.n_range);
   const std::optional<DbRange> range = options.db_range ? options.db_range : range_of(map, shown);
   const DbRange scale = range.value_or(DbRange{});
-  std::vector<std::uint32_t> colours = bin_colours(bins, levels, shown, scale);
+  std::vector<std::uint32_t> colours = bin_colours(bins, levels, shown, scale, is_ideal(d));
   const double bins_a_pixel = std::min<double>(map.pixel_m / d.range_spacing_m(), bins.n_range);
   if (bins_a_pixel >= 1.5) soften_ranges(colours, bins.n_range, static_cast<int>(std::lround(bins_a_pixel)));
 
@@ -165,7 +172,7 @@ std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, c
                                 .time = options.time,
                                 .range = scale,
                                 .has_echoes = range.has_value(),
-                                .quantity = quantity_text(levels, d.settings().range_normalisation()),
+                                .quantity = quantity_text(levels, is_compensated(d, levels)),
                                 .dark = dark_text(bins),
                                 .up_rad = wish.up_rad,
                                 .pixel_m = map.pixel_m},

@@ -18,6 +18,13 @@ void copy_azimuths(const BinBlock& from, BinBlock& to) {
   std::copy_n(from.power_w.begin() + source, n, to.power_w.begin() + target);
   std::copy_n(from.count.begin() + source, n, to.count.begin() + target);
   std::copy_n(from.state.begin() + source, n, to.state.begin() + target);
+  const auto copy_video = [&](const auto& some, auto& others) {
+    if (some.empty()) return;
+    others.resize(to.state.size());
+    std::copy_n(some.begin() + source, n, others.begin() + target);
+  };
+  copy_video(from.video8, to.video8);
+  copy_video(from.video16, to.video16);
 }
 
 }  // namespace obliq

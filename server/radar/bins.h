@@ -61,6 +61,9 @@ struct BinBlock {
   /// surface that it covers, so that the frame's samples outnumber its hits.
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;  ///< BinState
+  /// Video in 256 and in 65,536 levels: empty where it is not wanted, or not made yet.
+  std::vector<std::uint8_t> video8;
+  std::vector<std::uint16_t> video16;
 
   BinBlock() = default;
   BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {

@@ -1,9 +1,12 @@
 #include "server/radar/render.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "server/radar/air_view.h"
 #include "server/radar/rays/ray_samples.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/sweep/sweep_samples.h"
 #include "server/radar/visibility/bin_states.h"
 #include "server/radar/visibility/coverage.h"
@@ -20,6 +23,15 @@ void scatter_and_bin(const SampleBatch& samples, EchoBins& echo, FrameStats& sta
   stats.samples += echo.add(samples);
 }
 
+/// By range bin.
+void attenuate(const std::vector<double>& path_power, BinBlock& bins) {
+  for (std::size_t bin = 0; bin < bins.power_w.size(); ++bin) {
+    const double factor = path_power[bin % path_power.size()];
+    bins.power_w[bin] *= factor;
+    bins.iq[bin] *= static_cast<float>(std::sqrt(factor));
+  }
+}
+
 void write_bins(WedgeWork& work) {
   const StageProbe probe(Stage::bin);
   if (!work.sweep) {
@@ -29,6 +41,7 @@ void write_bins(WedgeWork& work) {
     work.wedge.stats.hits += work.cells.count();
     work.wedge.stats.samples += work.cells.count();
   }
+  if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
 }
 
 void find_states(const FramePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
@@ -105,7 +118,13 @@ FrameTables::FrameTables(const FramePlan& plan)
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               plan.adds_voltages() ? OwnerBins{plan.bins(), 1 / plan.bins().azimuth_width_rad} : OwnerBins{}),
-      sub_columns(plan) {}
+      sub_columns(plan) {
+  if (!attenuates(plan.settings())) return;
+  const double loss_db_km = path_loss_db_km(plan.settings(), air_view(plan));
+  for (int bin = 0; bin < plan.bins().n_range; ++bin)
+    path_power.push_back(
+        path_power_factor(loss_db_km, plan.bins().r_min_m + (bin + 0.5) * plan.bins().range_spacing_m));
+}
 
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter) {
   return mix64(checksum(radar.data(), radar.size()) ^ mix64(counter));
@@ -125,7 +144,9 @@ Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pos
   Frame frame;
   frame.bins = BinBlock(azimuths.first, azimuths.count, plan.bins().n_range);
   FrameSum sum(plan.settings());
+  const Receiver own(plan.settings(), "", plan.settings().receiver.noise_frame, air_view(plan));
   RenderOptions with_copy = options;
+  if (with_copy.receiver == nullptr) with_copy.receiver = &own;
   with_copy.on_wedge = [&](Wedge&& wedge) {
     sum.add(wedge);
     copy_azimuths(wedge.bins, frame.bins);

@@ -18,6 +18,7 @@ namespace obliq {
 
 class HitObserver;  // server/radar/rays/hit_observer.h
 class SharpStore;   // server/radar/beam/echo_rows.h
+class Receiver;     // server/radar/receiver/receiver.h
 class StageTimes;   // terrain/base/stage_clock.h
 
 struct Wedge {
@@ -50,10 +51,15 @@ struct RenderOptions {
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   RenderPause* pause = nullptr;     ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
-  std::uint64_t draw = 0;       ///< names the frame (frame_draw): independent speckle repeats with it
+  std::uint64_t draw = 0;  ///< names the frame (frame_draw): independent speckle repeats with it
   /// Behind a beam: shares sharp wedges with the renderings before and after it, of one antenna and scene,
   /// or of one that has moved little. Null: shares nothing.
   SharpStore* sharp = nullptr;
+  /// The frame's; on_wedge is given what it makes of the bins. Null: the echoes as they are, and no range
+  /// normalisation where that is the receiver's (normalises_samples).
+  const Receiver* receiver = nullptr;
+  bool video8 = false;          ///< wanted of the receiver, in 256 levels;
+  bool video16 = false;         ///< in 65,536
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 
@@ -92,7 +98,8 @@ struct Frame {
 };
 
 /// Renders the azimuth bins of a scene. The same scene, settings, pose and azimuths give the same bits for
-/// any thread count. Throws InputError when the frame cannot be planned.
+/// any thread count. Without a receiver in the options the settings' own serves, of a radar without a name.
+/// Throws InputError when the frame cannot be planned.
 Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pose& pose,
              AzimuthRange azimuths, const RenderOptions& options = {});
 

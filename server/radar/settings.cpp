@@ -28,7 +28,17 @@ RadarSettings sharp_settings(RadarSettings settings) {
     settings.speckle = SpeckleKind::ground;
   settings.beam = {};
   settings.pulse = {};
+  settings.receiver = {};
+  settings.atmosphere = {};
   return settings;
+}
+
+bool has_receiver(const RadarSettings& settings) {
+  return settings.receiver.is_on() || settings.atmosphere.rain_mm_h > 0;
+}
+
+bool normalises_samples(const RadarSettings& settings) {
+  return settings.range_normalisation && !has_receiver(settings);
 }
 
 bool same_antenna(PoseSettings a, const PoseSettings& b) {

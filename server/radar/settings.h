@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/radar/beam_settings.h"
+#include "server/radar/receiver_settings.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
@@ -72,6 +73,17 @@ inline bool draws_speckle(const RadarSettings& s) {
   const SpeckleKind kind = resolved_speckle(s);
   return kind == SpeckleKind::none || kind == SpeckleKind::independent;
 }
+ReceiverSettings receiver;
+VideoSettings video;
+AtmosphereSettings atmosphere;
+};
+
+/// Something is done to the bins after the echoes: by the receiver itself, or as rain's own echo.
+bool has_receiver(const RadarSettings& settings);
+
+/// Samples are multiplied by range squared as they are binned. What comes after the bins needs them as they
+/// are: then range normalisation is the receiver's last step.
+bool normalises_samples(const RadarSettings& settings);
 
 /// Where the antenna is and where its sector's centre points, in the operator's units.
 struct PoseSettings {

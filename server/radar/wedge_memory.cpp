@@ -12,8 +12,9 @@
 namespace obliq {
 namespace {
 
-/// Accumulators and block (49), and a visible and a present mark of up to 9 profiles and of all together.
-constexpr double kBytesABin = 49 + 2 * 10;
+/// Accumulators and block (49), its video (3), and a visible and a present mark of up to 9 profiles and of
+/// all together.
+constexpr double kBytesABin = 49 + 3 + 2 * 10;
 /// A bin, a cell, a kind and a power, for each of the wedge's azimuth bins and for merging one of them, with
 /// room to grow into.
 constexpr double kBytesAScatterer = 2 * 28;

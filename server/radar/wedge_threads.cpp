@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/radar/beam/echo_rows.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/visibility/coverage.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/stage_clock.h"
@@ -144,6 +145,10 @@ class WedgeThreads {
   }
 
   void deliver(Wedge&& wedge) {
+    if (options_.receiver != nullptr) {
+      const StageProbe probe(Stage::bin);
+      options_.receiver->receive(wedge.bins, {options_.iq, options_.video8, options_.video16});
+    }
     std::unique_lock lock(delivery_, std::defer_lock);
     {
       const StageProbe probe(Stage::wait);

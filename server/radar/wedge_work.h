@@ -21,6 +21,8 @@ struct FrameTables {
   SpeckleField speckle;
   SubColumnBins sub_columns;
 
+  std::vector<double> path_power;  ///< [n_range] what the atmosphere leaves; empty: all
+
   explicit FrameTables(const FramePlan& plan);
 };
 

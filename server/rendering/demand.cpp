@@ -28,6 +28,13 @@ void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands) {
   }
 }
 
+ReceivedPlanes needed_planes(const StreamChoice& choice, const RadarSettings& settings) {
+  const auto wants = [&](wire::Plane plane) { return (choice.planes & wire::plane_bit(plane)) != 0; };
+  const bool video = wants(wire::Plane::video);
+  return {wants(wire::Plane::iq) || (video && video_needs_iq(settings)),
+          video && choice.format.video_bits == 8, video && choice.format.video_bits == 16};
+}
+
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings) {
   Order order;
   std::set<StreamChoice> choices;
@@ -39,7 +46,10 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
     if (!window) continue;
     order.takers.push_back(demand.watch_id);
     choices.insert(demand.choice);
-    if (demand.choice.planes & wire::plane_bit(wire::Plane::iq)) order.iq = true;
+    const ReceivedPlanes needed = needed_planes(demand.choice, settings);
+    order.iq |= needed.iq;
+    order.video8 |= needed.video8;
+    order.video16 |= needed.video16;
     if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
     for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
          azimuth += window->azimuth.step)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/stream/stream_choice.h"
 
@@ -24,8 +25,10 @@ struct Demand {
 struct Order {
   std::vector<std::uint64_t> takers;
   std::vector<StreamChoice> choices;  ///< different ones
-  bool iq = false;
+  bool iq = false;                    ///< for itself, or for the video
   bool states = false;
+  bool video8 = false;
+  bool video16 = false;
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
 };
 
@@ -33,6 +36,9 @@ struct Order {
 std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now);
 /// No frame was made: they are due again.
 void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
+
+/// What a choice needs rendered.
+ReceivedPlanes needed_planes(const StreamChoice& choice, const RadarSettings& settings);
 
 /// What a frame of such settings must hold for them. A window without a bin in the frame gets nothing.
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/radar/receiver/receiver.h"
+
 namespace obliq::net {
 namespace {
 
@@ -100,6 +102,8 @@ class FrameCache::Frame : public PlannedFrame {
     frame_->summarise(stats, summary);
   }
 
+  AirView air() const override { return frame_->air(); }
+
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const bool goes_on = options.pause && options.pause->begun;
     if (!goes_on) {
@@ -111,11 +115,13 @@ class FrameCache::Frame : public PlannedFrame {
       fresh_->states = options.states;
     }
     if (!part_) return frame_->render(azimuths, options);
+    // What is kept are the echoes: the receiver makes something else of them in each frame.
     RenderOptions with_copy = options;
+    with_copy.receiver = nullptr;
     with_copy.on_wedge = [&](Wedge&& wedge) {
       fresh_->bytes += bytes_of(wedge.bins);
       fresh_->wedges.push_back(wedge);
-      if (options.on_wedge) options.on_wedge(std::move(wedge));
+      give(std::move(wedge), options);
     };
     const bool done = part_->render(azimuths, with_copy);
     if (options.pause && options.pause->begun) return done;  // there is more to come
@@ -134,10 +140,16 @@ class FrameCache::Frame : public PlannedFrame {
     for (const Wedge& wedge : part.wedges) {
       if (options.stop.stop_requested()) return false;
       if (options.before_wedge) options.before_wedge(wedge.index);
-      if (options.on_wedge) options.on_wedge(Wedge(wedge));
+      give(Wedge(wedge), options);
     }
     frame_->see_again(part.seen);
     return true;
+  }
+
+  static void give(Wedge&& wedge, const RenderOptions& options) {
+    if (options.receiver)
+      options.receiver->receive(wedge.bins, {options.iq, options.video8, options.video16});
+    if (options.on_wedge) options.on_wedge(std::move(wedge));
   }
 
   std::shared_ptr<const PlannedFrame> frame_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "proto/plane.h"
+#include "server/radar/air_view.h"
 #include "server/radar/render.h"
 #include "terrain/base/errors.h"
 
@@ -23,6 +24,8 @@ class PlannedFrame {
   /// As obliq::render_wedges.
   virtual bool render(AzimuthRange azimuths, const RenderOptions& options) const = 0;
   virtual void summarise(const FrameStats& stats, wire::FrameSummary& summary) const = 0;
+  /// Where the antenna is in the air.
+  virtual AirView air() const { return {}; }
   /// Buildings seen by what was rendered, and by the wedges reused from an earlier frame.
   virtual std::vector<std::uint32_t> seen() const { return {}; }
   virtual void see_again(const std::vector<std::uint32_t>& /*buildings*/) const {}
@@ -56,7 +59,7 @@ class FrameRenderer {
   /// Of a renderer that only replays: why no client may change anything or have a frame rendered. Else empty.
   virtual std::string fixed() const { return {}; }
   /// The planes that its frames have.
-  virtual wire::PlaneSet planes() const { return wire::kAllPlanes; }
+  virtual wire::PlaneSet planes() const { return wire::kEveryPlane; }
 };
 
 }  // namespace obliq::net

@@ -74,8 +74,7 @@ bool LiveJob::begin() {
 
 bool LiveJob::go_on(Frame& frame) {
   try {
-    RenderOptions options = context_.render_options(frame.iq, frame.states, frame.stop, &frame.pause);
-    options.draw = frame.draw();
+    RenderOptions options = frame.render_options(frame.stop, &frame.pause);
     options.on_wedge = [&](Wedge&& wedge) {
       if (frame.rendered.first_wedge_s == 0)
         frame.rendered.first_wedge_s = to_seconds(context_.now() - frame.begun);

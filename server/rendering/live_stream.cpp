@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq::net {
@@ -190,11 +191,21 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       frame(stream.frames_->open(id, order.takers)),
       iq(order.iq),
       states(order.states),
+      video8(order.video8),
+      video16(order.video16),
       plan(std::move(planned)) {
   rendered.waited_s = waited_s;
+  if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id, plan->air());
 }
 
-std::uint64_t BegunFrame::draw() const { return frame_draw(stream.name_, frame_id); }
+RenderOptions BegunFrame::render_options(const std::stop_token& stop, RenderPause* pause) const {
+  RenderOptions options = stream.context_.render_options(iq, states, stop, pause);
+  if (receiver) options.receiver = &*receiver;
+  options.video8 = video8;
+  options.video16 = video16;
+  options.draw = frame_draw(stream.name_, frame_id);
+  return options;
+}
 
 void BegunFrame::send(std::vector<BlockPtr> blocks) const {
   stream.context_.events.on_live_blocks(stream.radar_, frame, std::move(blocks));
@@ -203,6 +214,7 @@ void BegunFrame::send(std::vector<BlockPtr> blocks) const {
 void BegunFrame::send_begin(const LiveView& view) {
   wire::FrameDescriptor descriptor;
   plan->describe(stream.name_, descriptor);
+  if (receiver) describe_receiver(*receiver, descriptor);
   descriptor.set_frame_id(frame_id);
   descriptor.set_pose_stale(view.pose_stale);
   send(encoder.begin(descriptor));

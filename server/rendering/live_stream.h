@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/radar/receiver/receiver.h"
 #include "server/rendering/demand.h"
 #include "server/rendering/fair_share.h"
 #include "server/rendering/job.h"
@@ -124,8 +125,8 @@ struct BegunFrame {
              const RadarSettings& settings, const Order& order, const LiveView& view, double waited_s);
 
   void send(std::vector<BlockPtr> blocks) const;
-  /// Names it (RenderOptions).
-  std::uint64_t draw() const;
+  /// Of any part of it.
+  RenderOptions render_options(const std::stop_token& stop, RenderPause* pause) const;
   /// FrameBegin, with the pose of `view`.
   void send_begin(const LiveView& view);
   /// FrameEnd; `rendered` is given the counts of what was rendered.
@@ -140,7 +141,10 @@ struct BegunFrame {
   LiveFramePtr frame;
   bool iq = false;
   bool states = false;
+  bool video8 = false;
+  bool video16 = false;
   std::unique_ptr<PlannedFrame> plan;
+  std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
 };
 
 }  // namespace obliq::net

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/output/describe_frame.h"
+#include "server/rendering/demand.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
@@ -37,6 +39,7 @@ struct OnceJob::Frame {
   std::optional<FrameEncoder> encoder;
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
+  std::optional<Receiver> receiver;
   int next_azimuth = 0;  ///< of the slice in hand
   int end_azimuth = 0;   ///< of the window
   RenderPause pause;     ///< within the slice
@@ -118,6 +121,9 @@ bool OnceJob::begin(Frame& frame) const {
   frame.plan = std::move(plan.frame);
   wire::FrameDescriptor descriptor;
   frame.plan->describe(request.radar, descriptor);
+  const RadarSettings& settings = request.view.settings->settings;
+  frame.receiver.emplace(settings, request.radar, settings.receiver.noise_frame, frame.plan->air());
+  describe_receiver(*frame.receiver, descriptor);
   FrameIdentity identity;
   identity.stream_id = request.stream_id;
   identity.request_id = request.request_id;
@@ -143,9 +149,13 @@ bool OnceJob::render_slice(Frame& frame) const {
       context_.scanning ? context_.options.slice_batches_while_scanning : context_.options.slice_batches;
 
   const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
-  RenderOptions options = context_.render_options(wants(wire::Plane::iq), wants(wire::Plane::state),
-                                                  request.stop.get_token(), &frame.pause);
-  options.draw = frame_draw(request.radar, 0);
+  const ReceivedPlanes needed = needed_planes(request.choice, request.view.settings->settings);
+  RenderOptions options =
+      context_.render_options(needed.iq, wants(wire::Plane::state), request.stop.get_token(), &frame.pause);
+  options.video8 = needed.video8;
+  options.video16 = needed.video16;
+  options.receiver = &*frame.receiver;
+  options.draw = frame_draw(request.radar, frame.receiver->counter());
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);
     for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins)) {

@@ -201,9 +201,8 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
                          in_nanoseconds(scan_->schedule.middle(scan_->next)));
   // Wedges of one dwell are finished in any order; a display is given them in the beam's.
   std::vector<Wedge> wedges;
-  RenderOptions options = context_.render_options(pass.iq, pass.states, stop, nullptr);
+  RenderOptions options = pass.render_options(stop, nullptr);
   options.sharp = &scan_->sharp;
-  options.draw = pass.draw();
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
   if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;
   const bool clockwise = scan_->schedule.is_clockwise(scan_->next.pass);

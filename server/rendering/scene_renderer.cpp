@@ -50,6 +50,7 @@ class PlannedSceneFrame : public PlannedFrame {
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);
   }
+  AirView air() const override { return air_view(*plan_); }
   std::vector<std::uint32_t> seen() const override { return plan_->seen().list(); }
   void see_again(const std::vector<std::uint32_t>& buildings) const override {
     plan_->seen().mark(buildings);

@@ -21,7 +21,7 @@ using wire::Plane;
 
 namespace {
 
-std::span<const std::byte> plane_values(Plane plane, const BinBlock& bins) {
+std::span<const std::byte> plane_values(Plane plane, int video_bits, const BinBlock& bins) {
   switch (plane) {
     case Plane::iq:
       return std::as_bytes(std::span(bins.iq));
@@ -31,6 +31,8 @@ std::span<const std::byte> plane_values(Plane plane, const BinBlock& bins) {
       return std::as_bytes(std::span(bins.count));
     case Plane::state:
       return std::as_bytes(std::span(bins.state));
+    case Plane::video:
+      return video_bits == 8 ? std::as_bytes(std::span(bins.video8)) : std::as_bytes(std::span(bins.video16));
   }
   return {};
 }
@@ -110,6 +112,7 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
   *echo_->mutable_pose() = descriptor.pose();
   echo_->set_pose_stale(descriptor.pose_stale());
   echo_->set_settings_version(descriptor.settings_version());
+  iq_step_ = descriptor.adc_step();
   wire::FrameBegin message;
   message.set_frame_id(identity_.frame_id);
   message.set_request_id(identity_.request_id);
@@ -164,10 +167,12 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
   if (rows.n == 0) return;
 
   // The kept bins as rows without gaps: where all of a row is kept they lie so already.
-  const std::size_t bin_bytes = wire::bytes_per_bin(product.plane);
+  const int video_bits = product.format.video_bits;
+  const std::size_t bin_bytes =
+      wire::coded_bytes_per_bin(product.plane, wire::IqEncoding::cf32_le, video_bits);
   const std::size_t source_row_bytes = static_cast<std::size_t>(bins.n_range) * bin_bytes;
   const std::size_t row_bytes = n_range * bin_bytes;
-  std::span<const std::byte> values = plane_values(product.plane, bins);
+  std::span<const std::byte> values = plane_values(product.plane, video_bits, bins);
   const std::size_t first_row = rows.first_bin - static_cast<std::uint32_t>(bins.first_azimuth);
   if (row_bytes == source_row_bytes && product.window.azimuth.step == 1) {
     values = values.subspan(first_row * row_bytes, rows.n * row_bytes);
@@ -190,7 +195,8 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
   }
 
   const bool integers = product.plane == Plane::iq && product.format.iq == wire::IqEncoding::ci16_le;
-  const std::uint32_t coded_bin_bytes = wire::coded_bytes_per_bin(product.plane, product.format.iq);
+  const std::uint32_t coded_bin_bytes =
+      wire::coded_bytes_per_bin(product.plane, product.format.iq, video_bits);
   echo_->set_plane(static_cast<wire::PlaneKind>(product.plane));
   echo_->set_iq_encoding(integers ? wire::CI16_LE : wire::CF32_LE);
   echo_->set_azimuth_step(product.window.azimuth.step == 1 ? 0 : product.window.azimuth.step);
@@ -204,7 +210,7 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
     if (integers) {
       coded_.resize(n_bins * coded_bin_bytes);
       const std::span iq(reinterpret_cast<const std::complex<float>*>(plain.data()), n_bins);
-      echo_->set_scale(wire::encode_ci16(iq, coded_));
+      echo_->set_scale(wire::encode_ci16(iq, coded_, iq_step_));
       plain = coded_;
     }
     const bool compresses = product.format.compression == wire::Compression::zstd;

@@ -72,6 +72,7 @@ class FrameEncoder {
   std::vector<Product> products_;           ///< known from begin() on
   std::unique_ptr<wire::ScanPass> scan_;    ///< null: all of the sector at once
   std::unique_ptr<wire::WedgeBlock> echo_;  ///< the fields that all blocks of the frame share
+  double iq_step_ = 0;                      ///< the descriptor's adc_step
   std::vector<std::byte> picked_;           ///< buffers that go from wedge to wedge
   std::vector<std::byte> coded_;
 };

@@ -1,6 +1,7 @@
 #include "server/stream/frame_queue.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "proto/limits.h"
@@ -27,8 +28,9 @@ bool FrameQueue::wants(const Block& block) const {
       return block.format.window == choice_.format.window && (choice_.planes & ~block.planes) == 0;
     case MessageType::wedge_block: {
       if (!(choice_.planes & block.planes)) return false;
-      const bool is_iq = block.planes == wire::plane_bit(wire::Plane::iq);
-      return block.format == choice_.format.of_plane(is_iq ? wire::Plane::iq : wire::Plane::power);
+      // A block is of one plane.
+      return block.format ==
+             choice_.format.of_plane(static_cast<wire::Plane>(std::countr_zero(block.planes)));
     }
     default:
       return true;

@@ -7,7 +7,7 @@
 namespace obliq::net {
 namespace {
 
-/// None asked for means all.
+/// None asked for means the four.
 template <typename Planes>
 wire::PlaneSet read_planes(const Planes& planes, std::vector<FieldError>& errors) {
   if (planes.empty()) return wire::kAllPlanes;
@@ -17,7 +17,8 @@ wire::PlaneSet read_planes(const Planes& planes, std::vector<FieldError>& errors
     if (plane) {
       set = static_cast<wire::PlaneSet>(set | wire::plane_bit(*plane));
     } else {
-      errors.push_back({"planes", std::to_string(number), "0 (iq), 1 (power), 2 (count), 3 (state)"});
+      errors.push_back(
+          {"planes", std::to_string(number), "0 (iq), 1 (power), 2 (count), 3 (state), 4 (video)"});
       return set;
     }
   }
@@ -54,6 +55,11 @@ StreamChoice read(const Request& request, int azimuth_bins, int range_bins, std:
   } else {
     errors.push_back({"compression", std::to_string(request.compression()), "0 (none), 1 (zstd)"});
   }
+  if (request.video_bits() == 0 || request.video_bits() == 8 || request.video_bits() == 16) {
+    choice.format.video_bits = request.video_bits() == 16 ? 16 : 8;
+  } else {
+    errors.push_back({"video_bits", std::to_string(request.video_bits()), "8 or 16; 0 is 8"});
+  }
   choice.format.window = wire::read_window(request.window());
   check_run(choice.format.window.azimuth, "azimuth", azimuth_bins, errors);
   check_run(choice.format.window.range, "range", range_bins, errors);
@@ -65,6 +71,7 @@ StreamChoice read(const Request& request, int azimuth_bins, int range_bins, std:
 BlockFormat BlockFormat::of_plane(wire::Plane plane) const {
   BlockFormat format = *this;
   if (plane != wire::Plane::iq) format.iq = wire::IqEncoding::cf32_le;
+  if (plane != wire::Plane::video) format.video_bits = 8;
   return format;
 }
 

@@ -17,6 +17,7 @@ namespace obliq::net {
 struct BlockFormat {
   wire::IqEncoding iq = wire::IqEncoding::cf32_le;  ///< means nothing for other planes
   wire::Compression compression = wire::Compression::none;
+  int video_bits = 8;   ///< 8 or 16; means nothing for other planes
   wire::Window window;  ///< as asked for, not cut to any frame
 
   auto operator<=>(const BlockFormat&) const = default;

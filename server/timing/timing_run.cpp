@@ -18,7 +18,9 @@
 #include "client/socket.h"
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
+#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
@@ -140,6 +142,9 @@ class FrameRunner {
       sum.add(wedge);
       send([&] { return encoder_->wedge(wedge.index, wedge.bins); });
     };
+    const Receiver receiver(frame_.settings->settings, frame_.radar,
+                            frame_.settings->settings.receiver.noise_frame, air_view(*plan_));
+    options.receiver = &receiver;
     render_wedges(*plan_, {0, plan_->bins().n_azimuth}, options);
     end(with_probes ? &serial : nullptr, sum, start);
     run.wall_s = seconds_since(start);

@@ -13,7 +13,8 @@ import tempfile
 # other way. Where a folder holds both what is below and what is above its rooms, files are named one by one:
 # the longest name that fits decides.
 BASE = ["terrain/base"]
-WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled"]
+WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
+    "server/radar/receiver_settings"]
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
@@ -38,8 +39,9 @@ ALLOWED = {
         ("tracer_isa", "ground_triangle", "tolerances")],
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
-    "server/radar/beam_settings": TO_PROFILE,
-    "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings"],
+    "server/radar/beam_settings": [],
+    "server/radar/receiver_settings": [],
+    "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings", "server/radar/receiver_settings"],
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,
     "server/radar/beam": TO_PROFILE + WORDS,
@@ -52,6 +54,7 @@ ALLOWED = {
     "server/radar/rays/plates": TO_PLATES,
     "server/radar/rays": TO_PLATES + [R + "rays/plates"],
     "server/radar/sweep": TO_PLAN + [R + "echo"],
+    "server/radar/receiver": BASE + WORDS + [R + "simd", R + "beam"],
     "server/radar": ["terrain", "server/scene"],
     # The truth shares no code with the pipeline but the material functions.
     "server/truth": ["terrain", "server/scene/materials", "server/radar/echo/scattering"],

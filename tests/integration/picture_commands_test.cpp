@@ -53,7 +53,7 @@ TEST_F(PictureCommands, WatchKeepsOneWholePictureAndNothingElse) {
     return more;
   };
   refused(with({"--picture", place}), "a folder; allowed: a file");
-  refused(with({"--picture", place / "a.png", "--planes", "count"}), "iq or power among them");
+  refused(with({"--picture", place / "a.png", "--planes", "count"}), "iq, power or video among them");
   refused(with({"--picture", place / "a.png", "--picture-side", "0"}), "100");
   refused(with({"--ortho", "--out", place}), "allowed: with `obliq render`");
   refused({"get", "--server", daemon.address(), "--out", place, "--ortho"}, "allowed: with `obliq render`");

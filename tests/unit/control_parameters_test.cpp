@@ -33,24 +33,31 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
   auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
-         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, bars, beam, pulse] =
-      config.settings;
+         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, bars, beam, pulse, receiver,
+         video, atmosphere] = config.settings;
   auto& [pattern, width, sidelobe, nbar, extent, elevation, elevation_width, cosecant_to, file] = beam;
   auto& [kind, length, bandwidth, window, range_sidelobe, range_nbar, range_extent, eclipse] = pulse;
+  auto& [noise, figure, temperature, loss, noise_seed, noise_frame, receiver_gain, stc_range, stc_power, stc,
+         adc, full_scale] = receiver;
+  auto& [looks, floor_auto, floor, span] = video;
+  auto& [rain, rain_top, gas, polarisation] = atmosphere;
   auto& [latitude, longitude, height, reference, undulation, bearing, time, id, valid, tilt, tilt_auto] =
       config.pose;
   const std::set<const void*> fields{
-      &frequency,    &sector,  &r_min,       &r_max,     &power,     &gain,           &normalisation,
-      &speckle,      &seed,    &sub_columns, &frustum,   &plates,    &columns,        &rows,
-      &azimuth,      &range,   &latitude,    &longitude, &height,    &reference,      &undulation,
-      &bearing,      &time,    &id,          &valid,     &scan_mode, &scan_rate,      &scan_dwell,
-      &pattern,      &width,   &sidelobe,    &nbar,      &extent,    &elevation,      &elevation_width,
-      &cosecant_to,  &kind,    &length,      &bandwidth, &window,    &range_sidelobe, &range_nbar,
-      &range_extent, &eclipse, &tilt,        &tilt_auto};
+      &frequency,    &sector,     &r_min,       &r_max,         &power,     &gain,           &normalisation,
+      &speckle,      &seed,       &sub_columns, &frustum,       &plates,    &columns,        &rows,
+      &azimuth,      &range,      &latitude,    &longitude,     &height,    &reference,      &undulation,
+      &bearing,      &time,       &id,          &valid,         &scan_mode, &scan_rate,      &scan_dwell,
+      &pattern,      &width,      &sidelobe,    &nbar,          &extent,    &elevation,      &elevation_width,
+      &cosecant_to,  &kind,       &length,      &bandwidth,     &window,    &range_sidelobe, &range_nbar,
+      &range_extent, &eclipse,    &tilt,        &tilt_auto,     &noise,     &figure,         &temperature,
+      &loss,         &noise_seed, &noise_frame, &receiver_gain, &stc_range, &stc_power,      &stc,
+      &adc,          &full_scale, &looks,       &floor_auto,    &floor,     &span,           &rain,
+      &rain_top,     &gas,        &polarisation};
   // A list and a table, which no message carries: scan.bars and beam.file.
   EXPECT_TRUE(bars.empty());
   EXPECT_EQ(file, nullptr);
-  ASSERT_EQ(fields.size(), 46u);
+  ASSERT_EQ(fields.size(), 66u);
   std::set<const void*> covered;
   for (const Parameter& p : parameters())
     EXPECT_TRUE(covered.insert(address(p.slot(config))).second) << p.key.name;
@@ -158,7 +165,7 @@ TEST(Validate, NaNAndInfinityAreRefusedInEveryNumber) {
       EXPECT_TRUE(mentions(errors, p.key.name)) << p.key.name << " = " << bad;
     }
   }
-  EXPECT_EQ(numbers, 13);
+  EXPECT_EQ(numbers, 25);
 }
 
 TEST(Validate, LimitsHoldToTheLastBit) {
@@ -191,6 +198,19 @@ TEST(Validate, RangesMustRise) {
   EXPECT_TRUE(mentions(validate(s), "bins.range"));  // rising, but in bins of nanometres
   s.r_min_m = s.r_max_m - 1.1;                       // 1.07 mm bins
   EXPECT_TRUE(validate(s).empty());
+}
+
+TEST(Validate, StcEndsWithinTheSwathAndAConverterHasTwoBits) {
+  RadarSettings s;
+  s.receiver.stc_range_m = s.r_max_m;
+  s.receiver.adc_bits = 2;
+  EXPECT_TRUE(validate(s).empty());
+  s.receiver.stc_range_m = std::nextafter(s.r_max_m, kInfinity);
+  s.receiver.adc_bits = 1;
+  const auto errors = validate(s);
+  ASSERT_EQ(errors.size(), 2u);
+  EXPECT_EQ(errors[0].field, "receiver.stc_range_m");
+  EXPECT_EQ(errors[1].text(), "receiver.adc_bits: found 1; allowed: 0 (no converter) or 2 to 16");
 }
 
 TEST(Validate, TheSymmetricFrustumNeedsLessThanHalfACircle) {
@@ -251,7 +271,11 @@ TEST(Validate, AcceptsExactlyWhatIsInsideAllLimits) {
     config.settings.frustum = static_cast<FrustumKind>(random() % 4);
     int& dwell = config.settings.scan_dwell_bins;
     if (dwell > 8) dwell -= dwell % 8;
+    ReceiverSettings& receiver = config.settings.receiver;
+    if (receiver.adc_bits == 1) receiver.adc_bits = 2;
     const RadarSettings& s = config.settings;
+    if (receiver.stc_range_m <= 500e3)
+      receiver.stc_range_m = std::clamp(receiver.stc_range_m, 0.0, s.r_max_m);
     good = good && s.r_max_m - s.r_min_m >= 0.001 * s.range_bins;
     good = good && !(s.frustum == FrustumKind::symmetric && s.sector_deg >= 180);
     EXPECT_EQ(validate(config).empty(), good) << "trial " << trial;

@@ -34,11 +34,15 @@ RadarConfig unlike_defaults() {
                 6,
                 ScanMode::sector,
                 7,
-                16};
+                16,
+                {},
+                {BeamPattern::taylor, 2.5, 35, 5, 12, ElevationPattern::cosecant, 4, 25, nullptr},
+                {PulseKind::compressed, 2, 3, PulseWindow::hann, 40, 6, 8, true},
+                {true, 7, 500, 3, -8, ~0ULL, 20, 5000, 3.5, 40, 12, 10},
+                {16, false, -90, 60},
+                {16, 3000, true, Polarisation::vertical}};
   c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -4'000'000'000'000'000'000, ~0ULL,
             2.5,    -7.5,  true};
-  c.settings.beam = {BeamPattern::taylor, 2.5, 35, 5, 12, ElevationPattern::cosecant, 4, 25, nullptr};
-  c.settings.pulse = {PulseKind::compressed, 2, 3, PulseWindow::hann, 40, 6, 8, true};
   return c;
 }
 

@@ -41,7 +41,7 @@ client::AssembledFrame received(const StreamChoice& choice, const std::vector<St
 
 StreamChoice choice_of(const wire::Window& window, wire::IqEncoding iq = wire::IqEncoding::cf32_le,
                        wire::Compression compression = wire::Compression::none) {
-  return {wire::kAllPlanes, {iq, compression, window}};
+  return {wire::kAllPlanes, {iq, compression, 8, window}};
 }
 
 const std::vector<StreamChoice> kChoices{
@@ -174,7 +174,7 @@ TEST(FrameAssembler, RefusesADamagedCompressedBlock) {
 
 TEST(StreamChoice, ImpossibleWishesAreRefusedByFieldFoundAndAllowed) {
   wire::Subscribe request;
-  request.add_planes(static_cast<wire::PlaneKind>(4));
+  request.add_planes(static_cast<wire::PlaneKind>(5));
   request.set_iq_encoding(static_cast<wire::IqEncodingKind>(5));
   request.set_compression(static_cast<wire::CompressionKind>(6));
   request.mutable_window()->set_first_azimuth(20);
@@ -187,7 +187,7 @@ TEST(StreamChoice, ImpossibleWishesAreRefusedByFieldFoundAndAllowed) {
   for (const FieldError& error : errors)
     texts.push_back(error.field + "|" + error.found + "|" + error.allowed);
   EXPECT_EQ(texts, (std::vector<std::string>{
-                       "planes|4|0 (iq), 1 (power), 2 (count), 3 (state)",
+                       "planes|5|0 (iq), 1 (power), 2 (count), 3 (state), 4 (video)",
                        "iq_encoding|5|0 (cf32_le), 1 (ci16_le)",
                        "compression|6|0 (none), 1 (zstd)",
                        "window.first_azimuth|20|0 to 19: there are 20 bins",

@@ -108,7 +108,8 @@ TEST(Planes, HaveTheSizesOfTheTable) {
   EXPECT_EQ(bytes_per_bin(Plane::power), 8u);
   EXPECT_EQ(bytes_per_bin(Plane::count), 4u);
   EXPECT_EQ(bytes_per_bin(Plane::state), 1u);
-  EXPECT_FALSE(plane_from_number(4).has_value());
+  EXPECT_EQ(bytes_per_bin(Plane::video), 2u);
+  EXPECT_FALSE(plane_from_number(5).has_value());
   EXPECT_FALSE(plane_from_number(-1).has_value());
 }
 

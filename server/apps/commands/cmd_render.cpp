@@ -14,7 +14,9 @@
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
+#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/scene/scene_memory.h"
 #include "server/timing/timing_run.h"
@@ -98,10 +100,13 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   FrameSum sum(radar.settings);
   const Progress progress = terminal_progress();
   int done = 0;
+  const Receiver receiver(radar.settings, radar.name, radar.settings.receiver.noise_frame,
+                          air_view(*planned.plan));
   RenderOptions options;
   options.threads = threads;
+  options.receiver = &receiver;
   options.observer = textures.get();
-  options.draw = frame_draw(radar.name, 0);
+  options.draw = frame_draw(radar.name, receiver.counter());
   options.on_wedge = [&](Wedge&& wedge) {
     copy_azimuths(wedge.bins, frame.bins);
     sum.add(wedge);
@@ -115,6 +120,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   wire::FrameDescriptor descriptor;
   wire::FrameSummary summary;
   describe_frame(*planned.plan, radar.name, config.name, descriptor);
+  describe_receiver(receiver, descriptor);
   summarise_frame(*planned.plan, frame.stats, summary);
   files.samples = textures.get();
   if (arguments.picture.ortho) files.ground = &world->grid;

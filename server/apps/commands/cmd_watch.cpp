@@ -109,10 +109,11 @@ StreamArguments stream_for(const WatchArguments& arguments) {
   StreamArguments stream = arguments.stream;
   if (arguments.picture_file.empty()) return stream;
   if (stream.planes.empty() && arguments.out.empty()) stream.planes = "iq,state";
-  const wire::PlaneSet seen = wire::plane_bit(wire::Plane::iq) | wire::plane_bit(wire::Plane::power);
+  const wire::PlaneSet seen = wire::plane_bit(wire::Plane::iq) | wire::plane_bit(wire::Plane::power) |
+                              wire::plane_bit(wire::Plane::video);
   if ((wanted_planes(stream) & seen) == 0)
     throw InputError("--planes: found \"" + stream.planes +
-                     "\" with --picture; allowed: iq or power among them");
+                     "\" with --picture; allowed: iq, power or video among them");
   return stream;
 }
 

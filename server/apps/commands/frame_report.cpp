@@ -119,6 +119,10 @@ BinBlock take_bins(client::AssembledFrame& frame) {
   bins.power_w = std::move(frame.power_w);
   bins.count = std::move(frame.count);
   bins.state = std::move(frame.state);
+  if (frame.video_bits == 8)
+    bins.video8.assign(frame.video.begin(), frame.video.end());
+  else
+    bins.video16 = std::move(frame.video);
   return bins;
 }
 

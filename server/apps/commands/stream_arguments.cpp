@@ -37,7 +37,7 @@ wire::PlaneSet planes_from_names(const std::string& names) {
   }
   if (set != 0) return set;
   throw InputError(fmt::format("--planes: found \"{}\"; allowed: one or more of {}, with commas between them",
-                               names, wire::plane_names(wire::kAllPlanes)));
+                               names, wire::plane_names(wire::kEveryPlane)));
 }
 
 template <typename Request>
@@ -50,6 +50,7 @@ void write_request(const StreamArguments& arguments, Request& request) {
   const wire::Window window{parse_bin_run(arguments.azimuths, "--azimuths"),
                             parse_bin_run(arguments.ranges, "--ranges")};
   if (!window.is_whole()) wire::write_window(window, *request.mutable_window());
+  if (arguments.video_bits == 16) request.set_video_bits(16);
   const wire::PlaneSet planes = wanted_planes(arguments);
   for (int plane = 0; plane < wire::kPlanes; ++plane)
     if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
@@ -98,8 +99,12 @@ void add_stream_arguments(CLI::App& app, StreamArguments& arguments) {
          "Only these azimuth bins, those below END, every STEP-th; any part may be left out: 100:200, ::4")
       ->type_name("FIRST:END:STEP");
   app.add_option("--ranges", arguments.ranges, "The same for range bins")->type_name("FIRST:END:STEP");
-  app.add_option("--planes", arguments.planes, "Only these of iq,power,count,state; without: all")
+  app.add_option("--planes", arguments.planes,
+                 "Only these of iq,power,count,state,video; without: the first four")
       ->type_name("NAMES");
+  app.add_option("--video-bits", arguments.video_bits, "Bits of the plane video")
+      ->check(CLI::IsMember({8, 16}))
+      ->default_val(8);
 }
 
 void ask_for(const StreamArguments& arguments, wire::Subscribe& request) {

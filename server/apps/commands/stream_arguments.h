@@ -25,9 +25,11 @@ struct StreamArguments {
   std::string azimuths;
   std::string ranges;
   std::string planes;
+  int video_bits = 8;
 };
 
-/// Adds --encoding, --compress, --azimuths, --ranges and --planes. `arguments` must outlive the parsing.
+/// Adds --encoding, --compress, --azimuths, --ranges, --planes and --video-bits. `arguments` must outlive the
+/// parsing.
 void add_stream_arguments(CLI::App& app, StreamArguments& arguments);
 
 /// Writes them into a request. Throws InputError.

@@ -45,8 +45,12 @@ std::string scene_text(SceneConfig config) {
   config.log = defaults.log;
   config.modbus = defaults.modbus;
   config.threads = defaults.threads;
-  for (RadarConfig& radar : config.radars)
-    radar = RadarConfig{.name = radar.name, .settings = {.r_max_m = radar.settings.r_max_m}, .pose = {}};
+  for (RadarConfig& radar : config.radars) {
+    RadarConfig kept;
+    kept.name = radar.name;
+    kept.settings.r_max_m = radar.settings.r_max_m;
+    radar = kept;
+  }
   return print_config(config);
 }
 

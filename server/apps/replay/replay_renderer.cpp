@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "proto/plane_coding.h"
 #include "server/control/settings_message.h"
 
 namespace obliq {
@@ -70,6 +71,9 @@ class ReplayedFrame : public net::PlannedFrame {
       wedge.bins.power_w = rows(frame.power_w, recorded.first_azimuth, recorded.n_azimuth, n_range);
       wedge.bins.count = rows(frame.count, recorded.first_azimuth, recorded.n_azimuth, n_range);
       wedge.bins.state = rows(frame.state, recorded.first_azimuth, recorded.n_azimuth, n_range);
+      if (options.video8 || options.video16)
+        add_video(rows(frame.video, recorded.first_azimuth, recorded.n_azimuth, n_range), options,
+                  wedge.bins);
       options.on_wedge(std::move(wedge));
     }
     return wait_until(due(recorded_->end_utc_ns), options.stop);
@@ -80,6 +84,22 @@ class ReplayedFrame : public net::PlannedFrame {
   }
 
  private:
+  /// In the levels that are asked for, whatever was recorded.
+  void add_video(std::vector<std::uint16_t> levels, const RenderOptions& options, BinBlock& bins) const {
+    const bool of_8_bits = recorded_->frame.video_bits == 8;
+    const auto narrow = [](std::uint16_t level) { return static_cast<std::uint8_t>(level); };
+    bins.video8.resize(options.video8 ? levels.size() : 0);
+    if (options.video8)
+      std::ranges::transform(levels, bins.video8.begin(), [&](std::uint16_t level) {
+        return of_8_bits ? narrow(level) : wire::video8_of(level);
+      });
+    if (!options.video16) return;
+    if (of_8_bits)
+      std::ranges::transform(levels, levels.begin(),
+                             [&](std::uint16_t level) { return wire::video16_of(narrow(level)); });
+    bins.video16 = std::move(levels);
+  }
+
   Clock::time_point due(std::int64_t utc_ns) const {
     std::int64_t since_ns = 0;
     if (__builtin_sub_overflow(utc_ns, recorded_->begin_utc_ns, &since_ns)) since_ns = 0;

@@ -35,5 +35,7 @@ Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std
 
 /// The rows of [beam] and [pulse].
 std::span<const Parameter> beam_parameters();
+/// The rows of [receiver], [video] and [atmosphere].
+std::span<const Parameter> receiver_parameters();
 
 }  // namespace obliq

@@ -178,6 +178,11 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
       radar.set_at[name] = reader.table().find(local)->where;
       continue;
     }
+    if (name == "video.floor_db" && reads_auto(reader, local)) {
+      radar.config.settings.video.floor_auto = true;
+      radar.set_at["video.floor_auto"] = reader.table().find(local)->where;
+      continue;
+    }
     if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
       radar.set_at[name] = reader.table().find(local)->where;
   }
@@ -271,6 +276,9 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
       reader.finish();
     }
   }
+  // A number without a word on floor_auto is meant.
+  if (radar.set_at.contains("video.floor_db") && !radar.set_at.contains("video.floor_auto"))
+    radar.config.settings.video.floor_auto = false;
   own.finish();
   radar.choice = choose_frustum(frusta);
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
@@ -322,6 +330,7 @@ std::span<const Parameter> parameters() {
   static const std::vector<Parameter> all = [] {
     std::vector<Parameter> list(kParameters.begin(), kParameters.end());
     list.insert(list.end(), beam_parameters().begin(), beam_parameters().end());
+    list.insert(list.end(), receiver_parameters().begin(), receiver_parameters().end());
     return list;
   }();
   return all;

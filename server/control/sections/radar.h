@@ -1,5 +1,6 @@
 #pragma once
-// [radar] or [[radar]] with [antenna], [frustum], [bins], [scan], [beam] and [pulse].
+// [radar] or [[radar]] with [antenna], [frustum], [bins], [scan], [beam], [pulse], [receiver], [video] and
+// [atmosphere].
 #include <array>
 #include <span>
 #include <string>
@@ -25,8 +26,8 @@ struct RadarConfig {
 };
 
 /// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.
-inline constexpr std::array<std::string_view, 6> kRadarTables{"antenna", "frustum", "bins",
-                                                              "scan",    "beam",    "pulse"};
+inline constexpr std::array<std::string_view, 9> kRadarTables{
+    "antenna", "frustum", "bins", "scan", "beam", "pulse", "receiver", "video", "atmosphere"};
 
 /// The short forms frustum.quality and frustum.pixels.
 std::span<const SpecialKey<RadarConfig>> radar_special_keys();

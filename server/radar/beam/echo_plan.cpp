@@ -54,7 +54,7 @@ struct Planner {
     plan.azimuth_parts = std::min(azimuth_sub_bins(s), kMostSubBins);
     plan.range_parts = std::min(range_sub_bins(s), kMostSubBins);
     plan.speckle = resolved_speckle(s);
-    plan.range_normalisation = s.range_normalisation;
+    plan.range_normalisation = s.range_normalisation && !has_receiver(s);
     plan.wavelength_m = kSpeedOfLight_m_s / (s.frequency_ghz * 1e9);
     const double gain = std::pow(10, s.gain_db / 10);
     plan.power_scale = s.power_w * gain * gain;
@@ -68,6 +68,7 @@ struct Planner {
     plan.sharp.power_w = 1;
     plan.sharp.gain_db = 0;
     plan.sharp.range_normalisation = false;
+    plan.sharp.receiver = {};
   }
 
   double cos_elevation(double range_m) const {

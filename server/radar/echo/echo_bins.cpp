@@ -16,7 +16,7 @@ EchoBins::EchoBins(const FramePlan& plan, const ScatteringTable& scattering, con
   range_constant_ = radar_equation_constant(plan.settings().power_w, plan.wavelength_m());
   cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
-  factors_.range_normalisation = plan.settings().range_normalisation;
+  factors_.range_normalisation = normalises_samples(plan.settings());
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
   restart(range);

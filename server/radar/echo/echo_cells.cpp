@@ -17,7 +17,7 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
       table_(scattering.echo_table()) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
-  table_.range_normalisation = plan.settings().range_normalisation;
+  table_.range_normalisation = normalises_samples(plan.settings());
   table_.elevation = plan.antenna_gain().elevation();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   where_ = {};

@@ -18,8 +18,10 @@
 #include "server/radar/simd/speckle_draw.h"
 #include "server/radar/simd/sub_columns.h"
 #include "server/radar/simd/sum_scatterers.h"
+#include "server/radar/simd/video_levels.h"
 #include "server/radar/simd/visible_ground.h"
 #include "server/radar/simd/visible_ranges.h"
+#include "server/radar/simd/white_noise.h"
 
 namespace obliq {
 
@@ -43,6 +45,10 @@ namespace obliq {
   K(azimuth_sum)            \
   K(range_sum)              \
   K(draw_speckle)           \
+  K(white_noise)            \
+  K(filter_row)             \
+  K(mean_of_looks)          \
+  K(video_levels)           \
   K(circle_bins)            \
   K(idle_circles)
 

@@ -15,6 +15,7 @@ FRAME_SCAN: ScanMode
 GEOMETRIC_SPECKLE: SpeckleKind
 GROUND: HeightReference
 GROUND_SPECKLE: SpeckleKind
+HORIZONTAL: Polarisation
 IQ: PlaneKind
 NEAREST_PLATES: PlateKind
 OBLIQUE: FrustumKind
@@ -26,6 +27,8 @@ STATE: PlaneKind
 SWEEP: FrustumKind
 SYMMETRIC: FrustumKind
 UNCOMPRESSED: CompressionKind
+VERTICAL: Polarisation
+VIDEO: PlaneKind
 ZSTD: CompressionKind
 
 class Ack(_message.Message):
@@ -157,7 +160,8 @@ class FrameBegin(_message.Message):
     def __init__(self, frame_id: _Optional[int] = ..., request_id: _Optional[int] = ..., frame: _Optional[_Union[FrameDescriptor, _Mapping]] = ..., wedges: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., scan: _Optional[_Union[ScanPass, _Mapping]] = ...) -> None: ...
 
 class FrameDescriptor(_message.Message):
-    __slots__ = ["antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_name", "settings", "settings_version", "source_error", "top_y_m", "unit", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
+    __slots__ = ["adc_step", "antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "noise_counter", "noise_power_w", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_name", "settings", "settings_version", "source_error", "top_y_m", "unit", "video_floor_db", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
+    ADC_STEP_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_X_M_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_Y_M_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_Z_M_FIELD_NUMBER: _ClassVar[int]
@@ -172,6 +176,8 @@ class FrameDescriptor(_message.Message):
     GROUND_FIELD_NUMBER: _ClassVar[int]
     MAP_REFERENCE_HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
     MATERIALS_FIELD_NUMBER: _ClassVar[int]
+    NOISE_COUNTER_FIELD_NUMBER: _ClassVar[int]
+    NOISE_POWER_W_FIELD_NUMBER: _ClassVar[int]
     NORTH_RAD_FIELD_NUMBER: _ClassVar[int]
     ORIGIN_LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
     ORIGIN_LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
@@ -189,10 +195,12 @@ class FrameDescriptor(_message.Message):
     SOURCE_ERROR_FIELD_NUMBER: _ClassVar[int]
     TOP_Y_M_FIELD_NUMBER: _ClassVar[int]
     UNIT_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_FLOOR_DB_FIELD_NUMBER: _ClassVar[int]
     WARNINGS_FIELD_NUMBER: _ClassVar[int]
     WAVELENGTH_M_FIELD_NUMBER: _ClassVar[int]
     WEDGE_AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
+    adc_step: float
     antenna_x_m: float
     antenna_y_m: float
     antenna_z_m: float
@@ -207,6 +215,8 @@ class FrameDescriptor(_message.Message):
     ground: LoadedGround
     map_reference_height_m: float
     materials: _containers.RepeatedCompositeFieldContainer[Material]
+    noise_counter: int
+    noise_power_w: float
     north_rad: float
     origin_latitude_deg: float
     origin_longitude_deg: float
@@ -224,11 +234,12 @@ class FrameDescriptor(_message.Message):
     source_error: SourceError
     top_y_m: float
     unit: str
+    video_floor_db: float
     warnings: _containers.RepeatedScalarFieldContainer[str]
     wavelength_m: float
     wedge_azimuth_bins: int
     window: BinWindow
-    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ...) -> None: ...
+    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ..., noise_power_w: _Optional[float] = ..., noise_counter: _Optional[int] = ..., adc_step: _Optional[float] = ..., video_floor_db: _Optional[float] = ...) -> None: ...
 
 class FrameEnd(_message.Message):
     __slots__ = ["frame_id", "missed", "render_s", "summary", "waited_s"]
@@ -439,17 +450,30 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["azimuth_bins", "frequency_ghz", "frustum", "gain_db", "pixel_columns", "pixel_rows", "plates", "power_w", "r_max_m", "r_min_m", "range_bins", "range_normalisation", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "sub_columns"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "frequency_ghz", "frustum", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "plates", "polarisation", "power_w", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
+    ADC_BITS_FIELD_NUMBER: _ClassVar[int]
+    ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
     FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
     FRUSTUM_FIELD_NUMBER: _ClassVar[int]
+    FULL_SCALE_DBM_FIELD_NUMBER: _ClassVar[int]
     GAIN_DB_FIELD_NUMBER: _ClassVar[int]
+    GAS_FIELD_NUMBER: _ClassVar[int]
+    LOSS_DB_FIELD_NUMBER: _ClassVar[int]
+    NOISE_FIELD_NUMBER: _ClassVar[int]
+    NOISE_FIGURE_DB_FIELD_NUMBER: _ClassVar[int]
+    NOISE_FRAME_FIELD_NUMBER: _ClassVar[int]
+    NOISE_SEED_FIELD_NUMBER: _ClassVar[int]
     PIXEL_COLUMNS_FIELD_NUMBER: _ClassVar[int]
     PIXEL_ROWS_FIELD_NUMBER: _ClassVar[int]
     PLATES_FIELD_NUMBER: _ClassVar[int]
+    POLARISATION_FIELD_NUMBER: _ClassVar[int]
     POWER_W_FIELD_NUMBER: _ClassVar[int]
+    RAIN_MM_H_FIELD_NUMBER: _ClassVar[int]
+    RAIN_TOP_M_FIELD_NUMBER: _ClassVar[int]
     RANGE_BINS_FIELD_NUMBER: _ClassVar[int]
     RANGE_NORMALISATION_FIELD_NUMBER: _ClassVar[int]
+    RECEIVER_GAIN_DB_FIELD_NUMBER: _ClassVar[int]
     R_MAX_M_FIELD_NUMBER: _ClassVar[int]
     R_MIN_M_FIELD_NUMBER: _ClassVar[int]
     SCAN_DWELL_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -458,27 +482,54 @@ class RadarSettings(_message.Message):
     SECTOR_DEG_FIELD_NUMBER: _ClassVar[int]
     SPECKLE_FIELD_NUMBER: _ClassVar[int]
     SPECKLE_SEED_FIELD_NUMBER: _ClassVar[int]
+    STC_DB_FIELD_NUMBER: _ClassVar[int]
+    STC_POWER_FIELD_NUMBER: _ClassVar[int]
+    STC_RANGE_M_FIELD_NUMBER: _ClassVar[int]
     SUB_COLUMNS_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_FLOOR_AUTO_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_FLOOR_DB_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_LOOKS_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_SPAN_DB_FIELD_NUMBER: _ClassVar[int]
+    adc_bits: int
+    antenna_temperature_k: float
     azimuth_bins: int
     frequency_ghz: float
     frustum: FrustumKind
+    full_scale_dbm: float
     gain_db: float
+    gas: bool
+    loss_db: float
+    noise: bool
+    noise_figure_db: float
+    noise_frame: int
+    noise_seed: int
     pixel_columns: int
     pixel_rows: int
     plates: PlateKind
+    polarisation: Polarisation
     power_w: float
     r_max_m: float
     r_min_m: float
+    rain_mm_h: float
+    rain_top_m: float
     range_bins: int
     range_normalisation: bool
+    receiver_gain_db: float
     scan_dwell_bins: int
     scan_mode: ScanMode
     scan_rate_deg_s: float
     sector_deg: float
     speckle: SpeckleKind
     speckle_seed: int
+    stc_db: float
+    stc_power: float
+    stc_range_m: float
     sub_columns: int
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ...) -> None: ...
+    video_floor_auto: bool
+    video_floor_db: float
+    video_looks: int
+    video_span_db: float
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ...) -> None: ...
 
 class RadarStatus(_message.Message):
     __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_version", "subscribers", "transmit_off"]
@@ -533,7 +584,7 @@ class ReleaseControl(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
 
 class RenderOnce(_message.Message):
-    __slots__ = ["compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "window"]
+    __slots__ = ["compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "video_bits", "window"]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
     PLANES_FIELD_NUMBER: _ClassVar[int]
@@ -541,6 +592,7 @@ class RenderOnce(_message.Message):
     RADAR_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_BITS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
     compression: CompressionKind
     iq_encoding: IqEncodingKind
@@ -549,8 +601,9 @@ class RenderOnce(_message.Message):
     radar: str
     request_id: int
     settings: RadarSettings
+    video_bits: int
     window: BinWindow
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ...) -> None: ...
 
 class ScanPass(_message.Message):
     __slots__ = ["begin_ns", "clockwise", "dwell_bins", "mode", "rate_deg_s"]
@@ -647,7 +700,7 @@ class Status(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., uptime_s: _Optional[float] = ..., clients: _Optional[int] = ..., frames_dropped: _Optional[int] = ..., bytes_sent: _Optional[int] = ..., renders_queued: _Optional[int] = ..., radars: _Optional[_Iterable[_Union[RadarStatus, _Mapping]]] = ..., windows_loaded: _Optional[int] = ..., window_loading: bool = ..., window_failures: _Optional[int] = ..., window_error: _Optional[str] = ..., window_failure: _Optional[str] = ..., window_well_s: _Optional[float] = ...) -> None: ...
 
 class Subscribe(_message.Message):
-    __slots__ = ["compression", "iq_encoding", "lossless", "planes", "radar", "rate_hz", "request_id", "window"]
+    __slots__ = ["compression", "iq_encoding", "lossless", "planes", "radar", "rate_hz", "request_id", "video_bits", "window"]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
     LOSSLESS_FIELD_NUMBER: _ClassVar[int]
@@ -655,6 +708,7 @@ class Subscribe(_message.Message):
     RADAR_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    VIDEO_BITS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
     compression: CompressionKind
     iq_encoding: IqEncodingKind
@@ -663,8 +717,9 @@ class Subscribe(_message.Message):
     radar: str
     rate_hz: float
     request_id: int
+    video_bits: int
     window: BinWindow
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., rate_hz: _Optional[float] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., lossless: bool = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., rate_hz: _Optional[float] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., lossless: bool = ...) -> None: ...
 
 class Unsubscribe(_message.Message):
     __slots__ = ["radar", "request_id"]
@@ -754,6 +809,9 @@ class SpeckleKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []
 
 class ScanMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class Polarisation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []
 
 class HeightReference(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):

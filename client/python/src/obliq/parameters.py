@@ -48,6 +48,46 @@ class Settings(Fields):
     scan_rate_deg_s: float | None = None
     # Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192
     scan_dwell_bins: int | None = None
+    # Add the receiver's noise, k T B, to the bins. Allowed: true | false
+    noise: bool | None = None
+    # Noise figure of the receiver at 290 K. Allowed: number 0 to 40 dB
+    noise_figure_db: float | None = None
+    # Noise temperature of what the antenna sees. Allowed: number 3 to 100000 K
+    antenna_temperature_k: float | None = None
+    # Losses of the echo, there and back; they leave the noise as it is. Allowed: number 0 to 60 dB
+    loss_db: float | None = None
+    # Each seed gives other noise. Allowed: any integer
+    noise_seed: int | None = None
+    # Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts. Allowed: non-negative integer
+    noise_frame: int | None = None
+    # Gain of the receiver, of echoes and noise. Allowed: number -200 to 200 dB
+    receiver_gain_db: float | None = None
+    # Sensitivity time control lowers the gain up to this slant range; 0: none. Allowed: number 0 to 500000 m
+    stc_range_m: float | None = None
+    # Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level. Allowed: number 0 to 12
+    stc_power: float | None = None
+    # It lowers the gain by at most this. Allowed: number 0 to 200 dB
+    stc_db: float | None = None
+    # Bits of the converter, of I and of Q, 2 or more; 0: none. Allowed: integer 0 to 16
+    adc_bits: int | None = None
+    # Power of a sine that just fills the converter. Allowed: number -200 to 100 dBm
+    full_scale_dbm: float | None = None
+    # Pulses that the video integrates: it scatters as the mean of so many; 1: |I&Q|^2 itself. Allowed: integer 1 to 1024
+    video_looks: int | None = None
+    # Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it. Allowed: true | false
+    video_floor_auto: bool | None = None
+    # Power at which the video's scale begins; "auto" in a scene file is video.floor_auto. Allowed: number -400 to 400 dB
+    video_floor_db: float | None = None
+    # From there to the video's highest level. Allowed: number 1 to 400 dB
+    video_span_db: float | None = None
+    # Rain everywhere up to rain_top_m: attenuation and an echo of its own. Allowed: number 0 to 200 mm/h
+    rain_mm_h: float | None = None
+    # Height of the rain's top above the datum. Allowed: number -1000 to 20000 m
+    rain_top_m: float | None = None
+    # Attenuation by oxygen and water vapour of the standard atmosphere at sea level. Allowed: true | false
+    gas: bool | None = None
+    # Of the radar's wave, for the rain's attenuation. Allowed: "horizontal" | "vertical"
+    polarisation: str | None = None
 
 
 Settings.choices = {
@@ -69,6 +109,10 @@ Settings.choices = {
         "frame": 0,
         "sector": 1,
         "circular": 2
+    },
+    "polarisation": {
+        "horizontal": 0,
+        "vertical": 1
     }
 }
 Settings.keys = {
@@ -90,7 +134,27 @@ Settings.keys = {
     "bins.range": "range_bins",
     "scan.mode": "scan_mode",
     "scan.rate_deg_s": "scan_rate_deg_s",
-    "scan.dwell_bins": "scan_dwell_bins"
+    "scan.dwell_bins": "scan_dwell_bins",
+    "receiver.noise": "noise",
+    "receiver.noise_figure_db": "noise_figure_db",
+    "receiver.antenna_temperature_k": "antenna_temperature_k",
+    "receiver.loss_db": "loss_db",
+    "receiver.noise_seed": "noise_seed",
+    "receiver.noise_frame": "noise_frame",
+    "receiver.gain_db": "receiver_gain_db",
+    "receiver.stc_range_m": "stc_range_m",
+    "receiver.stc_power": "stc_power",
+    "receiver.stc_db": "stc_db",
+    "receiver.adc_bits": "adc_bits",
+    "receiver.full_scale_dbm": "full_scale_dbm",
+    "video.looks": "video_looks",
+    "video.floor_auto": "video_floor_auto",
+    "video.floor_db": "video_floor_db",
+    "video.span_db": "video_span_db",
+    "atmosphere.rain_mm_h": "rain_mm_h",
+    "atmosphere.rain_top_m": "rain_top_m",
+    "atmosphere.gas": "gas",
+    "atmosphere.polarisation": "polarisation"
 }
 
 

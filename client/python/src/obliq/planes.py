@@ -22,11 +22,15 @@ ENCODINGS = {"cf32": 0, "cf32_le": 0, "ci16": 1, "ci16_le": 1}
 COMPRESSIONS = {None: 0, "none": 0, "zstd": 1}
 
 
+def _words(given):
+    return given.replace(",", " ").split() if isinstance(given, str) else list(given or ())
+
+
 def plane_names(given):
-    """"iq state", ["iq", "state"] or None, the four, as a tuple in the order of their numbers."""
+    """"iq state", ["iq", "state"] or None, the four, as a tuple in the order of their numbers. "video16" is video."""
     if given is None:
         return FOUR
-    names = given.replace(",", " ").split() if isinstance(given, str) else list(given)
+    names = ["video" if name == "video16" else name for name in _words(given)]
     for name in names:
         if name not in NUMBERS:
             raise ValueError(f"planes: found {name!r}{hint(name, NUMBERS)}")
@@ -140,6 +144,8 @@ def write_choice(request, planes, encoding, compress, window):
     """Which planes, how they are sent, which bins: fields that Subscribe and RenderOnce share."""
     names = plane_names(planes)
     request.planes.extend(NUMBERS[name] for name in names)
+    if "video16" in _words(planes):
+        request.video_bits = 16
     request.iq_encoding = choice("encoding", ENCODINGS, encoding)
     request.compression = choice("compress", COMPRESSIONS, compress)
     if request.compression:

@@ -1,0 +1,79 @@
+// The parameters of the receiver, of the video and of the atmosphere.
+#include <array>
+
+#include "server/control/sections/parameter_row.h"
+
+namespace obliq {
+namespace {
+
+constexpr std::array kPolarisations{Choice{"horizontal", "HORIZONTAL"}, Choice{"vertical", "VERTICAL"}};
+
+using enum ModbusWords;
+using parameter_table::row;
+
+const std::array kParameters{
+    row<&RadarSettings::receiver, &ReceiverSettings::noise>("receiver.noise", "", kAny, "noise", {280, u16},
+                                                            "Add the receiver's noise, k T B, to the bins."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise_figure_db>(
+        "receiver.noise_figure_db", "dB", closed(0, 40), "noise_figure_db", {281, i32, 1e3},
+        "Noise figure of the receiver at 290 K."),
+    row<&RadarSettings::receiver, &ReceiverSettings::antenna_temperature_k>(
+        "receiver.antenna_temperature_k", "K", closed(3, 1e5), "antenna_temperature_k", {},
+        "Noise temperature of what the antenna sees."),
+    row<&RadarSettings::receiver, &ReceiverSettings::loss_db>(
+        "receiver.loss_db", "dB", closed(0, 60), "loss_db", {290, i32, 1e3},
+        "Losses of the echo, there and back; they leave the noise as it is."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise_seed>(
+        "receiver.noise_seed", "", kAny, "noise_seed", {}, "Each seed gives other noise."),
+    row<&RadarSettings::receiver, &ReceiverSettings::noise_frame>(
+        "receiver.noise_frame", "", kAny, "noise_frame", {},
+        "Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts."),
+    row<&RadarSettings::receiver, &ReceiverSettings::gain_db>("receiver.gain_db", "dB", closed(-200, 200),
+                                                              "receiver_gain_db", {283, i32, 1e3},
+                                                              "Gain of the receiver, of echoes and noise."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_range_m>(
+        "receiver.stc_range_m", "m", closed(0, 500e3), "stc_range_m", {285, i32, 1e3},
+        "Sensitivity time control lowers the gain up to this slant range; 0: none."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_power>(
+        "receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
+        "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>("receiver.stc_db", "dB", closed(0, 200),
+                                                             "stc_db", {288, i32, 1e3},
+                                                             "It lowers the gain by at most this."),
+    row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>(
+        "receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
+        "Bits of the converter, of I and of Q, 2 or more; 0: none."),
+    row<&RadarSettings::receiver, &ReceiverSettings::full_scale_dbm>(
+        "receiver.full_scale_dbm", "dBm", closed(-200, 100), "full_scale_dbm", {},
+        "Power of a sine that just fills the converter."),
+    row<&RadarSettings::video, &VideoSettings::looks>(
+        "video.looks", "", closed(1, 1024), "video_looks", {292, u16},
+        "Pulses that the video integrates: it scatters as the mean of so many; 1: |I&Q|^2 itself."),
+    row<&RadarSettings::video, &VideoSettings::floor_auto>(
+        "video.floor_auto", "", kAny, "video_floor_auto", {293, u16},
+        "Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it."),
+    row<&RadarSettings::video, &VideoSettings::floor_db>(
+        "video.floor_db", "dB", closed(-400, 400), "video_floor_db", {294, i32, 1e3},
+        "Power at which the video's scale begins; \"auto\" in a scene file is video.floor_auto."),
+    row<&RadarSettings::video, &VideoSettings::span_db>("video.span_db", "dB", closed(1, 400),
+                                                        "video_span_db", {296, u16, 1e2},
+                                                        "From there to the video's highest level."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_mm_h>(
+        "atmosphere.rain_mm_h", "mm/h", closed(0, 200), "rain_mm_h", {297, i32, 1e3},
+        "Rain everywhere up to rain_top_m: attenuation and an echo of its own."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_top_m>(
+        "atmosphere.rain_top_m", "m", closed(-1000, 20000), "rain_top_m", {},
+        "Height of the rain's top above the datum."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::gas>(
+        "atmosphere.gas", "", kAny, "gas", {299, u16},
+        "Attenuation by oxygen and water vapour of the standard atmosphere at sea level."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::polarisation>(
+        "atmosphere.polarisation", "", kPolarisations, "polarisation", {},
+        "Of the radar's wave, for the rain's attenuation."),
+};
+
+}  // namespace
+
+std::span<const Parameter> receiver_parameters() { return kParameters; }
+
+}  // namespace obliq

@@ -1,0 +1,62 @@
+#include "server/radar/receiver/noise_power.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/radar/beam/point_response.h"
+#include "server/radar/receiver/decibel.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kBoltzmann_j_k = 1.380649e-23;    // exact, SI
+constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
+
+}  // namespace
+
+NoiseBand noise_band(const RadarSettings& settings) {
+  if (settings.pulse.kind != PulseKind::off)
+    return {1 / (settings.pulse.length_us * 1e-6), ratio_of_db(PointResponse(settings).window_loss_db())};
+  const double range_spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  return {kSpeedOfLight_m_s / (2 * range_spacing_m), 1};
+}
+
+std::vector<double> noise_taps(const RadarSettings& settings) {
+  const double bin_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  const PointResponse response(settings);
+  std::vector<double> taps(1, 1.0);
+  if (settings.pulse.kind == PulseKind::compressed) taps = response.kernel(bin_m, settings.pulse.extent_bins);
+  if (settings.pulse.kind == PulseKind::rectangular)
+    taps.assign(static_cast<std::size_t>(std::max(1.0, std::round(response.resolution_m() / bin_m))), 1.0);
+  double sum = 0;
+  for (const double tap : taps) sum += tap * tap;
+  for (double& tap : taps) tap /= std::sqrt(sum);
+  return taps;
+}
+
+double system_temperature_k(double noise_figure_db, double antenna_temperature_k, double reference_k) {
+  return antenna_temperature_k + reference_k * (ratio_of_db(noise_figure_db) - 1);
+}
+
+double noise_power_w(double temperature_k, const NoiseBand& band) {
+  return kBoltzmann_j_k * temperature_k * band.window_loss * band.bandwidth_hz;
+}
+
+double noise_power_w(const RadarSettings& settings) {
+  const ReceiverSettings& receiver = settings.receiver;
+  if (!receiver.noise) return 0;
+  return noise_power_w(system_temperature_k(receiver.noise_figure_db, receiver.antenna_temperature_k),
+                       noise_band(settings));
+}
+
+double echo_power_w(double power_w, double gain_db, double wavelength_m, double loss_db,
+                    double cross_section_m2, double slant_range_m) {
+  const double four_pi = 4 * std::numbers::pi;
+  const double gain = ratio_of_db(gain_db);
+  const double r2 = slant_range_m * slant_range_m;
+  return power_w * gain * gain * wavelength_m * wavelength_m * cross_section_m2 /
+         (four_pi * four_pi * four_pi * ratio_of_db(loss_db) * r2 * r2);
+}
+
+}  // namespace obliq

@@ -1,0 +1,37 @@
+#pragma once
+#include <vector>
+
+#include "server/radar/settings.h"
+
+namespace obliq {
+
+/// What the noise follows from of the pulse: the receiver is matched to it.
+struct NoiseBand {
+  double bandwidth_hz = 0;  ///< 1 / pulse length
+  double window_loss = 1;   ///< L_w, a power ratio: of a windowed compression against the matched filter
+};
+
+/// Without a pulse: c / 2 over the range bin, the band that the bins just resolve.
+NoiseBand noise_band(const RadarSettings& settings);
+
+/// White noise of mean square 1 goes through these on its way to the range bins, and keeps its power. Behind
+/// a compressed pulse they are its point response; behind a rectangular one a run of range bins as long as
+/// half the pulse's way, whose autocorrelation is the triangle of the matched filter. Without a pulse: one.
+std::vector<double> noise_taps(const RadarSettings& settings);
+
+/// T_s = T_a + T_0 (F - 1) (IEEE Std 145: noise figure F at the reference temperature T_0, 290 K), in kelvin.
+double system_temperature_k(double noise_figure_db, double antenna_temperature_k, double reference_k = 290);
+
+/// N = k T_s L_w B, in watts: behind a matched filter that leaves a point target the power that the radar
+/// equation gives it. SNR = S / N is then that of Richards 2014, eq. 2.26, for a pulse of length 1 / B.
+double noise_power_w(double temperature_k, const NoiseBand& band);
+
+/// Of a radar; 0 where it has no noise.
+double noise_power_w(const RadarSettings& settings);
+
+/// P_t G^2 lambda^2 sigma / ((4 pi)^3 L r^4), in watts: the radar equation (Richards 2014, eq. 2.8, with
+/// losses). Gain one way, loss there and back.
+double echo_power_w(double power_w, double gain_db, double wavelength_m, double loss_db,
+                    double cross_section_m2, double slant_range_m);
+
+}  // namespace obliq

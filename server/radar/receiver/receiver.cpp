@@ -1,0 +1,177 @@
+#include "server/radar/receiver/receiver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "server/radar/receiver/decibel.h"
+#include "server/radar/receiver/noise_power.h"
+#include "server/radar/simd/kernels.h"
+#include "terrain/base/hash.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
+
+std::uint64_t noise_key(const RadarSettings& settings, std::string_view radar, std::uint64_t counter) {
+  const auto seed = static_cast<std::uint64_t>(settings.receiver.noise_seed);
+  return mix64(mix64(mix64(seed) ^ checksum(radar.data(), radar.size())) ^ counter);
+}
+
+/// What a float holds: nothing that is not finite leaves.
+float finite(double volts) {
+  return std::isnan(volts) ? 0.0F : static_cast<float>(std::clamp(volts, -kLargest, kLargest));
+}
+
+}  // namespace
+
+double stc_gain_db(const ReceiverSettings& receiver, double slant_range_m) {
+  if (!(slant_range_m < receiver.stc_range_m)) return 0;
+  const double share = std::max(slant_range_m / receiver.stc_range_m, std::numeric_limits<double>::min());
+  return -std::min(receiver.stc_db, -receiver.stc_power * db_of_ratio(share));
+}
+
+double adc_step(const ReceiverSettings& receiver) {
+  if (receiver.adc_bits == 0) return 0;
+  constexpr double kMilliwatts = 1000;
+  const double full_scale = std::sqrt(ratio_of_db(receiver.full_scale_dbm) / kMilliwatts);
+  return std::ldexp(full_scale, 1 - receiver.adc_bits);
+}
+
+/// A row on its way, with room for whole lanes.
+struct Receiver::Scratch {
+  Scratch(std::size_t n_range, std::size_t n_taps)
+      : re(n_range + kSpare),
+        im(n_range + kSpare),
+        white_re(n_range + n_taps + 2 * kSpare),
+        white_im(white_re) {}
+  static constexpr std::size_t kSpare = 8;
+  std::vector<double> re, im;
+  std::vector<double> white_re, white_im;
+};
+
+Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::uint64_t counter,
+                   const AirView& air)
+    : is_on_(has_receiver(settings)),
+      counter_(counter),
+      key_(noise_key(settings, radar, counter)),
+      noise_power_w_(obliq::noise_power_w(settings)),
+      noise_taps_(noise_taps(settings)),
+      rain_power_(rain_echo_power_w(settings, air)),
+      video_{video_floor_db(settings), settings.video.span_db},
+      looks_(settings.video.looks) {
+  const ReceiverSettings& receiver = settings.receiver;
+  const double echo_power = ratio_of_db(-receiver.loss_db);
+  echo_voltage_ = std::sqrt(echo_power);
+  has_noise_ = noise_power_w_ > 0 || !rain_power_.empty();
+  lsb_ = adc_step(receiver);
+  most_counts_ = std::ldexp(1.0, receiver.adc_bits - 1);
+  const double spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  for (int bin = 0; bin < settings.range_bins; ++bin) {
+    const double range_m = settings.r_min_m + (bin + 0.5) * spacing_m;
+    const double r2 = settings.range_normalisation ? range_m * range_m : 1;
+    power_gain_.push_back(ratio_of_db(receiver.gain_db + stc_gain_db(receiver, range_m)));
+    voltage_gain_.push_back(std::sqrt(power_gain_.back()));
+    noise_out_w_.push_back(noise_power_w_ * (r2 * r2));
+    power_factor_.push_back(echo_power * (r2 * r2));
+    const double rain_w = rain_power_.empty() ? 0 : rain_power_[static_cast<std::size_t>(bin)];
+    noise_voltage_.push_back(std::sqrt(noise_power_w_ + rain_w));
+    if (settings.range_normalisation && is_on_) range2_m2_.push_back(r2);
+    if (!rain_power_.empty()) rain_power_[static_cast<std::size_t>(bin)] = rain_w * (r2 * r2);
+  }
+}
+
+void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
+  if (is_on_) {
+    const auto n_range = static_cast<std::size_t>(bins.n_range);
+    Scratch scratch(wanted.iq ? n_range : 0, noise_taps_.size());
+    for (int a = 0; a < bins.n_azimuth; ++a) {
+      const std::size_t row = static_cast<std::size_t>(a) * n_range;
+      for (std::size_t r = 0; r < n_range; ++r) bins.power_w[row + r] *= power_factor_[r];
+      for (std::size_t r = 0; r < rain_power_.size(); ++r) bins.power_w[row + r] += rain_power_[r];
+      if (wanted.iq)
+        receive_row(static_cast<std::uint64_t>(bins.first_azimuth + a), bins.iq.data() + row, scratch);
+    }
+  }
+  if (wanted.any_video()) make_video(bins, wanted);
+}
+
+void Receiver::receive_row(std::uint64_t azimuth, std::complex<float>* iq, Scratch& scratch) const {
+  const std::size_t n_range = voltage_gain_.size();
+  double* const re = scratch.re.data();
+  double* const im = scratch.im.data();
+  if (has_noise_) {
+    add_noise(azimuth, scratch);
+  } else {
+    std::fill_n(re, n_range, 0.0);
+    std::fill_n(im, n_range, 0.0);
+  }
+  for (std::size_t r = 0; r < n_range; ++r) {
+    const double gain = voltage_gain_[r];
+    re[r] = (re[r] + echo_voltage_ * static_cast<double>(iq[r].real())) * gain;
+    im[r] = (im[r] + echo_voltage_ * static_cast<double>(iq[r].imag())) * gain;
+  }
+  if (lsb_ > 0) {
+    const auto convert = [this](double volts) {
+      return nearest_integer(std::clamp(volts / lsb_, -most_counts_, most_counts_ - 1)) * lsb_;
+    };
+    std::transform(re, re + n_range, re, convert);
+    std::transform(im, im + n_range, im, convert);
+  }
+  if (!range2_m2_.empty())
+    for (std::size_t r = 0; r < n_range; ++r) {
+      re[r] *= range2_m2_[r];
+      im[r] *= range2_m2_[r];
+    }
+  for (std::size_t r = 0; r < n_range; ++r) iq[r] = {finite(re[r]), finite(im[r])};
+}
+
+/// Noise of a row, into scratch.re and scratch.im.
+void Receiver::add_noise(std::uint64_t azimuth, Scratch& scratch) const {
+  const Kernels& kernels = widest_kernels();
+  const auto n_range = static_cast<int>(voltage_gain_.size());
+  const auto n_taps = static_cast<int>(noise_taps_.size());
+  const std::uint64_t cell = azimuth << 32;
+  kernels.white_noise({key_, cell, n_range + n_taps - 1, scratch.white_re.data(), scratch.white_im.data()});
+  kernels.filter_row({n_range, n_taps, noise_taps_.data(), scratch.white_re.data(), scratch.re.data()});
+  kernels.filter_row({n_range, n_taps, noise_taps_.data(), scratch.white_im.data(), scratch.im.data()});
+  for (std::size_t r = 0; r < noise_voltage_.size(); ++r) {
+    scratch.re[r] *= noise_voltage_[r];
+    scratch.im[r] *= noise_voltage_[r];
+  }
+}
+
+/// Of one look |I&Q|^2; of more a draw about the mean power that the receiver gives out.
+void Receiver::make_video(BinBlock& bins, const ReceivedPlanes& wanted) const {
+  const Kernels& kernels = widest_kernels();
+  const auto n_range = static_cast<std::size_t>(bins.n_range);
+  std::vector<double> power(n_range + Scratch::kSpare), looks(looks_ > 1 ? n_range + Scratch::kSpare : 0);
+  std::vector<std::int32_t> level(n_range + Scratch::kSpare);
+  const auto code = [&](std::size_t row, int bits, auto& plane) {
+    const double top = video_levels(bits) - 2;  // levels above the floor
+    kernels.video_levels({bins.n_range, power.data(), video_.floor_db, top / video_.span_db,
+                          static_cast<double>(video_levels(bits) - 1), level.data()});
+    plane.resize(bins.state.size());
+    std::transform(
+        level.begin(), level.begin() + bins.n_range, plane.begin() + static_cast<std::ptrdiff_t>(row),
+        [](std::int32_t l) { return static_cast<typename std::decay_t<decltype(plane)>::value_type>(l); });
+  };
+  for (int a = 0; a < bins.n_azimuth; ++a) {
+    const std::size_t row = static_cast<std::size_t>(a) * n_range;
+    if (looks_ == 1) {
+      for (std::size_t r = 0; r < n_range; ++r) power[r] = std::norm(std::complex<double>(bins.iq[row + r]));
+    } else {
+      const std::uint64_t azimuth = static_cast<std::uint64_t>(bins.first_azimuth + a);
+      kernels.mean_of_looks({mix64(key_), azimuth << 32, bins.n_range, looks_, looks.data()});
+      for (std::size_t r = 0; r < n_range; ++r)
+        power[r] = std::min((bins.power_w[row + r] + noise_out_w_[r]) * power_gain_[r] * looks[r],
+                            std::numeric_limits<double>::max());
+    }
+    if (wanted.video8) code(row, 8, bins.video8);
+    if (wanted.video16) code(row, 16, bins.video16);
+  }
+}
+
+}  // namespace obliq
