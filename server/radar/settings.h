@@ -54,6 +54,9 @@ struct RadarSettings {
   std::vector<double> scan_bars_deg;
   BeamSettings beam;
   PulseSettings pulse;
+  ReceiverSettings receiver;
+  VideoSettings video;
+  AtmosphereSettings atmosphere;
 };
 
 /// The kind that `automatic` stands for; others are themselves.
@@ -73,10 +76,6 @@ inline bool draws_speckle(const RadarSettings& s) {
   const SpeckleKind kind = resolved_speckle(s);
   return kind == SpeckleKind::none || kind == SpeckleKind::independent;
 }
-ReceiverSettings receiver;
-VideoSettings video;
-AtmosphereSettings atmosphere;
-};
 
 /// Something is done to the bins after the echoes: by the receiver itself, or as rain's own echo.
 bool has_receiver(const RadarSettings& settings);
