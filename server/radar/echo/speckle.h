@@ -88,8 +88,6 @@ class SpeckleField {
   glm::dvec3 reference_point(const Scatterer& scatterer) const;
 
  private:
-  bool lies_in_one_cell(const BuildingFace& face, double side_m) const;
-
   const World& world_;
   glm::dvec3 antenna_m_;
   double wavelength_m_;
