@@ -61,8 +61,9 @@ std::string quality_page() {
       "names pixels or plates but no kind, and a\nRenderOnce without a frustum, have the oblique frustum "
       "with spread plates. `oblique` finds its pixels when `obliqd` or\n`obliq render` has loaded the "
       "scene.\n\nMeasured over Los Angeles (`deploy/scenes/losangeles.toml`, terrain and 14,535 buildings) "
-      "against the reference\nrenderer, whole frames on two threads, by `obliq frontier`. E: power error of "
-      "the lit bins, weighted by power; gaps: lit\nbins without a return.\n\n| quality | kind | plates | "
+      "against the reference\nrenderer. The first number is a frame's processor time over that of the paper's "
+      "setting traced by Embree (AVX2,\n`tests/bench/frame_turns`). E: power error of the lit bins, weighted by "
+      "power; gaps: lit bins without a return.\n\n| quality | kind | plates | "
       "pixel_columns | pixel_rows | for | measured |\n|---|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
     page += markdown_row({markdown_code(p.name), p.kind, p.plates,

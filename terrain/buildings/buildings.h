@@ -14,6 +14,7 @@ struct BuildingFace {
   glm::dvec3 centre_m{0.0};    ///< world frame; the face's fixed phase reference point
   std::uint64_t identity = 0;  ///< hash of the face's geometry: the same whatever else is loaded
   std::uint32_t building = 0;  ///< index into Buildings::list
+  float reach_m = 0;           ///< no point of it is farther from its centre along any axis; rounded up
   bool wall = false;
 };
 

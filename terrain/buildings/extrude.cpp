@@ -8,6 +8,17 @@
 namespace obliq {
 namespace {
 
+/// The least float that is not less.
+float rounded_up(double x) {
+  const auto nearest = static_cast<float>(x);
+  return static_cast<double>(nearest) < x ? std::nextafter(nearest, HUGE_VALF) : nearest;
+}
+
+double reach_of(glm::vec2 corner, glm::dvec2 centre) {
+  return std::max(std::abs(static_cast<double>(corner.x) - centre.x),
+                  std::abs(static_cast<double>(corner.y) - centre.y));
+}
+
 std::uint32_t count(std::size_t n) { return static_cast<std::uint32_t>(n); }
 
 double lowest_node_m(const HeightGrid& grid, const Rect& rect) {
@@ -87,6 +98,10 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
   face.building = count(buildings.list.size());
   face.centre_m = glm::dvec3(outline.centre_m.x, static_cast<double>(building.roof_y_m), outline.centre_m.y);
   face.identity = mix64(look.identity);
+  double reach = 0;
+  for (const glm::vec2 corner : outline.rings_m[0])
+    reach = std::max(reach, reach_of(corner, outline.centre_m));
+  face.reach_m = rounded_up(reach);
   buildings.faces.push_back(face);
 
   face.wall = true;
@@ -99,6 +114,8 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
       // Half way up what stands out of the ground.
       face.centre_m = glm::dvec3(middle.x, footing.mean_y_m + look.height_m / 2, middle.y);
       face.identity = mix64(look.identity + 1 + corner + k);
+      face.reach_m = rounded_up(
+          std::max(reach_of(ring[k], middle), static_cast<double>(building.roof_y_m) - face.centre_m.y));
       buildings.faces.push_back(face);
     }
     corner += size;

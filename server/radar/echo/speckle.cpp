@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "server/radar/profile/roofs.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/hash.h"
@@ -55,7 +54,7 @@ Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, 
     return s;
   }
   const BuildingFace& of = world_.buildings.faces[face];
-  if (lies_in_one_cell(of, 1 / cells_per_m)) {
+  if (static_cast<double>(of.reach_m) * cells_per_m <= 0.5) {
     s.level = Scatterer::kWholeFace;
     return s;
   }
@@ -68,25 +67,6 @@ Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, 
   s.z_cell = cell(at_m.z - of.centre_m.z);
   if (of.wall) s.y_cell = cell(at_m.y - of.centre_m.y);
   return s;
-}
-
-/// Whether no point of a face is farther than half a side from its centre, along any axis.
-bool SpeckleField::lies_in_one_cell(const BuildingFace& face, double side_m) const {
-  const Buildings& all = world_.buildings;
-  const Building& building = all.list[face.building];
-  const std::uint32_t begin = all.ring_start[building.first_ring];
-  const auto is_near = [&](const glm::vec2& corner) {
-    return std::abs(static_cast<double>(corner.x) - face.centre_m.x) <= side_m / 2 &&
-           std::abs(static_cast<double>(corner.y) - face.centre_m.z) <= side_m / 2;
-  };
-  if (!face.wall) {
-    const std::uint32_t end = all.ring_start[building.first_ring + 1];
-    return std::all_of(all.ring_xz_m.begin() + begin, all.ring_xz_m.begin() + end, is_near);
-  }
-  // A wall's centre is half way between its corners, and half way up.
-  const auto index = static_cast<std::uint32_t>(&face - all.faces.data());
-  return static_cast<double>(building.roof_y_m) - face.centre_m.y <= side_m / 2 &&
-         is_near(all.ring_xz_m[edge_of_wall(all, index).from]);
 }
 
 std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const {

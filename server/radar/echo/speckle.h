@@ -101,7 +101,6 @@ class SpeckleField {
 
  private:
   std::uint64_t hash(const Scatterer& scatterer, std::uint64_t owner) const;
-  bool lies_in_one_cell(const BuildingFace& face, double side_m) const;
 
   const World& world_;
   glm::dvec3 antenna_m_;
