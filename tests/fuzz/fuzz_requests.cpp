@@ -34,8 +34,9 @@ class Listener : public Peer {
       : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), 2, std::size_t{1} << 20) {
     name = address;
   }
-  void send(MessageType type, const google::protobuf::MessageLite& message) override {
-    wire::Bytes bytes = wire::encode_message(type, {0, ++sent, 0}, message);
+  void send(MessageType type, const google::protobuf::MessageLite& message,
+            std::span<const std::byte> plane) override {
+    wire::Bytes bytes = wire::encode_message(type, {0, ++sent, 0}, message, plane);
     if (bytes.empty()) fuzz::broken("an answer does not encode");
     outbox.push_control(std::move(bytes));
   }
