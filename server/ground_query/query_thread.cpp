@@ -4,23 +4,23 @@
 
 namespace obliq {
 
-QueryThread::QueryThread() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
-
 QueryThread::~QueryThread() { end(); }
 
 void QueryThread::end() {
-  if (!thread_.joinable()) return;
-  thread_.request_stop();
   {
     const std::lock_guard lock(mutex_);
+    ended_ = true;
     in_hand_.request_stop();
   }
-  thread_.join();
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
 }
 
 void QueryThread::enqueue(std::uint64_t client, Work work) {
   const std::lock_guard lock(mutex_);
+  if (ended_) return;
   waiting_[client].push_back(std::move(work));
+  if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   changed_.notify_one();
 }
 

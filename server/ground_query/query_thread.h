@@ -11,13 +11,13 @@
 
 namespace obliq {
 
-/// One thread for all ground queries, so that they hold up neither sockets nor frames, and take no more of
-/// the machine than one core. Clients take turns, query by query.
+/// One thread for all ground queries, begun with the first, so that they hold up neither sockets nor frames,
+/// and take no more of the machine than one core. Clients take turns, query by query.
 class QueryThread {
  public:
   using Work = std::function<void(const std::stop_token&)>;
 
-  QueryThread();
+  QueryThread() = default;
   ~QueryThread();  // end()s
 
   /// From any thread. `work` must not throw.
@@ -35,6 +35,7 @@ class QueryThread {
   std::map<std::uint64_t, std::deque<Work>> waiting_;  ///< by client; none is empty
   std::uint64_t last_client_ = 0;                      ///< whose query is or was in hand
   bool busy_ = false;
+  bool ended_ = false;
   std::stop_source in_hand_;
   std::jthread thread_;
 };

@@ -1,6 +1,6 @@
-"""Many poses to a data set, by any number of workers on any number of machines, whoever is killed.
+"""Many poses to a data set, by any number of workers on any number of machines, whichever of them are killed.
 
-The unit of work is a shard. Which worker does which is for the engine to say: a concurrent.futures executor (Dask has one),
+The unit of work is a shard. The engine gives shards to workers: a concurrent.futures executor (Dask has one),
 a loop of Ray tasks, `--shard I/N` in pods. Nothing here schedules.
 """
 from __future__ import annotations
