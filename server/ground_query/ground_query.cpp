@@ -5,6 +5,7 @@
 
 #include "server/ground_query/line_to_point.h"
 #include "server/ground_query/place_at_range.h"
+#include "server/scene/tolerances.h"
 #include "terrain/base/constants.h"
 
 namespace obliq {
@@ -119,8 +120,13 @@ void GroundQuery::describe_ground(const PlumbLine& line, const PlumbLine::Meetin
 
 std::optional<std::uint32_t> GroundQuery::building_at(double x_m, double z_m) const {
   const Buildings& all = scene_.world().buildings;
+  const BuildingCircles& circles = scene_.circles();
   std::optional<std::uint32_t> highest;
   (void)scene_.building_index().any_near(x_m, z_m, [&](std::uint32_t b) {
+    const double dx = static_cast<double>(circles.x_m[b]) - x_m;
+    const double dz = static_cast<double>(circles.z_m[b]) - z_m;
+    const double reach = static_cast<double>(circles.radius_m[b]) + kMargin_m;
+    if (dx * dx + dz * dz > reach * reach) return false;
     if ((!highest || all.list[b].roof_y_m > all.list[*highest].roof_y_m) &&
         inside_building(all, b, x_m, -HUGE_VAL, z_m, 0))
       highest = b;

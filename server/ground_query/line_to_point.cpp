@@ -79,7 +79,7 @@ class Look {
         look(level_number - 1, near, far);
       } else {
         look_at_ground(level.whole[level.index(i, j)] != 0, near, far);
-        look_at_roofs(bounds_.highest_roof_m(i, j) - line_.antenna_m.y, near, far);
+        look_at_roofs(i, j, near, far);
       }
       return true;
     });
@@ -120,22 +120,30 @@ class Look {
     }
   }
 
-  void look_at_roofs(double top, double near, double far) {
-    if (!may_rise(top, near, far)) return;
-    const glm::dvec2 antenna(line_.antenna_m.x, line_.antenna_m.z);
-    const glm::dvec2 along(line_.bearing.sin, line_.bearing.cos);
-    scene_.building_index().along(antenna + near * along, antenna + far * along, found_);
+  /// Of buildings that reach into the square (i, j) of the smallest, which is a block of the index or lies in
+  /// one.
+  void look_at_roofs(int i, int j, double near, double far) {
+    if (!may_rise(bounds_.highest_roof_m(i, j) - line_.antenna_m.y, near, far)) return;
     const Buildings& all = scene_.world().buildings;
-    for (const std::uint32_t b : found_) {
-      const double roof = static_cast<double>(all.list[b].roof_y_m) - line_.antenna_m.y;
-      if (!may_rise(roof, near, far)) continue;
+    const BuildingCircles& circles = scene_.circles();
+    const double square_m = bounds_.levels().front().cells * line_.grid.cell_m;
+    const glm::dvec2 antenna(line_.antenna_m.x, line_.antenna_m.z);
+    const auto meet = [&](std::uint32_t b) {
+      const double roof = static_cast<double>(circles.roof_y_m[b]) - line_.antenna_m.y;
+      if (!may_rise(roof, near, far)) return false;
+      const double aside = (static_cast<double>(circles.x_m[b]) - antenna.x) * line_.bearing.cos -
+                           (static_cast<double>(circles.z_m[b]) - antenna.y) * line_.bearing.sin;
+      if (std::abs(aside) > static_cast<double>(circles.radius_m[b]) + kMargin_m) return false;
       spans_.clear();
-      add_roof_spans(all, b, antenna.x, antenna.y, along.x, along.y, spans_);
+      add_roof_spans(all, b, antenna.x, antenna.y, line_.bearing.sin, line_.bearing.cos, spans_);
       for (const RoofSpan& span : spans_) {
         if (span.near_m >= line_.length_m - kTouching_m) continue;
         raise(roof > 0 ? span.near_m : std::min(span.far_m, line_.length_m), roof, true);
       }
-    }
+      return false;
+    };
+    (void)scene_.building_index().any_near(line_.grid.x0_m + (i + 0.5) * square_m,
+                                           line_.grid.z0_m + (j + 0.5) * square_m, meet);
   }
 
   const Scene& scene_;
@@ -143,7 +151,6 @@ class Look {
   const Line& line_;
   const GroundView ground_;
   Obstacle highest_;
-  std::vector<std::uint32_t> found_;
   std::vector<RoofSpan> spans_;
 };
 

@@ -10,6 +10,7 @@
 #include "server/net/request_limits.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
+#include "server/stream/frame_encoder.h"
 
 namespace obliq::net {
 

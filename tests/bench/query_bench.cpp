@@ -56,8 +56,8 @@ void run(const std::string& file) {
   const auto scene =
       std::make_shared<const Scene>(std::make_shared<World>(load_world(config.world)), config.materials, 0);
   const RadarConfig& radar = config.radars.front();
-  std::printf("%s: %d x %d posts every %g m, %zu buildings; 10,000 places within %g m\n", file.c_str(),
-              scene->world().grid.nx, scene->world().grid.nz, scene->world().grid.cell_m,
+  std::printf("%s: %d x %d posts every %g m, %zu buildings; 10,000 places of the sector within %g m\n",
+              file.c_str(), scene->world().grid.nx, scene->world().grid.nz, scene->world().grid.cell_m,
               scene->world().buildings.list.size(), radar.settings.r_max_m);
   const auto dice = [](std::size_t k, int which) {
     return unit_from_hash(mix64(k * 4 + static_cast<std::size_t>(which) + 1));
@@ -65,8 +65,8 @@ void run(const std::string& file) {
   GroundQuestion places, ranges;
   const double degree_m = 111200;
   for (std::size_t k = 0; k < kPoints; ++k) {
-    const double bearing_deg = 360 * dice(k, 0) - 180;
-    const double range_m = radar.settings.r_max_m * std::sqrt(0.01 + 0.99 * dice(k, 1));
+    const double bearing_deg = radar.pose.bearing_deg + radar.settings.sector_deg * (dice(k, 0) - 0.5);
+    const double range_m = 0.98 * radar.settings.r_max_m * std::sqrt(0.01 + 0.99 * dice(k, 1));
     ranges.bearing_deg.push_back(bearing_deg);
     ranges.range_m.push_back(range_m);
     places.latitude_deg.push_back(radar.pose.latitude_deg +
@@ -84,7 +84,8 @@ void run(const std::string& file) {
   measure("points 50 m over it", scene, places);
   places.antenna->height_reference = HeightReference::ground;
   places.antenna->height_m = 30;
-  measure("the same from 30 m up", scene, places);
+  std::vector<FieldError> errors;
+  if (place_antenna(scene->world(), *places.antenna, errors)) measure("the same from 30 m up", scene, places);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST_F(QueryCommand, RefusesWhatItCannotAsk) {
   expect_refused({"--at", "33"}, "--at: found 33; allowed: two or three numbers");
   expect_refused({"--at", "33,-99,nan", "--radar", "main"}, "height_m[0]: found nan");
   expect_refused({"--at", "33,-99,10", "--at", "33,-99", "--radar", "main"}, "heights for 1 of 2 points");
-  expect_refused({"--at", "33,-99"}, "main, nose");
+  expect_refused({"--at", "33,-99", "--radar", "tail"}, "main, nose");
   expect_refused({"--at", "133,-99", "--radar", "main"}, "latitude_deg[0]: found 133; allowed: -90 to 90");
   expect_refused({"--points", "nothing.csv", "--radar", "main"}, "nothing.csv cannot be read");
   expect_refused({"--points", folder.write("bad.csv", "33,-99\n33;-99\n"), "--radar", "main"},
