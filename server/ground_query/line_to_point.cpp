@@ -14,6 +14,8 @@
 namespace obliq {
 namespace {
 
+static_assert(BuildingIndex::kCells == TileBounds::kFineCells, "a square is a block of the index");
+
 /// Nearer than this in the plane, a point lies straight above or below the antenna.
 constexpr double kStraightDown_m = 1e-3;
 
