@@ -31,8 +31,10 @@ struct Client::State {
   Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply) {
     return call(type, request, reply_type, reply, options.reply_timeout);
   }
+  /// plane: null, or what gets the bytes behind the reply.
   template <typename Request, typename Reply>
-  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply, Timeout patience);
+  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply, Timeout patience,
+              wire::Bytes* plane = nullptr);
   Status explain_silence(Status status) const;
   template <typename Request>
   Status acknowledged(MessageType type, Request& request) {
@@ -73,7 +75,7 @@ Status Client::State::receive(Message& message, Timeout timeout) {
 
 template <typename Request, typename Reply>
 Status Client::State::call(MessageType type, Request& request, MessageType reply_type, Reply& reply,
-                           Timeout patience) {
+                           Timeout patience, wire::Bytes* plane) {
   request.set_request_id(++last_request);
   const Status sent = connection.send(type, request);
   if (!sent.ok() && sent.outcome != Outcome::closed) return sent;
@@ -88,6 +90,7 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (!wire::parse_descriptor(message.descriptor(), reply)) return unreadable("answer");
       if (reply.request_id() == last_request) {
         if (reply_type == MessageType::welcome) welcome_bytes = message.bytes();
+        if (plane != nullptr) plane->assign(message.plane().begin(), message.plane().end());
         return {};
       }
     } else if (message.header.type == MessageType::error) {
@@ -255,6 +258,24 @@ Status Client::render_once(wire::RenderOnce& request) {
 Status Client::get_status(wire::Status& status) {
   wire::GetStatus request;
   return state_->call(MessageType::get_status, request, MessageType::status, status);
+}
+
+Status Client::query_ground(wire::QueryGround& request, wire::GroundAnswer& answer,
+                            std::vector<wire::GroundRecord>& records) {
+  records.clear();
+  // A server of before skips the request, and nothing would come.
+  if (state_->welcome.limits().max_query_points() == 0)
+    return Status::failure(Outcome::bad_argument,
+                           "this server answers no ground queries: it replays a recording, or is too old");
+  wire::Bytes bytes;
+  if (Status status = state_->call(MessageType::query_ground, request, MessageType::ground_answer, answer,
+                                   state_->options.reply_timeout, &bytes);
+      !status.ok())
+    return status;
+  if (wire::decode_ground_records(bytes, answer.points(), answer.record_bytes(), records)) return {};
+  return Status::failure(Outcome::bad_stream, "GroundAnswer: found " + std::to_string(bytes.size()) +
+                                                  " bytes for " + std::to_string(answer.points()) +
+                                                  " records of " + std::to_string(answer.record_bytes()));
 }
 
 Status Client::receive(Timeout timeout) {

@@ -4,9 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/connection.h"
 #include "client/frame_dispatch.h"
+#include "proto/ground_record.h"
 #include "proto/plane.h"
 
 namespace obliq::wire {
@@ -19,6 +21,8 @@ class RenderOnce;
 class Status;
 class Subscribe;
 class Ack;
+class QueryGround;
+class GroundAnswer;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -71,6 +75,10 @@ class Client {
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);
   Status get_status(wire::Status& status);
+  /// What is at up to Limits.max_query_points places, and whether an antenna sees points there: a record for
+  /// each, in their order. request's number is set.
+  Status query_ground(wire::QueryGround& request, wire::GroundAnswer& answer,
+                      std::vector<wire::GroundRecord>& records);
 
   /// Waits for one message and hands it to the handler; types that are not known are skipped. timed_out
   /// leaves the connection usable; after three heartbeats that did not come it is closed instead. An Error

@@ -15,6 +15,10 @@ constexpr std::uint32_t kMaxRequestBytes = 1u << 20;
 /// What a client accepts.
 constexpr std::uint32_t kMaxPayloadBytes = kMaxPlaneBytes + kMaxDescriptorBytes;
 
+/// Places of one QueryGround: three doubles each stay below kMaxDescriptorBytes, records below
+/// kMaxPlaneBytes.
+constexpr std::uint32_t kMaxQueryPoints = 10000;
+
 /// Names of clients, servers and radars, in bytes; longer ones are cut.
 constexpr std::uint32_t kMaxNameBytes = 64;
 

@@ -26,6 +26,8 @@ enum class MessageType : std::uint16_t {
   get_status = 27,
   status = 28,
   set_state = 29,
+  query_ground = 30,
+  ground_answer = 31,
 
   frame_begin = 48,
   wedge_block = 49,

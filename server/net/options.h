@@ -9,6 +9,7 @@
 #include "proto/limits.h"
 #include "server/control/sections/server.h"
 #include "server/flight/window.h"
+#include "server/ground_query/ground_query.h"
 #include "server/radar/settings.h"
 #include "server/rendering/rendered.h"
 
@@ -43,6 +44,8 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::function<void(std::vector<RadarPlace>)> on_moved;
   /// Whether an antenna at a pose has ground to look at, within r_max_m. Must be quick.
   std::function<GroundThere(const PoseSettings&, double)> ground_at;
+  /// Answers a checked question about the ground. On a thread of its own; empty: the server has no ground.
+  std::function<GroundAnswers(const GroundQuestion&, const std::stop_token&)> query_ground;
   /// State of the loading of scenes while serving; for Status.
   std::function<KeeperState()> keeper_state;
   /// Told of each live frame rendered to its end: the radar's name, and what it took. On the io thread.

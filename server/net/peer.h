@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,7 +33,10 @@ class Peer {
   Peer& operator=(const Peer&) = delete;
 
   /// Queues a control message.
-  virtual void send(wire::MessageType type, const google::protobuf::MessageLite& message) = 0;
+  void send(wire::MessageType type, const google::protobuf::MessageLite& message) { send(type, message, {}); }
+  /// The same with plane data behind it.
+  virtual void send(wire::MessageType type, const google::protobuf::MessageLite& message,
+                    std::span<const std::byte> plane) = 0;
   /// The outbox has something to write.
   virtual void kick() = 0;
   /// Sends an Error and closes once it has been written; begun frames are aborted.
@@ -53,6 +57,7 @@ class Peer {
   Outbox outbox;
   int subscriptions = 0;
   std::vector<OnceRequestPtr> renders;  ///< not finished
+  int queries = 0;                      ///< of the ground, not answered
 
   // For the log:
   const std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();

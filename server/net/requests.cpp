@@ -27,7 +27,7 @@ template <typename Request>
 constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
     std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::SetState> ||
-    std::is_same_v<Request, wire::RenderOnce>;
+    std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround>;
 
 }  // namespace
 
@@ -117,6 +117,8 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::render_once);
     case MessageType::get_status:
       return answer(descriptor, &Requests::get_status);
+    case MessageType::query_ground:
+      return answer(descriptor, &Requests::query_ground);
     default:  // of a later minor version, or not for a server: skipped
       return;
   }

@@ -25,6 +25,7 @@ class Subscribe;
 class Unsubscribe;
 class RenderOnce;
 class GetStatus;
+class QueryGround;
 class RadarStatus;
 class Pose;
 }  // namespace obliq::wire
@@ -77,6 +78,7 @@ class Requests {
   void unsubscribe(const wire::Unsubscribe& request);
   void render_once(const wire::RenderOnce& request);
   void get_status(const wire::GetStatus& request);
+  void query_ground(const wire::QueryGround& request);
 
   /// False after a refusal that says what `action` needs.
   bool demand(Role needed, std::uint64_t request_id, const std::string& action);

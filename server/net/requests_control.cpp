@@ -69,6 +69,7 @@ void Requests::hello(const wire::Hello& request) {
   limits.set_max_memory_mb(static_cast<std::uint64_t>(options.max_memory_mb));
   limits.set_heartbeat_s(options.heartbeat_s);
   limits.set_idle_timeout_s(options.idle_timeout_s);
+  limits.set_max_query_points(options.query_ground ? wire::kMaxQueryPoints : 0);
   welcome.set_client_name(peer_.name);
   welcome.set_role(std::string(role_name(peer_.role)));
   peer_.send(MessageType::welcome, welcome);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "proto/ground_record.h"
 #include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
 #include "server/log/service_log.h"
 #include "server/net/requests.h"
 #include "server/security/networks.h"
@@ -99,6 +101,7 @@ void Room::leave(Peer& peer) {
   radars_.forget(peer);
   for (const OnceRequestPtr& request : peer.renders) request->stop.request_stop();
   peer.renders.clear();
+  queries_.forget(peer.id);
   render_.wake();
   frames_dropped_ += peer.outbox.frames_dropped();
   std::erase_if(peers_, [&](const auto& other) { return other.get() == &peer; });
@@ -184,10 +187,48 @@ void Room::render_once(Peer& peer, const OnceRequestPtr& request) {
   render_.enqueue(request);
 }
 
-Peer* Room::peer_of(const OnceRequest& request) {
-  const auto at =
-      std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->id == request.client_id; });
+Peer* Room::peer_of(std::uint64_t client_id) {
+  const auto at = std::ranges::find_if(peers_, [&](const auto& p) { return p->id == client_id; });
   return at == peers_.end() ? nullptr : at->get();
+}
+
+void Room::query_ground(Peer& peer, std::uint64_t request_id,
+                        std::shared_ptr<const GroundQuestion> question) {
+  ++peer.queries;
+  queries_.enqueue(peer.id, [this, client_id = peer.id, request_id,
+                             question = std::move(question)](const std::stop_token& stop) {
+    GroundAnswers answers;
+    wire::Bytes records;
+    try {
+      answers = options_.query_ground(*question, stop);
+      records = wire::encode_ground_records(answers.records);
+    } catch (const std::exception& failure) {
+      answers = {};
+      answers.errors = {{"query", failure_text(failure), "a query that the memory there is can answer"}};
+    }
+    post_(
+        [this, client_id, request_id, question, answers = std::move(answers), records = std::move(records)] {
+          answer_query(client_id, request_id, *question, answers, records);
+        });
+  });
+}
+
+void Room::answer_query(std::uint64_t client_id, std::uint64_t request_id, const GroundQuestion& question,
+                        const GroundAnswers& answers, std::span<const std::byte> records) {
+  Peer* peer = peer_of(client_id);
+  if (peer == nullptr) return;
+  --peer->queries;
+  if (!answers.errors.empty())
+    return peer->send(MessageType::error,
+                      make_error(request_id, ErrorNumber::invalid_value, "query refused", answers.errors));
+  if (answers.records.size() < question.points()) return;  // stopped: the server ends
+  wire::GroundAnswer answer;
+  answer.set_request_id(request_id);
+  answer.set_points(static_cast<std::uint32_t>(answers.records.size()));
+  answer.set_record_bytes(wire::kGroundRecordBytes);
+  for (const std::string& name : answers.materials) answer.add_materials(name);
+  if (question.antenna) write_message(*question.antenna, *answer.mutable_antenna());
+  peer->send(MessageType::ground_answer, answer, records);
 }
 
 void Room::on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) {
@@ -209,7 +250,7 @@ void Room::on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView
 
 void Room::on_once_block(const OnceRequestPtr& request, const BlockPtr& block) {
   post_([this, request, block] {
-    Peer* peer = peer_of(*request);
+    Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;
     peer->outbox.push(block);
     peer->kick();
@@ -224,7 +265,7 @@ void Room::on_once_rendered(const RenderedOnce& frame) {
 
 void Room::on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) {
   post_([this, request, errors] {
-    Peer* peer = peer_of(*request);
+    Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;
     peer->outbox.close_queue(request->stream_id, "not rendered");
     finish_render(*peer, request->stream_id);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "server/ground_query/query_thread.h"
 #include "server/net/options.h"
 #include "server/net/radars.h"
 #include "server/net/request_limits.h"
@@ -45,7 +46,10 @@ class Room : private RenderEvents {
   /// Before start(): what is called, later, when the last client has gone after finish() or stop().
   void when_stopped(std::function<void()> call) { stopped_ = std::move(call); }
   /// Renders no more, on any thread: what it renders from may go.
-  void end() { render_.end(); }
+  void end() {
+    render_.end();
+    queries_.end();
+  }
 
   // Clients. Connections that have not said Hello have a few places of their own, clients all others:
   /// Those that have said Hello.
@@ -72,13 +76,17 @@ class Room : private RenderEvents {
   void taken(Peer& peer, const Block& block);
   /// Queues a checked request; gives it its client and its stream.
   void render_once(Peer& peer, const OnceRequestPtr& request);
+  /// Has a checked question answered, on another thread.
+  void query_ground(Peer& peer, std::uint64_t request_id, std::shared_ptr<const GroundQuestion> question);
   /// Of all clients' unfinished RenderOnce requests.
   FrameCost cost_queued() const;
   /// What limit a live radar of such settings would exceed, watched with such planes.
   std::optional<OverLimit> over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const;
 
  private:
-  Peer* peer_of(const OnceRequest& request);
+  Peer* peer_of(std::uint64_t client_id);
+  void answer_query(std::uint64_t client_id, std::uint64_t request_id, const GroundQuestion& question,
+                    const GroundAnswers& answers, std::span<const std::byte> records);
   void finish_render(Peer& peer, std::uint32_t stream_id);
   void stopped_if_empty();
 
@@ -104,6 +112,7 @@ class Room : private RenderEvents {
   std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
   RenderThread render_;               ///< ended before the radars go, to which it reports
   Radars radars_;
+  QueryThread queries_;
 };
 
 }  // namespace obliq::net

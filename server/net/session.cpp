@@ -95,13 +95,15 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     spawn(&Session::serve);
   }
 
-  void send(MessageType type, const google::protobuf::MessageLite& message) override {
+  using Peer::send;
+  void send(MessageType type, const google::protobuf::MessageLite& message,
+            std::span<const std::byte> plane) override {
     if (phase_ == Phase::closed) return;
     if (outbox.control_size() > kMaxControlWaiting) {
       spdlog::warn("{}: does not read its messages; connection closed", name);
       return close();
     }
-    outbox.push_control(wire::encode_message(type, {0, ++sequence_, wire::utc_now_ns()}, message));
+    outbox.push_control(wire::encode_message(type, {0, ++sequence_, wire::utc_now_ns()}, message, plane));
     kick();
   }
 

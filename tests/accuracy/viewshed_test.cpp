@@ -12,8 +12,10 @@
 #include <iterator>
 #include <sstream>
 
+#include "server/ground_query/ground_query.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/exact_hit.h"
+#include "terrain/base/constants.h"
 #include "tests/support/refine_hit.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
@@ -98,6 +100,28 @@ std::vector<std::uint8_t> own_answer(const World& world, const Survey& s) {
   return lit;
 }
 
+/// Ground queries' answer in the same order.
+std::vector<std::uint8_t> query_answer(World world, const Survey& s) {
+  const auto scene = test::make_scene(std::move(world));
+  const SurfaceBounds bounds(*scene);
+  const GroundQuery query(*scene, bounds);
+  const HeightGrid& grid = scene->world().grid;
+  Pose antenna;
+  antenna.antenna.m = {0.0, s.antenna_m, 0.0};
+  std::vector<std::uint8_t> lit;
+  for (int north = s.reach; north >= -s.reach; --north) {
+    for (int east = -s.reach; east <= s.reach; ++east) {
+      const double x = east * s.cell_m, z = north * s.cell_m;
+      const double y = grid.height_at_m(x, z);
+      const Geodetic at = scene->world().frame.geodetic_from_world({glm::dvec3(x, std::isnan(y) ? 0 : y, z)});
+      const auto got =
+          query.answer(at.latitude_rad / kDegree_rad, at.longitude_rad / kDegree_rad, {}, &antenna);
+      lit.push_back(std::isnan(y) ? 255 : got.sight == wire::Sight::behind_ground ? 0 : 1);
+    }
+  }
+  return lit;
+}
+
 struct Agreement {
   int all = 0, same = 0;
   int inner = 0, inner_same = 0;  ///< more than one cell from an edge of gdal_viewshed's shadows
@@ -163,7 +187,10 @@ void compare_dem(const char* name, const Survey& s) {
   WorldSpec spec = test::scene(s.longitude_deg, s.latitude_deg, 1.5 * half, {dem});
   spec.radius_factor = kRadiusFactor;
   spec.terrain.cell_m = s.cell_m;
-  compare(gdal_answer(folder, folder.file("plane.tif"), s), own_answer(load_world(spec), s), s);
+  const auto gdal = gdal_answer(folder, folder.file("plane.tif"), s);
+  World world = load_world(spec);
+  compare(gdal, own_answer(world, s), s);
+  compare(gdal, query_answer(std::move(world), s), s);
 }
 
 TEST(Viewshed, OfTheSanGabrielMountainsAgreesWithGdalViewshed) {
@@ -180,7 +207,7 @@ TEST(Viewshed, OfHillsAgreesWithGdalViewshed) {
   WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 18000, s.cell_m);
   spec.terrain.shape.height_m = 1200;
   spec.radius_factor = kRadiusFactor;
-  const World world = load_world(spec);
+  World world = load_world(spec);
   test::RasterPlan plan;
   plan.crs = plane_of(s);
   plan.columns = plan.rows = 2 * s.reach + 1;
@@ -192,7 +219,9 @@ TEST(Viewshed, OfHillsAgreesWithGdalViewshed) {
     return world.grid.height_at_m(east, north) + (east * east + north * north) / (2 * sphere_m);
   };
   const std::string dem = test::write_raster(folder, "plane.tif", plan);
-  compare(gdal_answer(folder, dem, s), own_answer(world, s), s);
+  const auto gdal = gdal_answer(folder, dem, s);
+  compare(gdal, own_answer(world, s), s);
+  compare(gdal, query_answer(std::move(world), s), s);
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ ALLOWED = {
     "server/radar": ["terrain", "server/scene"],
     # The truth shares no code with the pipeline but the material functions.
     "server/truth": ["terrain", "server/scene/materials", "server/radar/echo/scattering"],
+    "server/ground_query": SERVER_CORE + ["proto"],
     "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/explain": SERVER_CORE + ["server/accuracy"],
     "server/control": SERVER_CORE + ["proto", "server/security/networks"],
@@ -71,7 +72,7 @@ ALLOWED = {
     "server/rendering": TO_STREAM + ["server/scene", "server/control", "server/flight", "server/output",
         "server/stream"],
     "server/net": TO_STREAM + ["server/control", "server/flight", "server/stream", "server/rendering",
-        "server/security", "server/log"],
+        "server/security", "server/log", "server/ground_query"],
     "server/http": BASE + ["server/scene", "server/security", "server/log", "server/rendering", "server/net"],
     "server/modbus": BASE + ["server/control", "server/security", "server/log", "server/net"],
     "server/apps": ["terrain", "proto", "client", "server"],
@@ -177,6 +178,8 @@ def self_test():
         "server/apps/a.h": "#include <CLI/CLI.hpp>",
         "server/net/c.h": "#include <openssl/ssl.h>",
         "server/radar/c.cpp": '#include "bins.h"',
+        "server/radar/f.cpp": '#include "server/ground_query/question.h"',
+        "server/ground_query/a.cpp": '#include "server/net/peer.h"',
         "server/radar/e.cpp": '#include "server/accuracy/bin_errors.h"',
         "server/accuracy/a.h": '#include "server/control/key.h"',
     }

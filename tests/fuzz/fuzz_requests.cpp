@@ -7,6 +7,7 @@
 #include <array>
 #include <deque>
 #include <memory>
+#include <mutex>
 
 #include "proto/obliq.pb.h"
 #include "server/net/peer.h"
@@ -34,8 +35,9 @@ class Listener : public Peer {
       : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), 2, std::size_t{1} << 20) {
     name = address;
   }
-  void send(MessageType type, const google::protobuf::MessageLite& message) override {
-    wire::Bytes bytes = wire::encode_message(type, {0, ++sent, 0}, message);
+  void send(MessageType type, const google::protobuf::MessageLite& message,
+            std::span<const std::byte> plane) override {
+    wire::Bytes bytes = wire::encode_message(type, {0, ++sent, 0}, message, plane);
     if (bytes.empty()) fuzz::broken("an answer does not encode");
     outbox.push_control(std::move(bytes));
   }
@@ -63,6 +65,27 @@ RadarConfig small_radar(const char* name) {
   return radar;
 }
 
+/// What is to run on the io thread; ground queries come from a thread of their own.
+class Posted {
+ public:
+  void add(std::function<void()> work) {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(std::move(work));
+  }
+  /// Empty: there is nothing.
+  std::function<void()> take() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return {};
+    auto first = std::move(waiting_.front());
+    waiting_.pop_front();
+    return first;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<std::function<void()>> waiting_;
+};
+
 void greet(Room& room, Listener& peer) {
   wire::Hello hello;
   hello.set_major(wire::kMajorVersion);
@@ -74,9 +97,15 @@ void greet(Room& room, Listener& peer) {
 
 void run(fuzz::Input input) {
   const NoScene renderer;
-  std::deque<std::function<void()>> posted;
-  Room room(renderer, {}, {small_radar("main"), small_radar("nose")},
-            [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+  Posted posted;
+  ServerOptions options;
+  options.query_ground = [](const GroundQuestion& question, const std::stop_token&) {
+    GroundAnswers answers;
+    answers.records.resize(question.points());
+    return answers;
+  };
+  Room room(renderer, options, {small_radar("main"), small_radar("nose")},
+            [&posted](std::function<void()> work) { posted.add(std::move(work)); });
   const std::array peers{std::make_shared<Listener>(1), std::make_shared<Listener>(2)};
   for (const auto& peer : peers) {
     room.enter(peer);
@@ -91,7 +120,7 @@ void run(fuzz::Input input) {
     room.handle(peer, type, descriptor);
     if (is_answered(type) && peer.sent == before && !peer.failed) fuzz::broken("a request without an answer");
     while (const BlockPtr block = peer.outbox.pop()) room.taken(peer, *block);
-    for (; !posted.empty(); posted.pop_front()) posted.front()();
+    while (const auto work = posted.take()) work();
   }
   for (const auto& peer : peers) room.leave(*peer);
 }

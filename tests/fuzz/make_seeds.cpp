@@ -117,6 +117,19 @@ void write_requests() {
   off.set_freeze(true);
   auto thaw = named<wire::SetState>("main");
   thaw.set_freeze(false);
+  wire::QueryGround places;
+  places.set_request_id(9);
+  places.set_radar("main");
+  for (int k = 0; k < 5; ++k) {
+    places.add_latitude_deg(33 + 0.01 * k);
+    places.add_longitude_deg(-99.5);
+  }
+  places.add_height_m(20);
+  places.set_height_reference(wire::GROUND);
+  wire::QueryGround ranges;
+  *ranges.mutable_antenna() = pose.pose();
+  ranges.add_bearing_deg(270);
+  ranges.add_range_m(5000);
   wire::ListRadars list;
   wire::GetStatus status;
   const std::string claim = request(MessageType::claim_control, named<wire::ClaimControl>("main"));
@@ -136,6 +149,8 @@ void write_requests() {
                  request(MessageType::unsubscribe, named<wire::Unsubscribe>("nose")));
   write_seed("requests", "watch_a_part", request(MessageType::subscribe, part));
   write_seed("requests", "render", request(MessageType::render_once, once));
+  write_seed("requests", "query",
+             request(MessageType::query_ground, places) + request(MessageType::query_ground, ranges, true));
   write_seed("requests", "ask",
              request(MessageType::list_radars, list) +
                  request(MessageType::get_radar, named<wire::GetRadar>("nose")) +

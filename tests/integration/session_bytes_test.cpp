@@ -87,6 +87,8 @@ class SessionBytes : public testing::Test {
     viewer.send(heartbeat);
     viewer.send(error, "text: 'I have had enough' number: 5");  // skipped
     viewer.ask(list_radars, "", radar_list);
+    viewer.ask(query_ground, "radar: 'main' latitude_deg: [33.01, 33.02] longitude_deg: [-99.5, -99.49]",
+               ground_answer);
   }
 
   void control(RecordedPeer& viewer, RecordedPeer& controller, RecordedPeer& admin) {

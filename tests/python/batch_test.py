@@ -1,4 +1,4 @@
-"""Data sets: the same frames, each once, however they were made and whoever was killed."""
+"""Data sets: the same frames, each once, however they were made and whichever worker was killed."""
 import concurrent.futures
 import json
 import multiprocessing

@@ -122,7 +122,8 @@ class Bytes(unittest.TestCase):
 class Blocks(unittest.TestCase):
     def test_integers_are_scaled_as_the_document_says(self):
         made = wire.WedgeBlock(plane=wire.IQ, n_azimuth=1, n_range=2, iq_encoding=wire.CI16_LE, scale=2 / 32767)
-        values = planes.plain(made, bytes.fromhex("0020018000400000"))
+        values = np.empty((1, 2), "<c8")
+        planes.plain(made, bytes.fromhex("0020018000400000")).into(values)
         np.testing.assert_allclose(values, [[0.5 - 2j, 1 + 0j]], atol=1 / 32767)
 
     def test_video_has_one_or_two_bytes_a_bin(self):

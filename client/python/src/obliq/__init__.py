@@ -20,6 +20,7 @@ from .errors import (BadStream, CannotConnect, ConnectionLost, Fault, FrameAbort
                      UnknownRadar, Untrusted)
 from .files import load
 from .frame import Dwell, Frame
+from .ground import GroundPoints
 from .local import Daemon as local_daemon, local
 from .parameters import Pose, Settings
 from .planes import STATES, Window

@@ -5,7 +5,7 @@ import numpy as np
 
 from .errors import BadStream
 from .frame import Dwell, Frame
-from .planes import NAMES, TYPES, Run, plain
+from .planes import NAMES, TYPES, Run, Scaled, plain
 
 # Above any radar's limits; what is kept for each azimuth from a frame's beginning is then small.
 MOST_AZIMUTHS = 1 << 14
@@ -82,7 +82,10 @@ class Assembler:
             if array is not None:
                 raise BadStream(f"blocks of {name} with values of different sizes")
             array = self._allocate(name, values.dtype)
-        array[row:past, column:end] = values
+        if isinstance(values, Scaled):
+            values.into(array[row:past, column:end])
+        else:
+            array[row:past, column:end] = values
         if end < self.range.n:
             return None
         for at in range(row, past):

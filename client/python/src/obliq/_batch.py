@@ -1,6 +1,6 @@
-"""Many poses to a data set, by any number of workers on any number of machines, whoever is killed.
+"""Many poses to a data set, by any number of workers on any number of machines, whichever of them are killed.
 
-The unit of work is a shard. Which worker does which is for the engine to say: a concurrent.futures executor (Dask has one),
+The unit of work is a shard. The engine gives shards to workers: a concurrent.futures executor (Dask has one),
 a loop of Ray tasks, `--shard I/N` in pods. Nothing here schedules.
 """
 from __future__ import annotations
@@ -48,26 +48,40 @@ class Job:
 
     def run(self, number):
         """One shard; its frames, failed poses and seconds. Does nothing where the shard is there."""
+        for done in self.run_some([number]):
+            return done
+        return number, 0, 0, 0.0
+
+    def run_some(self, numbers):
+        """The same of each shard that is not there, one after the other on one connection: while one is brought to the
+        disk, the server renders frames of the next."""
+        numbers = [number for number in numbers if not (pathlib.Path(self.out) / part_name(number)).is_dir()]
+        if not numbers:
+            return
         began = time.monotonic()
-        if (pathlib.Path(self.out) / part_name(number)).is_dir():
-            return number, 0, 0, 0.0
-        mine = self.poses[number * self.shard_size: (number + 1) * self.shard_size]
-        frames = failed = 0
-        with contextlib.closing(PartWriter(self.out, number)) as part, self.connected() as server:
+        with self.connected() as server:
             check_manifest(self, world_of(server, self))
             wanted = read_manifest(self.out)["world"]
-            asked = ((Pose.of(pose), Settings.of({**self.settings, **its})) for _, pose, its in mine)
+            asked = ((Pose.of(pose), Settings.of({**self.settings, **its}))
+                     for number in numbers for _, pose, its in self._poses_of(number))
             results = server.render_many(asked, planes=self.planes, timeout=self.timeout, return_exceptions=True)
-            for (its_id, _, _), result in zip(mine, results):
-                if isinstance(result, Exception):
-                    part.fail(its_id, result)
-                    failed += 1
-                    continue
-                same_world(wanted, world_of_frame(result, server), its_id)
-                part.add(its_id, result)
-                frames += 1
-            part.finish()
-        return number, frames, failed, time.monotonic() - began
+            for number in numbers:
+                frames = failed = 0
+                with contextlib.closing(PartWriter(self.out, number)) as part:
+                    for (its_id, _, _), result in zip(self._poses_of(number), results):
+                        if isinstance(result, Exception):
+                            part.fail(its_id, result)
+                            failed += 1
+                            continue
+                        same_world(wanted, world_of_frame(result, server), its_id)
+                        part.add(its_id, result)
+                        frames += 1
+                    part.finish()
+                yield number, frames, failed, time.monotonic() - began
+                began = time.monotonic()
+
+    def _poses_of(self, number):
+        return self.poses[number * self.shard_size: (number + 1) * self.shard_size]
 
     @contextlib.contextmanager
     def connected(self):
@@ -300,8 +314,7 @@ def batch(poses, out, *, executor=None, shard=None, progress=None, **options):
 def _results(job, numbers, executor):
     """As they come. A failure ends the run when the others that have begun are done."""
     if executor is None:
-        for number in numbers:
-            yield job.run(number)
+        yield from job.run_some(numbers)
         return
     failures = collections.deque(maxlen=1)
     waiting = [executor.submit(job.run, number) for number in numbers]

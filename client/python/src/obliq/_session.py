@@ -1,7 +1,7 @@
-"""One connection without its socket: messages in, messages out, and who waits for what.
+"""One connection without its socket: messages in, messages out, and which wait is for which message.
 
-Commands are generators: they put requests into `outgoing` and yield a Wait; whoever drives them sends, feeds what
-arrives, and resumes the command when the wait is over. The blocking and the asyncio client are two such drivers.
+Commands are generators: they put requests into `outgoing` and yield a Wait; a driver sends these, feeds what arrives,
+and resumes the command when the wait is over. The blocking and the asyncio client are two such drivers.
 """
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class Wait:
 
 
 ANSWERS = {wire.Hello: wire.Welcome, wire.ListRadars: wire.RadarList, wire.GetRadar: wire.RadarInfo,
-           wire.GetStatus: wire.Status, wire.Heartbeat: wire.Heartbeat}
+           wire.GetStatus: wire.Status, wire.Heartbeat: wire.Heartbeat, wire.QueryGround: wire.GroundAnswer}
 
 
 class Pending:
     """A request that has not been answered."""
 
-    reply = error = header = None
+    reply = error = message = None
 
     def __init__(self, request):
         self.answer = ANSWERS.get(type(request), wire.Ack)
@@ -85,7 +85,7 @@ class Rendering(Sink):
 
 
 class Subscription(Sink):
-    """Of one radar. Where frames may be left out, a newer whole frame takes the place of one that nobody has taken."""
+    """Of one radar. Where frames may be left out, a newer whole frame takes the place of one that has not been taken."""
 
     def __init__(self, request, names, by_wedge=False, copy=True):
         super().__init__(names, None if copy else Buffers())
@@ -190,11 +190,11 @@ class Session:
             self._feed_error(parsed)
         elif kind == 5 and parsed.answer_wanted:
             self._send(wire.Heartbeat(request_id=parsed.request_id))
-        elif kind in (2, 3, 5, 17, 19, 28):
+        elif kind in (2, 3, 5, 17, 19, 28, 31):
             pending = self._pending.get(parsed.request_id)
             if pending and isinstance(parsed, pending.answer):
                 del self._pending[parsed.request_id]
-                pending.reply, pending.header = parsed, message.header
+                pending.reply, pending.message = parsed, message
             elif pending and kind != 5:
                 raise BadStream(f"{parsed.DESCRIPTOR.name} answers a request; allowed: {pending.answer.DESCRIPTOR.name}",
                                 message.offset)
@@ -224,7 +224,7 @@ class Session:
         if sink is None or sink.assembler is None or not sink.assembler.is_mine(header, parsed.frame_id):
             return  # of a subscription that was ended
         if header.type == 49:
-            rows = sink.assembler.block(header, parsed, message.payload[header.descriptor_length:])
+            rows = sink.assembler.block(header, parsed, message.plane)
             if rows is not None:
                 sink.wedge(rows, parsed, header, self.offset_ns)
             return
@@ -236,7 +236,7 @@ class Session:
             sink.whole(assembler.end(parsed))
 
     def has_enough(self):
-        """Nothing more is to be read for now. Not while somebody waits for an answer, which may be behind the frames."""
+        """Nothing more is to be read for now. Not while an answer is awaited, which may be behind the frames."""
         if self._pending or self._renderings:
             return False
         return any(sink.has_enough() for sink in self.subscriptions.values())
@@ -267,8 +267,13 @@ class Session:
         before_ns = time.time_ns()
         beat = wire.Heartbeat(answer_wanted=True)
         pending = yield from self._answer(self.ask(beat), beat)
-        self.offset_ns = (before_ns + time.time_ns()) // 2 - pending.header.utc_ns
+        self.offset_ns = (before_ns + time.time_ns()) // 2 - pending.message.header.utc_ns
         return self.offset_ns * 1e-9
+
+    def query(self, request, timeout_s):
+        """Command: the answer to a QueryGround, and the records behind it."""
+        pending = yield from self._answer(self.ask(request), request, timeout_s)
+        return pending.reply, pending.message.plane
 
     def begin_render(self, request, names):
         """RenderOnce on its way: finish() waits for its frame."""

@@ -31,7 +31,8 @@ TYPES = {
     1: wire.Hello, 2: wire.Welcome, 3: wire.Ack, 4: wire.Error, 5: wire.Heartbeat, 16: wire.ListRadars,
     17: wire.RadarList, 18: wire.GetRadar, 19: wire.RadarInfo, 20: wire.ClaimControl, 21: wire.ReleaseControl,
     22: wire.SetSettings, 23: wire.SetPose, 24: wire.Subscribe, 25: wire.Unsubscribe, 26: wire.RenderOnce,
-    27: wire.GetStatus, 28: wire.Status, 29: wire.SetState, 48: wire.FrameBegin, 49: wire.WedgeBlock,
+    27: wire.GetStatus, 28: wire.Status, 29: wire.SetState,
+    30: wire.QueryGround, 31: wire.GroundAnswer, 48: wire.FrameBegin, 49: wire.WedgeBlock,
     50: wire.FrameEnd, 51: wire.FrameAbort,
 }
 NUMBERS = {kind: number for number, kind in TYPES.items()}
@@ -60,6 +61,11 @@ class Message(typing.NamedTuple):
     payload: bytes
     offset: int  # of its first byte in the connection or the file
 
+    @property
+    def plane(self):
+        """The bytes behind the protobuf part, not copied."""
+        return memoryview(self.payload)[self.header.descriptor_length:]
+
     def parsed(self):
         """The protobuf part. BadStream where it does not parse, None for a type that is not known."""
         kind = TYPES.get(self.header.type)
@@ -83,8 +89,8 @@ def encode(message, sequence, stream_id=0, plane=b"", utc_ns=None):
 
 def stranger(first):
     """What answers where obliqd was expected, told by its first bytes."""
-    who = next((text for start, text in STRANGERS.items() if bytes(first).startswith(start)), "another program")
-    return (f"not an obliq stream: found {bytes(first)[:8]!r}, which is {who}; allowed: where obliqd listens "
+    program = next((text for start, text in STRANGERS.items() if bytes(first).startswith(start)), "another program")
+    return (f"not an obliq stream: found {bytes(first)[:8]!r}, which is {program}; allowed: where obliqd listens "
             "(server.port, 7420 unless its scene file says otherwise)")
 
 

@@ -6,6 +6,7 @@ import contextlib
 import time
 
 from . import _requests as requests
+from . import ground
 from . import obliq_pb2 as wire
 from ._connection import Connection
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut
@@ -68,6 +69,16 @@ class Server:
     def measure_clock(self):
         """Seconds by which the server's clock is behind this machine's; latencies take it into account."""
         return self._run("measure_clock")
+
+    def query(self, latitude_deg=None, longitude_deg=None, height_m=None, *, timeout=30.0, **choice):
+        """What is at places of the ground: an obliq.GroundPoints with arrays of the given shape. height_m: of points
+        there, None: on the ground. choice: height_reference ("datum", "ground" or "ellipsoid" with geoid_undulation_m),
+        and antenna (a Pose, or a dict) for whether it sees the points; bearing_deg and range_m in place of the first
+        two. radar.query() asks for a live radar's antenna."""
+        asked = ground.Asked(self.info.limits, latitude_deg, longitude_deg, height_m, **choice)
+        for request in asked.requests():
+            asked.add(*self._run("query", request, timeout))
+        return asked.points()
 
     def render(self, settings=None, pose=None, *, planes=None, encoding="cf32", compress=None, window=None, timeout=60.0,
                radar="python"):
@@ -184,6 +195,11 @@ class Radar:
     def pose(self):
         """Its pose at this moment: asked of the server."""
         return self.info().pose
+
+    def query(self, latitude_deg=None, longitude_deg=None, height_m=None, **choice):
+        """What is at places of the ground, and whether this radar's antenna sees points there: as Server.query.
+        bearing_deg, range_m: true bearing and slant range from the antenna to the ground."""
+        return self._server.query(latitude_deg, longitude_deg, height_m, radar=self.name, **choice)
 
     def frame(self, timeout=30.0, **choice):
         """The next live frame; choice as in stream()."""

@@ -295,6 +295,20 @@ class GetStatus(_message.Message):
     request_id: int
     def __init__(self, request_id: _Optional[int] = ...) -> None: ...
 
+class GroundAnswer(_message.Message):
+    __slots__ = ["antenna", "materials", "points", "record_bytes", "request_id"]
+    ANTENNA_FIELD_NUMBER: _ClassVar[int]
+    MATERIALS_FIELD_NUMBER: _ClassVar[int]
+    POINTS_FIELD_NUMBER: _ClassVar[int]
+    RECORD_BYTES_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    antenna: Pose
+    materials: _containers.RepeatedScalarFieldContainer[str]
+    points: int
+    record_bytes: int
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., points: _Optional[int] = ..., record_bytes: _Optional[int] = ..., materials: _Optional[_Iterable[str]] = ..., antenna: _Optional[_Union[Pose, _Mapping]] = ...) -> None: ...
+
 class Heartbeat(_message.Message):
     __slots__ = ["answer_wanted", "request_id"]
     ANSWER_WANTED_FIELD_NUMBER: _ClassVar[int]
@@ -318,7 +332,7 @@ class Hello(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., client_name: _Optional[str] = ..., token: _Optional[str] = ...) -> None: ...
 
 class Limits(_message.Message):
-    __slots__ = ["heartbeat_s", "idle_timeout_s", "max_bins", "max_clients", "max_clients_per_address", "max_memory_mb", "max_pixels", "max_plane_bytes", "max_rate_hz", "max_renders_queued", "max_request_bytes", "max_subscriptions", "max_work_queued"]
+    __slots__ = ["heartbeat_s", "idle_timeout_s", "max_bins", "max_clients", "max_clients_per_address", "max_memory_mb", "max_pixels", "max_plane_bytes", "max_query_points", "max_rate_hz", "max_renders_queued", "max_request_bytes", "max_subscriptions", "max_work_queued"]
     HEARTBEAT_S_FIELD_NUMBER: _ClassVar[int]
     IDLE_TIMEOUT_S_FIELD_NUMBER: _ClassVar[int]
     MAX_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -327,6 +341,7 @@ class Limits(_message.Message):
     MAX_MEMORY_MB_FIELD_NUMBER: _ClassVar[int]
     MAX_PIXELS_FIELD_NUMBER: _ClassVar[int]
     MAX_PLANE_BYTES_FIELD_NUMBER: _ClassVar[int]
+    MAX_QUERY_POINTS_FIELD_NUMBER: _ClassVar[int]
     MAX_RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     MAX_RENDERS_QUEUED_FIELD_NUMBER: _ClassVar[int]
     MAX_REQUEST_BYTES_FIELD_NUMBER: _ClassVar[int]
@@ -340,12 +355,13 @@ class Limits(_message.Message):
     max_memory_mb: int
     max_pixels: int
     max_plane_bytes: int
+    max_query_points: int
     max_rate_hz: float
     max_renders_queued: int
     max_request_bytes: int
     max_subscriptions: int
     max_work_queued: int
-    def __init__(self, max_request_bytes: _Optional[int] = ..., max_plane_bytes: _Optional[int] = ..., max_clients: _Optional[int] = ..., max_renders_queued: _Optional[int] = ..., max_subscriptions: _Optional[int] = ..., max_rate_hz: _Optional[float] = ..., max_clients_per_address: _Optional[int] = ..., max_pixels: _Optional[int] = ..., max_bins: _Optional[int] = ..., max_work_queued: _Optional[int] = ..., max_memory_mb: _Optional[int] = ..., heartbeat_s: _Optional[float] = ..., idle_timeout_s: _Optional[float] = ...) -> None: ...
+    def __init__(self, max_request_bytes: _Optional[int] = ..., max_plane_bytes: _Optional[int] = ..., max_clients: _Optional[int] = ..., max_renders_queued: _Optional[int] = ..., max_subscriptions: _Optional[int] = ..., max_rate_hz: _Optional[float] = ..., max_clients_per_address: _Optional[int] = ..., max_pixels: _Optional[int] = ..., max_bins: _Optional[int] = ..., max_work_queued: _Optional[int] = ..., max_memory_mb: _Optional[int] = ..., heartbeat_s: _Optional[float] = ..., idle_timeout_s: _Optional[float] = ..., max_query_points: _Optional[int] = ...) -> None: ...
 
 class ListRadars(_message.Message):
     __slots__ = ["request_id"]
@@ -406,6 +422,30 @@ class Pose(_message.Message):
     sim_time_ns: int
     valid_s: float
     def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ...) -> None: ...
+
+class QueryGround(_message.Message):
+    __slots__ = ["antenna", "bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "radar", "range_m", "request_id"]
+    ANTENNA_FIELD_NUMBER: _ClassVar[int]
+    BEARING_DEG_FIELD_NUMBER: _ClassVar[int]
+    GEOID_UNDULATION_M_FIELD_NUMBER: _ClassVar[int]
+    HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
+    HEIGHT_REFERENCE_FIELD_NUMBER: _ClassVar[int]
+    LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RANGE_M_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    antenna: Pose
+    bearing_deg: _containers.RepeatedScalarFieldContainer[float]
+    geoid_undulation_m: float
+    height_m: _containers.RepeatedScalarFieldContainer[float]
+    height_reference: HeightReference
+    latitude_deg: _containers.RepeatedScalarFieldContainer[float]
+    longitude_deg: _containers.RepeatedScalarFieldContainer[float]
+    radar: str
+    range_m: _containers.RepeatedScalarFieldContainer[float]
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., antenna: _Optional[_Union[Pose, _Mapping]] = ..., latitude_deg: _Optional[_Iterable[float]] = ..., longitude_deg: _Optional[_Iterable[float]] = ..., bearing_deg: _Optional[_Iterable[float]] = ..., range_m: _Optional[_Iterable[float]] = ..., height_m: _Optional[_Iterable[float]] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ...) -> None: ...
 
 class RadarInfo(_message.Message):
     __slots__ = ["controlled_by_you", "controller", "fault", "frozen", "late_poses", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "settings", "settings_version", "subscribers", "transmit_off"]

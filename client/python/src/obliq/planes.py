@@ -90,8 +90,25 @@ class Run(typing.NamedTuple):
         return self.first + self.step * np.arange(self.n)
 
 
+class Scaled(typing.NamedTuple):
+    """Values that are integers times a scale, [n_azimuth, n_range]."""
+
+    integers: np.ndarray  # [n_azimuth, 2 n_range]
+    scale: float
+    dtype = TYPES["iq"]
+
+    @property
+    def size(self):
+        return self.integers.size // 2
+
+    def into(self, array):
+        # In double, then rounded once, as the C++ client does: the same bits.
+        np.multiply(self.integers, self.scale, out=array.view("<f4"), dtype=np.float64, casting="same_kind")
+
+
 def plain(block, data):
-    """The values of a block's rectangle, [n_azimuth, n_range]. BadStream where sizes or codings are not possible."""
+    """The values of a block's rectangle, [n_azimuth, n_range]: an array, or Scaled. BadStream where sizes or codings are not
+    possible."""
     name = NAMES.get(block.plane)
     if name is None:
         raise BadStream(f"a data block of plane {block.plane}; allowed: 0 to {max(NAMES)}")
@@ -113,9 +130,7 @@ def plain(block, data):
         return np.frombuffer(data, kind).reshape(block.n_azimuth, block.n_range)
     if not 0 <= block.scale <= float(np.finfo(np.float32).max) / 32767:
         raise BadStream(f"a data block's scale: found {block.scale}; allowed: from 0")
-    # In double, then rounded once, as the C++ client does: the same bits.
-    values = (np.frombuffer(data, kind) * np.float64(block.scale)).astype("<f4")
-    return values.view("<c8").reshape(block.n_azimuth, block.n_range)
+    return Scaled(np.frombuffer(data, kind).reshape(block.n_azimuth, 2 * block.n_range), np.float64(block.scale))
 
 
 def need_zstd():

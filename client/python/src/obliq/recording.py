@@ -199,7 +199,7 @@ class _Hand:
                 raise BadStream(f"frame {parsed.frame_id}: its beginning is missing")
             return None
         if kind == 49:
-            self.assembler.block(header, parsed, message.payload[header.descriptor_length:])
+            self.assembler.block(header, parsed, message.plane)
             return None
         assembler, self.assembler = self.assembler, None
         if kind == 51:

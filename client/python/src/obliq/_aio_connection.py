@@ -1,0 +1,126 @@
+"""The asyncio driver of a session: one connection, fed by what the event loop reads."""
+from __future__ import annotations
+
+import asyncio
+import ssl
+import time
+
+from ._connection import untrusted
+from ._session import Session
+from ._wire import Splitter
+from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
+
+
+class Protocol(asyncio.BufferedProtocol):
+    """Drives a session by what the event loop reads."""
+
+    def __init__(self):
+        self.session = Session()
+        self._splitter = Splitter()
+        self._waiters = []
+        self._transport = None
+        self._paused = False
+
+    def connection_made(self, transport):
+        self._transport = transport
+
+    def get_buffer(self, sizehint):
+        return self._splitter.space()
+
+    def buffer_updated(self, nbytes):
+        self._splitter.filled(nbytes)
+        try:
+            while (message := self._splitter.next()) is not None:
+                self.session.feed(message)
+        except BadStream as error:
+            self.session.end(error)
+        except Exception as error:  # nothing of ours raises in the event loop: waiting calls do
+            self.session.end(ObliqError(f"{type(error).__name__}: {error}"))
+        self.stir()
+
+    def connection_lost(self, error):
+        self.session.end(ConnectionLost(f"the connection was lost: {error}" if error else
+                                        "the server has closed the connection"))
+        self.stir()
+
+    def stir(self):
+        """Sends what is to be sent, wakes those whose wait is over, reads no faster than frames are taken."""
+        session = self.session
+        if session.lost is not None:
+            session.outgoing.clear()
+            self._transport.close()
+        for data in session.outgoing:
+            self._transport.write(data)
+        session.outgoing.clear()
+        for wait, future in self._waiters:
+            if not future.done() and (session.lost is not None or wait.test()):
+                future.set_result(None)
+        enough = session.has_enough()
+        if session.lost is None and enough != self._paused:
+            self._paused = enough
+            (self._transport.pause_reading if enough else self._transport.resume_reading)()
+
+    async def run(self, command):
+        """What a command of the session returns."""
+        error = None
+        while True:
+            try:
+                wait = next(command) if error is None else command.throw(error)
+            except StopIteration as end:
+                self.stir()
+                return end.value
+            error = None
+            try:
+                await self._await(wait)
+            except ObliqError as failure:
+                error = failure
+
+    async def _await(self, wait):
+        self.stir()
+        deadline = None if wait.timeout_s is None else time.monotonic() + wait.timeout_s
+        while not wait.test():
+            if self.session.lost is not None:
+                raise self.session.lost
+            left = 3600.0 if deadline is None else deadline - time.monotonic()
+            if left <= 0:
+                raise TimedOut(f"{wait.what} did not come within {wait.timeout_s:g} s")
+            future = asyncio.get_running_loop().create_future()
+            entry = (wait, future)
+            self._waiters.append(entry)
+            try:
+                await asyncio.wait_for(future, min(left, self.session.patience_s() or 3600.0))
+            except asyncio.TimeoutError:
+                if not self._paused:
+                    try:
+                        self.session.check_silence()
+                    except ConnectionLost:
+                        self.stir()
+            finally:
+                self._waiters.remove(entry)
+
+    def close(self, why):
+        self.session.end(ConnectionLost(why))
+        self.stir()
+
+
+async def open_connection(host, port, tls, name, token, timeout):
+    address = f"{host}:{port}"
+    protocol = Protocol()
+    try:
+        await asyncio.wait_for(asyncio.get_running_loop().create_connection(
+            lambda: protocol, host, port, ssl=None if tls is None else tls.context(),
+            server_hostname=None if tls is None else host), timeout)
+    except ssl.SSLError as error:
+        raise untrusted(address, error) from error
+    except asyncio.TimeoutError as error:
+        raise CannotConnect(f"{address}: nothing answered within {timeout:g} s") from error
+    except OSError as error:
+        if tls is not None and isinstance(error, ConnectionError) and not isinstance(error, ConnectionRefusedError):
+            raise Untrusted(f"{address}: the connection was closed during the TLS handshake: is it obliqd?") from error
+        raise CannotConnect(f"{address}: {error}. Is obliqd running there?") from error
+    try:
+        await protocol.run(protocol.session.hello(name, token, timeout))
+    except BaseException:
+        protocol.close("the connection was closed")
+        raise
+    return protocol

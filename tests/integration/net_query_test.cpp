@@ -1,0 +1,188 @@
+// Ground queries over the wire: what is refused and why, and that a long one holds up no other client.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/net_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+using client::Outcome;
+using client::Status;
+using wire::ErrorNumber;
+
+/// The record says what was asked.
+GroundAnswers echo(const GroundQuestion& question) {
+  GroundAnswers answers;
+  answers.materials = {"ground", "water"};
+  for (std::size_t k = 0; k < question.points(); ++k) {
+    wire::GroundRecord record;
+    record.latitude_deg = question.by_bearing() ? question.bearing_deg[k] : question.latitude_deg[k];
+    record.longitude_deg = question.by_bearing() ? question.range_m[k] : question.longitude_deg[k];
+    record.point_height_m = question.height_m.empty() ? 0 : question.height_m[k % question.height_m.size()];
+    record.building = static_cast<std::uint32_t>(k);
+    record.state = wire::GroundState::unknown;
+    record.sight = question.antenna ? wire::Sight::behind_building : wire::Sight::not_asked;
+    record.material = 1;
+    record.water = k % 2 == 1;
+    record.slope_deg = 12.5F;
+    answers.records.push_back(record);
+  }
+  return answers;
+}
+
+net::ServerOptions with_ground() {
+  net::ServerOptions options = small_options();
+  options.query_ground = [](const GroundQuestion& question, const std::stop_token&) {
+    return echo(question);
+  };
+  return options;
+}
+
+wire::QueryGround places(int points) {
+  wire::QueryGround request;
+  for (int k = 0; k < points; ++k) {
+    request.add_latitude_deg(30 + 1e-4 * k);
+    request.add_longitude_deg(-100 - 1e-4 * k);
+  }
+  return request;
+}
+
+Status ask(client::Client& client, wire::QueryGround request) {
+  wire::GroundAnswer answer;
+  std::vector<wire::GroundRecord> records;
+  return client.query_ground(request, answer, records);
+}
+
+TEST(NetQuery, TheLargestComesBackWholeAndInOrder) {
+  const TestServer server(with_ground());
+  client::Client client = connect(server);
+  EXPECT_EQ(client.welcome().limits().max_query_points(), wire::kMaxQueryPoints);
+  wire::QueryGround request = places(static_cast<int>(wire::kMaxQueryPoints));
+  request.set_radar("nose");
+  for (std::uint32_t k = 0; k < wire::kMaxQueryPoints; ++k) request.add_height_m(k);
+  wire::GroundAnswer answer;
+  std::vector<wire::GroundRecord> records;
+  const Status status = client.query_ground(request, answer, records);
+  ASSERT_TRUE(status.ok()) << status.sentence();
+  ASSERT_EQ(records.size(), wire::kMaxQueryPoints);
+  EXPECT_EQ(answer.materials(1), "water");
+  EXPECT_EQ(answer.antenna().bearing_deg(), 45);
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const wire::GroundRecord& record = records[k];
+    ASSERT_EQ(record.latitude_deg, request.latitude_deg(static_cast<int>(k)));
+    ASSERT_EQ(record.longitude_deg, request.longitude_deg(static_cast<int>(k)));
+    ASSERT_EQ(record.point_height_m, static_cast<double>(k));
+    ASSERT_EQ(record.building, k);
+    ASSERT_EQ(record.water, k % 2 == 1);
+    ASSERT_EQ(record.state, wire::GroundState::unknown);
+    ASSERT_EQ(record.sight, wire::Sight::behind_building);
+    ASSERT_EQ(record.slope_deg, 12.5F);
+  }
+}
+
+TEST(NetQuery, WhatCannotBeAnsweredIsRefusedBySentenceAndTheConnectionStays) {
+  const TestServer server(with_ground());
+  client::Client client = connect(server);
+  const auto expect = [&](const wire::QueryGround& request, ErrorNumber error, const std::string& part) {
+    const Status status = ask(client, request);
+    EXPECT_EQ(status.outcome, Outcome::refused) << status.sentence();
+    EXPECT_EQ(status.number, number(error)) << status.sentence();
+    EXPECT_NE(status.sentence().find(part), std::string::npos) << status.sentence();
+  };
+  expect({}, ErrorNumber::invalid_value, "latitude_deg: found no point");
+  expect(places(10001), ErrorNumber::over_limit, "max_query_points is 10000");
+  wire::QueryGround request = places(3);
+  request.set_latitude_deg(2, std::numeric_limits<double>::quiet_NaN());
+  expect(request, ErrorNumber::invalid_value, "latitude_deg[2]: found nan; allowed: -90 to 90");
+  request = places(3);
+  request.mutable_longitude_deg()->RemoveLast();
+  expect(request, ErrorNumber::invalid_value, "longitude_deg: found 2 values");
+  request = places(1);
+  request.set_radar("tail");
+  expect(request, ErrorNumber::unknown_radar, "main, nose");
+  request.set_radar("main");
+  request.mutable_antenna()->set_latitude_deg(1);
+  expect(request, ErrorNumber::invalid_value, "antenna: found one, and the radar \"main\"");
+  request.clear_radar();
+  expect(request, ErrorNumber::invalid_value, "antenna.longitude_deg: found nothing");
+  request = places(1);
+  request.set_height_reference(static_cast<wire::HeightReference>(7));
+  expect(request, ErrorNumber::invalid_value, "height_reference: found 7");
+  request = {};
+  request.add_bearing_deg(10);
+  request.add_range_m(5000);
+  expect(request, ErrorNumber::invalid_value, "radar: found none");
+  EXPECT_TRUE(ask(client, places(1)).ok());
+}
+
+TEST(NetQuery, ALongOneHoldsUpNeitherRequestsNorFramesNorOtherClients) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = with_ground();
+  options.query_ground = [&gate](const GroundQuestion& question, const std::stop_token&) {
+    gate.pass();
+    return echo(question);
+  };
+  const TestServer server(options);
+  client::Client asking = connect(server, "asking");
+  std::thread waiting([&] { EXPECT_TRUE(ask(asking, places(5)).ok()); });
+  gate.await_somebody();
+  client::Client other = connect(server, "other");
+  EXPECT_EQ(status_of(other).clients(), 2u);
+  wire::Subscribe subscribe = request_at(50);
+  client::FrameAssembler frames;
+  EXPECT_TRUE(other.subscribe(subscribe).ok());
+  EXPECT_TRUE(receive_frame(other, frames).ok());
+  gate.open();
+  waiting.join();
+}
+
+TEST(NetQuery, OnlySoManyOfAClientWaitAndThoseOfOneThatLeftAreDropped) {
+  Gate gate;
+  gate.close();
+  std::atomic<int> answered = 0;
+  net::ServerOptions options = with_ground();
+  options.max_renders_queued = 2;
+  options.query_ground = [&](const GroundQuestion& question, const std::stop_token&) {
+    gate.pass();
+    ++answered;
+    return echo(question);
+  };
+  const TestServer server(options);
+  {
+    RawPeer peer(server);
+    peer.send(hello_bytes());
+    wire::QueryGround request = places(1);
+    for (std::uint64_t k = 1; k <= 3; ++k) {
+      request.set_request_id(k + 1);
+      peer.send(wire::encode_message(wire::MessageType::query_ground, {0, k + 1, 0}, request));
+    }
+    wire::Error error;
+    ASSERT_TRUE(peer.await(wire::MessageType::error, error));
+    EXPECT_EQ(error.request_id(), 4u);
+    EXPECT_EQ(error.number(), number(ErrorNumber::too_many_renders)) << error.text();
+    gate.await_somebody();
+  }
+  client::Client other = connect(server);
+  while (status_of(other).clients() > 1) std::this_thread::yield();
+  gate.open();
+  EXPECT_TRUE(ask(other, places(1)).ok());
+  EXPECT_EQ(answered, 2);  // the one in hand, and the other client's
+}
+
+TEST(NetQuery, AServerWithoutGroundSaysSo) {
+  const TestServer server;
+  client::Client client = connect(server);
+  EXPECT_EQ(client.welcome().limits().max_query_points(), 0u);
+  const Status status = ask(client, places(1));
+  EXPECT_EQ(status.outcome, Outcome::bad_argument);
+  EXPECT_NE(status.sentence().find("answers no ground queries"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace obliq::test
