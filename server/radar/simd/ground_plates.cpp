@@ -146,9 +146,9 @@ OBLIQ_INLINE f64x8 materials_of(const PlateField& field, const Cells<f64x8>& cel
   const f64x8 number = cells.j * static_cast<double>(field.ground.grid.nx - 1) + cells.i;
   std::uint64_t at[kLanes];
   store(at, to_u64(select(where, number, f64x8{})));
-  f64x8 found{};
-  for (int lane = 0; lane < kLanes; ++lane) found[lane] = field.material[at[lane]];
-  return found;
+  return lane_by_lane<double, kLanes>([&](int lane) __attribute__((always_inline)) {
+    return static_cast<double>(field.material[at[lane]]);
+  });
 }
 
 }  // namespace
@@ -282,16 +282,14 @@ unsigned plate_samples(const PlateField& field, const PlatePixels& pixels, const
   const f64x8 hit_bin = field.axis.bin(load(pixels.slant_range_m));
   f64x8 all{};
   for (int row = 0; row < plates.n; ++row) {
-    unsigned lit = 0;
+    kept[row] = plates.whose[row] & plates.walked;
     const f64x8 bin = load(plates.bin[row]);
-    const f64x8 swath = bin;
-    const unsigned asked = plates.whose[row] & plates.walked;
-    const unsigned outside =
-        movemask((swath < 0.0) | (swath >= static_cast<double>(field.axis.n_range)) | (swath == hit_bin));
-    for (int lane = 0; lane < kLanes; ++lane)
-      if ((asked & ~outside) >> lane & 1)
-        lit |= static_cast<unsigned>(pixels.visible[lane][static_cast<int>(bin[lane])] != 0) << lane;
-    kept[row] = asked & (outside | lit);
+    // The hit's own bin is visible, the ray says so.
+    const mask8 asked = (bin >= 0.0) & (bin < static_cast<double>(field.axis.n_range)) & (bin != hit_bin);
+    for (unsigned left = kept[row] & movemask(asked); left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      if (pixels.visible[lane][static_cast<int>(plates.bin[row][lane])] == 0) kept[row] &= ~(1u << lane);
+    }
     all = select(mask_from(kept[row]), all + share_of(row), all);
   }
   // What only touches a bin's edge would put light into it by rounding alone.
@@ -303,35 +301,33 @@ unsigned plate_samples(const PlateField& field, const PlatePixels& pixels, const
     sum = select(mask_from(kept[row]), sum + share, sum);
   }
   const f64x8 scale = load(pixels.solid_angle_sr) / sum;
-  const f64x8 azimuths = load(pixels.azimuth_bin);
-  const f64x8 offsets = load(pixels.azimuth_offset_rad);
-  const f64x8 sines = load(plates.sin_bearing);
-  const f64x8 cosines = load(plates.cos_bearing);
-  const f64x8 hit_cosines = load(pixels.cos_incidence);
+  const f64x8 sin_bearing = load(plates.sin_bearing);
+  const f64x8 cos_bearing = load(plates.cos_bearing);
   for (int row = 0; row < plates.n; ++row) {
-    const unsigned mask = kept[row];
-    if (mask == 0) continue;
+    if (kept[row] == 0) continue;
     const f64x8 share = share_of(row);
     const f64x8 d = (load(plates.near_d_m[row]) + load(plates.far_d_m[row])) / 2.0;
-    const int n = out.n;
-    store_i32(out.azimuth_bin + n, compress(mask, azimuths));
-    store(out.slant_range_m + n,
-          compress(mask, mean_power_range_m(load(plates.near_m[row]), load(plates.far_m[row]))));
-    store(out.solid_angle_sr + n, compress(mask, share * scale));
-    store(out.cos_incidence + n,
-          compress(mask, field.incidence ? load(plates.cosines[row]) / share : hit_cosines));
-    store(out.azimuth_offset_rad + n, compress(mask, offsets));
-    store(out.sin_elevation + n,
-          compress(mask, (load(plates.near_sine[row]) + load(plates.far_sine[row])) / 2.0));
-    store(out.x_m + n, compress(mask, field.ground.antenna_x_m + d * sines));
-    store(out.z_m + n, compress(mask, field.ground.antenna_z_m + d * cosines));
-    const f64x8 material = compress(mask, load(plates.material[row]));
-    const int count = __builtin_popcount(mask);
-    for (int s = 0; s < count; ++s) {
-      out.face[n + s] = kNoFace;
-      out.material[n + s] = static_cast<std::uint8_t>(material[s]);
+    GroundPlates::Row range, solid_angle, sine, x, z, cosine;
+    store(range, mean_power_range_m(load(plates.near_m[row]), load(plates.far_m[row])));
+    store(solid_angle, share * scale);
+    store(sine, (load(plates.near_sine[row]) + load(plates.far_sine[row])) / 2.0);
+    store(x, field.ground.antenna_x_m + d * sin_bearing);
+    store(z, field.ground.antenna_z_m + d * cos_bearing);
+    store(cosine, field.incidence ? load(plates.cosines[row]) / share : load(pixels.cos_incidence));
+    for (unsigned left = kept[row]; left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      const int n = out.n++;
+      out.azimuth_bin[n] = pixels.azimuth_bin[lane];
+      out.slant_range_m[n] = range[lane];
+      out.solid_angle_sr[n] = solid_angle[lane];
+      out.cos_incidence[n] = cosine[lane];
+      out.azimuth_offset_rad[n] = pixels.azimuth_offset_rad[lane];
+      out.sin_elevation[n] = sine[lane];
+      out.x_m[n] = x[lane];
+      out.z_m[n] = z[lane];
+      out.face[n] = kNoFace;
+      out.material[n] = static_cast<std::uint8_t>(plates.material[row][lane]);
     }
-    out.n = n + count;
   }
   return plates.walked & ~movemask(sum > 0.0);
 }
