@@ -18,9 +18,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Samples that are handed out and still kept: those that wait behind them are moved seldom.
-constexpr std::size_t kMostHandedOut = 8 * kBatch;
-
 std::unique_ptr<PlateSource> make_plate_source(const FramePlan& plan, AzimuthRange range,
                                                WedgeVisibility& profile) {
   if (plan.settings().frustum == FrustumKind::polar) return std::make_unique<ColumnPlates>(plan);
@@ -55,16 +52,9 @@ bool RaySamples::fill(SampleBatch& samples, FrameStats& stats) {
     take_nearest(samples);
     return true;
   }
-  if (!finished_ && spread_.size() - handed_out_ < kBatch) {
-    if (spread_rays_ < rays_.n || next_hits(stats)) {
-      spread();
-    } else {
-      const StageProbe probe(Stage::plates);
-      plates_->finish(spread_);
-      finished_ = true;
-    }
-  }
-  return hand_out(samples) || !finished_;
+  if (waiting_.empty() && !finished_) spread(samples, stats);
+  hand_out(samples);
+  return samples.n > 0 || !finished_;
 }
 
 /// The next rays and their hits; false when no pixel was left.
@@ -157,23 +147,24 @@ void RaySamples::take_nearest(SampleBatch& samples) const {
     if (hits_.is_hit(k)) samples.push(sample_at_hit(plan_.bins(), rays_, hits_, k));
 }
 
-/// Spreads pixels until a batch of samples waits: one of them may cover all range bins.
-void RaySamples::spread() {
+/// Spreads pixels until a batch of samples is there or waits: one of them may cover all range bins.
+void RaySamples::spread(SampleBatch& samples, FrameStats& stats) {
+  finished_ = spread_rays_ == rays_.n && !next_hits(stats);
   const StageProbe probe(Stage::plates);
-  for (; spread_rays_ < rays_.n && spread_.size() - handed_out_ < kBatch; ++spread_rays_)
-    plates_->spread(rays_, hits_, static_cast<std::size_t>(spread_rays_), spread_);
+  if (finished_) {
+    plates_->finish(waiting_);
+  } else {
+    spread_rays_ = plates_->spread(rays_, hits_, spread_rays_, samples, waiting_);
+  }
 }
 
-/// Moves waiting samples into the batch; false when none was left.
-bool RaySamples::hand_out(SampleBatch& samples) {
+/// Moves waiting samples into the batch.
+void RaySamples::hand_out(SampleBatch& samples) {
   const StageProbe probe(Stage::plates);
-  const std::size_t end = std::min(spread_.size(), handed_out_ + kBatch);
-  while (handed_out_ < end) samples.push(spread_[handed_out_++]);
-  if (handed_out_ == spread_.size() || handed_out_ >= kMostHandedOut) {
-    spread_.erase(spread_.begin(), spread_.begin() + static_cast<std::ptrdiff_t>(handed_out_));
-    handed_out_ = 0;
-  }
-  return samples.n > 0;
+  while (handed_out_ < waiting_.size() && !samples.full()) samples.push(waiting_[handed_out_++]);
+  if (handed_out_ < waiting_.size()) return;
+  waiting_.clear();
+  handed_out_ = 0;
 }
 
 }  // namespace obliq

@@ -34,8 +34,8 @@ class RaySamples : public SampleSource {
   bool is_settled_ground(std::size_t k) const;
   void refine_one(std::size_t k, FrameStats& stats);
   void take_nearest(SampleBatch& samples) const;
-  void spread();
-  bool hand_out(SampleBatch& samples);
+  void spread(SampleBatch& samples, FrameStats& stats);
+  void hand_out(SampleBatch& samples);
 
   const FramePlan& plan_;
   HitObserver* observer_;
@@ -46,7 +46,7 @@ class RaySamples : public SampleSource {
   RayBatch rays_;
   std::array<RoughHit, kBatch> rough_;  // first hits as they were traced
   HitBatch hits_;                       // the same, refined
-  std::vector<Sample> spread_;          // handed out up to handed_out_
+  std::vector<Sample> waiting_;         // handed out up to handed_out_
   std::size_t handed_out_ = 0;
   int spread_rays_ = 0;  // of the batch
   bool finished_ = false;

@@ -99,6 +99,22 @@ struct TriangleCut {
   Real start, rise;
 };
 
+template <typename Real>
+OBLIQ_INLINE TriangleCut<Real> triangle_cut(const ProfileRates<Real>& p, const Cells<Real>& cells,
+                                            const Corners<Real>& y, Mask<Real> upper) {
+  // Position in the cell at d = 0.
+  const Real s = p.start_u - cells.i;
+  const Real t = p.start_v - cells.j;
+  TriangleCut<Real> cut;
+  cut.upper = upper;
+  cut.per_i = select(upper, y.y11 - y.y01, y.y10 - y.y00);
+  cut.per_j = select(upper, y.y11 - y.y10, y.y01 - y.y00);
+  cut.start = select(upper, y.y11 + cut.per_i * (s - 1.0) + cut.per_j * (t - 1.0),
+                     y.y00 + cut.per_i * s + cut.per_j * t);
+  cut.rise = cut.per_i * p.rate_u + cut.per_j * p.rate_v;
+  return cut;
+}
+
 /// Calls triangle(where, cut, d0, d1) for what a profile crosses of its cell between `cells.d` and `end`: one
 /// triangle, and another one where it crosses the diagonal. d1 > d0 in `where`.
 template <typename Real, typename Triangle>
@@ -114,14 +130,7 @@ OBLIQ_INLINE void visit_triangles(const ProfileRates<Real>& p, const Cells<Real>
   const Real diagonal = clamp((1.0 - s - t) / p.rate, cells.d, end);
   const auto visit = [&](Mask<Real> where, Mask<Real> upper, Real d0, Real d1)
       __attribute__((always_inline)) {
-    TriangleCut<Real> cut;
-    cut.upper = upper;
-    cut.per_i = select(upper, y.y11 - y.y01, y.y10 - y.y00);
-    cut.per_j = select(upper, y.y11 - y.y10, y.y01 - y.y00);
-    cut.start = select(upper, y.y11 + cut.per_i * (s - 1.0) + cut.per_j * (t - 1.0),
-                       y.y00 + cut.per_i * s + cut.per_j * t);
-    cut.rise = cut.per_i * p.rate_u + cut.per_j * p.rate_v;
-    triangle(where & (d1 > d0), cut, d0, d1);
+    triangle(where & (d1 > d0), triangle_cut(p, cells, y, upper), d0, d1);
   };
   visit(known, select(both, sum0, sum0 + sum1) > select(both, sum1, broadcast<Real>(2)), cells.d,
         select(both, diagonal, end));

@@ -10,6 +10,7 @@
 #include "server/radar/simd/free_ray_hits.h"
 #include "server/radar/simd/ground_echoes.h"
 #include "server/radar/simd/ground_places.h"
+#include "server/radar/simd/ground_plates.h"
 #include "server/radar/simd/ground_speckle.h"
 #include "server/radar/simd/highest_ground.h"
 #include "server/radar/simd/pixel_rays.h"
@@ -39,6 +40,8 @@ namespace obliq {
   K(see_part)               \
   K(face_voltages)          \
   K(mark_visible_ranges)    \
+  K(ground_plates)          \
+  K(plate_samples)          \
   K(bin_samples)            \
   K(sum_scatterers)         \
   K(ground_speckle)         \

@@ -64,15 +64,31 @@ const BuildingsByBearing::Cell& BuildingsByBearing::cell(double sin_bearing, dou
   return cells_[static_cast<std::size_t>(std::clamp(cell_number(near_centre), 0.0, last))];
 }
 
+template <typename Visit>
+void BuildingsByBearing::visit_between(const Cell& cell, double from_m, double to_m, const Visit& visit) {
+  auto at = std::lower_bound(cell.buildings.begin(), cell.buildings.end(), from_m - cell.longest_m,
+                             [](const BuildingBounds& bounds, double d) { return bounds.near_m < d; });
+  for (; at != cell.buildings.end() && at->near_m <= to_m; ++at)
+    if (at->far_m >= from_m && !visit(*at)) return;
+}
+
 void BuildingsByBearing::add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
                                        std::vector<RoofSpan>& stretches) const {
-  const Cell& here = cell(sin_bearing, cos_bearing);
-  auto at = std::lower_bound(here.buildings.begin(), here.buildings.end(), from_m - here.longest_m,
-                             [](const BuildingBounds& bounds, double d) { return bounds.near_m < d; });
-  for (; at != here.buildings.end() && at->near_m <= to_m; ++at)
-    if (at->far_m >= from_m)
-      add_roof_spans(all_, at->building, sector_.antenna_m.x, sector_.antenna_m.z, sin_bearing, cos_bearing,
-                     stretches);
+  visit_between(cell(sin_bearing, cos_bearing), from_m, to_m, [&](const BuildingBounds& bounds) {
+    add_roof_spans(all_, bounds.building, sector_.antenna_m.x, sector_.antenna_m.z, sin_bearing, cos_bearing,
+                   stretches);
+    return true;
+  });
+}
+
+bool BuildingsByBearing::any_between(double from_m, double to_m, double sin_bearing,
+                                     double cos_bearing) const {
+  bool any = false;
+  visit_between(cell(sin_bearing, cos_bearing), from_m, to_m, [&](const BuildingBounds&) {
+    any = true;
+    return false;
+  });
+  return any;
 }
 
 }  // namespace obliq

@@ -19,6 +19,9 @@ class BuildingsByBearing {
   void add_stretches(double from_m, double to_m, double sin_bearing, double cos_bearing,
                      std::vector<RoofSpan>& stretches) const;
 
+  /// Whether the plane may meet one between two distances.
+  bool any_between(double from_m, double to_m, double sin_bearing, double cos_bearing) const;
+
   /// How many buildings are looked at for a direction, whatever their distance.
   std::size_t candidates(double sin_bearing, double cos_bearing) const {
     return cell(sin_bearing, cos_bearing).buildings.size();
@@ -33,6 +36,10 @@ class BuildingsByBearing {
 
   double cell_number(double offset_rad) const;
   const Cell& cell(double sin_bearing, double cos_bearing) const;
+  /// Calls visit(bounds) for a cell's buildings between two distances, the nearest first, while it returns
+  /// true.
+  template <typename Visit>
+  static void visit_between(const Cell& cell, double from_m, double to_m, const Visit& visit);
 
   const Buildings& all_;
   const Sector& sector_;

@@ -55,8 +55,15 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
   return found;
 }
 
-void ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
-                          std::vector<Sample>& samples) {
+int ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& /*samples*/,
+                         std::vector<Sample>& waiting) {
+  for (; first < rays.n && waiting.size() < kBatch; ++first)
+    take(rays, hits, static_cast<std::size_t>(first), waiting);
+  return first;
+}
+
+void ColumnPlates::take(const RayBatch& rays, const HitBatch& hits, std::size_t k,
+                        std::vector<Sample>& samples) {
   Column& here = column(rays, k);
   surface_.aim(here.sin_bearing, here.cos_bearing, here.roofs);
   Pixel& next = next_;

@@ -11,9 +11,9 @@ namespace obliq {
 class ColumnPlates : public PlateSource {
  public:
   explicit ColumnPlates(const FramePlan& plan);
-  void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
-              std::vector<Sample>& samples) override;
-  void finish(std::vector<Sample>& samples) override;
+  int spread(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
+             std::vector<Sample>& waiting) override;
+  void finish(std::vector<Sample>& waiting) override;
 
  private:
   struct Pixel {
@@ -33,6 +33,7 @@ class ColumnPlates : public PlateSource {
     Pixel last;  // the newest row's; it is complete when the next row's has come
   };
 
+  void take(const RayBatch& rays, const HitBatch& hits, std::size_t k, std::vector<Sample>& samples);
   Column& column(const RayBatch& rays, std::size_t k);
   void fill_between(const Column& column, Pixel& below, Pixel& above, double edge_slope);
   void walk_between(const SightPoint& from, const SightPoint& to, double to_d_m, double weight,

@@ -2,6 +2,7 @@
 #include "server/radar/profile/local_sight.h"
 #include "server/radar/rays/plates/buildings_by_bearing.h"
 #include "server/radar/rays/plates/plate.h"
+#include "server/radar/simd/ground_plates.h"
 
 namespace obliq {
 
@@ -11,26 +12,34 @@ class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 /// each plate is walked on its own: from its hit outwards and inwards to the pixel's edges, as they lie in
 /// the ray's plane. So short a walk misses what stands far in front: no light goes to range bins that the
 /// profiles of the azimuth bin call hidden.
+///
+/// Eight plates over bare ground are walked side by side (simd/ground_plates.h). Those that have a building
+/// in them or are left there are walked one by one.
 class PixelPlates : public PlateSource {
  public:
   PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile);
-  void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
-              std::vector<Sample>& samples) override;
+  int spread(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
+             std::vector<Sample>& waiting) override;
   void finish(std::vector<Sample>&) override {}
 
  private:
-  double half_extent(std::uint32_t pixel) const;
+  const BuildingsByBearing& buildings(const RayBatch& rays, std::size_t k) const {
+    return buildings_[static_cast<std::size_t>(rays.azimuth_bin[k] - range_.first)];
+  }
+  void spread_eight(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
+                    std::vector<Sample>& waiting);
+  void walk(const RayBatch& rays, const HitBatch& hits, std::size_t k, std::vector<Sample>& waiting);
 
   const FramePlan& plan_;
   AzimuthRange range_;
   WedgeVisibility& profile_;
   std::vector<BuildingsByBearing> buildings_;  // [range.count]
+  PlateField field_;
+  GroundPlates plates_;  // of the eight rays at hand
   LocalSurface surface_;
   std::vector<RoofSpan> roofs_;
   std::vector<SurfaceSegment> visible_;
   Plate plate_;
-  double sin_pitch_ = 1;
-  double cos_pitch_ = 0;
 };
 
 }  // namespace obliq

@@ -77,12 +77,13 @@ void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, doub
 class PlateSource {
  public:
   virtual ~PlateSource() = default;
-  /// Takes ray k of the batch; batches come as RaySource generates them. Appends samples, some of them only
-  /// when later rays have been taken.
-  virtual void spread(const RayBatch& rays, const HitBatch& hits, std::size_t k,
-                      std::vector<Sample>& samples) = 0;
+  /// Takes rays of the batch from number `first` on, until about a batch of samples is there, and returns the
+  /// first one that it has not taken; batches come as RaySource generates them. Samples go to the batch or,
+  /// where a pixel may have any number of them, to those that wait. Some come only when later rays are taken.
+  virtual int spread(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
+                     std::vector<Sample>& waiting) = 0;
   /// After the last ray.
-  virtual void finish(std::vector<Sample>& samples) = 0;
+  virtual void finish(std::vector<Sample>& waiting) = 0;
 };
 
 }  // namespace obliq
