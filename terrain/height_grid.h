@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "terrain/base/select.h"
+
 namespace obliq {
 
 /// Origin and cell size are multiples of this, so that node coordinates are exact in float32 up to 2^19 m.
@@ -17,7 +19,7 @@ template <typename Real>
                                                        Real t) {
   const Real lower = y00 + s * (y10 - y00) + t * (y01 - y00);
   const Real upper = y11 + (1.0 - s) * (y01 - y11) + (1.0 - t) * (y10 - y11);
-  return s + t <= 1.0 ? lower : upper;
+  return select(s + t <= 1.0, lower, upper);
 }
 
 /// The ground as every part of the program sees it: one height per node of a regular grid in world (x, z),

@@ -91,19 +91,16 @@ std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthR
 void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
   const int bin = index * kWedgeAzimuthBins;
   const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
-  {
-    const StageProbe probe(Stage::bin);
-    work.wedge = {};
-    work.wedge.index = index;
-    work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
-  }
   const StageProbe probe(Stage::bin);
+  work.wedge = {};
+  work.wedge.index = index;
+  work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
   work.source.reset();
   work.sweep.reset();
   const bool echoes = work.tables.sub_columns.all_of(range);
   work.visibility.emplace(work.plan, range, !echoes);
   if (echoes) {
-    work.cells.restart(range);
+    work.cells.restart();
     work.sweep = std::make_unique<SweepEchoes>(work.plan, range, work.cells);
   } else {
     work.echo.restart(range);

@@ -17,11 +17,19 @@ enum class SpeckleKind { ground, geometric };
 /// How a live radar's antenna sweeps its sector: all of it at once in each frame, to and fro, or round and
 /// round.
 enum class ScanMode { frame, sector, circular };
+/// One-way power pattern of the antenna in azimuth, and in elevation (server/radar/beam/patterns.h).
+enum class BeamPattern { off, gaussian, uniform, cosine, taylor, file };
+enum class ElevationPattern { off, gaussian, cosecant, file };
+/// What a point becomes in range (server/radar/beam/point_response.h).
+enum class PulseKind { off, rectangular, compressed };
+enum class PulseWindow { none, hamming, hann, taylor };
 enum class HeightReference { datum, ground, ellipsoid };
 
 /// As in a scene file: "symmetric", "oblique", "polar", "sweep"; "nearest", "spread".
 std::string frustum_name(FrustumKind kind);
 std::string plates_name(PlateKind plates);
+
+struct PatternCuts;  // server/radar/beam/pattern_cuts.h
 
 /// Everything a client may choose about a radar, in the operator's units (server/control/parameters.h has
 /// the table of names, defaults and limits). Ranges are slant ranges.
@@ -46,9 +54,28 @@ struct RadarSettings {
   ScanMode scan_mode = ScanMode::frame;
   double scan_rate_deg_s = 36;  ///< 6 turns a minute
   int scan_dwell_bins = 8;      ///< azimuth bins that share a pose: a multiple of kWedgeAzimuthBins
-  ReceiverSettings receiver;
-  VideoSettings video;
-  AtmosphereSettings atmosphere;
+  ReceiverSettings receiver = {};
+  VideoSettings video = {};
+  AtmosphereSettings atmosphere = {};
+
+  BeamPattern beam_pattern = BeamPattern::off;
+  double beam_width_deg = 3;  ///< one-way, half power
+  double beam_sidelobe_db = 30;
+  int beam_nbar = 4;
+  double beam_extent_deg = 0;  ///< beyond it the azimuth pattern is 0; 0: chosen by the pattern
+  ElevationPattern beam_elevation = ElevationPattern::off;
+  double beam_elevation_width_deg = 6;
+  double beam_cosecant_to_deg = 30;              ///< depression to which the cosecant reaches
+  std::shared_ptr<const PatternCuts> beam_file;  ///< of the patterns "file"; else null
+
+  PulseKind pulse_kind = PulseKind::off;
+  double pulse_length_us = 1;
+  double pulse_bandwidth_mhz = 0;  ///< of a compressed pulse; 0: that which a range bin resolves
+  PulseWindow pulse_window = PulseWindow::hamming;
+  double pulse_sidelobe_db = 30;
+  int pulse_nbar = 4;
+  int pulse_extent_bins = 16;  ///< half the length of the range filter
+  bool pulse_eclipse = false;
 };
 
 /// Something is done to the bins after the echoes: by the receiver itself, or as rain's own echo.

@@ -17,6 +17,13 @@ constexpr double kBytesABin = 49 + 3 + 2 * 10;
 /// room to grow into.
 constexpr double kBytesAScatterer = 2 * 28;
 constexpr double kLeastScatterers = 8192;
+/// Of sub-columns: sums, the newest scatterer and a mark of a bin, and what buildings leave of a plane's
+/// light.
+constexpr double kBytesOfSums = 57;
+constexpr double kBytesAShare = 4;
+/// A node of a plane's profile. Nodes stand at least so close together, in range bins (BuildingView).
+constexpr double kBytesANode = 16;
+constexpr double kNodesABin = 16;
 /// Rays, hits and samples of one batch, and samples that wait.
 constexpr double kBytesOfBatches = 2.5e6;
 /// A column of the polar frustum with its newest plate, and a part of a plate.
@@ -56,7 +63,14 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
     const double scatterers = std::max(kLeastScatterers, std::min(samples, cells_in_azimuth_bin(s)));
     bytes += kBytesAScatterer * (azimuths + 1) * scatterers;
   }
-  if (sweep) return std::llround(bytes);
+  if (sweep) {
+    const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+    const double planes = columns / azimuths;
+    if (s.sub_columns > 0)
+      bytes += azimuths * s.range_bins * (kBytesOfSums + kBytesAShare * planes) +
+               kBytesANode * planes * kNodesABin * s.r_max_m / spacing_m;
+    return std::llround(bytes);
+  }
   if (s.frustum == FrustumKind::polar) {
     const double kept = std::max<double>(PolarFirstHits::kMostKept, columns * PolarFirstHits::kLeastRows);
     bytes += PolarFirstHits::kBytesAHit * std::min(kept, columns * s.pixel_rows);

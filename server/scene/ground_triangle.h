@@ -1,5 +1,6 @@
 #pragma once
 #include "server/scene/tolerances.h"
+#include "terrain/base/select.h"
 
 namespace obliq {
 
@@ -20,11 +21,11 @@ struct GroundTriangle {
         west(grid.x0_m + i * grid.cell_m),
         south(grid.z0_m + j * grid.cell_m),
         cell_m(Real{} + grid.cell_m),
-        x0(upper ? grid.x0_m + (i + 1.0) * grid.cell_m : west),
-        z0(upper ? grid.z0_m + (j + 1.0) * grid.cell_m : south),
-        y0(upper ? y11 : y00),
-        slope_x(((upper ? y11 : y10) - (upper ? y01 : y00)) / grid.cell_m),
-        slope_z(((upper ? y11 : y01) - (upper ? y10 : y00)) / grid.cell_m) {}
+        x0(select(upper, grid.x0_m + (i + 1.0) * grid.cell_m, west)),
+        z0(select(upper, grid.z0_m + (j + 1.0) * grid.cell_m, south)),
+        y0(select(upper, y11, y00)),
+        slope_x((select(upper, y11, y10) - select(upper, y01, y00)) / grid.cell_m),
+        slope_z((select(upper, y11, y01) - select(upper, y10, y00)) / grid.cell_m) {}
 
   /// Rate at which a ray's height above the plane changes along its unit direction; negative from above.
   [[gnu::always_inline]] Real descent(Real dx, Real dy, Real dz) const {
@@ -41,7 +42,7 @@ struct GroundTriangle {
     const Real slack = kGroundEdge_m / cell_m;
     const Mask in_upper = (s <= 1.0 + slack) & (t <= 1.0 + slack) & (s + t >= 1.0 - slack);
     const Mask in_lower = (s >= -slack) & (t >= -slack) & (s + t <= 1.0 + slack);
-    return upper ? in_upper : in_lower;
+    return select(upper, in_upper, in_lower);
   }
   /// Square of the length of the plane's normal (-slope_x, 1, -slope_z).
   [[gnu::always_inline]] Real steepness2() const { return 1.0 + slope_x * slope_x + slope_z * slope_z; }

@@ -47,10 +47,6 @@ std::uint64_t building_bytes(const Buildings& b) {
          bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall);
 }
 
-std::uint64_t wall_triangles(const Buildings& buildings) {
-  return 2 * static_cast<std::uint64_t>(std::ranges::count_if(buildings.faces, &BuildingFace::wall));
-}
-
 SceneMemory scene_memory(const Scene& scene) {
   const World& world = scene.world();
   SceneMemory memory;

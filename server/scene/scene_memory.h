@@ -24,7 +24,6 @@ std::uint64_t grid_bytes(const World& world);
 std::uint64_t building_bytes(const Buildings& buildings);
 /// Of known ground and of buildings.
 std::uint64_t surface_triangles(const World& world);
-std::uint64_t wall_triangles(const Buildings& buildings);
 
 /// "memory: heights 26.1 MB (4.0 bytes a post), ...; 182.3 MB in all", for the operator.
 std::string memory_line(const Scene& scene);

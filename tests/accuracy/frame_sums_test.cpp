@@ -115,6 +115,20 @@ std::vector<Case> odd_cases(const std::string& name, const std::shared_ptr<const
   return cases;
 }
 
+/// Narrow azimuth bins, with and without buildings' own planes.
+std::vector<Case> narrow_cases(const std::string& name, const std::shared_ptr<const World>& world) {
+  const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, RayMethod::march);
+  std::vector<Case> cases;
+  for (const int planes : {1, 2, 8}) {
+    RadarSettings s = settings_of(FrustumKind::sweep, PlateKind::spread, SpeckleKind::ground);
+    s.sector_deg = 16;
+    s.pixel_columns = planes * s.azimuth_bins;
+    s.sub_columns = 64;
+    cases.push_back({named(name, s, "/sub-columns, " + std::to_string(planes) + " planes"), scene, s});
+  }
+  return cases;
+}
+
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
   const auto take = [&cases](std::vector<Case> more) {
@@ -126,6 +140,7 @@ std::vector<Case> all_cases() {
   for (const auto& [name, world] : worlds) {
     take(cases_of(name, world, RayMethod::march, ""));
     take(odd_cases(name, world));
+    take(narrow_cases(name, world));
   }
   const auto traced = std::make_shared<const Scene>(worlds[1].second, test::two_materials(), 0,
                                                     RayMethod::embree, TracerIsa::avx2);

@@ -43,6 +43,7 @@ ALLOWED = {
     "server/radar/receiver_settings": [],
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,
+    "server/radar/beam": TO_PROFILE + WORDS,
     "server/radar/geometry": TO_GEOMETRY,
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,

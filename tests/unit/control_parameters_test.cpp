@@ -33,8 +33,11 @@ TEST(Parameters, EveryFieldOfTheStructuresIsInTheTableOnce) {
   RadarConfig config;
   // A new field breaks these bindings: give it a row in the table, then a name here.
   auto& [frequency, sector, r_min, r_max, power, gain, normalisation, speckle, seed, frustum, plates, columns,
-         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, receiver, video, atmosphere] =
-      config.settings;
+         rows, sub_columns, azimuth, range, scan_mode, scan_rate, scan_dwell, receiver, video, atmosphere,
+         // The beam's and the pulse's: their rows come with what they do.
+         beam, beam_width, beam_sidelobe, beam_nbar, beam_extent, elevation, elevation_width, cosecant,
+         beam_file, pulse, pulse_length, bandwidth, window, pulse_sidelobe, pulse_nbar, pulse_extent,
+         eclipse] = config.settings;
   auto& [noise, figure, temperature, loss, noise_seed, noise_frame, receiver_gain, stc_range, stc_power, stc,
          adc, full_scale] = receiver;
   auto& [looks, floor_auto, floor, span] = video;

@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
@@ -27,7 +28,7 @@ std::shared_ptr<const FramePlan> plan_of(const test::RandomScene& town) {
 BinBlock wedge_with(const FramePlan& plan, const FrameTables& tables, const Kernels& kernels) {
   const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
   EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true, kernels);
-  cells.restart(range);
+  cells.restart();
   SweepEchoes sweep(plan, range, cells, kernels);
   FrameStats stats;
   while (sweep.step(stats)) {
@@ -61,6 +62,66 @@ TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
     for (const std::uint32_t n : widest.count) echoes += n;
   }
   EXPECT_GT(echoes, 10000u);
+}
+
+/// A street of small houses, one behind the other, all in the one wedge.
+World street(int houses) {
+  World world = test::made_world(9000, 50, [](double, double) { return 0; });
+  for (int k = 0; k < houses; ++k)
+    test::add_prism(world, test::rectangle(-12 + k % 8 * 3, 1000 + 1.5 * k, 2, 1), 1 + k * 0.002);
+  return world;
+}
+
+TEST(SubColumns, LookUpAfterAThousandBuildingsAtMostWithinOneAzimuthBin) {
+  constexpr int kHouses = 4000;
+  constexpr std::uint32_t kMostAtOnce = 1024;
+  const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(street(kHouses)),
+                                                   test::two_materials(), 0, RayMethod::march);
+  RadarSettings settings;
+  settings.frustum = FrustumKind::sweep;
+  settings.sector_deg = 0.4;
+  settings.r_min_m = 900;
+  settings.r_max_m = 7500;
+  settings.azimuth_bins = 1;
+  settings.range_bins = 128;
+  settings.pixel_columns = 2;
+  const auto plan =
+      plan_frame(scene, test::snapshot(settings), test::pose_at(scene->world(), {0, 400, 0}, 0)).plan;
+  ASSERT_TRUE(plan);
+  ASSERT_GT(plan->buildings_in(0).size(), 2 * kMostAtOnce);
+  const FrameTables tables(*plan);
+  ASSERT_TRUE(tables.sub_columns.all_of({0, 1}));
+
+  // Between two looks, neither more buildings are seen nor, before that, more collected.
+  EchoCells cells(*plan, tables.scattering, tables.speckle, Surfaces::all, true);
+  cells.restart();
+  SweepEchoes sweep(*plan, {0, 1}, cells);
+  FrameStats stats;
+  std::uint32_t seen = 0, steps = 0, most = 0;
+  while (sweep.step(stats)) {
+    const std::uint32_t now = plan->seen().count();
+    most = std::max(most, now - seen);
+    seen = now;
+    ++steps;
+  }
+  EXPECT_GT(seen, 3u * kMostAtOnce) << "they rise one above the other";
+  EXPECT_LE(most, kMostAtOnce);
+  EXPECT_GE(steps, 2 * plan->buildings_in(0).size() / kMostAtOnce);
+
+  // A frame that is told to stop after its third look does.
+  std::stop_source stop;
+  int looks = 0;
+  RenderPause pause;
+  pause.is_due = [&] {
+    if (++looks == 3) stop.request_stop();
+    return false;
+  };
+  RenderOptions options;
+  options.threads = 1;
+  options.pause = &pause;
+  options.stop = stop.get_token();
+  EXPECT_FALSE(render_wedges(*plan, {0, 1}, options));
+  EXPECT_EQ(looks, 3);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <numbers>
 
 namespace obliq {
 
@@ -15,5 +16,11 @@ class AntennaPattern {
  private:
   double gain_;
 };
+
+/// K = P lambda^2 / (4 pi)^3 of the monostatic radar equation, K G^2 sigma / r^4 (Richards 2014, eq. 2.8).
+inline double radar_equation_constant(double power_w, double wavelength_m) {
+  constexpr double kFourPi = 4 * std::numbers::pi;
+  return power_w * wavelength_m * wavelength_m / (kFourPi * kFourPi * kFourPi);
+}
 
 }  // namespace obliq

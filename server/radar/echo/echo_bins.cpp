@@ -3,27 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 #include "server/radar/echo/antenna_pattern.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/cross_section.h"
 #include "server/radar/simd/kernels.h"
 
 namespace obliq {
-namespace {
-
-/// The shortest wavelength that is allowed. The radar equation is one of the far field: nearer than this it
-/// means nothing, and at 0, an antenna against a wall, it divides by it.
-constexpr double kNearest_m = 1e-3;
-
-}  // namespace
 
 EchoBins::EchoBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                    AzimuthRange range, Surfaces surfaces)
     : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range), surfaces_(surfaces) {
-  const double four_pi = 4 * std::numbers::pi;
-  const double lambda = plan.wavelength_m();
-  range_constant_ = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi);
+  range_constant_ = radar_equation_constant(plan.settings().power_w, plan.wavelength_m());
   cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
   factors_.range_normalisation = normalises_samples(plan.settings());

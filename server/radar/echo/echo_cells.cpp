@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/echo/antenna_pattern.h"
 #include "terrain/base/stage_clock.h"
@@ -17,10 +16,8 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
       surfaces_(surfaces),
       voltages_(voltages),
       table_(scattering.echo_table()) {
-  const double four_pi = 4 * std::numbers::pi;
-  const double lambda = plan.wavelength_m();
   const double gain = AntennaPattern(plan.settings().gain_db).power_gain(0, 0);
-  table_.factor = plan.settings().power_w * lambda * lambda / (four_pi * four_pi * four_pi) * gain * gain;
+  table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
   const glm::dvec3& antenna = plan.sector().antenna_m;
   where_ = {};
@@ -39,8 +36,7 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
   where_.level_bits = level_bits_.data();
 }
 
-void EchoCells::restart(AzimuthRange range) {
-  range_ = range;
+void EchoCells::restart() {
   const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cells_.assign(n, {0, 0, 0, 0});
   shadow_.assign(n, 0);
@@ -57,16 +53,12 @@ void EchoCells::set_bearing(std::size_t profile, SinCos bearing) {
 
 void EchoCells::add(GroundEchoes& echoes) {
   const StageProbe probe(Stage::bin);
-  const int n = echoes.n;
+  const int n = surfaces_ == Surfaces::buildings ? 0 : echoes.n;
   const auto cell_of = [&](int k) {
     const std::uint32_t at = echoes.at[k];
     return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns));
   };
-  if (surfaces_ == Surfaces::buildings) {
-    echoes.n = 0;
-    return;
-  }
-  if (voltages_) kernels_.ground_places(where_, echoes, list_place_, list_kind_);
+  if (voltages_ && n > 0) kernels_.ground_places(where_, echoes, list_place_, list_kind_);
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
   for (int k = 0; k < n; ++k) {
@@ -107,17 +99,15 @@ void EchoCells::take_scatterers() {
 
 void EchoCells::add(int profile, const FaceEcho& echo) {
   if (surfaces_ == Surfaces::ground) return;
-  const Buildings& buildings = plan_.scene().world().buildings;
-  const std::uint8_t material = buildings.list[buildings.faces[echo.face].building].material;
   const int k = faces_.n++;
   const double range2 = echo.range_m * echo.range_m;
   faces_.at[k] = static_cast<std::uint32_t>(index(profile, echo.range_bin));
-  faces_.material[k] = material;
+  faces_.material[k] = echo.material;
   faces_.power_w[k] =
       table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
   faces_.sec2[k] = echo.sec2_incidence;
   if (voltages_) {
-    const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, material);
+    const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, echo.material);
     const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;

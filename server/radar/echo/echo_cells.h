@@ -18,6 +18,7 @@ namespace obliq {
 struct FaceEcho {
   int range_bin;
   std::uint32_t face;
+  std::uint8_t material;
   double solid_angle_sr;
   double range_m;
   double sec2_incidence;
@@ -33,7 +34,8 @@ class EchoCells {
   EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
             Surfaces surfaces, bool voltages, const Kernels& kernels = widest_kernels());
 
-  void restart(AzimuthRange range);
+  /// Begins with another wedge.
+  void restart();
 
   /// The cross sections and the radar equation of all echoes.
   const EchoTable& table() const { return table_; }
@@ -75,7 +77,6 @@ class EchoCells {
   const Kernels& kernels_;
   Surfaces surfaces_;
   bool voltages_;
-  AzimuthRange range_;
   EchoTable table_;
   std::vector<double> cells_per_m_;        // [n_range]
   std::vector<std::uint64_t> level_bits_;  // [n_range]

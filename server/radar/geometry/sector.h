@@ -1,8 +1,10 @@
 #pragma once
 #include <glm/vec3.hpp>
+#include <numbers>
 
 #include "server/radar/geometry/pose.h"
 #include "server/radar/settings.h"
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/pixel_rays.h"
 
 namespace obliq {
@@ -29,6 +31,14 @@ struct Sector {
   /// A direction in antenna axes (right, up, ahead) in world axes.
   glm::dvec3 world_from_antenna(double right, double up, double ahead) const {
     return {right * cos_bearing + ahead * sin_bearing, up, ahead * cos_bearing - right * sin_bearing};
+  }
+  /// Sine and cosine of the world angle at an offset.
+  SinCos world_bearing(double offset_rad) const {
+    return world_bearing(sincos_turns(offset_rad / (2 * std::numbers::pi)));
+  }
+  SinCos world_bearing(SinCos offset) const {
+    const glm::dvec3 ahead = world_from_antenna(offset.sin, 0, offset.cos);
+    return {ahead.x, ahead.z};
   }
 };
 

@@ -7,6 +7,7 @@
 
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/ground_cells.h"
+#include "server/radar/simd/horizon.h"
 #include "server/radar/simd/visible_ground.h"
 #include "terrain/height_grid.h"
 
@@ -147,6 +148,26 @@ inline void set_out(WalkingProfiles& profiles, std::size_t lane, SinCos bearing,
   profiles.cos_bearing[lane] = bearing.cos;
   profiles.end_m[lane] = walk.end_m();
   stand_at(profiles, lane, walk);
+}
+
+/// What a profile stands for: width_rad[k] up to ground distance to_m[k], the last one infinite.
+struct GroundWidths {
+  const double* width_rad;
+  const double* to_m;
+};
+
+/// A profile over bare ground that begins at the nadir.
+inline void set_out(SightProfiles& profiles, std::size_t lane, SinCos bearing, const HeightGrid& grid,
+                    const glm::dvec3& antenna_m, GroundWidths widths) {
+  set_out(profiles, lane, bearing,
+          GroundWalk(grid, antenna_m, bearing.sin, bearing.cos, 0, GroundWalk::kInfinity));
+  const Horizon<double> nothing;
+  profiles.horizon_d_m[lane] = nothing.d_m;
+  profiles.horizon_h_m[lane] = nothing.h_m;
+  profiles.width_rad[lane] = *widths.width_rad;
+  profiles.width_to_m[lane] = *widths.to_m;
+  profiles.next_width_rad[lane] = widths.width_rad + 1;
+  profiles.next_width_to_m[lane] = widths.to_m + 1;
 }
 
 }  // namespace obliq

@@ -43,8 +43,7 @@ PolarFirstHits::PolarFirstHits(const FramePlan& plan, AzimuthRange range)
 void PolarFirstHits::begin() {
   for (const PolarColumn& column : polar_columns(plan_, range_)) {
     if (bearings_.empty()) first_column_ = column.index;
-    const glm::dvec3 ahead = plan_.sector().world_from_antenna(column.offset.sin, 0, column.offset.cos);
-    bearings_.push_back({ahead.x, ahead.z});
+    bearings_.push_back(plan_.sector().world_bearing(column.offset));
   }
   groups_.resize((bearings_.size() + kPlanes - 1) / kPlanes);
   share_out_buildings();

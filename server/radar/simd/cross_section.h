@@ -17,8 +17,9 @@ struct EchoTable {
   double over_two_slope2[256];
 };
 
-/// The far field begins beyond this (EchoBins), squared.
-constexpr double kNearest2_m2 = 1e-6;
+/// The shortest wavelength that is allowed. The radar equation is one of the far field: nearer than this it
+/// means nothing, and at 0, an antenna against a wall, it divides by it.
+constexpr double kNearest_m = 1e-3;
 
 #if defined(OBLIQ_ISA)
 

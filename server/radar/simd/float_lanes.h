@@ -9,90 +9,62 @@ namespace obliq {
 #if defined(OBLIQ_ISA)
 
 constexpr int kFloatLanes = 16;
-using f32x16 = float __attribute__((vector_size(64)));
-using i32x16 = std::int32_t __attribute__((vector_size(64)));
-using mask16 = std::int32_t __attribute__((vector_size(64)));  ///< all bits of a lane set, or none
+using f32x16 = Lanes<float, kFloatLanes>;
+using i32x16 = Lanes<std::int32_t, kFloatLanes>;
+using mask16 = i32x16;  ///< all bits of a lane set, or none
 
 OBLIQ_INLINE f32x16 all_lanes(float value) { return f32x16{} + value; }
 OBLIQ_INLINE i32x16 all_lanes(std::int32_t value) { return i32x16{} + value; }
 
-OBLIQ_INLINE f32x16 load_floats(const float* from) {
-  f32x16 lanes;
-  __builtin_memcpy(&lanes, from, sizeof lanes);
-  return lanes;
-}
-OBLIQ_INLINE void store(float* to, f32x16 lanes) { __builtin_memcpy(to, &lanes, sizeof lanes); }
+OBLIQ_INLINE f32x16 load_floats(const float* from) { return load_as<f32x16>(from); }
+OBLIQ_INLINE void store(float* to, f32x16 lanes) { to_memory(to, lanes); }
 
-/// A bit for each lane, the first lane's the lowest.
-OBLIQ_INLINE unsigned movemask16(mask16 flags) {
-#if defined(__AVX512DQ__)
-  return _mm512_movepi32_mask(__builtin_bit_cast(__m512i, flags));
-#else
-  unsigned mask = 0;
-  for (int lane = 0; lane < kFloatLanes; ++lane) mask |= flags[lane] != 0 ? 1u << lane : 0u;
-  return mask;
-#endif
-}
-OBLIQ_INLINE bool any16(mask16 flags) { return movemask16(flags) != 0; }
-
-OBLIQ_INLINE f32x16 sqrt(f32x16 x) {
-#if defined(__AVX512F__)
-  return __builtin_bit_cast(f32x16, _mm512_sqrt_ps(__builtin_bit_cast(__m512, x)));
-#else
-  f32x16 root{};
-  for (int lane = 0; lane < kFloatLanes; ++lane) root[lane] = __builtin_sqrtf(x[lane]);
-  return root;
-#endif
+OBLIQ_INLINE mask16 mask16_from(unsigned mask) {
+  const auto bit = lane_by_lane<std::int32_t, kFloatLanes>(
+      [](int lane) __attribute__((always_inline)) { return 1 << lane; });
+  return (all_lanes(static_cast<std::int32_t>(mask)) & bit) != 0;
 }
 
 /// from[at], at any whole numbers within the array.
-OBLIQ_INLINE f32x16 gather(const float* from, i32x16 at) {
+OBLIQ_LANES Lanes<float, n> gather(const float* from, Lanes<T, n> at) {
+  static_assert(std::is_same_v<T, std::int32_t>);
+  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr)) {
+    return {gather(from, at.low), gather(from, at.high)};
+  } else {
 #if defined(__AVX512F__)
-  return __builtin_bit_cast(f32x16,
-                            _mm512_i32gather_ps(__builtin_bit_cast(__m512i, at), from, sizeof(float)));
+    return {_mm512_i32gather_ps(__builtin_bit_cast(__m512i, at.v), from, sizeof(float))};
+#elif defined(__AVX2__)
+    return {_mm256_i32gather_ps(from, __builtin_bit_cast(__m256i, at.v), sizeof(float))};
 #else
-  f32x16 found{};
-  for (int lane = 0; lane < kFloatLanes; ++lane) found[lane] = from[at[lane]];
-  return found;
+    return {typename Lanes<float, n>::Register{from[at[0]], from[at[1]], from[at[2]], from[at[3]]}};
 #endif
+  }
 }
 
 /// Towards zero; numbers that fit.
-OBLIQ_INLINE i32x16 truncated(f32x16 x) { return __builtin_convertvector(x, i32x16); }
-OBLIQ_INLINE f32x16 floats_of(i32x16 x) { return __builtin_convertvector(x, f32x16); }
-
-namespace halves {
-using f32x8 = float __attribute__((vector_size(32)));
-using f32x4 = float __attribute__((vector_size(16)));
-
-OBLIQ_INLINE f32x8 low(f32x16 x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7); }
-OBLIQ_INLINE f32x8 high(f32x16 x) { return __builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15); }
-OBLIQ_INLINE f32x16 joined(f32x8 a, f32x8 b) {
-  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-}
+OBLIQ_INLINE i32x16 truncated(f32x16 x) { return converted<std::int32_t>(x); }
+OBLIQ_INLINE f32x16 floats_of(i32x16 x) { return converted<float>(x); }
 
 /// Joins the lanes of the upper half with those of the lower, and so on down to one.
 template <typename Join>
 OBLIQ_INLINE float folded(f32x16 x, const Join& join) {
-  const f32x8 eight = join(low(x), high(x));
-  const f32x4 four = join(__builtin_shufflevector(eight, eight, 0, 1, 2, 3),
-                          __builtin_shufflevector(eight, eight, 4, 5, 6, 7));
-  const f32x4 two = join(four, __builtin_shufflevector(four, four, 2, 3, 2, 3));
-  return join(two, __builtin_shufflevector(two, two, 1, 1, 1, 1))[0];
+  const f32x8 eight = join(low_half(x), high_half(x));
+  const Lanes<float, 4> four = join(low_half(eight), high_half(eight));
+  const Lanes<float, 4> two = join(four, {__builtin_shufflevector(four.v, four.v, 2, 3, 2, 3)});
+  return join(two, {__builtin_shufflevector(two.v, two.v, 1, 1, 1, 1)})[0];
 }
-}  // namespace halves
 
 OBLIQ_INLINE float sum_of(f32x16 x) {
-  return halves::folded(
-      x, [](auto a, auto b) __attribute__((always_inline)) { return a + b; });
+  return folded(
+      x, [](auto a, decltype(a) b) __attribute__((always_inline)) { return a + b; });
 }
 OBLIQ_INLINE float least_of(f32x16 x) {
-  return halves::folded(
-      x, [](auto a, auto b) __attribute__((always_inline)) { return b < a ? b : a; });
+  return folded(
+      x, [](auto a, decltype(a) b) __attribute__((always_inline)) { return min(a, b); });
 }
 OBLIQ_INLINE float greatest_of(f32x16 x) {
-  return halves::folded(
-      x, [](auto a, auto b) __attribute__((always_inline)) { return a < b ? b : a; });
+  return folded(
+      x, [](auto a, decltype(a) b) __attribute__((always_inline)) { return max(a, b); });
 }
 
 #endif

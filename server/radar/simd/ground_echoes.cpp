@@ -16,7 +16,7 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
   int n = out.n;
 #if defined(__AVX512F__)
   const auto m = static_cast<__mmask16>(ended);
-  const i32x16 profile{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const auto profile = lane_numbers<std::int32_t, kFloatLanes>();
   const auto put_words = [&](void* to, __m512i words) __attribute__((always_inline)) {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(m, words));
   };
@@ -38,12 +38,11 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
   out.n = n;
 }
 
-OBLIQ_INLINE f32x16 joined(f64x8 first, f64x8 second) {
-  return halves::joined(__builtin_convertvector(first, halves::f32x8),
-                        __builtin_convertvector(second, halves::f32x8));
+OBLIQ_INLINE f32x16 as_floats(f64x8 first, f64x8 second) {
+  return joined(converted<float>(first), converted<float>(second));
 }
-OBLIQ_INLINE f64x8 first_half(f32x16 x) { return __builtin_convertvector(halves::low(x), f64x8); }
-OBLIQ_INLINE f64x8 second_half(f32x16 x) { return __builtin_convertvector(halves::high(x), f64x8); }
+OBLIQ_INLINE f64x8 first_half(f32x16 x) { return converted<double>(low_half(x)); }
+OBLIQ_INLINE f64x8 second_half(f32x16 x) { return converted<double>(high_half(x)); }
 
 /// One row of eight segments in doubles, or none.
 struct Row {
@@ -65,17 +64,17 @@ struct Row {
   }
 };
 
-/// Materials of the cells of a row's segments.
-OBLIQ_INLINE void add_materials(const GroundCut& cut, const SegmentRows& rows, int first, f32x16& material) {
-  if (rows.first >= rows.end) return;
+/// Materials of the cells of a row's segments; 0 where there are none.
+OBLIQ_INLINE f32x8 materials_of(const GroundCut& cut, const SegmentRows& rows) {
+  if (rows.first >= rows.end) return f32x8{};
   const VisibleSegments& segments = *rows.segments;
   const int row = rows.first;
   const auto nx = static_cast<std::uint64_t>(cut.nx);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    if ((segments.seen[row] >> lane & 1) == 0) continue;
+  return lane_by_lane<float, kLanes>([&](int lane) {
+    if ((segments.seen[row] >> lane & 1) == 0) return 0.0F;
     const auto cell = static_cast<std::uint64_t>(segments.cell[row][lane]);
-    material[first + lane] = static_cast<float>(cut.material[cell / nx * (nx - 1) + cell % nx]);
-  }
+    return static_cast<float>(cut.material[cell / nx * (nx - 1) + cell % nx]);
+  });
 }
 
 /// Straight segments: (d, h) = (from + t, height + rise t), t from `at` to `end`.
@@ -88,8 +87,8 @@ struct Parts {
 
 /// ScatteringTable's cross section by area, with lobes.
 OBLIQ_INLINE f32x16 cross_section_of_area(const EchoTable& table, f32x16 material, f32x16 sec2) {
-  return joined(cross_section_of_area(table, to_u64(first_half(material)), first_half(sec2)),
-                cross_section_of_area(table, to_u64(second_half(material)), second_half(sec2)));
+  return as_floats(cross_section_of_area(table, to_u64(first_half(material)), first_half(sec2)),
+                   cross_section_of_area(table, to_u64(second_half(material)), second_half(sec2)));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -111,16 +110,16 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
   const f32x16 nearest = min(first_r, last_r);
   const f32x16 farthest = max(first_r, last_r);
   wanted &= ~((farthest < r_min) | (nearest >= r_max));
-  if (!any16(wanted)) return true;
+  if (!any(wanted)) return true;
   const auto bin_of = [&](f32x16 r) __attribute__((always_inline)) {
     const f32x16 at = clamp((r - r_min) * bins_per_m, all_lanes(-1.0F), all_lanes(n_range));
     return floats_of(truncated(at + 1.0F)) - 1.0F;
   };
   const f32x16 first_bin = bin_of(nearest);
   const f32x16 last_bin = bin_of(farthest);
-  const f32x16 cuts = wanted ? last_bin - first_bin : f32x16{};
+  const f32x16 cuts = select(wanted, last_bin - first_bin, f32x16{});
   const mask16 outwards = last_r > first_r;
-  const f32x16 sign = outwards ? all_lanes(1.0F) : all_lanes(-1.0F);
+  const f32x16 sign = select(outwards, all_lanes(1.0F), all_lanes(-1.0F));
   // Range squared grows by t (2 along + rate2 t) from where the part begins.
   const f32x16 along = first_d + parts.rise * first_h;
   const f32x16 along2 = along * along;
@@ -129,7 +128,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
   f32x16 h0 = first_h;
   f32x16 r0 = first_r;
   const f32x16 length = parts.end - parts.at;
-  for (float k = 1; any16(wanted); ++k) {
+  for (float k = 1; any(wanted); ++k) {
     if (out.n > GroundEchoes::kMost - GroundEchoes::kSpare) {
       parts.at += t0;
       return false;
@@ -138,15 +137,16 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
     f32x16 t1 = length;
     f32x16 r1 = last_r;
     f32x16 bin = first_bin;
-    if (k > 1 || any16(wanted & ~at_end)) {
-      const f32x16 edge_index = outwards ? first_bin + k : last_bin - k + 1.0F;
+    if (k > 1 || any(wanted & ~at_end)) {
+      const f32x16 edge_index = select(outwards, first_bin + k, last_bin - k + 1.0F);
       const f32x16 edge = r_min + edge_index * spacing;
       const f32x16 grown = (edge - first_r) * (edge + first_r);
       const f32x16 root = sqrt(max(along2 + rate2 * grown, f32x16{}));
       const f32x16 at_edge = clamp(grown / (along + sign * root), t0, length);
-      t1 = at_end ? length : at_edge;
-      r1 = at_end ? last_r : edge;
-      bin = at_end ? (outwards ? last_bin : first_bin) : (outwards ? edge_index - 1.0F : edge_index);
+      t1 = select(at_end, length, at_edge);
+      r1 = select(at_end, last_r, edge);
+      bin = select(at_end, select(outwards, last_bin, first_bin),
+                   select(outwards, edge_index - 1.0F, edge_index));
     }
     // Solid angle of a strip one radian wide: part_of (range_run.h). The mean of 1 / r^2 over it:
     // mean_power_range_m.
@@ -156,9 +156,9 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
     const f32x16 turned = r01 + (d0 * d1 + h0 * h1);
     const f32x16 lit = parts.facing * (t1 - t0) * (d0 * r1 + d1 * r0);
     const f32x16 third = (r0 * r0 + r01 + r1 * r1) * (1.0F / 3);
-    const mask16 in_swath =
-        wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) & (r01 > static_cast<float>(kNearest2_m2));
-    if (any16(in_swath)) {
+    const mask16 in_swath = wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) &
+                            (r01 > static_cast<float>(kNearest_m * kNearest_m));
+    if (any(in_swath)) {
       f32x16 gain = parts.gain;
       const f32x16 over = 1.0F / (r01 * turned);
       const f32x16 over2 = 1.0F / r01;  // 1 / mean r^2 is third over2^2
@@ -169,20 +169,20 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
             max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all_lanes(1.0F)));
       f32x16 light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
       if (cut.kept[0] != nullptr) {
-        const i32x16 at = truncated(in_swath ? bin : f32x16{}) * kLanes +
-                          i32x16{0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7} +
+        const i32x16 at = truncated(select(in_swath, bin, f32x16{})) * kLanes +
+                          (lane_numbers<std::int32_t, kFloatLanes>() & 7) +
                           static_cast<std::int32_t>(cut.kept[1] - cut.kept[0]) *
-                              i32x16{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+                              (lane_numbers<std::int32_t, kFloatLanes>() >> 3);
         light *= gather(cut.kept[0], at);
       }
       const mask16 has = in_swath & (light > 0.0F);
       const mask16 same = has & (bin == now.bin);
       const mask16 fresh = has & ~same;
-      if (const unsigned ended = movemask16(fresh & (now.bin >= 0.0F)); ended != 0) put(ended, now, out);
-      now.light = same ? now.light + light : (fresh ? light : now.light);
-      now.bin = fresh ? bin : now.bin;
-      now.distance = fresh ? d0 + 0.5F * spacing : now.distance;
-      now.material = fresh ? parts.material : now.material;
+      if (const unsigned ended = movemask(fresh & (now.bin >= 0.0F)); ended != 0) put(ended, now, out);
+      now.light = select(same, now.light + light, select(fresh, light, now.light));
+      now.bin = select(fresh, bin, now.bin);
+      now.distance = select(fresh, d0 + 0.5F * spacing, now.distance);
+      now.material = select(fresh, parts.material, now.material);
     }
     t0 = t1;
     d0 = d1;
@@ -191,11 +191,6 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
     wanted &= ~at_end;
   }
   return true;
-}
-
-OBLIQ_INLINE mask16 mask16_from(unsigned mask) {
-  const i32x16 bit{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
-  return (all_lanes(static_cast<std::int32_t>(mask)) & bit) != 0;
 }
 
 /// Leaves what is not done of a row in its segments.
@@ -217,29 +212,25 @@ bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundE
     const Row right(b);
     mask16 wanted = mask16_from(left.seen | right.seen << kLanes);
     Parts parts;
-    parts.from = joined(left.from, right.from);
-    parts.height = joined(left.height, right.height);
-    parts.rise = joined(left.rise, right.rise);
-    parts.facing = -joined(left.start, right.start);
-    parts.plane_distance = joined(left.plane_distance, right.plane_distance);
+    parts.from = as_floats(left.from, right.from);
+    parts.height = as_floats(left.height, right.height);
+    parts.rise = as_floats(left.rise, right.rise);
+    parts.facing = -as_floats(left.start, right.start);
+    parts.plane_distance = as_floats(left.plane_distance, right.plane_distance);
     parts.at = f32x16{};
-    parts.end = joined(left.length, right.length);
-    parts.material = f32x16{};
-    if (cut.material != nullptr) {
-      add_materials(cut, a, 0, parts.material);
-      add_materials(cut, b, kLanes, parts.material);
-    }
-    parts.gain = joined(left.width, right.width);
+    parts.end = as_floats(left.length, right.length);
+    parts.material = cut.material == nullptr ? f32x16{} : joined(materials_of(cut, a), materials_of(cut, b));
+    parts.gain = as_floats(left.width, right.width);
     if (!cut.echo.any_lobes) parts.gain *= gather(cut.echo.gamma_f, truncated(parts.material));
     // Range falls and rises again where the foot of the perpendicular from the antenna lies on a segment.
     const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
     const f32x16 along = parts.from + parts.rise * parts.height;
     const mask16 turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
     mask16 left_over{};
-    if (any16(turns)) {
+    if (any(turns)) {
       const f32x16 whole = parts.end;
       const f32x16 turn = clamp(-along / rate2, f32x16{}, whole);
-      parts.end = turns ? turn : whole;
+      parts.end = select(turns, turn, whole);
       room = add(cut, parts, wanted, now, out);
       left_over = wanted | turns;
       parts.end = whole;
@@ -254,7 +245,7 @@ bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundE
       left_over = wanted;
     }
     if (!room) {
-      const unsigned mask = movemask16(left_over);
+      const unsigned mask = movemask(left_over);
       keep(a, mask & 0xff, first_half(parts.at));
       keep(b, mask >> kLanes, second_half(parts.at));
       break;

@@ -25,6 +25,7 @@ struct GroundCut {
 /// segment begins, ranges to 4 mm at 37 km.
 struct GroundEchoes {
   static constexpr int kRuns = 16;
+  static constexpr int kLog2Runs = 4;
   static constexpr int kMost = 512;
   static constexpr int kSpare = 16;  ///< elements that may be written behind the last one
   /// On the way: range bin, whole numbers; -1: none.

@@ -1,18 +1,15 @@
 #pragma once
 // The functions that arithmetic is written in once, for one double and for eight that go through the same
-// operations side by side: a template over Real uses these, `?:` and plain operators. One double is there
-// always; eight are there in the files that are compiled once for each instruction set, as OBLIQ_ISA
-// (server/radar/CMakeLists.txt). GCC and clang turn one operation on eight into one, two or four
-// instructions. Every operation is a plain IEEE one, lane by lane, so that the bits are the same whatever the
-// set.
-//
-// f64x8 is one type in all the files for all the sets. So whatever takes it is always inlined or has its
-// set's namespace: the linker keeps one copy of other functions, and it must not be the one for the widest
-// set.
+// operations side by side: a template over Real uses these and plain operators. One double is there always;
+// eight are there in the files that are compiled once for each instruction set, as OBLIQ_ISA
+// (server/radar/CMakeLists.txt): registers.h.
 #include <cstddef>
 #include <cstdint>
-#if defined(OBLIQ_ISA) && defined(__SSE2__)
-#include <immintrin.h>
+#include <type_traits>
+
+#include "terrain/base/select.h"
+#if defined(OBLIQ_ISA)
+#include "server/radar/simd/registers.h"
 #endif
 
 #define OBLIQ_INLINE [[gnu::always_inline]] inline
@@ -23,20 +20,63 @@ namespace obliq {
 template <typename Real>
 using Mask = decltype(Real{} < Real{});
 
+#if defined(OBLIQ_ISA)
+
+using OBLIQ_ISA::converted;
+using OBLIQ_ISA::high_half;
+using OBLIQ_ISA::joined;
+using OBLIQ_ISA::lane_by_lane;
+using OBLIQ_ISA::lane_numbers;
+using OBLIQ_ISA::Lanes;
+using OBLIQ_ISA::low_half;
+using OBLIQ_ISA::MaskOf;
+using OBLIQ_ISA::select;
+
+OBLIQ_LANES Lanes<T, n> min(Lanes<T, n> a, Lanes<T, n> b) {  // as std::min
+  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
+    return {min(a.low, b.low), min(a.high, b.high)};
+  else
+    return OBLIQ_ISA::lanes_from<Lanes<T, n>>(OBLIQ_ISA::least(intrinsic(a), intrinsic(b)));
+}
+OBLIQ_LANES Lanes<T, n> max(Lanes<T, n> a, Lanes<T, n> b) {
+  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
+    return {max(a.low, b.low), max(a.high, b.high)};
+  else
+    return OBLIQ_ISA::lanes_from<Lanes<T, n>>(OBLIQ_ISA::greatest(intrinsic(a), intrinsic(b)));
+}
+OBLIQ_LANES Lanes<T, n> sqrt(Lanes<T, n> x) {
+  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
+    return {sqrt(x.low), sqrt(x.high)};
+  else
+    return OBLIQ_ISA::lanes_from<Lanes<T, n>>(OBLIQ_ISA::root(intrinsic(x)));
+}
+/// A bit for each lane, the first lane's the lowest.
+OBLIQ_LANES unsigned movemask(Lanes<T, n> flags) {
+  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
+    return movemask(flags.low) | movemask(flags.high) << n / 2;
+  else
+    return OBLIQ_ISA::bits(intrinsic(flags));
+}
+OBLIQ_LANES bool any(Lanes<T, n> flags) {
+  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
+    return any(flags.low | flags.high);
+  else
+    return OBLIQ_ISA::bits(intrinsic(flags)) != 0;
+}
+OBLIQ_LANES Lanes<T, n> inverse(Lanes<T, n> where) { return ~where; }
+
+#endif
+
 template <typename Real>
 OBLIQ_INLINE Real broadcast(double value) {
   return Real{} + value;
 }
 template <typename Real>
-OBLIQ_INLINE Real select(decltype(Real{} < Real{}) where, Real yes, Real no) {
-  return where ? yes : no;
-}
-template <typename Real>
-OBLIQ_INLINE Real min(Real a, Real b) {  // std::min, to the bit
+requires std::is_arithmetic_v<Real> OBLIQ_INLINE Real min(Real a, Real b) {  // std::min, to the bit
   return b < a ? b : a;
 }
 template <typename Real>
-OBLIQ_INLINE Real max(Real a, Real b) {  // std::max
+requires std::is_arithmetic_v<Real> OBLIQ_INLINE Real max(Real a, Real b) {  // std::max
   return a < b ? b : a;
 }
 template <typename Real>
@@ -67,112 +107,87 @@ OBLIQ_INLINE double to_doubles(std::uint64_t whole) { return static_cast<double>
 // Eight doubles.
 
 constexpr int kLanes = 8;
-using f64x8 = double __attribute__((vector_size(64)));
-using u64x8 = std::uint64_t __attribute__((vector_size(64)));
-using mask8 = std::int64_t __attribute__((vector_size(64)));  ///< all bits of a lane set, or none
-using i32x8 = std::int32_t __attribute__((vector_size(32)));
-using u32x8 = std::uint32_t __attribute__((vector_size(32)));
+using f64x8 = Lanes<double, kLanes>;
+using u64x8 = Lanes<std::uint64_t, kLanes>;
+using mask8 = Lanes<std::int64_t, kLanes>;  ///< all bits of a lane set, or none
+using f32x8 = Lanes<float, kLanes>;
 
 OBLIQ_INLINE f64x8 broadcast(double value) { return f64x8{} + value; }
 
-OBLIQ_INLINE f64x8 load(const double* from) {
-  f64x8 lanes;
-  __builtin_memcpy(&lanes, from, sizeof lanes);
-  return lanes;
+/// As many as the type has.
+template <typename Type, typename T>
+OBLIQ_INLINE Type load_as(const T* from) {
+  return from_memory(static_cast<const Type*>(nullptr), from);
 }
+OBLIQ_INLINE f64x8 load(const double* from) { return load_as<f64x8>(from); }
 OBLIQ_INLINE f64x8 load(const std::int32_t* from) {
-  i32x8 narrow;
-  __builtin_memcpy(&narrow, from, sizeof narrow);
-  return __builtin_convertvector(narrow, f64x8);
+  return converted<double>(load_as<Lanes<std::int32_t, kLanes>>(from));
 }
 OBLIQ_INLINE u64x8 load_u64(const std::uint8_t* from) {
-  std::uint8_t narrow __attribute__((vector_size(8)));
-  __builtin_memcpy(&narrow, from, sizeof narrow);
-  return __builtin_convertvector(narrow, u64x8);
+  return lane_by_lane<std::uint64_t, kLanes>([&](int lane)
+                                                 __attribute__((always_inline)) { return from[lane]; });
 }
-OBLIQ_INLINE u64x8 load_u64(const std::uint64_t* from) {
-  u64x8 lanes;
-  __builtin_memcpy(&lanes, from, sizeof lanes);
-  return lanes;
+OBLIQ_INLINE u64x8 load_u64(const std::uint32_t* from) {
+  return converted<std::uint64_t>(load_as<Lanes<std::uint32_t, kLanes>>(from));
 }
-OBLIQ_INLINE void store(double* to, f64x8 lanes) { __builtin_memcpy(to, &lanes, sizeof lanes); }
-OBLIQ_INLINE void store(std::uint64_t* to, u64x8 lanes) { __builtin_memcpy(to, &lanes, sizeof lanes); }
+OBLIQ_INLINE u64x8 load_u64(const std::uint64_t* from) { return load_as<u64x8>(from); }
+OBLIQ_INLINE void store(double* to, f64x8 lanes) { to_memory(to, lanes); }
+OBLIQ_INLINE void store(std::uint64_t* to, u64x8 lanes) { to_memory(to, lanes); }
 /// Whole numbers that fit.
 OBLIQ_INLINE void store_u32(std::uint32_t* to, u64x8 lanes) {
-  const u32x8 narrow = __builtin_convertvector(lanes, u32x8);
-  __builtin_memcpy(to, &narrow, sizeof narrow);
+  to_memory(to, converted<std::uint32_t>(lanes));
 }
-OBLIQ_INLINE void store_i32(std::int32_t* to, f64x8 lanes) {
-  const i32x8 narrow = __builtin_convertvector(lanes, i32x8);
-  __builtin_memcpy(to, &narrow, sizeof narrow);
-}
+OBLIQ_INLINE void store_i32(std::int32_t* to, f64x8 lanes) { to_memory(to, converted<std::int32_t>(lanes)); }
 
-OBLIQ_INLINE u64x8 as_bits(f64x8 lanes) { return __builtin_bit_cast(u64x8, lanes); }
-OBLIQ_INLINE f64x8 as_doubles(u64x8 bits) { return __builtin_bit_cast(f64x8, bits); }
-OBLIQ_INLINE mask8 inverse(mask8 where) { return ~where; }
+OBLIQ_INLINE u64x8 as_bits(f64x8 lanes) { return OBLIQ_ISA::bits_as<std::uint64_t>(lanes); }
+OBLIQ_INLINE f64x8 as_doubles(u64x8 bits) { return OBLIQ_ISA::bits_as<double>(bits); }
 
 /// 1 in the lanes of `where`, 0 elsewhere.
-OBLIQ_INLINE u64x8 ones_of(mask8 where) { return __builtin_bit_cast(u64x8, where) & 1; }
-
-/// A bit for each lane, the first lane's the lowest.
-OBLIQ_INLINE unsigned movemask(mask8 flags) {
-#if defined(__AVX512DQ__)
-  return _mm512_movepi64_mask(__builtin_bit_cast(__m512i, flags));
-#else
-  unsigned mask = 0;
-  for (int lane = 0; lane < kLanes; ++lane) mask |= flags[lane] != 0 ? 1u << lane : 0u;
-  return mask;
-#endif
-}
+OBLIQ_INLINE u64x8 ones_of(mask8 where) { return OBLIQ_ISA::bits_as<std::uint64_t>(where) & 1; }
 OBLIQ_INLINE mask8 mask_from(unsigned mask) {
-  return ((u64x8{} + mask) & u64x8{1, 2, 4, 8, 16, 32, 64, 128}) != 0;
+  const u64x8 bit = lane_by_lane<std::uint64_t, kLanes>(
+      [](int lane) __attribute__((always_inline)) { return std::uint64_t{1} << lane; });
+  return ((u64x8{} + mask) & bit) != 0;
 }
-OBLIQ_INLINE bool any(mask8 flags) { return movemask(flags) != 0; }
 
 /// The lanes of a mask moved together to the front; what is behind them means nothing.
 OBLIQ_INLINE f64x8 compress(unsigned mask, f64x8 x) {
 #if defined(__AVX512F__)
-  return __builtin_bit_cast(
-      f64x8, _mm512_maskz_compress_pd(static_cast<__mmask8>(mask), __builtin_bit_cast(__m512d, x)));
+  return OBLIQ_ISA::lanes_from<f64x8>(_mm512_maskz_compress_pd(static_cast<__mmask8>(mask), intrinsic(x)));
 #else
-  f64x8 front{};
+  double all[kLanes];
+  double front[2 * kLanes];
+  store(all, x);
   int n = 0;
-  for (int lane = 0; lane < kLanes; ++lane)
-    if ((mask >> lane & 1) != 0) front[n++] = x[lane];
-  return front;
-#endif
-}
-
-OBLIQ_INLINE f64x8 sqrt(f64x8 x) {
-#if defined(__AVX512F__)
-  return __builtin_bit_cast(f64x8, _mm512_sqrt_pd(__builtin_bit_cast(__m512d, x)));
-#else
-  f64x8 root{};
-  for (int lane = 0; lane < kLanes; ++lane) root[lane] = __builtin_sqrt(x[lane]);
-  return root;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    front[n] = all[lane];
+    n += static_cast<int>(mask >> lane & 1);
+  }
+  return load(front);
 #endif
 }
 
 /// from[at], at any whole numbers within the array.
-OBLIQ_INLINE f64x8 gather(const float* from, u64x8 at) {
+template <typename From>
+OBLIQ_INLINE f64x8 gather(const From* from, u64x8 at) {
 #if defined(__AVX512F__)
-  return __builtin_bit_cast(
-      f64x8, _mm512_cvtps_pd(_mm512_i64gather_ps(__builtin_bit_cast(__m512i, at), from, sizeof(float))));
+  if constexpr (std::is_same_v<From, float>)
+    return OBLIQ_ISA::lanes_from<f64x8>(
+        _mm512_cvtps_pd(_mm512_i64gather_ps(__builtin_bit_cast(__m512i, at.v), from, sizeof(float))));
+  else
+    return OBLIQ_ISA::lanes_from<f64x8>(
+        _mm512_i64gather_pd(__builtin_bit_cast(__m512i, at.v), from, sizeof(double)));
 #else
-  f64x8 found{};
-  for (int lane = 0; lane < kLanes; ++lane) found[lane] = static_cast<double>(from[at[lane]]);
-  return found;
+  std::uint64_t places[kLanes];
+  store(places, at);
+  return lane_by_lane<double, kLanes>([&](int lane) __attribute__((always_inline)) {
+    return static_cast<double>(from[places[lane]]);
+  });
 #endif
 }
-OBLIQ_INLINE f64x8 gather(const double* from, u64x8 at) {
-#if defined(__AVX512F__)
-  return __builtin_bit_cast(f64x8,
-                            _mm512_i64gather_pd(__builtin_bit_cast(__m512i, at), from, sizeof(double)));
-#else
-  f64x8 found{};
-  for (int lane = 0; lane < kLanes; ++lane) found[lane] = from[at[lane]];
-  return found;
-#endif
+OBLIQ_INLINE u64x8 gather(const std::uint64_t* from, u64x8 at) {
+  return lane_by_lane<std::uint64_t, kLanes>([&](int lane)
+                                                 __attribute__((always_inline)) { return from[at[lane]]; });
 }
 /// from[at] and from[at + 1].
 struct Pairs {
@@ -180,18 +195,21 @@ struct Pairs {
 };
 OBLIQ_INLINE Pairs gather_pairs(const float* from, u64x8 at) {
 #if defined(__AVX512F__)
-  const __m512i pairs = _mm512_i64gather_epi64(__builtin_bit_cast(__m512i, at), from, sizeof(float));
+  const __m512i pairs = _mm512_i64gather_epi64(__builtin_bit_cast(__m512i, at.v), from, sizeof(float));
   const auto doubles = [](__m512i floats) __attribute__((always_inline)) {
-    return __builtin_bit_cast(f64x8, _mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32(floats))));
+    return OBLIQ_ISA::lanes_from<f64x8>(_mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32(floats))));
   };
   return {doubles(pairs), doubles(_mm512_srli_epi64(pairs, 32))};
 #else
-  Pairs found{};
+  std::uint64_t places[kLanes];
+  store(places, at);
+  float first[kLanes];
+  float second[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
-    found.first[lane] = static_cast<double>(from[at[lane]]);
-    found.second[lane] = static_cast<double>(from[at[lane] + 1]);
+    first[lane] = from[places[lane]];
+    second[lane] = from[places[lane] + 1];
   }
-  return found;
+  return {converted<double>(load_as<f32x8>(first)), converted<double>(load_as<f32x8>(second))};
 #endif
 }
 

@@ -93,7 +93,7 @@ unsigned first_hits_in_profiles(const GroundView& scene, const RayRows& rows, Ra
   const u64x8 next = load_u64(lanes.next);
   const mask8 some = next > 0;
   // All that is nearer lies below the next ray; where there is none, nothing is left to look for.
-  f64x8 horizon = select(some, gather(rows.slope, some ? next - 1 : next), -infinite);
+  f64x8 horizon = select(some, gather(rows.slope, select(some, next - 1, next)), -infinite);
   horizon = select(next >= rows.n, infinite, horizon);
   const f64x8 highest = broadcast(rows.n > 0 ? rows.slope[rows.n - 1] : -__builtin_inf());
   // Ground that begins higher than what is nearer leaves rays that pass under it: behind a void.

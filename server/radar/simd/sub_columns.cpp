@@ -30,18 +30,30 @@ OBLIQ_INLINE Heights heights_at(const GroundOfBin& ground, f32x16 u, f32x16 v) {
   const f32x16 t = v - floats_of(j);
   const f32x16 lower = y00 + s * (y10 - y00) + t * (y01 - y00);
   const f32x16 upper = y11 + (1.0F - s) * (y01 - y11) + (1.0F - t) * (y10 - y11);
-  const f32x16 y = s + t <= 1.0F ? lower : upper;
+  const f32x16 y = select(s + t <= 1.0F, lower, upper);
   return {y - ground.antenna_y_m, (u >= 0.0F) & (v >= 0.0F) & (u <= last_u + 1.0F) & (v <= last_v + 1.0F) &
                                       (y00 + y10 + y01 + y11 == y00 + y10 + y01 + y11)};
 }
 
 /// The greatest of a lane and all before it.
-OBLIQ_INLINE f32x16 greatest_so_far(f32x16 x) {
-  const f32x16 none = all_lanes(kLowest);
-  x = max(x, __builtin_shufflevector(none, x, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30));
-  x = max(x, __builtin_shufflevector(none, x, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29));
-  x = max(x, __builtin_shufflevector(none, x, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27));
-  return max(x, __builtin_shufflevector(none, x, 0, 0, 0, 0, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23));
+template <int n>
+OBLIQ_INLINE Lanes<float, n> greatest_so_far(Lanes<float, n> x) {
+  if constexpr (!is_one<float, n>(nullptr)) {
+    const auto low = greatest_so_far(x.low);
+    return {low, max(greatest_so_far(x.high), Lanes<float, n / 2>{} + low[n / 2 - 1])};
+  } else {
+    const auto with_lanes_before = [&]<int... k>(int by, std::integer_sequence<int, k...>)
+        __attribute__((always_inline)) {
+      const Lanes<std::int32_t, n> from{typename Lanes<std::int32_t, n>::Register{(k < by ? k : k - by)...}};
+      return max(x, {__builtin_shuffle(x.v, from.v)});
+    };
+    constexpr auto kAll = std::make_integer_sequence<int, n>();
+    x = with_lanes_before(1, kAll);
+    x = with_lanes_before(2, kAll);
+    if constexpr (n > 4) x = with_lanes_before(4, kAll);
+    if constexpr (n > 8) x = with_lanes_before(8, kAll);
+    return x;
+  }
 }
 
 /// sin e1 - sin e0 of two elevations by their slopes, roots[k] = sqrt(1 + slope^2): as part_of
@@ -70,18 +82,18 @@ void profile_nodes(const SubColumns& columns, int plane, float rate_u, float rat
   const NodeProfiles& nodes = columns.nodes;
   const GroundOfBin& ground = columns.ground;
   const std::size_t first = static_cast<std::size_t>(plane) * static_cast<std::size_t>(nodes.stride);
-  const f32x16 lane{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const auto lane = lane_numbers<float, kFloatLanes>();
   const float bins_per_m = 1 / columns.range_spacing_m;
   f32x16 carry = all_lanes(kLowest);
   for (int k = 0; k < nodes.stride; k += kFloatLanes) {
     const f32x16 d = (lane + (static_cast<float>(k) + NodeProfiles::kFirstNode)) * nodes.node_m;
     const auto [h, known] = heights_at(ground, ground.start_u + d * rate_u, ground.start_v + d * rate_v);
     const f32x16 slope = h / d;
-    const f32x16 top = max(greatest_so_far(known ? slope : all_lanes(kLowest)), carry);
+    const f32x16 top = max(greatest_so_far(select(known, slope, all_lanes(kLowest))), carry);
     carry = all_lanes(top[kFloatLanes - 1]);
     const std::size_t at = first + static_cast<std::size_t>(k);
     store(nodes.horizon + at, top);
-    store(nodes.clearance + at, known ? top - slope : f32x16{});
+    store(nodes.clearance + at, select(known, top - slope, f32x16{}));
     store(nodes.range_bin + at, (d * root_of(top) - columns.r_min_m) * bins_per_m);
   }
 }
@@ -95,10 +107,10 @@ OBLIQ_INLINE void add_echoes(const SubColumns& columns, mask16 which, int edge, 
   const auto n_range = static_cast<float>(columns.n_range);
   const f32x16 from = (min(r0, r1) - columns.r_min_m) * bins_per_m;
   const f32x16 to = (max(r0, r1) - columns.r_min_m) * bins_per_m;
-  const float nearest = least_of(which ? from : all_lanes(1e30F));
-  const float farthest = greatest_of(which ? to : all_lanes(-1e30F));
+  const float nearest = least_of(select(which, from, all_lanes(1e30F)));
+  const float farthest = greatest_of(select(which, to, all_lanes(-1e30F)));
   if (!(farthest >= 0) || !(nearest < n_range)) return;
-  const f32x16 light = which ? solid : f32x16{};
+  const f32x16 light = select(which, solid, f32x16{});
   const float middle_m = columns.r_min_m + 0.5F * (nearest + farthest) * columns.range_spacing_m;
   const int first = static_cast<int>(nearest < 0 ? 0 : nearest);
   const int last = farthest >= n_range ? columns.n_range - 1 : static_cast<int>(farthest);
@@ -128,16 +140,16 @@ OBLIQ_INLINE void add_echoes(const SubColumns& columns, mask16 which, int edge, 
 OBLIQ_INLINE void hide_ground(const SubColumns& columns, mask16 which, i32x16 plane, i32x16 k, f32x16 cover,
                               f32x16 from, f32x16 to) {
   const NodeProfiles& nodes = columns.nodes;
-  const float until = greatest_of(which ? to : all_lanes(kLowest));
+  const float until = greatest_of(select(which, to, all_lanes(kLowest)));
   // Planes rise with the lanes.
-  const unsigned lanes = movemask16(which);
+  const unsigned lanes = movemask(which);
   const int first_plane = plane[__builtin_ctz(lanes)];
   const int last_plane = plane[31 - __builtin_clz(lanes)];
-  const auto node = static_cast<int>(least_of(which ? floats_of(k) : all_lanes(1e9F)));
+  const auto node = static_cast<int>(least_of(select(which, floats_of(k), all_lanes(1e9F))));
   for (int p = first_plane; p <= last_plane; ++p) {
     const float* const horizon = nodes.horizon + static_cast<std::ptrdiff_t>(p) * nodes.stride;
     float* const hidden = nodes.hidden + static_cast<std::ptrdiff_t>(p) * nodes.stride;
-    const f32x16 share = which & (plane == p) ? cover * columns.per_plane[p] : f32x16{};
+    const f32x16 share = select(which & (plane == p), cover * columns.per_plane[p], f32x16{});
     for (int n = node; n + 1 < nodes.n_nodes && horizon[n] < until; ++n) {
       if (!(horizon[n + 1] > horizon[n])) continue;
       const f32x16 covered =
@@ -150,7 +162,7 @@ OBLIQ_INLINE void hide_ground(const SubColumns& columns, mask16 which, i32x16 pl
 }  // namespace
 
 void see_part(const SubColumns& columns, const ConvexShape& shape, int first, PartEchoes& out) {
-  const i32x16 number = i32x16{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15} + first;
+  const i32x16 number = lane_numbers<std::int32_t, kFloatLanes>() + first;
   const f32x16 left = columns.left + floats_of(number) * columns.width;
   const f32x16 right = columns.left + floats_of(number + 1) * columns.width;
   const f32x16 tangent = (left + right) * 0.5F;
@@ -167,7 +179,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
     const f32x16 to = min(all_lanes(max(t0, t1)), right);
     const f32x16 cover = max((to - from) * per_width, f32x16{});
     const mask16 in = cover > 0.0F;
-    if (!any16(in)) continue;
+    if (!any(in)) continue;
     // On the edge 1 / distance is linear in the tangent.
     const float dr = shape.right_m[e + 1] - shape.right_m[e];
     const float da = shape.ahead_m[e + 1] - shape.ahead_m[e];
@@ -176,7 +188,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
     const float farthest = max(shape.ahead_m[e], shape.ahead_m[e + 1]);
     const f32x16 ahead =
         clamp(cross / (dr - (from + to) * (0.5F * da)), all_lanes(nearest), all_lanes(farthest));
-    const f32x16 distance = in ? ahead * secant : all_lanes(nearest);
+    const f32x16 distance = select(in, ahead * secant, all_lanes(nearest));
     if (cross > 0) {
       near_sum += cover * distance;
       near_cover += cover;
@@ -190,11 +202,11 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
     }
   }
   const mask16 on = (near_cover > kLeastShare) & (far_cover > kLeastShare);
-  if (!any16(on)) return;
+  if (!any(on)) return;
   const f32x16 one = all_lanes(1.0F);
   const f32x16 cover = min(near_cover, one);
-  const f32x16 near = on ? near_sum / near_cover : all_lanes(shape.ahead_m[0]);
-  const f32x16 far = max(near, on ? far_sum / far_cover : near);
+  const f32x16 near = select(on, near_sum / near_cover, all_lanes(shape.ahead_m[0]));
+  const f32x16 far = max(near, select(on, far_sum / far_cover, near));
 
   // What stands in front: the ground where the wall stands, as deep below its plane's horizon as there, and
   // buildings.
@@ -215,7 +227,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
   const f32x16 horizon = between(nodes.horizon);
   const f32x16 over_near = 1.0F / near;
   const f32x16 foot =
-      known ? foot_m * over_near + between(nodes.clearance) : max(shape.base_m * over_near, horizon);
+      select(known, foot_m * over_near + between(nodes.clearance), max(shape.base_m * over_near, horizon));
   const f32x16 roofs = load_floats(columns.roofs + first);
   const f32x16 low = max(foot, roofs);
   const f32x16 top = shape.roof_m * over_near;
@@ -224,7 +236,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
   const f32x16 roof_from = max(low, top);
   const mask16 roof_seen = on & (back > roof_from);
   const mask16 rises = on & (highest > low);
-  if (!any16(rises)) return;
+  if (!any(rises)) return;
 
   const f32x16 foot_height = foot * near;
   for (int w = 0; w < n_walls; ++w) {
@@ -233,7 +245,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
     const f32x16 from = max(foot_height * over, roofs);
     const f32x16 to = shape.roof_m * over;
     const mask16 seen = on & (to > from) & (wall.cover > 0.0F);
-    if (!any16(seen)) continue;
+    if (!any(seen)) continue;
     const f32x16 root0 = root_of(from);
     const f32x16 root1 = root_of(to);
     const f32x16 r0 = wall.distance * root0;
@@ -241,7 +253,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
     add_echoes(columns, seen, wall.edge, wall.cover * columns.width_rad * sine_step(from, root0, to, root1),
                tangent, min(r0, r1) - wall.spread, max(r0, r1) + wall.spread, out);
   }
-  if (any16(roof_seen)) {
+  if (any(roof_seen)) {
     const f32x16 root0 = root_of(roof_from);
     const f32x16 root1 = root_of(back);
     const f32x16 from_m = shape.roof_m / roof_from;
@@ -252,7 +264,7 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
   // It hides its plane's ground as if it stood there as it stands on its own.
   const f32x16 shift = horizon - foot;
   hide_ground(columns, rises, plane, k, cover, low + shift, highest + shift);
-  store(columns.roofs + first, on & (cover >= 0.5F) ? max(roofs, highest) : roofs);
+  store(columns.roofs + first, select(on & (cover >= 0.5F), max(roofs, highest), roofs));
 }
 
 }  // namespace obliq::OBLIQ_ISA

@@ -34,9 +34,9 @@ std::uint32_t sum_scatterers(ScattererLists& lists, std::uint32_t first, std::ui
         lists.sum_power_w[from + static_cast<std::uint32_t>(__builtin_ctz(same))] += lists.power_w[k];
         continue;
       }
-      const mask8 here = u64x8{0, 1, 2, 3, 4, 5, 6, 7} == held;
-      held_place = here ? u64x8{} + place : held_place;
-      held_kind = here ? u64x8{} + kind : held_kind;
+      const mask8 here = lane_numbers<std::uint64_t, kLanes>() == held;
+      held_place = select(here, u64x8{} + place, held_place);
+      held_kind = select(here, u64x8{} + kind, held_kind);
       lists.bin[n] = bin;
       lists.sum_place[n] = place;
       lists.sum_kind[n] = kind;

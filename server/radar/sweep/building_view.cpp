@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <span>
 
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/sweep/ground_light.h"
 
 namespace obliq {
@@ -16,6 +14,9 @@ constexpr float kFarBelow = -1e9F;
 
 /// Of a sub-column, as far as there may be so many.
 constexpr double kWidest_m = 1.2;
+
+/// Memory has answered when the one that is asked for so far ahead is looked at.
+constexpr std::size_t kAskAhead = 16;
 
 /// Buildings with sub-columns stand farther off than twice this (SubColumnBins).
 constexpr float kClip_m = 50;
@@ -65,9 +66,7 @@ BuildingView::BuildingView(const FramePlan& plan, const Kernels& kernels)
 }
 
 SinCos BuildingView::bearing(double position) const {
-  const SinCos offset = sincos_turns(plan_.bins().azimuth_edge_rad(position) / (2 * std::numbers::pi));
-  const glm::dvec3 d = plan_.sector().world_from_antenna(offset.sin, 0, offset.cos);
-  return {d.x, d.z};
+  return plan_.sector().world_bearing(plan_.bins().azimuth_edge_rad(position));
 }
 
 bool BuildingView::start(int azimuth_bin, int profile) {
@@ -136,6 +135,30 @@ void BuildingView::refine(float near_m) {
   }
 }
 
+/// The buildings of an azimuth bin lie anywhere in memory: asks for the next ones in two steps.
+void BuildingView::ask_for_buildings(std::size_t from) const {
+  const Buildings& all = plan_.scene().world().buildings;
+  if (from + 2 * kAskAhead < buildings_.size())
+    __builtin_prefetch(&all.list[buildings_[from + 2 * kAskAhead]]);
+  if (from + kAskAhead >= buildings_.size()) return;
+  const Building& next = all.list[buildings_[from + kAskAhead]];
+  __builtin_prefetch(&all.ring_start[next.first_ring]);
+  if (from + kAskAhead / 2 >= buildings_.size()) return;
+  const Building& nearer = all.list[buildings_[from + kAskAhead / 2]];
+  __builtin_prefetch(&all.ring_xz_m[all.ring_start[nearer.first_ring]]);
+}
+
+/// The faces of a part that is seen soon.
+void BuildingView::ask_for_faces(std::size_t from) const {
+  if (from + kAskAhead >= parts_.size()) return;
+  constexpr std::size_t kLine = 64;
+  const Part& part = parts_[from + kAskAhead];
+  const auto* const face =
+      reinterpret_cast<const char*>(&plan_.scene().world().buildings.faces[part.roof_face]);
+  for (std::size_t at = 0; at < (part.n + 1) * sizeof(BuildingFace) && at < 8 * kLine; at += kLine)
+    __builtin_prefetch(face + at);
+}
+
 void BuildingView::collect(std::uint32_t b) {
   const Buildings& all = plan_.scene().world().buildings;
   const Building& building = all.list[b];
@@ -179,8 +202,8 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
     from = std::min(from, corners_[k].tangent);
     to = std::max(to, corners_[k].tangent);
   }
-  const double roof_m = static_cast<double>(plan_.scene().world().buildings.list[building].roof_y_m) -
-                        plan_.sector().antenna_m.y;
+  const Building& of = plan_.scene().world().buildings.list[building];
+  const double roof_m = static_cast<double>(of.roof_y_m) - plan_.sector().antenna_m.y;
   const double top_slope = roof_m / (1.001 * static_cast<double>(far_m));
   const std::size_t n = corners_.size() - first;
   if (n < 3 || static_cast<double>(near_m) > plan_.building_reach_m() || !(to > -half_) || !(from < half_) ||
@@ -191,7 +214,9 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
   // The bits of positive floats are in the order of the floats.
   const std::uint64_t order = static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(near_m)) << 32 |
                               static_cast<std::uint32_t>(parts_.size());
-  parts_.push_back({order, building, one_of_several, static_cast<std::uint32_t>(first),
+  const float antenna_y_m = columns_.ground.antenna_y_m;
+  parts_.push_back({order, building, of.first_face, of.roof_y_m - antenna_y_m, of.base_y_m - antenna_y_m,
+                    of.material, one_of_several, static_cast<std::uint32_t>(first),
                     static_cast<std::uint32_t>(n), from, to});
 }
 
@@ -216,21 +241,25 @@ void BuildingView::clip(std::size_t first) {
 bool BuildingView::step(EchoCells& cells) {
   if (collected_ < buildings_.size()) {
     const std::size_t end = std::min(collected_ + kMostParts, buildings_.size());
-    for (; collected_ < end; ++collected_) collect(buildings_[collected_]);
+    for (; collected_ < end; ++collected_) {
+      ask_for_buildings(collected_);
+      collect(buildings_[collected_]);
+    }
     if (collected_ == buildings_.size())
       std::ranges::sort(parts_, {}, [](const Part& part) { return part.order; });
     return true;
   }
   const std::size_t end = std::min(seen_ + kMostParts, parts_.size());
-  for (; seen_ < end; ++seen_) see(parts_[seen_], cells);
+  for (; seen_ < end; ++seen_) {
+    ask_for_faces(seen_);
+    see(parts_[seen_], cells);
+  }
   if (seen_ < parts_.size()) return true;
   add_parts_together(cells);
   return false;
 }
 
 void BuildingView::fill_shape(const Part& part) {
-  const Buildings& all = plan_.scene().world().buildings;
-  const Building& building = all.list[part.building];
   const Corner* const corner = corners_.data() + part.first;
   shape_.n = static_cast<int>(part.n);
   for (std::uint32_t k = 0; k <= part.n; ++k) {
@@ -242,8 +271,8 @@ void BuildingView::fill_shape(const Part& part) {
   shape_.walls = 0;
   for (std::uint32_t k = 0; k < part.n; ++k)
     if (corner[k].face != kNoFace) shape_.walls |= std::uint64_t{1} << k;
-  shape_.roof_m = building.roof_y_m - columns_.ground.antenna_y_m;
-  shape_.base_m = building.base_y_m - columns_.ground.antenna_y_m;
+  shape_.roof_m = part.roof_m;
+  shape_.base_m = part.base_m;
 }
 
 void BuildingView::see(const Part& part, EchoCells& cells) {
@@ -299,8 +328,9 @@ FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo, const Part& part)
   FaceEcho face{};
   face.range_bin = echo.bin;
   face.face = echo.edge == PartEchoes::kRoof
-                  ? plan_.scene().world().buildings.list[part.building].first_face
+                  ? part.roof_face
                   : corners_[part.first + static_cast<std::uint32_t>(echo.edge)].face;
+  face.material = part.material;
   face.solid_angle_sr = static_cast<double>(echo.solid_angle_sr);
   face.range_m = static_cast<double>(echo.range_m);
   const double tangent = static_cast<double>(echo.tangent_sr) / face.solid_angle_sr;

@@ -40,12 +40,17 @@ class BuildingView {
   struct Part {
     std::uint64_t order;  // by distance, then as loaded
     std::uint32_t building;
+    std::uint32_t roof_face;
+    float roof_m, base_m;  // above the antenna
+    std::uint8_t material;
     bool one_of_several;
     std::uint32_t first, n;  // into corners_
     float from, to;          // tangents
   };
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
+  void ask_for_buildings(std::size_t from) const;
+  void ask_for_faces(std::size_t from) const;
   void collect(std::uint32_t building);
   void add_corner(const glm::vec2& corner, std::uint32_t face);
   void add_part(std::uint32_t building, bool one_of_several, std::size_t first_corner);

@@ -31,14 +31,8 @@ SweepColumn::SweepColumn(const FramePlan& plan, int azimuth_bin, double start_ra
       azimuth_bin_(azimuth_bin),
       start_rad_(start_rad),
       tick_rad_(width_rad / static_cast<double>(kTicks)),
-      ridge_(plan.scene(), plan.sector().antenna_m, world_bearing(start_rad + 0.5 * width_rad),
+      ridge_(plan.scene(), plan.sector().antenna_m, plan.sector().world_bearing(start_rad + 0.5 * width_rad),
              0.5 * width_rad, plan.building_reach_m()) {}
-
-SinCos SweepColumn::world_bearing(double offset_rad) const {
-  const SinCos offset = sincos_turns(offset_rad / (2 * kPi));
-  const glm::dvec3 d = plan_.sector().world_from_antenna(offset.sin, 0, offset.cos);
-  return {d.x, d.z};
-}
 
 PlaneShare SweepColumn::share_of(TickRange ticks, SinCos bearing) const {
   return {azimuth_bin_, offset_rad(ticks), static_cast<double>(ticks.size()) * tick_rad_, bearing};
@@ -103,7 +97,7 @@ LineOfSight SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_
   ++planes_;
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  const SinCos bearing = world_bearing(offset_rad(ticks));
+  const SinCos bearing = plan_.sector().world_bearing(offset_rad(ticks));
   Horizon<double> horizon = ground_horizon(plan_.scene(), ridge_, antenna, bearing, from_m);
   const std::int64_t centre = ticks.from + ticks.size() / 2;
   spans_.clear();
@@ -261,7 +255,7 @@ void SweepColumn::plan_base() {
   std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
     return a.at_m != b.at_m ? a.at_m < b.at_m : a.ticks < b.ticks;
   });
-  base_.plane = share_of({0, kTicks}, world_bearing(offset_rad({0, kTicks})));
+  base_.plane = share_of({0, kTicks}, plan_.sector().world_bearing(offset_rad({0, kTicks})));
   std::int64_t ticks = kTicks;
   for (const Change& change : changes) {
     base_.to_m.push_back(change.at_m);

@@ -78,7 +78,6 @@ class SweepColumn {
   double offset_rad(TickRange ticks) const {
     return start_rad_ + 0.5 * static_cast<double>(ticks.from + ticks.to) * tick_rad_;
   }
-  SinCos world_bearing(double offset_rad) const;
   PlaneShare share_of(TickRange ticks, SinCos bearing) const;
 
   const FramePlan& plan_;

@@ -109,20 +109,20 @@ bool SweepEchoes::step(FrameStats& stats) {
   if (!marching_) {
     if (plane_ == planes_) return false;
     start_planes();
-    stats.rays += static_cast<std::uint64_t>(range_.count) * (planes_ == 2 ? 2 : 1);
+    stats.rays += static_cast<std::uint64_t>(range_.count * together_);
   }
   step_ground();
   return true;
 }
 
-bool SweepEchoes::step_buildings() {
+void SweepEchoes::step_buildings() {
   const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
   if (!viewing_) {
     viewing_ = view_.start(range_.first + viewed_, viewed_);
     if (!viewing_) ++viewed_;
-    return true;
+    return;
   }
-  if (view_.step(cells_)) return true;
+  if (view_.step(cells_)) return;
   viewing_ = false;
   if (kept_.empty()) kept_.assign(static_cast<std::size_t>(planes_) * n_range * kWedgeAzimuthBins, 1.0F);
   for (int plane = 0; plane < planes_; ++plane)
@@ -131,7 +131,6 @@ bool SweepEchoes::step_buildings() {
                           static_cast<std::size_t>(viewed_),
                       cells_);
   ++viewed_;
-  return true;
 }
 
 void SweepEchoes::start_planes() {
@@ -155,9 +154,9 @@ void SweepEchoes::start_planes() {
 
 void SweepEchoes::start_plane(int half) {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  static constexpr double kNoWidth = 0;
   const BinGrid& bins = plan_.bins();
-  const Horizon<double> nothing;
+  plane_width_rad_ = bins.azimuth_width_rad / planes_;
+  const GroundWidths widths{&plane_width_rad_, &kInfinity};
   SightProfiles& profiles = profiles_[half];
   profiles = {};
   profiles.last_start_m = plan_.sector().r_max_m;
@@ -165,18 +164,8 @@ void SweepEchoes::start_plane(int half) {
     profiles.end_m[lane] = -1;
     if (static_cast<int>(lane) >= range_.count) continue;
     const double position = range_.first + static_cast<double>(lane) + (plane_ + half + 0.5) / planes_;
-    const SinCos offset = sincos_turns(bins.azimuth_edge_rad(position) / (2 * std::numbers::pi));
-    const glm::dvec3 d = plan_.sector().world_from_antenna(offset.sin, 0, offset.cos);
-    const SinCos bearing{d.x, d.z};
-    const GroundWalk walk(plan_.scene().world().grid, plan_.sector().antenna_m, bearing.sin, bearing.cos, 0,
-                          GroundWalk::kInfinity);
-    set_out(profiles, lane, bearing, walk);
-    profiles.horizon_d_m[lane] = nothing.d_m;
-    profiles.horizon_h_m[lane] = nothing.h_m;
-    profiles.width_rad[lane] = bins.azimuth_width_rad / planes_;
-    profiles.width_to_m[lane] = kInfinity;
-    profiles.next_width_rad[lane] = &kNoWidth;
-    profiles.next_width_to_m[lane] = &kInfinity;
+    const SinCos bearing = plan_.sector().world_bearing(bins.azimuth_edge_rad(position));
+    set_out(profiles, lane, bearing, plan_.scene().world().grid, plan_.sector().antenna_m, widths);
     cells_.set_bearing(lane + static_cast<std::size_t>(half) * SightProfiles::kLanes, bearing);
   }
 }

@@ -30,7 +30,7 @@ class SweepEchoes {
   bool step(FrameStats& stats);
 
  private:
-  bool step_buildings();
+  void step_buildings();
   void start_planes();
   void start_plane(int half);
   void step_ground();
@@ -51,6 +51,7 @@ class SweepEchoes {
   GroundView ground_;
   // Two planes of each azimuth bin side by side, where it has two.
   int together_ = 1;
+  double plane_width_rad_ = 0;
   bool half_marching_[2];
   SightProfiles profiles_[2];
   VisibleSegments segments_[2];

@@ -21,23 +21,15 @@ void SweepGround::start(std::vector<GroundShare> shares) {
   lanes_.last_start_m = plan_.sector().r_max_m;
   segments_.n = cut_ = 0;
   marching_ = true;
-  const Horizon<double> nothing;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(kMost); ++lane) {
     lanes_.end_m[lane] = -1;
     if (lane >= shares_.size()) continue;
     const GroundShare& share = shares_[lane];
     const SinCos bearing = share.plane.bearing;
-    const GroundWalk walk(plan_.scene().world().grid, plan_.sector().antenna_m, bearing.sin, bearing.cos, 0,
-                          GroundWalk::kInfinity);
-    set_out(lanes_, lane, bearing, walk);
+    set_out(lanes_, lane, bearing, plan_.scene().world().grid, plan_.sector().antenna_m,
+            {share.width_rad.data(), share.to_m.data()});
     bins_.sin_bearing[lane] = bearing.sin;
     bins_.cos_bearing[lane] = bearing.cos;
-    lanes_.horizon_d_m[lane] = nothing.d_m;
-    lanes_.horizon_h_m[lane] = nothing.h_m;
-    lanes_.width_rad[lane] = share.width_rad.front();
-    lanes_.width_to_m[lane] = share.to_m.front();
-    lanes_.next_width_rad[lane] = share.width_rad.data() + 1;
-    lanes_.next_width_to_m[lane] = share.to_m.data() + 1;
     bins_.azimuth_offset_rad[lane] = share.plane.azimuth_offset_rad;
     bins_.azimuth_bin[lane] = share.plane.azimuth_bin;
   }

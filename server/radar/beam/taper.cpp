@@ -1,0 +1,73 @@
+#include "server/radar/beam/taper.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace obliq {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+}  // namespace
+
+double sinc(double u) {
+  const double x = kPi * u;
+  // The series' next term is x^4 / 120: below 1e-18.
+  return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x;
+}
+
+Taper::Taper(std::vector<double> series, bool half_cosine)
+    : series_(std::move(series)), half_cosine_(half_cosine) {
+  // The main lobe falls steadily to its first null, which lies within nbar + 1 of the peak.
+  double low = 0;
+  double high = 0;
+  while (std::pow(transform(high), 2) > 0.5) {
+    low = high;
+    high += 0.05;
+  }
+  for (int step = 0; step < 60; ++step) {
+    const double middle = (low + high) / 2;
+    (std::pow(transform(middle), 2) > 0.5 ? low : high) = middle;
+  }
+  width_ = low + high;
+}
+
+Taper Taper::half_cosine() { return Taper({}, true); }
+
+Taper Taper::taylor(int nbar, double sidelobe_db) {
+  // Carrara, Goodman, Majewski 1995, appendix D.2.
+  const double a = std::acosh(std::pow(10, sidelobe_db / 20)) / kPi;
+  const double stretch2 = nbar * nbar / (a * a + (nbar - 0.5) * (nbar - 0.5));
+  std::vector<double> series;
+  for (int m = 1; m < nbar; ++m) {
+    double above = 1;
+    double below = 1;
+    for (int n = 1; n < nbar; ++n) {
+      above *= 1 - m * m / stretch2 / (a * a + (n - 0.5) * (n - 0.5));
+      if (n != m) below *= 1 - static_cast<double>(m * m) / (n * n);
+    }
+    series.push_back((m % 2 == 1 ? 1 : -1) * above / (2 * below));
+  }
+  return Taper(std::move(series));
+}
+
+double Taper::transform(double u) const {
+  if (half_cosine_) {
+    // cos(pi u) / (1 - 4 u^2) as the mean of two shifted sinc functions, which has no gap at u = 1/2.
+    return (sinc(u - 0.5) + sinc(u + 0.5)) * kPi / 4;
+  }
+  double sum = sinc(u);
+  for (std::size_t m = 1; m <= series_.size(); ++m)
+    sum += series_[m - 1] * (sinc(u - static_cast<double>(m)) + sinc(u + static_cast<double>(m)));
+  return sum;
+}
+
+double Taper::noise_width() const {
+  if (half_cosine_) return kPi * kPi / 8;
+  double sum = 1;
+  for (const double f : series_) sum += 2 * f * f;
+  return sum;
+}
+
+}  // namespace obliq
