@@ -1,7 +1,9 @@
 #include "server/radar/receiver/noise_power.h"
 
+#include <cmath>
 #include <numbers>
 
+#include "server/radar/beam/point_response.h"
 #include "server/radar/receiver/decibel.h"
 
 namespace obliq {
@@ -13,6 +15,9 @@ constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 }  // namespace
 
 NoiseBand noise_band(const RadarSettings& settings) {
+  const PointResponse pulse(settings);
+  if (std::isfinite(pulse.resolution_m()))
+    return {kSpeedOfLight_m_s / (2 * pulse.half_pulse_m()), ratio_of_db(pulse.window_loss_db())};
   const double range_spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
   return {kSpeedOfLight_m_s / (2 * range_spacing_m), 1};
 }
