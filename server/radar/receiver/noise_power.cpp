@@ -1,6 +1,5 @@
 #include "server/radar/receiver/noise_power.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -16,23 +15,11 @@ constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 }  // namespace
 
 NoiseBand noise_band(const RadarSettings& settings) {
-  if (settings.pulse.kind != PulseKind::off)
-    return {1 / (settings.pulse.length_us * 1e-6), ratio_of_db(PointResponse(settings).window_loss_db())};
+  const PointResponse pulse(settings);
+  if (std::isfinite(pulse.resolution_m()))
+    return {kSpeedOfLight_m_s / (2 * pulse.half_pulse_m()), ratio_of_db(pulse.window_loss_db())};
   const double range_spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
   return {kSpeedOfLight_m_s / (2 * range_spacing_m), 1};
-}
-
-std::vector<double> noise_taps(const RadarSettings& settings) {
-  const double bin_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
-  const PointResponse response(settings);
-  std::vector<double> taps(1, 1.0);
-  if (settings.pulse.kind == PulseKind::compressed) taps = response.kernel(bin_m, settings.pulse.extent_bins);
-  if (settings.pulse.kind == PulseKind::rectangular)
-    taps.assign(static_cast<std::size_t>(std::max(1.0, std::round(response.resolution_m() / bin_m))), 1.0);
-  double sum = 0;
-  for (const double tap : taps) sum += tap * tap;
-  for (double& tap : taps) tap /= std::sqrt(sum);
-  return taps;
 }
 
 double system_temperature_k(double noise_figure_db, double antenna_temperature_k, double reference_k) {

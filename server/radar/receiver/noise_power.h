@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "server/radar/settings.h"
 
 namespace obliq {
@@ -13,11 +11,6 @@ struct NoiseBand {
 
 /// Without a pulse: c / 2 over the range bin, the band that the bins just resolve.
 NoiseBand noise_band(const RadarSettings& settings);
-
-/// White noise of mean square 1 goes through these on its way to the range bins, and keeps its power. Behind
-/// a compressed pulse they are its point response; behind a rectangular one a run of range bins as long as
-/// half the pulse's way, whose autocorrelation is the triangle of the matched filter. Without a pulse: one.
-std::vector<double> noise_taps(const RadarSettings& settings);
 
 /// T_s = T_a + T_0 (F - 1) (IEEE Std 145: noise figure F at the reference temperature T_0, 290 K), in kelvin.
 double system_temperature_k(double noise_figure_db, double antenna_temperature_k, double reference_k = 290);

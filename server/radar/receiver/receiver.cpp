@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "server/radar/receiver/decibel.h"
+#include "server/radar/receiver/noise_kernels.h"
 #include "server/radar/receiver/noise_power.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/hash.h"
@@ -18,6 +19,12 @@ constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max(
 std::uint64_t noise_key(const RadarSettings& settings, std::string_view radar, std::uint64_t counter) {
   const auto seed = static_cast<std::uint64_t>(settings.receiver.noise_seed);
   return mix64(mix64(mix64(seed) ^ checksum(radar.data(), radar.size())) ^ counter);
+}
+
+std::size_t longest(const std::vector<std::vector<double>>& kernels) {
+  std::size_t taps = 1;
+  for (const auto& kernel : kernels) taps = std::max(taps, kernel.size());
+  return taps;
 }
 
 /// What a float holds: nothing that is not finite leaves.
@@ -58,7 +65,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
       counter_(counter),
       key_(noise_key(settings, radar, counter)),
       noise_power_w_(obliq::noise_power_w(settings)),
-      noise_taps_(noise_taps(settings)),
+      noise_kernels_(obliq::noise_kernels(settings)),
       rain_power_(rain_echo_power_w(settings, air)),
       video_{video_floor_db(settings), settings.video.span_db},
       looks_(settings.video.looks) {
@@ -86,7 +93,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
 void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
   if (is_on_) {
     const auto n_range = static_cast<std::size_t>(bins.n_range);
-    Scratch scratch(wanted.iq ? n_range : 0, noise_taps_.size());
+    Scratch scratch(wanted.iq ? n_range : 0, longest(noise_kernels_));
     for (int a = 0; a < bins.n_azimuth; ++a) {
       const std::size_t row = static_cast<std::size_t>(a) * n_range;
       for (std::size_t r = 0; r < n_range; ++r) bins.power_w[row + r] *= power_factor_[r];
@@ -132,11 +139,17 @@ void Receiver::receive_row(std::uint64_t azimuth, std::complex<float>* iq, Scrat
 void Receiver::add_noise(std::uint64_t azimuth, Scratch& scratch) const {
   const Kernels& kernels = widest_kernels();
   const auto n_range = static_cast<int>(voltage_gain_.size());
-  const auto n_taps = static_cast<int>(noise_taps_.size());
   const std::uint64_t cell = azimuth << 32;
-  kernels.white_noise({key_, cell, n_range + n_taps - 1, scratch.white_re.data(), scratch.white_im.data()});
-  kernels.filter_row({n_range, n_taps, noise_taps_.data(), scratch.white_re.data(), scratch.re.data()});
-  kernels.filter_row({n_range, n_taps, noise_taps_.data(), scratch.white_im.data(), scratch.im.data()});
+  std::fill_n(scratch.re.begin(), voltage_gain_.size(), 0.0);
+  std::fill_n(scratch.im.begin(), voltage_gain_.size(), 0.0);
+  std::uint64_t key = key_;
+  for (const std::vector<double>& kernel : noise_kernels_) {
+    const auto n_taps = static_cast<int>(kernel.size());
+    kernels.white_noise({key, cell, n_range + n_taps - 1, scratch.white_re.data(), scratch.white_im.data()});
+    kernels.filter_row({n_range, n_taps, kernel.data(), scratch.white_re.data(), scratch.re.data()});
+    kernels.filter_row({n_range, n_taps, kernel.data(), scratch.white_im.data(), scratch.im.data()});
+    key = mix64(key + 1);
+  }
   for (std::size_t r = 0; r < noise_voltage_.size(); ++r) {
     scratch.re[r] *= noise_voltage_[r];
     scratch.im[r] *= noise_voltage_[r];

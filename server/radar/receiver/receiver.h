@@ -50,9 +50,9 @@ class Receiver {
   std::uint64_t counter_;
   std::uint64_t key_;  ///< of the noise
   double noise_power_w_;
-  bool has_noise_;                     ///< of the receiver or of rain
-  double echo_voltage_;                ///< losses
-  std::vector<double> noise_taps_;     ///< the pulse's kernel, of power 1; one: white
+  bool has_noise_;       ///< of the receiver or of rain
+  double echo_voltage_;  ///< losses
+  std::vector<std::vector<double>> noise_kernels_;
   std::vector<double> noise_voltage_;  ///< [n_range] of noise and rain
   std::vector<double> rain_power_;     ///< [n_range] of rain in the power plane; else empty
   std::vector<double> power_gain_;     ///< [n_range] gain and sensitivity time control

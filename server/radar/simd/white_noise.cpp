@@ -20,7 +20,7 @@ void white_noise(const NoiseRun& run) {
 
 void filter_row(const FilteredRow& row) {
   for (int m = 0; m < row.n; m += kLanes) {
-    f64x8 sum{};
+    f64x8 sum = load(row.out + m);
     for (int j = 0; j < row.n_taps; ++j) sum = sum + row.taps[j] * load(row.in + m + j);
     store(row.out + m, sum);
   }

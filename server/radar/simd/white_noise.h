@@ -18,13 +18,13 @@ struct NoiseRun {
 /// The same bits whatever the instruction set.
 OBLIQ_KERNEL(void, white_noise, const NoiseRun&);
 
-/// A row under a filter: out[m] = sum of taps[j] in[m + j], j from 0 to n_taps - 1.
+/// A row under a filter: out[m] += sum of taps[j] in[m + j], j from 0 to n_taps - 1.
 struct FilteredRow {
   int n;
   int n_taps;
   const double* taps;
   const double* in;  ///< read up to a multiple of 8 beyond n + n_taps
-  double* out;       ///< written up to a multiple of 8
+  double* out;       ///< read and written up to a multiple of 8
 };
 OBLIQ_KERNEL(void, filter_row, const FilteredRow&);
 
