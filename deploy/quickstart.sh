@@ -89,9 +89,18 @@ if [ -z "$server" ]; then
   exit 1
 fi
 
-step "5/6 three frames over TCP: rendering time, gaps (lit bins without a sample) and their share"
+# As deploy/scenes/x_band_sector.toml has it: beam, pulse, noise.
+radar=()
+for setting in radar.frequency_ghz=9.4 radar.power_w=50e3 radar.gain_db=33 radar.range_normalisation=false \
+  radar.speckle=independent antenna.tilt_deg=-1.5 beam.pattern=gaussian beam.width_deg=3 beam.elevation=cosecant \
+  beam.cosecant_to_deg=35 pulse.kind=rectangular pulse.length_us=0.25 receiver.noise=true; do
+  radar+=(--set "$setting")
+done
+
+step "5/6 four frames over TCP: rendering time, gaps (lit bins without a sample) and their share"
 "$programs/obliq" get --server "$server" --radar oblique --out "$out/oblique"
 "$programs/obliq" get --server "$server" --radar main --out "$out"
+"$programs/obliq" get --server "$server" --radar main "${radar[@]}" --out "$out/radar"
 "$programs/obliq" get --server "$server" --radar oblique --set frustum.kind=symmetric --out "$out/symmetric"
 
 step "6/6 stop the daemon"
@@ -101,7 +110,8 @@ step_end
 cat <<TEXT
 
 Done in $SECONDS s. The radar ground map:
-  $out/ground_map.png             by the sweep, planes through the ground
+  $out/ground_map.png             ideal: every bin as sharp as its edges (by the sweep, planes through the ground)
+  $out/radar/ground_map.png       the same view by a radar: a beam of 3 degrees, a pulse of 0.25 us, noise
   $out/oblique/ground_map.png     the same view by the oblique frustum, rays cast with Embree
   $out/ground_map.tif             the same, georeferenced (any GIS opens it)
   $out/bins.npy                   complex I&Q, azimuth x range; frame.json beside it says what is what
