@@ -4,29 +4,49 @@ from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
 from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
 
+AUTO_SPECKLE: SpeckleKind
 CF32_LE: IqEncodingKind
 CI16_LE: IqEncodingKind
 CIRCULAR_SCAN: ScanMode
+COMPRESSED_PULSE: PulseKind
+COSECANT_ELEVATION: ElevationPattern
+COSINE_BEAM: BeamPattern
 COUNT: PlaneKind
 DATUM: HeightReference
 DESCRIPTOR: _descriptor.FileDescriptor
 ELLIPSOID: HeightReference
+FILE_BEAM: BeamPattern
+FILE_ELEVATION: ElevationPattern
 FRAME_SCAN: ScanMode
+GAUSSIAN_BEAM: BeamPattern
+GAUSSIAN_ELEVATION: ElevationPattern
 GEOMETRIC_SPECKLE: SpeckleKind
 GROUND: HeightReference
 GROUND_SPECKLE: SpeckleKind
+HAMMING_WINDOW: PulseWindow
+HANN_WINDOW: PulseWindow
 HORIZONTAL: Polarisation
+INDEPENDENT_SPECKLE: SpeckleKind
 IQ: PlaneKind
 NEAREST_PLATES: PlateKind
+NONE_SPECKLE: SpeckleKind
+NONE_WINDOW: PulseWindow
 OBLIQUE: FrustumKind
+OFF_BEAM: BeamPattern
+OFF_ELEVATION: ElevationPattern
+OFF_PULSE: PulseKind
 POLAR: FrustumKind
 POWER: PlaneKind
+RECTANGULAR_PULSE: PulseKind
 SECTOR_SCAN: ScanMode
 SPREAD_PLATES: PlateKind
 STATE: PlaneKind
 SWEEP: FrustumKind
 SYMMETRIC: FrustumKind
+TAYLOR_BEAM: BeamPattern
+TAYLOR_WINDOW: PulseWindow
 UNCOMPRESSED: CompressionKind
+UNIFORM_BEAM: BeamPattern
 VERTICAL: Polarisation
 VIDEO: PlaneKind
 ZSTD: CompressionKind
@@ -402,7 +422,7 @@ class Material(_message.Message):
     def __init__(self, name: _Optional[str] = ..., model: _Optional[str] = ..., gamma: _Optional[float] = ..., reflectivity: _Optional[float] = ..., rms_slope: _Optional[float] = ..., plate_tau: _Optional[float] = ..., plate_exponent: _Optional[float] = ...) -> None: ...
 
 class Pose(_message.Message):
-    __slots__ = ["bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "pose_id", "sim_time_ns", "valid_s"]
+    __slots__ = ["bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "pose_id", "sim_time_ns", "tilt_auto", "tilt_deg", "valid_s"]
     BEARING_DEG_FIELD_NUMBER: _ClassVar[int]
     GEOID_UNDULATION_M_FIELD_NUMBER: _ClassVar[int]
     HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
@@ -411,6 +431,8 @@ class Pose(_message.Message):
     LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
     POSE_ID_FIELD_NUMBER: _ClassVar[int]
     SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    TILT_AUTO_FIELD_NUMBER: _ClassVar[int]
+    TILT_DEG_FIELD_NUMBER: _ClassVar[int]
     VALID_S_FIELD_NUMBER: _ClassVar[int]
     bearing_deg: float
     geoid_undulation_m: float
@@ -420,8 +442,10 @@ class Pose(_message.Message):
     longitude_deg: float
     pose_id: int
     sim_time_ns: int
+    tilt_auto: bool
+    tilt_deg: float
     valid_s: float
-    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ...) -> None: ...
+    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ..., tilt_deg: _Optional[float] = ..., tilt_auto: bool = ...) -> None: ...
 
 class QueryGround(_message.Message):
     __slots__ = ["antenna", "bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "radar", "range_m", "request_id"]
@@ -490,10 +514,18 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "frequency_ghz", "frustum", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "plates", "polarisation", "power_w", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_width_deg", "frequency_ghz", "frustum", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
     ADC_BITS_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
+    BEAM_COSECANT_TO_DEG_FIELD_NUMBER: _ClassVar[int]
+    BEAM_ELEVATION_FIELD_NUMBER: _ClassVar[int]
+    BEAM_ELEVATION_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
+    BEAM_EXTENT_DEG_FIELD_NUMBER: _ClassVar[int]
+    BEAM_NBAR_FIELD_NUMBER: _ClassVar[int]
+    BEAM_PATTERN_FIELD_NUMBER: _ClassVar[int]
+    BEAM_SIDELOBE_DB_FIELD_NUMBER: _ClassVar[int]
+    BEAM_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
     FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
     FRUSTUM_FIELD_NUMBER: _ClassVar[int]
     FULL_SCALE_DBM_FIELD_NUMBER: _ClassVar[int]
@@ -509,6 +541,14 @@ class RadarSettings(_message.Message):
     PLATES_FIELD_NUMBER: _ClassVar[int]
     POLARISATION_FIELD_NUMBER: _ClassVar[int]
     POWER_W_FIELD_NUMBER: _ClassVar[int]
+    PULSE_BANDWIDTH_MHZ_FIELD_NUMBER: _ClassVar[int]
+    PULSE_ECLIPSE_FIELD_NUMBER: _ClassVar[int]
+    PULSE_EXTENT_BINS_FIELD_NUMBER: _ClassVar[int]
+    PULSE_KIND_FIELD_NUMBER: _ClassVar[int]
+    PULSE_LENGTH_US_FIELD_NUMBER: _ClassVar[int]
+    PULSE_NBAR_FIELD_NUMBER: _ClassVar[int]
+    PULSE_SIDELOBE_DB_FIELD_NUMBER: _ClassVar[int]
+    PULSE_WINDOW_FIELD_NUMBER: _ClassVar[int]
     RAIN_MM_H_FIELD_NUMBER: _ClassVar[int]
     RAIN_TOP_M_FIELD_NUMBER: _ClassVar[int]
     RANGE_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -533,6 +573,14 @@ class RadarSettings(_message.Message):
     adc_bits: int
     antenna_temperature_k: float
     azimuth_bins: int
+    beam_cosecant_to_deg: float
+    beam_elevation: ElevationPattern
+    beam_elevation_width_deg: float
+    beam_extent_deg: float
+    beam_nbar: int
+    beam_pattern: BeamPattern
+    beam_sidelobe_db: float
+    beam_width_deg: float
     frequency_ghz: float
     frustum: FrustumKind
     full_scale_dbm: float
@@ -548,6 +596,14 @@ class RadarSettings(_message.Message):
     plates: PlateKind
     polarisation: Polarisation
     power_w: float
+    pulse_bandwidth_mhz: float
+    pulse_eclipse: bool
+    pulse_extent_bins: int
+    pulse_kind: PulseKind
+    pulse_length_us: float
+    pulse_nbar: int
+    pulse_sidelobe_db: float
+    pulse_window: PulseWindow
     r_max_m: float
     r_min_m: float
     rain_mm_h: float
@@ -569,7 +625,7 @@ class RadarSettings(_message.Message):
     video_floor_db: float
     video_looks: int
     video_span_db: float
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ...) -> None: ...
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ...) -> None: ...
 
 class RadarStatus(_message.Message):
     __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_version", "subscribers", "transmit_off"]
@@ -846,6 +902,18 @@ class PlateKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []
 
 class SpeckleKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class BeamPattern(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class ElevationPattern(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class PulseKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class PulseWindow(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []
 
 class ScanMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):

@@ -24,7 +24,7 @@ class Settings(Fields):
     gain_db: float | None = None
     # Multiply amplitudes by range squared; phases stay. Allowed: true | false
     range_normalisation: bool | None = None
-    # Speckle fixed to the ground, or the paper's, from the ranges of the samples. Allowed: "ground" | "geometric"
+    # Speckle fixed to the ground; the paper's, from the ranges of the samples; none; or drawn anew for each azimuth bin. auto: independent where an antenna with a beam scans, else ground. Allowed: "ground" | "geometric" | "none" | "independent" | "auto"
     speckle: str | None = None
     # Each seed gives another speckle pattern on the same ground. Allowed: any integer
     speckle_seed: int | None = None
@@ -48,6 +48,38 @@ class Settings(Fields):
     scan_rate_deg_s: float | None = None
     # Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192
     scan_dwell_bins: int | None = None
+    # The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone. Allowed: "off" | "gaussian" | "uniform" | "cosine" | "taylor" | "file"
+    beam_pattern: str | None = None
+    # One-way half-power beamwidth in azimuth. Allowed: number 0.05 to 90 deg
+    beam_width_deg: float | None = None
+    # How far a Taylor pattern's sidelobes lie below its peak, one way. Allowed: number 13 to 60 dB
+    beam_sidelobe_db: float | None = None
+    # Sidelobes of a Taylor pattern that are nearly equal. Allowed: integer 2 to 20
+    beam_nbar: int | None = None
+    # Beyond it the azimuth pattern is 0; 0: where it stays 30 dB down, at most four widths. Allowed: number 0 to 180 deg
+    beam_extent_deg: float | None = None
+    # The antenna's pattern in elevation about antenna.tilt_deg: a pencil (gaussian) or a fan (cosecant). Allowed: "off" | "gaussian" | "cosecant" | "file"
+    beam_elevation: str | None = None
+    # One-way half-power beamwidth in elevation. Allowed: number 0.05 to 90 deg
+    beam_elevation_width_deg: float | None = None
+    # Depression to which a cosecant-squared pattern reaches. Allowed: number 0.1 to 90 deg
+    beam_cosecant_to_deg: float | None = None
+    # What a point becomes in range; off: it stays in its range bin. Allowed: "off" | "rectangular" | "compressed"
+    pulse_kind: str | None = None
+    # Length of the pulse; a rectangular one resolves c/2 times it. Allowed: number 0.001 to 10000 us
+    pulse_length_us: float | None = None
+    # Bandwidth of a compressed pulse; 0: the range bin is its resolution, c/2B. Allowed: number 0 to 5000 MHz
+    pulse_bandwidth_mhz: float | None = None
+    # Weighting of a compressed pulse over its band. Allowed: "none" | "hamming" | "hann" | "taylor"
+    pulse_window: str | None = None
+    # How far a Taylor window's range sidelobes lie below the peak. Allowed: number 13 to 60 dB
+    pulse_sidelobe_db: float | None = None
+    # Range sidelobes of a Taylor window that are nearly equal. Allowed: integer 2 to 20
+    pulse_nbar: int | None = None
+    # Range bins on either side that a point reaches. Allowed: integer 1 to 256
+    pulse_extent_bins: int | None = None
+    # Cut the echo of what is nearer than half a pulse: the antenna still transmits. Allowed: true | false
+    pulse_eclipse: bool | None = None
     # Add the receiver's noise, k T B, to the bins. Allowed: true | false
     noise: bool | None = None
     # Noise figure of the receiver at 290 K. Allowed: number 0 to 40 dB
@@ -93,7 +125,10 @@ class Settings(Fields):
 Settings.choices = {
     "speckle": {
         "ground": 0,
-        "geometric": 1
+        "geometric": 1,
+        "none": 2,
+        "independent": 3,
+        "auto": 4
     },
     "frustum": {
         "symmetric": 1,
@@ -109,6 +144,31 @@ Settings.choices = {
         "frame": 0,
         "sector": 1,
         "circular": 2
+    },
+    "beam_pattern": {
+        "off": 0,
+        "gaussian": 1,
+        "uniform": 2,
+        "cosine": 3,
+        "taylor": 4,
+        "file": 5
+    },
+    "beam_elevation": {
+        "off": 0,
+        "gaussian": 1,
+        "cosecant": 2,
+        "file": 3
+    },
+    "pulse_kind": {
+        "off": 0,
+        "rectangular": 1,
+        "compressed": 2
+    },
+    "pulse_window": {
+        "none": 0,
+        "hamming": 1,
+        "hann": 2,
+        "taylor": 3
     },
     "polarisation": {
         "horizontal": 0,
@@ -135,6 +195,22 @@ Settings.keys = {
     "scan.mode": "scan_mode",
     "scan.rate_deg_s": "scan_rate_deg_s",
     "scan.dwell_bins": "scan_dwell_bins",
+    "beam.pattern": "beam_pattern",
+    "beam.width_deg": "beam_width_deg",
+    "beam.sidelobe_db": "beam_sidelobe_db",
+    "beam.nbar": "beam_nbar",
+    "beam.extent_deg": "beam_extent_deg",
+    "beam.elevation": "beam_elevation",
+    "beam.elevation_width_deg": "beam_elevation_width_deg",
+    "beam.cosecant_to_deg": "beam_cosecant_to_deg",
+    "pulse.kind": "pulse_kind",
+    "pulse.length_us": "pulse_length_us",
+    "pulse.bandwidth_mhz": "pulse_bandwidth_mhz",
+    "pulse.window": "pulse_window",
+    "pulse.sidelobe_db": "pulse_sidelobe_db",
+    "pulse.nbar": "pulse_nbar",
+    "pulse.extent_bins": "pulse_extent_bins",
+    "pulse.eclipse": "pulse_eclipse",
     "receiver.noise": "noise",
     "receiver.noise_figure_db": "noise_figure_db",
     "receiver.antenna_temperature_k": "antenna_temperature_k",
@@ -180,6 +256,10 @@ class Pose(Fields):
     pose_id: int | None = None
     # A pose is marked stale this long after it arrived if no other has arrived since; 0: never. Allowed: number 0 to 86400 s
     valid_s: float | None = None
+    # Elevation of the boresight, up positive; of patterns in elevation. "auto" in a scene file is antenna.tilt_auto. Allowed: number -90 to 90 deg
+    tilt_deg: float | None = None
+    # Tilt towards level ground in the middle of the swath instead of by antenna.tilt_deg. Allowed: true | false
+    tilt_auto: bool | None = None
 
 
 Pose.choices = {
@@ -198,5 +278,7 @@ Pose.keys = {
     "antenna.bearing_deg": "bearing_deg",
     "antenna.sim_time_ns": "sim_time_ns",
     "antenna.pose_id": "pose_id",
-    "antenna.valid_s": "valid_s"
+    "antenna.valid_s": "valid_s",
+    "antenna.tilt_deg": "tilt_deg",
+    "antenna.tilt_auto": "tilt_auto"
 }
