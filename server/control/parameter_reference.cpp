@@ -61,8 +61,10 @@ std::string quality_page() {
       "names pixels or plates but no kind, and a\nRenderOnce without a frustum, have the oblique frustum "
       "with spread plates. `oblique` finds its pixels when `obliqd` or\n`obliq render` has loaded the "
       "scene.\n\nMeasured over Los Angeles (`deploy/scenes/losangeles.toml`, terrain and 14,535 buildings) "
-      "against the reference\nrenderer. The first number is a frame's processor time over that of the paper's "
-      "setting traced by Embree (AVX2,\n`tests/bench/frame_turns`). E: power error of the lit bins, weighted by "
+      "against the reference\nrenderer. The first number is a frame's processor time over that of the "
+      "paper's "
+      "setting traced by Embree (AVX2,\n`tests/bench/frame_turns`). E: power error of the lit bins, weighted "
+      "by "
       "power; gaps: lit bins without a return.\n\n| quality | kind | plates | "
       "pixel_columns | pixel_rows | for | measured |\n|---|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
@@ -165,7 +167,12 @@ std::string parameters_markdown() {
                           key.modbus_address < 0 ? "" : std::to_string(key.modbus_address), key.key.summary});
   }
   page +=
-      "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n";
+      "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n"
+      "`scan.bars` = a list of up to 16 tilts in degrees, -90 to 90, one a pass, in turn; in a scene file "
+      "alone.\n"
+      "`beam.file` = a table `cut,angle_deg,gain_db` (cuts azimuth and elevation) for the patterns \"file\"; "
+      "in a "
+      "scene file\nalone.\n";
   page += "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) gives its encoding.\n";
   return page + quality_page() + scene_pages();
 }

@@ -96,8 +96,9 @@ class AccuracySearch {
   BinErrors measure(const ProbedRadar& p, const SamplingCase& sampling,
                     const std::shared_ptr<const Scene>& scene) {
     const auto match = match_buildings(finest_->world().buildings, scene->world().buildings);
-    return measure_errors(view_of(scene, *p.radar, with_sampling(sharp_settings(p.radar->settings), sampling)), p.truth,
-                          match, config_.threads)
+    return measure_errors(
+               view_of(scene, *p.radar, with_sampling(sharp_settings(p.radar->settings), sampling)), p.truth,
+               match, config_.threads)
         .errors[static_cast<int>(Returns::all)]
         .bins;
   }

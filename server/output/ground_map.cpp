@@ -235,7 +235,9 @@ bool can_be_drawn(const BinBlock& bins) {
 
 bool is_ideal(const wire::FrameDescriptor& descriptor) {
   const wire::RadarSettings& s = descriptor.settings();
-  return !s.noise() && s.stc_range_m() == 0 && s.adc_bits() == 0 && s.rain_mm_h() == 0;
+  const bool sharp = s.beam_pattern() == wire::OFF_BEAM && s.beam_elevation() == wire::OFF_ELEVATION &&
+                     s.pulse_kind() == wire::OFF_PULSE;
+  return sharp && !s.noise() && s.stc_range_m() == 0 && s.adc_bits() == 0 && s.rain_mm_h() == 0;
 }
 
 namespace {

@@ -241,7 +241,8 @@ TEST(BeamSums, ABeamNarrowerThanTwoBinsSeesWhatFinerBinsWouldSee) {
   for (const int azimuth : {0, 33, 79})
     for (const int range : {0, 100, 199}) {
       const double expected = power_of(b, 3 * azimuth + 1, 3 * range + 1);
-      // The two share their sharp bins, but not the tiles over which a beam has one width: half a tile of 110 m.
+      // The two share their sharp bins, but not the tiles over which a beam has one width: half a tile of 110
+      // m.
       EXPECT_NEAR(power_of(a, azimuth, range) / expected, 1, 3e-4) << azimuth << " " << range;
     }
 }

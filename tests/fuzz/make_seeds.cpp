@@ -52,7 +52,7 @@ void write_streams() {
   write_seed("framing", "frames", kMended + two.bytes);
   // Integers, compressed, of a window.
   net::StreamChoice choice;
-  choice.format = {wire::IqEncoding::ci16_le, wire::Compression::zstd, {{2, 6, 2}, {1, 0, 1}}};
+  choice.format = {wire::IqEncoding::ci16_le, wire::Compression::zstd, 8, {{2, 6, 2}, {1, 0, 1}}};
   test::MadeRecording coded;
   std::uint64_t sequence_of_coded = 0;
   test::add_frame(coded, 1, sequence_of_coded, true, "main", 1, {choice});

@@ -8,45 +8,18 @@
 #include <numbers>
 #include <vector>
 
-#include "server/radar/beam/point_response.h"
 #include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise_power.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/radar/simd/kernels.h"
 #include "tests/support/scenes.h"
+#include "tests/support/silent_radar.h"
 #include "tests/support/small_frames.h"
 #include "tests/support/sources.h"
 
 namespace obliq::test {
 namespace {
-
-constexpr double kSpeedOfLight_m_s = 299792458.0;
-
-/// 64 x 1024 bins of 30 m with noise.
-RadarSettings noisy() {
-  RadarSettings settings;
-  settings.azimuth_bins = 64;
-  settings.range_bins = 1024;
-  settings.r_min_m = 1000;
-  settings.r_max_m = 1000 + 30.0 * 1024;
-  settings.receiver.noise = true;
-  return settings;
-}
-
-BinBlock silence(const RadarSettings& settings) { return {0, settings.azimuth_bins, settings.range_bins}; }
-
-BinBlock received(const RadarSettings& settings, BinBlock bins, std::uint64_t counter = 1,
-                  const char* radar = "main") {
-  Receiver(settings, radar, counter).receive(bins, {});
-  return bins;
-}
-
-double mean_power(const BinBlock& bins) {
-  double sum = 0;
-  for (const std::complex<float> v : bins.iq) sum += std::norm(std::complex<double>(v));
-  return sum / static_cast<double>(bins.iq.size());
-}
 
 /// |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2).
 double correlation(const std::vector<std::complex<float>>& a, const std::vector<std::complex<float>>& b) {
@@ -152,60 +125,6 @@ TEST(Noise, OfAWedgeIsThatOfTheWholeFrame) {
   BinBlock copied(16, 8, settings.range_bins);
   copy_azimuths(whole, copied);
   EXPECT_TRUE(same_bits(wedge.iq, copied.iq));
-}
-
-/// |sum a[k] conj(a[k + lag])| over the power, along rows.
-double autocorrelation(const BinBlock& bins, int lag) {
-  std::complex<double> sum = 0;
-  double power = 0;
-  for (int a = 0; a < bins.n_azimuth; ++a)
-    for (int r = 0; r + lag < bins.n_range; ++r) {
-      const auto k = static_cast<std::size_t>(a * bins.n_range + r);
-      const std::complex<double> v(bins.iq[k]);
-      sum += v * std::conj(std::complex<double>(bins.iq[k + static_cast<std::size_t>(lag)]));
-      power += std::norm(v);
-    }
-  return sum.real() / power * bins.n_range / (bins.n_range - lag);
-}
-
-TEST(Noise, OfARectangularPulseHasItsTriangleInRange) {
-  RadarSettings settings = noisy();
-  settings.pulse.kind = PulseKind::rectangular;
-  for (const double bins_a_pulse : {0.4, 1.0, 3.0, 4.6}) {
-    settings.pulse.length_us = bins_a_pulse * 30 * 2 / kSpeedOfLight_m_s * 1e6;
-    EXPECT_NEAR(noise_power_w(settings) /
-                    (1.380649e-23 * 290 * std::pow(10, 0.4) / (settings.pulse.length_us * 1e-6)),
-                1, 1e-9);
-    const BinBlock bins = received(settings, silence(settings));
-    const double error = 5 * std::sqrt(std::max(1.0, bins_a_pulse) / static_cast<double>(bins.iq.size()));
-    EXPECT_NEAR(mean_power(bins) / noise_power_w(settings), 1, error) << bins_a_pulse;
-    for (const int lag : {1, 2, 3, 4, 5, 8}) {
-      const double triangle = std::max(0.0, 1 - lag / std::max(1.0, bins_a_pulse));
-      EXPECT_NEAR(autocorrelation(bins, lag), triangle, error) << bins_a_pulse << " bins, lag " << lag;
-    }
-  }
-}
-
-TEST(Noise, OfACompressedPulseHasThatOfItsPointResponse) {
-  RadarSettings settings = noisy();
-  settings.pulse.kind = PulseKind::compressed;
-  settings.pulse.bandwidth_mhz = kSpeedOfLight_m_s / (2 * 30 * 2.5) / 1e6;  // 2.5 bins
-  settings.pulse.length_us = 10;
-  // k T_s L_w / tau, the loss of a Hamming window 1.344 dB (Harris 1978).
-  EXPECT_NEAR(
-      noise_power_w(settings) / (1.380649e-23 * 290 * std::pow(10, 0.4) * std::pow(10, 0.1344) / 10e-6), 1,
-      2e-4);
-  const BinBlock bins = received(settings, silence(settings));
-  const std::vector<double> p = PointResponse(settings).kernel(30, settings.pulse.extent_bins);
-  const auto pp = [&](std::size_t lag) {
-    double sum = 0;
-    for (std::size_t j = 0; j + lag < p.size(); ++j) sum += p[j] * p[j + lag];
-    return sum;
-  };
-  const double error = 5 * std::sqrt(4.0 / static_cast<double>(bins.iq.size()));
-  EXPECT_NEAR(mean_power(bins) / noise_power_w(settings), 1, error);
-  for (const int lag : {1, 2, 3, 5})
-    EXPECT_NEAR(autocorrelation(bins, lag), pp(static_cast<std::size_t>(lag)) / pp(0), error) << lag;
 }
 
 TEST(Noise, HasTheSameBitsInEveryInstructionSet) {
