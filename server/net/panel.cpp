@@ -75,7 +75,7 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
 }
 
 PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
-  const bool sets = !change.settings.empty() || change.rate_limit_hz;
+  const bool sets = !change.settings.empty() || change.rate_limit_hz || change.of_scene_file;
   if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}, {}, radar.controller->name};
 
   RadarConfig config{radar.name, radar.settings.current()->settings, radar.pose};
@@ -86,6 +86,11 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   for (const auto& [parameter, value] : change.settings) {
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
+  }
+  if (change.of_scene_file) {
+    config.settings.scan_bars_deg = change.of_scene_file->bars_deg;
+    config.settings.beam.file = change.of_scene_file->pattern;
+    new_settings = true;
   }
   const double max_rate_hz = room_.options().max_rate_hz;
   if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz)) {

@@ -51,6 +51,12 @@ struct PanelChange {
     Value value;
   };
   std::vector<Setting> settings;
+  /// What no message carries and the scene file alone has: scan.bars and beam.file.
+  struct OfSceneFile {
+    std::vector<double> bars_deg;
+    std::shared_ptr<const PatternCuts> pattern;
+  };
+  std::optional<OfSceneFile> of_scene_file;
   std::optional<double> rate_limit_hz;  ///< 0: none
   std::optional<bool> transmit;
   std::optional<bool> freeze;

@@ -18,6 +18,7 @@
 #include "server/log/service_log.h"
 #include "server/net/panel.h"
 #include "server/net/server.h"
+#include "server/radar/beam/pattern_cuts.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
 
@@ -52,6 +53,16 @@ std::string scene_text(SceneConfig config) {
     radar = kept;
   }
   return print_config(config);
+}
+
+/// What the file says of them, where it says something new.
+std::optional<net::PanelChange::OfSceneFile> of_scene_file(const RadarSettings& known,
+                                                           const RadarSettings& wanted) {
+  const PatternCuts* before = known.beam.file.get();
+  const PatternCuts* now = wanted.beam.file.get();
+  const bool same_pattern = before == now || (before != nullptr && now != nullptr && *before == *now);
+  if (same_pattern && known.scan_bars_deg == wanted.scan_bars_deg) return std::nullopt;
+  return net::PanelChange::OfSceneFile{wanted.scan_bars_deg, wanted.beam.file};
 }
 
 }  // namespace
@@ -181,7 +192,11 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +
               toml_text(change.settings.back().value);
     }
-    if (change.settings.empty()) continue;
+    if (const auto of_file = of_scene_file(known->settings, wanted.radars[i].settings)) {
+      change.of_scene_file = of_file;
+      text += (text.empty() ? "" : ", ") + std::string("scan.bars and beam.file are as in the file");
+    }
+    if (change.settings.empty() && !change.of_scene_file) continue;
     const net::PanelAnswer answer = server_->panel().apply(known->name, change);
     if (answer.verdict == net::PanelVerdict::done) {
       spdlog::info("radar {}: {}", known->name, text);

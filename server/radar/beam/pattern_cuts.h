@@ -13,6 +13,8 @@ struct PatternCut {
   double gain(double offset_rad) const;
   /// The farthest angle at which the gain is above `edge`.
   double extent_rad(double edge) const;
+
+  bool operator==(const PatternCut&) const = default;
 };
 
 /// A measured antenna: its cuts through the boresight.
@@ -20,6 +22,8 @@ struct PatternCuts {
   std::filesystem::path path;
   PatternCut azimuth;
   PatternCut elevation;
+
+  bool operator==(const PatternCuts&) const = default;
 };
 
 /// Reads a table with the heading cut,angle_deg,gain_db and the cuts "azimuth" and "elevation"; angles from
