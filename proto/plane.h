@@ -11,7 +11,7 @@ constexpr int kPlanes = 5;
 
 /// A set of planes, bit n for plane n.
 using PlaneSet = std::uint8_t;
-constexpr PlaneSet kAllPlanes = 0x0F;  ///< that who names none gets: all but video
+constexpr PlaneSet kAllPlanes = 0x0F;  ///< of a client that names none: all but video
 constexpr PlaneSet kEveryPlane = 0x1F;
 constexpr PlaneSet plane_bit(Plane plane) {
   return static_cast<PlaneSet>(1u << static_cast<unsigned>(plane));

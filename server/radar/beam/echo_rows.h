@@ -45,7 +45,7 @@ class EchoRows {
 
   void take(int sharp_wedge, SharpWedgePtr wedge);
 
-  /// An output wedge that is ready and that nobody has been given.
+  /// An output wedge that is ready and has not been handed out.
   struct Ready {
     int wedge = 0;
     AzimuthRange azimuths;

@@ -107,15 +107,13 @@ glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
 std::complex<double> SpeckleField::response(const Scatterer& s, const OwnBin& bin) const {
   const double range_m = glm::length(reference_point(s) - antenna_m_);
   const std::uint64_t h = hash(s, bin);
-  const double own_turns = static_cast<double>(h >> 32) * 0x1p-32;
+  const double own_turns = turns_of_hash(h);
   // Phase in turns, -4 pi r / lambda = -2 pi (2 r / lambda): reduced modulo one turn before any sine.
   const double round_trips = 2 * range_m / wavelength_m_;
   const SinCos at = sincos_turns(own_turns - (round_trips - std::floor(round_trips)));
   // Box and Muller 1958: |u|^2 = -ln(uniform) is exponential with mean 1.
   const double modulus =
-      s.level == Scatterer::kWholeFace
-          ? 1.0
-          : std::sqrt(-log_of_positive((static_cast<double>(h & 0xffffffffull) + 0.5) * 0x1p-32));
+      s.level == Scatterer::kWholeFace ? 1.0 : std::sqrt(-log_of_positive(uniform_of_hash(h)));
   return {modulus * at.cos, modulus * at.sin};
 }
 

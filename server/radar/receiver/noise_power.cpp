@@ -1,8 +1,8 @@
 #include "server/radar/receiver/noise_power.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "server/radar/beam/antenna_gain.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/receiver/decibel.h"
 
@@ -39,11 +39,10 @@ double noise_power_w(const RadarSettings& settings) {
 
 double echo_power_w(double power_w, double gain_db, double wavelength_m, double loss_db,
                     double cross_section_m2, double slant_range_m) {
-  const double four_pi = 4 * std::numbers::pi;
   const double gain = ratio_of_db(gain_db);
   const double r2 = slant_range_m * slant_range_m;
-  return power_w * gain * gain * wavelength_m * wavelength_m * cross_section_m2 /
-         (four_pi * four_pi * four_pi * ratio_of_db(loss_db) * r2 * r2);
+  return radar_equation_constant(power_w, wavelength_m) * gain * gain * cross_section_m2 /
+         (ratio_of_db(loss_db) * r2 * r2);
 }
 
 }  // namespace obliq

@@ -18,6 +18,17 @@ struct SinCosOf {
 };
 using SinCos = SinCosOf<double>;
 
+/// What a hash of 64 bits gives a random phasor: its angle in turns, from 0, and a uniform number between 0
+/// and 1 for its modulus, of which -ln(uniform) is the square with mean 1 (Box and Muller 1958).
+template <typename Bits>
+OBLIQ_INLINE auto turns_of_hash(Bits hash) {
+  return to_doubles(hash >> 32) * 0x1p-32;
+}
+template <typename Bits>
+OBLIQ_INLINE auto uniform_of_hash(Bits hash) {
+  return (to_doubles(hash & 0xffffffffull) + 0.5) * 0x1p-32;
+}
+
 /// An angle as a whole number of quarter turns, and the sine and cosine of the rest.
 template <typename Real>
 struct QuarterTurns {

@@ -13,10 +13,10 @@ void face_voltages(const EchoTable& table, double wavelength_m, FaceEchoes& face
     const f64x8 range = sqrt(x * x + y * y + z * z);
     const u64x8 hash = load_u64(faces.hash + k);
     const f64x8 round_trips = 2.0 * range / wavelength_m;
-    const f64x8 own_turns = to_doubles(hash >> 32) * 0x1p-32;
+    const f64x8 own_turns = turns_of_hash(hash);
     const SinCosOf<f64x8> at = sincos_turns(own_turns - (round_trips - floor(round_trips)));
-    const f64x8 uniform = (to_doubles(hash & 0xffffffffull) + 0.5) * 0x1p-32;
-    const f64x8 modulus2 = select(load_u64(faces.whole + k) != 0, broadcast(1), -log_of_positive(uniform));
+    const f64x8 modulus2 =
+        select(load_u64(faces.whole + k) != 0, broadcast(1), -log_of_positive(uniform_of_hash(hash)));
     const f64x8 amplitude = sqrt(power) * sqrt(modulus2);
     store(re + k, amplitude * at.cos);
     store(im + k, amplitude * at.sin);

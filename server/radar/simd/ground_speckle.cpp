@@ -77,10 +77,10 @@ void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
                          gather(block.edges->sin, bin & 7), gather(block.edges->cos, bin & 7));
     }
     const u64x8 hash = mix_words(place_hash ^ kind);
-    const f64x8 own_turns = to_doubles(hash >> 32) * 0x1p-32;
+    const f64x8 own_turns = turns_of_hash(hash);
     const f64x8 round_trips = 2.0 * range / ground.wavelength_m;
     const SinCosOf<f64x8> at = sincos_turns(own_turns - (round_trips - floor(round_trips)));
-    const f64x8 modulus = sqrt(-log_of_positive((to_doubles(hash & 0xffffffffull) + 0.5) * 0x1p-32));
+    const f64x8 modulus = sqrt(-log_of_positive(uniform_of_hash(hash)));
     const f64x8 amplitude = sqrt(load(block.power_w + k));
     store(block.re + k, amplitude * (modulus * at.cos));
     store(block.im + k, amplitude * (modulus * at.sin));

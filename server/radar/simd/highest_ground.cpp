@@ -42,7 +42,7 @@ OBLIQ_INLINE void cross(const ProfileStretch& along, double start, double rate, 
   if (first < least_number) first = least_number;
   if (last > most_number) last = most_number;
   for (; first <= last; first += kLanes) {
-    const f64x8 number = first + f64x8{0, 1, 2, 3, 4, 5, 6, 7};
+    const f64x8 number = first + lane_numbers<double, kLanes>();
     const mask8 inside = number <= last;
     const f64x8 capped = select(inside, number, broadcast(last));
     // A profile that runs along a line of the family meets it anywhere.

@@ -10,8 +10,8 @@ void draw_speckle(const SpeckleDraw& draw) {
   const u64x8 lane = lane_numbers<std::uint64_t, kLanes>();
   for (int k = 0; k < draw.n; k += kLanes) {
     const u64x8 hash = mix_words((lane + (draw.cell + static_cast<std::uint64_t>(k))) ^ draw.key);
-    const SinCosOf<f64x8> at = sincos_turns(to_doubles(hash >> 32) * 0x1p-32);
-    const f64x8 modulus2 = -log_of_positive((to_doubles(hash & 0xffffffffull) + 0.5) * 0x1p-32);
+    const SinCosOf<f64x8> at = sincos_turns(turns_of_hash(hash));
+    const f64x8 modulus2 = -log_of_positive(uniform_of_hash(hash));
     const f64x8 amplitude = sqrt(converted<double>(load_as<Lanes<float, kLanes>>(draw.power + k)) * modulus2);
     float re[kLanes], im[kLanes];
     to_memory(re, converted<float>(amplitude * at.cos));

@@ -8,16 +8,12 @@ namespace {
 
 constexpr double kDb_of_log = 4.3429448190325182765;  // 10 / ln(10)
 
-OBLIQ_INLINE f64x8 uniform_of(u64x8 low_half) {
-  return (to_doubles(low_half & 0xffffffffull) + 0.5) * 0x1p-32;
-}
-
 }  // namespace
 
 // Marsaglia and Tsang, "A simple method for generating gamma variables", ACM TOMS 26 (2000), for a shape of
 // at least 1: exact, and one trial in twenty or fewer is thrown away.
 void mean_of_looks(const LooksRun& run) {
-  const u64x8 lane{0, 1, 2, 3, 4, 5, 6, 7};
+  const u64x8 lane = lane_numbers<std::uint64_t, kLanes>();
   const double d = run.looks - 1.0 / 3;
   const double c = 1 / __builtin_sqrt(9 * d);
   for (int k = 0; k < run.n; k += kLanes) {
@@ -26,10 +22,10 @@ void mean_of_looks(const LooksRun& run) {
     mask8 open = lane < 8;
     do {
       // A normal number by Box and Muller; the uniform one from the next hash.
-      const SinCosOf<f64x8> at = sincos_turns(to_doubles(hash >> 32) * 0x1p-32);
-      const f64x8 x = sqrt(-2.0 * log_of_positive(uniform_of(hash))) * at.cos;
+      const SinCosOf<f64x8> at = sincos_turns(turns_of_hash(hash));
+      const f64x8 x = sqrt(-2.0 * log_of_positive(uniform_of_hash(hash))) * at.cos;
       hash = mix_words(hash);
-      const f64x8 u = uniform_of(hash);
+      const f64x8 u = uniform_of_hash(hash);
       hash = mix_words(hash ^ run.key);
       const f64x8 root = 1.0 + c * x;
       const mask8 possible = root > 0.0;
