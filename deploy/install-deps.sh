@@ -21,7 +21,7 @@ test_packages=(
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format
   python3 python3-numpy python3-matplotlib python3-pip python3-venv python3-protobuf python3-crc32c
-  mbpoll openssl curl socat                                    # clients from elsewhere
+  mbpoll openssl curl socat tshark                             # clients from elsewhere
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
 )
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers

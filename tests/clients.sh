@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the Python package with programs that others wrote: each checks that what obliq makes means to them what it should.
 #
-#   tests/clients.sh [NAME...]     default: wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes
+#   tests/clients.sh [NAME...]     default: wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes cat240
 #
 # Installs into build/clients/. The last line says "N passed, M failed, K skipped"; exit code 77 where nothing failed and a
 # registry or an archive did not answer, which is no failure. Needs obliqd in build/release/bin.
@@ -252,6 +252,36 @@ print(len(data), "bytes of opendis, five headings")
 PY
 }
 
+# What displays get: libasterix makes the same bytes, asterix_decoder reads the same cells, tshark finds nothing malformed.
+check_cat240() {
+  environment libasterix libasterix==0.36.3 || return
+  environment asterix_decoder asterix_decoder==0.7.11 || return
+  command -v tshark >/dev/null || { echo "tshark is not installed: deploy/install-deps.sh test"; return 77; }
+  local captures=$work/cat240 packets=0 n bad
+  rm -rf "$captures"
+  "$work/env-all/bin/python" tests/cat240/capture.py "$captures" || return 1
+  "$work/env-libasterix/bin/python" tests/cat240/with_libasterix.py "$captures" || return 1
+  "$work/env-asterix_decoder/bin/python" tests/cat240/with_asterix_decoder.py "$captures" || return 1
+  for file in "$captures"/*.pcap; do
+    n=$(tshark -r "$file" -d udp.port==8600,asterix -Y asterix -T fields -e asterix.category | grep -c '^240$')
+    [ "$n" -eq "$(tshark -r "$file" | wc -l)" ] || { echo "$file: tshark takes $n packets for CAT 240"; return 1; }
+    bad=$(tshark -r "$file" -d udp.port==8600,asterix -Y '_ws.malformed || _ws.expert.severity >= 6291456' | head -3)
+    [ -z "$bad" ] || { echo "$file: $bad"; return 1; }
+    packets=$((packets + n))
+  done
+  # It does look: a message that is cut is malformed.
+  "$work/env-all/bin/python" - "$captures" <<'PY' || return 1
+import pathlib, sys
+sys.path.insert(0, "tests/cat240")
+from capture import pcap_of
+from captured import cases
+case = next(case for case in cases(sys.argv[1]) if case.name == "frame-512-8")
+pathlib.Path(sys.argv[1], "cut").write_bytes(pcap_of([(case.arrived[0], case.datagrams[1][:-100])], 8600))
+PY
+  tshark -r "$captures/cut" -d udp.port==8600,asterix -Y _ws.malformed | grep -q . || { echo "tshark takes a cut message for whole"; return 1; }
+  echo "$packets packets: the bytes of libasterix, the cells of the video plane by asterix_decoder, none malformed to tshark"
+}
+
 case "${1:-}" in -h | --help)
   sed -n '2,8s/^# \{0,1\}//p' "$0"
   exit 0
@@ -262,7 +292,7 @@ esac
   exit 1
 }
 mkdir -p "$work"
-[ $# -gt 0 ] || set -- wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes
+[ $# -gt 0 ] || set -- wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes cat240
 if [ "$1" != wheel ] && [ ! -x "$work/env-all/bin/python" ]; then set -- wheel "$@"; fi
 for name in "$@"; do
   declare -F "check_$name" >/dev/null || {

@@ -75,6 +75,7 @@ ALLOWED = {
         "server/security", "server/log", "server/ground_query"],
     "server/http": BASE + ["server/scene", "server/security", "server/log", "server/rendering", "server/net"],
     "server/modbus": BASE + ["server/control", "server/security", "server/log", "server/net"],
+    "server/asterix": BASE + ["proto", "client"],
     "server/apps": ["terrain", "proto", "client", "server"],
     "tests": ["terrain", "proto", "client", "server"],
 }

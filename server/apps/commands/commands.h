@@ -31,6 +31,7 @@ void add_fly(CLI::App& app);         ///< along a track
 void add_set(CLI::App& app);         ///< the settings of a live radar
 void add_status(CLI::App& app);      ///< what a server is doing
 void add_query(CLI::App& app);       ///< what is at places of the ground, and whether a radar sees it
+void add_cat240(CLI::App& app);      ///< a radar's video for displays
 void add_health(CLI::App& app);      ///< whether the daemon of this machine is healthy
 void add_parameters(CLI::App& app);  ///< the reference of radar parameters
 
