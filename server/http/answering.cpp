@@ -40,6 +40,24 @@ Page error_page(int status, const std::string& text) {
   return {status, "text/plain; charset=utf-8", text + "\n"};
 }
 
+std::optional<Page> foreign_page(const Asked& asked, const Site& site) {
+  if (asked.host.empty()) return error_page(400, "a request needs one field Host");
+  const LogFields fields{{"client", asked.peer}};
+  if (!is_own_host(asked.host, site)) {
+    spdlog::warn(
+        "HTTP: {} was refused: it asked for the host \"{}\"; name it in http.names if it is this one",
+        asked.peer, asked.host);
+    return error_page(
+        403, fmt::format("Host: found {}; allowed: an address, localhost, or one of http.names", asked.host));
+  }
+  if (asked.origin.empty() || is_own_origin(asked.origin, asked.host, site)) return std::nullopt;
+  spdlog::warn("HTTP: {} was refused: a page of {} asked; name that in http.origins if it may", asked.peer,
+               asked.origin);
+  return error_page(
+      403, fmt::format("Origin: found {}; allowed: this server's own, {}://{}, or one of http.origins",
+                       asked.origin, site.tls ? "https" : "http", asked.host));
+}
+
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security) {
   const std::string_view path = path_of(asked.target);
   for (const Route& route : routes) {

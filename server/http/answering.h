@@ -1,11 +1,13 @@
 #pragma once
 // What a request is answered: the page of its route, or why not.
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "server/http/http_server.h"
+#include "server/http/site.h"
 
 namespace obliq::http {
 
@@ -41,10 +43,16 @@ class Readiness {
 struct Asked {
   std::string peer;  ///< "127.0.0.1:50000"
   std::string_view target;
-  std::string_view authorization;  ///< the field of that name
-  bool is_read = false;            ///< GET or HEAD
+  std::string_view authorization;  ///< the field of that name, as those below
+  std::string_view host;
+  std::string_view origin;  ///< empty: none was sent
+  bool is_read = false;     ///< GET or HEAD
   bool has_body = false;
 };
+
+/// Why a request is refused whatever its path: Host or Origin are not this server's (403, and a log line), or
+/// there is no Host (400).
+std::optional<Page> foreign_page(const Asked& asked, const Site& site);
 
 /// `security` null: every client may read.
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security);

@@ -53,11 +53,14 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 
 Asked asked_by(const Request& parser, std::string peer) {
   const auto& request = parser.get();
-  return {.peer = std::move(peer),
-          .target = view(request.target()),
-          .authorization = view(request[bhttp::field::authorization]),
-          .is_read = request.method() == bhttp::verb::get || request.method() == bhttp::verb::head,
-          .has_body = !parser.is_done()};
+  return {
+      .peer = std::move(peer),
+      .target = view(request.target()),
+      .authorization = view(request[bhttp::field::authorization]),
+      .host = request.count(bhttp::field::host) == 1 ? view(request[bhttp::field::host]) : std::string_view(),
+      .origin = view(request[bhttp::field::origin]),
+      .is_read = request.method() == bhttp::verb::get || request.method() == bhttp::verb::head,
+      .has_body = !parser.is_done()};
 }
 
 /// What answers a header that cannot be read; none when the client is gone.
@@ -75,7 +78,10 @@ std::optional<Page> refusal(const error_code& error) {
 
 struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   State(asio::io_context& context, asio::io_context& for_pages, HttpOptions wanted, std::vector<Route> all)
-      : io(context), pages(for_pages), options(std::move(wanted)), routes(std::move(all)), acceptor(io) {}
+      : io(context), pages(for_pages), options(std::move(wanted)), routes(std::move(all)), acceptor(io) {
+    site = {options.security && options.security->has_tls(), options.names, options.origins};
+    site.names.push_back(options.address);
+  }
 
   void listen();
   asio::awaitable<void> accept();
@@ -98,6 +104,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   asio::io_context& pages;
   HttpOptions options;
   std::vector<Route> routes;
+  Site site;
   tcp::acceptor acceptor;
   std::string address;
   std::list<Connection> open;
@@ -277,7 +284,9 @@ asio::awaitable<void> HttpServer::State::converse(Stream& stream, Connection& co
 }
 
 asio::awaitable<Page> HttpServer::State::page_for(const Request& request, const std::string& peer) {
-  const auto make = [&] { return page_of(asked_by(request, peer), routes, options.security.get()); };
+  const Asked asked = asked_by(request, peer);
+  if (auto refused = foreign_page(asked, site)) co_return std::move(*refused);
+  const auto make = [&] { return page_of(asked, routes, options.security.get()); };
   if (&pages == &io) co_return make();
   co_return co_await asio::co_spawn(
       pages, [&]() -> asio::awaitable<Page> { co_return make(); }, asio::use_awaitable);
@@ -291,6 +300,8 @@ asio::awaitable<bool> HttpServer::State::answer(Stream& stream, const Page& page
   response.set(bhttp::field::content_type, page.type);
   response.set(bhttp::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
+  response.set("Content-Security-Policy", "default-src 'self'; connect-src 'self'; frame-ancestors 'none'");
+  response.set("Referrer-Policy", "no-referrer");
   if (page.status == 401) response.set(bhttp::field::www_authenticate, "Bearer");
   if (page.status == 405) response.set(bhttp::field::allow, "GET, HEAD");
   response.content_length(page.body.size());
@@ -337,6 +348,14 @@ std::uint16_t HttpServer::port() const {
 }
 
 const std::string& HttpServer::address() const { return state_->address; }
+
+std::string HttpServer::url() const {
+  // A server that listens on all addresses is found at the loopback.
+  std::string host = state_->address.substr(0, state_->address.rfind(':'));
+  if (host == "0.0.0.0") host = "127.0.0.1";
+  if (host == "[::]") host = "[::1]";
+  return fmt::format("{}://{}:{}/", state_->site.tls ? "https" : "http", host, port());
+}
 
 void HttpServer::stop() {
   asio::post(state_->io, [state = state_] {

@@ -35,6 +35,8 @@ struct HttpOptions {
   std::uint16_t port = 0;  ///< 0: any free one
   int max_connections = 64;
   int max_connections_per_address = 16;  ///< of IPv6, a /64 network
+  std::vector<std::string> names;        ///< see Site; `address` is one as well
+  std::vector<std::string> origins;      ///< see Site
   std::uint32_t max_header_bytes = 8192;
   int max_requests = 1000;                        ///< on one connection
   std::shared_ptr<const net::Security> security;  ///< certificate and tokens; null: none
@@ -43,9 +45,9 @@ struct HttpOptions {
 
 /// Answers GET and HEAD for a few paths, through TLS where there is a certificate, and those that are not
 /// open only with a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
-/// body, other methods, long or slow headers are refused; of too many connections, in all or from one
-/// address, the oldest that asks nothing goes, or else the newest is refused. All on the thread of `io`, but
-/// the constructor.
+/// body, other methods, long or slow headers, other Hosts and Origins (site.h) are refused; of too many
+/// connections, in all or from one address, the oldest that asks nothing goes, or else the newest is refused.
+/// All on the thread of `io`, but the constructor.
 class HttpServer {
  public:
   /// Listens at once. Throws InputError that names http.address or http.port. `pages`: on its thread they are
@@ -58,6 +60,8 @@ class HttpServer {
 
   std::uint16_t port() const;
   const std::string& address() const;  ///< "127.0.0.1:7480"
+  /// "http://127.0.0.1:7480/": where a browser on this machine finds the page.
+  std::string url() const;
   /// Listens no more and closes all connections. From any thread; any number of times.
   void stop();
 

@@ -53,7 +53,7 @@ TEST_F(DaemonHttpTest, ItIsReadyOnceClientsAreServed) {
   const Daemon daemon({"--config", scene}, folder.path());
   EXPECT_EQ(http_get(http_port(daemon), "/readyz").status, 200);
   EXPECT_EQ(http_get(http_port(daemon), "/healthz").status, 200);
-  EXPECT_EQ(http_get(http_port(daemon), "/").status, 404);
+  EXPECT_EQ(http_get(http_port(daemon), "/nothing").status, 404);
 }
 
 TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {

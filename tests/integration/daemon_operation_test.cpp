@@ -199,7 +199,7 @@ TEST_F(DaemonOperation, WithTokensTheMetricsNeedOneAndHealthDoesNot) {
   EXPECT_EQ(http_get(port, "/readyz").status, 200);
   const auto metrics = [&](const std::string& field) {
     HttpPeer peer(port);
-    peer.send("GET /metrics HTTP/1.1\r\nHost: here\r\n" + field + "\r\n");
+    peer.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n" + field + "\r\n");
     return peer.receive();
   };
   EXPECT_EQ(metrics("").status, 401);
@@ -233,7 +233,7 @@ TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
   EXPECT_EQ(alive.code, 0) << alive.err;
   EXPECT_EQ(alive.out.rfind("healthy: https://", 0), 0u) << alive.out;
   HttpPeer plain(port_of(http_address(daemon)));
-  plain.send("GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n");
+  plain.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(plain.receive().status, 0) << "nothing is said in plain words";
   EXPECT_EQ(client_of(daemon.log(), "TLS handshake failed").rfind("127.0.0.1:", 0), 0u) << daemon.log();
 }

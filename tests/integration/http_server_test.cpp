@@ -17,8 +17,8 @@ namespace {
 using http::HttpOptions;
 using http::HttpServer;
 
-constexpr const char* kGet = "GET /page HTTP/1.1\r\nHost: here\r\n\r\n";
-constexpr const char* kLarge = "GET /large HTTP/1.1\r\nHost: here\r\n\r\n";
+constexpr const char* kGet = "GET /page HTTP/1.1\r\nHost: localhost\r\n\r\n";
+constexpr const char* kLarge = "GET /large HTTP/1.1\r\nHost: localhost\r\n\r\n";
 
 class HttpServerTest : public testing::Test {
  protected:
@@ -97,7 +97,7 @@ TEST_F(HttpServerTest, AKnownPathIsAnsweredAndTheConnectionGoesOn) {
 
 TEST_F(HttpServerTest, RequestsSentAllAtOnceAreAnsweredInTurn) {
   HttpPeer peer(port());
-  peer.send(std::string(kGet) + "GET /none HTTP/1.1\r\nHost: here\r\n\r\n" + kGet);
+  peer.send(std::string(kGet) + "GET /none HTTP/1.1\r\nHost: localhost\r\n\r\n" + kGet);
   EXPECT_EQ(peer.receive().status, 200);
   EXPECT_EQ(peer.receive().status, 404);
   EXPECT_EQ(peer.receive().status, 200);
@@ -105,7 +105,7 @@ TEST_F(HttpServerTest, RequestsSentAllAtOnceAreAnsweredInTurn) {
 
 TEST_F(HttpServerTest, HeadIsGetWithoutTheBody) {
   HttpPeer peer(port());
-  peer.send("HEAD /page HTTP/1.1\r\nHost: here\r\n\r\n");
+  peer.send("HEAD /page HTTP/1.1\r\nHost: localhost\r\n\r\n");
   const HttpReply reply = peer.receive(true);
   EXPECT_EQ(reply.status, 200);
   EXPECT_NE(reply.headers.find("content-length: 5\r\n"), std::string::npos) << reply.headers;
@@ -121,7 +121,7 @@ TEST_F(HttpServerTest, AQueryIsNotPartOfThePath) {
 TEST_F(HttpServerTest, OtherMethodsAre405AndSayWhichAreAllowed) {
   for (const std::string method : {"POST", "PUT", "DELETE", "OPTIONS", "TRACE", "PATCH", "NONSENSE"}) {
     HttpPeer peer(port());
-    peer.send(method + " /page HTTP/1.1\r\nHost: here\r\nContent-Length: 0\r\n\r\n");
+    peer.send(method + " /page HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n");
     const HttpReply reply = peer.receive();
     EXPECT_EQ(reply.status, 405) << method;
     EXPECT_NE(reply.headers.find("allow: get, head"), std::string::npos) << reply.headers;
@@ -132,7 +132,7 @@ TEST_F(HttpServerTest, ARequestWithABodyIsRefusedAndTheConnectionEnds) {
   for (const std::string body : {"Content-Length: 5\r\n\r\nwords", "Content-Length: 99999999999\r\n\r\n",
                                  "Transfer-Encoding: chunked\r\n\r\n5\r\nwords\r\n0\r\n\r\n"}) {
     HttpPeer peer(port());
-    peer.send("GET /page HTTP/1.1\r\nHost: here\r\n" + body);
+    peer.send("GET /page HTTP/1.1\r\nHost: localhost\r\n" + body);
     EXPECT_EQ(peer.receive().status, 413) << body;
     EXPECT_TRUE(peer.closed());
   }
@@ -241,7 +241,7 @@ TEST_F(HttpServerTest, ATargetInAbsoluteFormIsAnswered) {  // RFC 9112 section 3
                                                 {"http://here", 404},
                                                 {"http://here/other", 404},
                                                 {"/http://here/page", 404}}) {
-    peer.send("GET " + target + " HTTP/1.1\r\nHost: here\r\n\r\n");
+    peer.send("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
     EXPECT_EQ(peer.receive().status, status) << target;
   }
 }

@@ -19,11 +19,13 @@
 #include "server/apps/daemon/reloader.h"
 #include "server/apps/daemon/server_options.h"
 #include "server/apps/daemon/service_manager.h"
+#include "server/control/parameter_reference.h"
 #include "server/flight/scene_keeper.h"
 #include "server/ground_query/ground_query.h"
 #include "server/http/answering.h"
 #include "server/http/http_server.h"
 #include "server/http/metrics.h"
+#include "server/http/page_routes.h"
 #include "server/loading/scene_loading.h"
 #include "server/log/service_log.h"
 #include "server/modbus/service.h"
@@ -181,6 +183,8 @@ void Daemon::open_http() {
   options.max_connections = config_.http.max_connections;
   options.max_connections_per_address = config_.http.max_connections_per_address;
   options.timeout_s = config_.http.timeout_s;
+  options.names = config_.http.names;
+  options.origins = config_.http.origins;
   const auto metrics = [this] {
     std::optional<net::RoomStatistics> room;
     if (serving_ != nullptr) room = serving_->statistics();
@@ -193,13 +197,12 @@ void Daemon::open_http() {
     return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
   };
   http_io_.post([] { (void)lower_own_priority(); });
-  http_ = std::make_unique<http::HttpServer>(
-      http_io_.context(), options,
-      std::vector<http::Route>{{"/healthz", true, http::health_page},
-                               {"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }},
-                               {"/metrics", false, metrics}},
-      &io_.context());
-  spdlog::info("HTTP on {}: /healthz, /readyz, /metrics", http_->address());
+  std::vector<http::Route> routes = http::page_routes(parameters_json());
+  routes.push_back({"/healthz", true, http::health_page});
+  routes.push_back({"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }});
+  routes.push_back({"/metrics", false, metrics});
+  http_ = std::make_unique<http::HttpServer>(http_io_.context(), options, std::move(routes), &io_.context());
+  spdlog::info("HTTP on {}: /, /healthz, /readyz, /metrics", http_->address());
 }
 
 /// A log line per stage and quarter; /readyz knows better.
@@ -278,6 +281,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
     readiness_.ready();
     const std::string serving = "serving " + names + " on " + server_->address();
     service_manager::ready(serving);
+    if (http_) spdlog::info("the picture in a browser: {}", http_->url());
     spdlog::info("ready: {} on {}", names, server_->address());
     reloader_->serve(*server_, *keeper_, serving);
   });

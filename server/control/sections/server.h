@@ -2,6 +2,7 @@
 // [server], [http] and [stream]: where the daemon listens, and the limits of what a peer may ask.
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace obliq {
 
@@ -43,13 +44,15 @@ struct ServerConfig : ServerLimits {
 
 extern const Section kServerSection;
 
-/// [http]: where the daemon answers /healthz, /readyz and /metrics.
+/// [http]: where the daemon answers /healthz, /readyz and /metrics, and serves the page.
 struct HttpConfig {
   bool enabled = true;
   std::string address = "127.0.0.1";
   int port = 7480;  ///< 0: any free one
   int max_connections = 64;
   int max_connections_per_address = 16;
+  std::vector<std::string> names;    ///< a Host may be, besides addresses and localhost
+  std::vector<std::string> origins;  ///< an Origin may be, besides the server's own
   double timeout_s = 10;  ///< for a request's header to arrive, for an answer to be taken, between requests
 };
 
