@@ -1,10 +1,12 @@
 #include "server/accuracy/truth_bins.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <optional>
 
+#include "server/radar/beam/patterns.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
 
@@ -68,6 +70,16 @@ ReferenceView reference_view(const FramePlan& plan) {
   view.power_w = settings.power_w;
   view.gain = std::pow(10.0, settings.gain_db / 10);
   view.range_normalisation = settings.range_normalisation;
+  if (settings.beam.elevation == ElevationPattern::off) return view;
+  // About the antenna's own vertical.
+  const ElevationTable& table = plan.antenna_gain().elevation();
+  view.two_way_gain = [pattern = ElevationGain(settings, plan.antenna_gain().tilt_rad()),
+                       lean_x = table.lean_x, lean_z = table.lean_z](double sine, double bearing_rad) {
+    const double level = std::sqrt(std::max(0.0, 1 - sine * sine));
+    const double own = sine + level * (lean_x * std::sin(bearing_rad) + lean_z * std::cos(bearing_rad));
+    const double gain = pattern.power_gain(std::asin(std::clamp(own, -1.0, 1.0)));
+    return gain * gain;
+  };
   return view;
 }
 
@@ -157,7 +169,7 @@ std::optional<ReferenceBins> read_record(std::ifstream& file, const AzimuthRange
       !file.read(reinterpret_cast<char*>(&hash), sizeof hash) || hash != checksum(bytes.data(), bytes.size()))
     return std::nullopt;
 
-  ReferenceBins bins{head.first_azimuth, head.n_azimuth, n_range, {}, {}, {}};
+  ReferenceBins bins{head.first_azimuth, head.n_azimuth, n_range, {}, {}, {}, {}};
   const char* from = bytes.data() + sizeof head;
   const auto take = [&](void* to, std::size_t n) {
     std::memcpy(to, from, n);

@@ -35,7 +35,7 @@ struct TruthBins {
   void append(const ReferenceBins& bins);
 };
 
-/// The frame as the reference renderer takes it.
+/// The frame as the reference renderer takes it, with its pattern in elevation, but without beam and pulse.
 ReferenceView reference_view(const FramePlan& plan);
 
 RangeBins range_bins(const RadarSettings& settings);

@@ -3,24 +3,24 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <thread>
 
+#include "server/accuracy/radar_truth.h"
 #include "server/accuracy/truth_bins.h"
 #include "server/accuracy/truth_search.h"
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
 #include "server/control/scene_file.h"
+#include "server/frontier/frontier_key.h"
 #include "server/frontier/frontier_table.h"
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
 #include "server/radar/frame_plan.h"
 #include "server/scene/embree_tracer.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/hash.h"
 #include "terrain/base/process.h"
 #include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
@@ -38,29 +38,6 @@ struct Ground {
   const World& world() const { return scene->world(); }
   double cell_m() const { return world().grid.cell_m; }
 };
-
-template <class List>
-std::uint64_t hash_list(std::uint64_t hash, const List& list) {
-  return checksum(list.data(), list.size() * sizeof list[0], hash);
-}
-
-/// Everything that the truth depends on besides its sampling.
-std::uint64_t world_hash(const World& world, std::uint64_t hash) {
-  hash = hash_list(hash, world.grid.y_m);
-  hash = hash_list(hash, world.surface_material);
-  hash = hash_list(hash, world.buildings.ring_xz_m);
-  for (const Building& building : world.buildings.list)
-    hash = hash_list(hash, std::array{building.roof_y_m, building.base_y_m});
-  return hash;
-}
-
-/// The scene without what changes no line of the table: the cases set pixels, kind and plates themselves.
-SceneConfig what_counts(SceneConfig config) {
-  config.server = {};
-  config.accuracy = {};
-  for (RadarConfig& radar : config.radars) radar.settings = with_sampling(radar.settings, paper_sampling(0));
-  return config;
-}
 
 class FrontierRun {
  public:
@@ -130,6 +107,9 @@ class FrontierRun {
     cases_ = frontier_cases(s, range_);
     header_.view = fmt::format("{:.4g} to {:.4g} km, {:.4g} degrees, {} x {} bins", s.r_min_m / 1000,
                                s.r_max_m / 1000, s.sector_deg, s.azimuth_bins, s.range_bins);
+    if (s.beam.pattern != BeamPattern::off)
+      header_.view += fmt::format(", behind a beam of {} degrees", short_number(s.beam.width_deg));
+    if (s.pulse.kind != PulseKind::off) header_.view += ", after a pulse";
     header_.version = OBLIQ_VERSION;
     header_.scene = config_.name;
     header_.radar = radar_.name;
@@ -151,13 +131,7 @@ class FrontierRun {
       std::erase(cases_, exact_sweep(header_.truth.planes_per_bin));
     }
 
-    std::string text = print_config(what_counts(config_)) + header_.version + header_.cpu + header_.tracer;
-    for (const SamplingCase& c : cases_) text += fmt::format("{} {}\n", sampling_text(c), c.cell_m);
-    for (const double number : {1.0 * threads_, 1.0 * options_.repeats, 1.0 * header_.azimuths_compared,
-                                1.0 * options_.truth_planes, options_.truth_step_m,
-                                1.0 * options_.most_truth_planes, 1.0 * static_cast<int>(options_.against)})
-      text += fmt::format("{} ", number);
-    key_ = world_hash(finest_.world(), hash_list(1, text + radar_.name));
+    key_ = frontier_key(config_, radar_.name, options_, header_, cases_, finest_.world());
     header_.key = fmt::format("{:016x}", key_);
   }
 
@@ -193,17 +167,38 @@ class FrontierRun {
     std::ofstream(file("frontier.csv")) << text;
   }
 
-  void make_truth() {
+  std::shared_ptr<const FramePlan> plan_for_truth() const {
     RadarSettings settings = radar_.settings;
     settings.frustum = FrustumKind::polar;  // any: the truth looks from any pose, as the polar frustum does
     const View view = view_of(finest_, settings);
     const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);
     if (!planned.plan) throw InputError("radar \"" + radar_.name + "\": " + all_text(planned.errors));
+    return planned.plan;
+  }
+
+  /// Behind a beam and a pulse one bin gathers so many planes that they need not be searched for: a finer
+  /// truth tells how good they are.
+  void make_radar_truth() {
+    const auto plan = plan_for_truth();
+    header_.truth = {options_.truth_planes, options_.truth_step_m, threads_};
+    truth_ = integrate_radar_truth(*plan, runs_, header_.truth, terminal_progress());
+    if (resumed_) return;
+    const ReferenceSampling finer{2 * options_.truth_planes, options_.truth_step_m / 2, threads_};
+    const TruthBins check = integrate_radar_truth(*plan, runs_, finer, terminal_progress());
+    header_.truth_checks = check_truth(truth_, check, range_bins(radar_.settings), {});
+    header_.truth_check_azimuths = azimuth_count(runs_);
+    write_frontier_header(file("frontier.json"), header_);
+    print_truth();
+  }
+
+  void make_truth() {
+    if (blurs(radar_.settings)) return make_radar_truth();
+    const auto plan = plan_for_truth();
     const ReferenceSampling start{options_.truth_planes, options_.truth_step_m, threads_};
     if (!resumed_) {
-      const AzimuthRuns probe = choose_azimuths(settings.azimuth_bins, kProbeAzimuths);
+      const AzimuthRuns probe = choose_azimuths(radar_.settings.azimuth_bins, kProbeAzimuths);
       const TruthQuality quality = search_truth(
-          *planned.plan, probe, start, options_.most_truth_planes,
+          *plan, probe, start, options_.most_truth_planes,
           [&](const TruthBins& truth) { return pilot(truth); }, terminal_progress());
       header_.truth = quality.sampling;
       header_.truth_checks = quality.checks;
@@ -212,8 +207,8 @@ class FrontierRun {
     }
     header_.truth.threads = threads_;
     print_truth();
-    truth_ = integrate_truth_in_file(file("truth.bin"), key_, *planned.plan, runs_, header_.truth,
-                                     terminal_progress());
+    truth_ =
+        integrate_truth_in_file(file("truth.bin"), key_, *plan, runs_, header_.truth, terminal_progress());
   }
 
   /// The sweep with so many planes in each azimuth bin and exact strands, over the truth's ground.

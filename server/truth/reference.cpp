@@ -119,17 +119,19 @@ class BinIntegrator {
         integral_(integral),
         walk_(world, sighted, view) {}
 
-  /// ground_w, building_w: [n_range] of this azimuth bin, zero at first.
-  BinBuildings run(int azimuth, double* ground_w, double* building_w) {
+  /// ground_w, building_w, sine_w: [n_range] of this azimuth bin, zero at first.
+  BinBuildings run(int azimuth, double* ground_w, double* building_w, double* sine_w) {
     std::map<std::uint32_t, BuildingTruth> seen;
     std::map<std::pair<std::uint32_t, int>, double> power_by_bin_w;
     const double width_rad = view_.sector_rad / view_.azimuth_bins;
     for (const PlaneSpot& spot : place_planes(sighted_, azimuth, width_rad, planes_per_bin_)) {
-      walk_.walk(view_.bearing_rad - view_.sector_rad / 2 + spot.from_start_rad, azimuth, strips_);
+      const double bearing_rad = view_.bearing_rad - view_.sector_rad / 2 + spot.from_start_rad;
+      walk_.walk(bearing_rad, azimuth, strips_);
       for (const Strip& strip : strips_.lit) {
         shares_.clear();
-        integral_.add(strip, spot.width_rad, shares_);
+        integral_.add(strip, bearing_rad, spot.width_rad, shares_);
         for (const BinShare& share : shares_) {
+          sine_w[share.range_bin] += share.sine_w;
           if (strip.building == kGroundStrip) {
             ground_w[share.range_bin] += share.power_w;
             continue;
@@ -142,7 +144,7 @@ class BinIntegrator {
       }
       for (const Strip& strip : strips_.alone) {
         shares_.clear();
-        integral_.add(strip, spot.width_rad, shares_);
+        integral_.add(strip, bearing_rad, spot.width_rad, shares_);
         for (const BinShare& share : shares_)
           seen[static_cast<std::uint32_t>(strip.building)].unoccluded_sr += share.solid_angle_sr;
       }
@@ -208,7 +210,7 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
   bins.n_range = view.range_bins;
   const auto n_range = static_cast<std::size_t>(view.range_bins);
   bins.ground_w.assign(static_cast<std::size_t>(n_azimuth) * n_range, 0.0);
-  bins.building_w = bins.ground_w;
+  bins.building_w = bins.sine_w = bins.ground_w;
   bins.buildings.resize(world.buildings.list.size());
   if (n_azimuth == 0) return bins;
 
@@ -220,7 +222,8 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
     return [&, integrator = BinIntegrator(world, sighted, view, sampling, integral)](int a) mutable {
       const std::size_t row = static_cast<std::size_t>(a) * n_range;
       by_bin[static_cast<std::size_t>(a)] =
-          integrator.run(first_azimuth + a, bins.ground_w.data() + row, bins.building_w.data() + row);
+          integrator.run(first_azimuth + a, bins.ground_w.data() + row, bins.building_w.data() + row,
+                         bins.sine_w.data() + row);
     };
   });
 

@@ -33,6 +33,7 @@
 // nearly in line with the sight changes its range bin within a fraction of the planes' spacing.
 // tests/accuracy/reference_order_test.cpp shows both, reference_test.cpp and reference_plates_test.cpp closed
 // forms.
+#include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -55,6 +56,9 @@ struct ReferenceView {
   double power_w = 1;
   double gain = 1;                   ///< one-way power gain, linear
   bool range_normalisation = false;  ///< leaves 1 / r^4 out
+  /// What a pattern in elevation does to power there and back, by the sine of elevation about the world's
+  /// vertical and the world bearing. Empty: 1.
+  std::function<double(double sin_elevation, double bearing_rad)> two_way_gain;
 };
 
 struct ReferenceSampling {
@@ -77,6 +81,7 @@ struct ReferenceBins {
   int n_range = 0;
   std::vector<double> ground_w;
   std::vector<double> building_w;
+  std::vector<double> sine_w;            ///< sum of power times the sine of its elevation
   std::vector<BuildingTruth> buildings;  ///< [world.buildings.list.size()]
 };
 

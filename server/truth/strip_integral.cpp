@@ -23,9 +23,12 @@ struct StripIntegral::Line {
   double t0_m, t1_m;  ///< of the strip's ends
   double d_per_t;     ///< ground distance gained a metre along the strip
   double foot_d_m;    ///< ground distance of the foot
+  double h_per_t;     ///< height gained a metre along the strip
+  double foot_h_m;    ///< height of the foot above the antenna
+  double bearing_rad;
   double width_rad;
 
-  Line(const Strip& strip, double azimuth_rad) : width_rad(azimuth_rad) {
+  Line(const Strip& strip, double bearing, double width) : bearing_rad(bearing), width_rad(width) {
     const double along_d = strip.d1_m - strip.d0_m;
     const double along_h = strip.h1_m - strip.h0_m;
     const double length = std::sqrt(along_d * along_d + along_h * along_h);
@@ -35,6 +38,8 @@ struct StripIntegral::Line {
     t1_m = t0_m + length;
     p_m = std::fabs(strip.d0_m * rise - strip.h0_m * d_per_t);
     foot_d_m = strip.d0_m - t0_m * d_per_t;
+    h_per_t = rise;
+    foot_h_m = strip.h0_m - t0_m * h_per_t;
   }
   double t_at_range(double r_m) const { return std::sqrt(std::max(0.0, (r_m - p_m) * (r_m + p_m))); }
 };
@@ -48,11 +53,13 @@ StripIntegral::StripIntegral(const std::vector<Material>& materials, const Refer
       r_max_m_(view.r_max_m),
       spacing_m_((view.r_max_m - view.r_min_m) / view.range_bins),
       n_range_(view.range_bins),
-      range_normalisation_(view.range_normalisation) {}
+      range_normalisation_(view.range_normalisation),
+      two_way_gain_(view.two_way_gain) {}
 
-void StripIntegral::add(const Strip& strip, double width_rad, std::vector<BinShare>& shares) const {
+void StripIntegral::add(const Strip& strip, double bearing_rad, double width_rad,
+                        std::vector<BinShare>& shares) const {
   if (strip.d0_m == strip.d1_m && strip.h0_m == strip.h1_m) return;
-  const Line line(strip, width_rad);
+  const Line line(strip, bearing_rad, width_rad);
   if (!(line.p_m > 0)) return;  // edge-on in this plane: no projected area
   // Range falls towards the foot and rises beyond it.
   if (line.t0_m < 0) add_monotone(strip, line, -1, std::max(0.0, -line.t1_m), -line.t0_m, shares);
@@ -84,7 +91,7 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
   const double widest_m = step_m_ * std::min(1.0, nearest_m / kFullStepRange_m);
   const int steps = static_cast<int>(std::clamp(std::ceil(length_m / widest_m), 1.0, kMostSteps));
   const double step_m = length_m / steps;
-  BinShare share{bin, 0, 0};
+  BinShare share{bin, 0, 0, 0};
   for (int k = 0; k < steps; ++k) {
     const double t_m = from_m + (k + 0.5) / steps * (to_m - from_m);
     const double r2 = line.p_m * line.p_m + t_m * t_m;
@@ -93,7 +100,11 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
     const double projected_area_m2 = d_m * line.width_rad * step_m * line.p_m / r_m;
     const double sigma_m2 = scattering_.cross_section_m2(strip.material, projected_area_m2,
                                                          std::min(1.0, strip.plane_distance_m / r_m));
-    share.power_w += range_constant_ * (range_normalisation_ ? sigma_m2 : sigma_m2 / (r2 * r2));
+    const double sine = (line.foot_h_m + t_m * line.h_per_t) / r_m;
+    double power_w = range_constant_ * (range_normalisation_ ? sigma_m2 : sigma_m2 / (r2 * r2));
+    if (two_way_gain_) power_w *= two_way_gain_(sine, line.bearing_rad);
+    share.power_w += power_w;
+    share.sine_w += power_w * sine;
     share.solid_angle_sr += projected_area_m2 / r2;
   }
   return share;

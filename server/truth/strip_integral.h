@@ -56,17 +56,18 @@ class Horizon {
 struct BinShare {
   int range_bin;
   double power_w;
+  double sine_w;  ///< power times the sine of its elevation
   double solid_angle_sr;
 };
 
-/// Integrates the radar equation over strips. Immutable.
+/// Integrates the radar equation over strips. Immutable; the view must outlive it.
 class StripIntegral {
  public:
   StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m);
 
   /// Appends one share for every range bin the strip lies in; twice when the range falls and rises again.
-  /// width_rad: azimuth that the strip's plane stands for.
-  void add(const Strip& strip, double width_rad, std::vector<BinShare>& shares) const;
+  /// bearing_rad: of the strip's plane; width_rad: azimuth that it stands for.
+  void add(const Strip& strip, double bearing_rad, double width_rad, std::vector<BinShare>& shares) const;
 
  private:
   struct Line;
@@ -80,6 +81,7 @@ class StripIntegral {
   double r_min_m_, r_max_m_, spacing_m_;
   int n_range_;
   bool range_normalisation_;
+  const std::function<double(double, double)>& two_way_gain_;
 };
 
 }  // namespace obliq

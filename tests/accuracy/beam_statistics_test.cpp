@@ -2,6 +2,7 @@
 // threads, the wedges and the instruction set.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -161,6 +162,82 @@ TEST(BeamStatistics, BearingsAreAsAlikeAsTheBeamsOverlap) {
   }
   for (const int j : {1, 2, 3})
     EXPECT_NEAR(correlation(frame.bins, 0, j).real(), hamming_correlation(j), 5 / std::sqrt(n));
+}
+
+/// Largest distance between the values' distribution and 1 - exp(-x) (Kolmogorov 1933).
+double distance_from_exponential(std::vector<double> values) {
+  std::ranges::sort(values);
+  const auto n = static_cast<double>(values.size());
+  double farthest = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double law = 1 - std::exp(-values[k]);
+    farthest = std::max({farthest, law - static_cast<double>(k) / n, static_cast<double>(k + 1) / n - law});
+  }
+  return farthest;
+}
+
+TEST(BeamStatistics, BeamsFourWidthsApartAreDrawsOfTheirOwnFromAnExponentialLaw) {
+  constexpr int kApart = 24;  // four widths of six bins
+  constexpr int kGates = 4;   // a Hamming response is gone
+  RadarSettings s = blurred(FrustumKind::sweep);
+  s.azimuth_bins = 240;
+  s.sector_deg = 24;
+  s.pixel_columns = 480;
+  std::vector<double> powers;
+  std::complex<double> alike = 0;
+  for (int seed = 1; seed <= 6; ++seed) {
+    s.speckle_seed = seed;
+    const Frame frame = level_frame(s);
+    const auto value = [&](int a, int r) {
+      const auto k = static_cast<std::size_t>(a * s.range_bins + r);
+      return std::complex<double>(frame.bins.iq[k]) / std::sqrt(frame.bins.power_w[k]);
+    };
+    for (int a = 0; a < s.azimuth_bins; a += kApart)
+      for (int r = 0; r < s.range_bins; r += kGates) {
+        powers.push_back(std::norm(value(a, r)));
+        if (a >= kApart) alike += value(a, r) * std::conj(value(a - kApart, r));
+      }
+  }
+  const double root = std::sqrt(static_cast<double>(powers.size()));
+  // Exceeded by chance once in a thousand times: 1.95 / sqrt(n).
+  EXPECT_LT(distance_from_exponential(powers), 1.95 / root);
+  EXPECT_LT(std::abs(alike) / static_cast<double>(powers.size()), 5 / root);
+  for (double& x : powers) x *= 1.2;
+  EXPECT_GT(distance_from_exponential(powers), 1.95 / root);
+}
+
+TEST(BeamStatistics, SharpBinsAddUpTooBrightForACellInTwoBinsHasOnePhase) {
+  // What the rule of owners is for: the same beam over bins that were made to stand alone. Eight planes a
+  // bin, so that a scatterer's cell lies across many of them.
+  RadarSettings s = blurred(FrustumKind::sweep);
+  s.pulse.kind = PulseKind::off;
+  s.pixel_columns = 960;
+  s.sub_columns = 0;
+  double by_hand = 0, by_owners = 0, n = 0;
+  for (int seed = 1; seed <= 6; ++seed) {
+    s.speckle_seed = seed;
+    RadarSettings sharp = s;
+    sharp.beam.pattern = BeamPattern::off;
+    const Frame alone = level_frame(sharp);
+    const Frame blurred_frame = level_frame(s);
+    for (int a = 12; a < s.azimuth_bins - 12; ++a)
+      for (int r = 0; r < s.range_bins; ++r) {
+        std::complex<double> voltage = 0;
+        double power = 0;
+        for (int j = -12; j <= 12; ++j) {
+          const double g = std::exp(-4 * std::numbers::ln2 * (j / 6.0) * (j / 6.0));
+          const auto k = static_cast<std::size_t>((a + j) * s.range_bins + r);
+          voltage += g * std::complex<double>(alone.bins.iq[k]);
+          power += g * g * alone.bins.power_w[k];
+        }
+        const auto k = static_cast<std::size_t>(a * s.range_bins + r);
+        by_hand += std::norm(voltage) / power;
+        by_owners += static_cast<double>(std::norm(blurred_frame.bins.iq[k])) / blurred_frame.bins.power_w[k];
+        ++n;
+      }
+  }
+  EXPECT_GT(10 * std::log10(by_hand / n), 0.2);
+  EXPECT_NEAR(10 * std::log10(by_owners / n), 0, 0.15);
 }
 
 TEST(IndependentSpeckle, IsWhiteOverAzimuthAndThePulseOverRange) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
 #include "tests/support/made_worlds.h"
@@ -274,6 +275,36 @@ TEST(BeamSums, ASectorThatTheBeamClosesIsPartOfTheCircle) {
   for (const int a : {0, 1, 165, 330})
     for (const int r : {0, 60, 199})
       EXPECT_NEAR(power_of(part, a, r) / power_of(whole, a, r), 1, 1e-5) << a << " " << r;
+}
+
+TEST(BeamSums, ACirclesPowerIsTheSharpOnesTimesTheSumOfTheSquaredGains) {
+  // Whatever the ground: the beam spreads what the sharp bins hold, it adds and loses nothing.
+  RadarSettings s = settings(64);
+  s.sector_deg = 360;
+  s.azimuth_bins = s.pixel_columns = 720;
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::hills, 12000, 100)));
+  const Pose pose = test::pose_over_origin(scene->world(), 2000);
+  const Frame sharp = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});
+  s.beam.pattern = BeamPattern::gaussian;
+  s.beam.width_deg = 2;
+  s.beam.extent_deg = 12;
+  const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
+  ASSERT_TRUE(planned.plan);
+  const EchoPlan& plan = *planned.plan->echo();
+  const Frame blurred = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});
+  for (const int r : {0, 37, 100, 199}) {
+    double before = 0, after = 0, gains = 0;
+    for (int a = 0; a < s.azimuth_bins; ++a) {
+      before += power_of(sharp, a, r);
+      after += power_of(blurred, a, r);
+    }
+    for (const float g2 : plan.tiles[static_cast<std::size_t>(r / EchoPlan::kTile)].power)
+      gains += double{g2};
+    ASSERT_GT(before, 0);
+    EXPECT_NEAR(after / before / gains, 1, 1e-6) << r;
+    // The sum itself: theta_eq over the bins' half degree, 1 / cos(e) wider within the tile's 320 m.
+    EXPECT_NEAR(gains / (2 * std::sqrt(kPi / (8 * std::numbers::ln2)) / 0.5), 1, 0.2) << r;
+  }
 }
 
 TEST(BeamSums, CountAndStateAreThoseOfTheBinsOwnGround) {
