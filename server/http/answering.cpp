@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <boost/beast/core/string.hpp>
+#include <boost/beast/http/error.hpp>
 #include <utility>
 
 #include "server/log/service_log.h"
@@ -12,10 +13,32 @@
 
 namespace obliq::http {
 
+namespace bhttp = boost::beast::http;
+
 namespace {
 
-/// Of "/metrics?x=1" and of the absolute form "http://host/metrics", which servers must accept (RFC 9112
-/// section 3.2.2): "/metrics".
+bool may_read(const Route& route, std::string_view authorization, const net::Security* security) {
+  if (route.is_open || security == nullptr || !security->needs_token()) return true;
+  constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
+  const std::string_view scheme = authorization.substr(0, kScheme.size());
+  if (!boost::beast::iequals({scheme.data(), scheme.size()}, {kScheme.data(), kScheme.size()})) return false;
+  return security->grant(authorization.substr(kScheme.size())).has_value();  // any role may look
+}
+
+/// Whether a list such as "chat, obliq.v1.json" names it.
+bool names(std::string_view list, std::string_view wanted) {
+  while (!list.empty()) {
+    const std::string_view one = list.substr(0, list.find(','));
+    list.remove_prefix(std::min(one.size() + 1, list.size()));
+    const std::size_t begin = one.find_first_not_of(" \t");
+    if (begin == std::string_view::npos) continue;
+    if (one.substr(begin, one.find_last_not_of(" \t") + 1 - begin) == wanted) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::string_view path_of(std::string_view target) {
   constexpr std::string_view kMark = "://";
   const std::size_t mark = target.starts_with('/') ? std::string_view::npos : target.find(kMark);
@@ -26,15 +49,25 @@ std::string_view path_of(std::string_view target) {
   return target.substr(0, target.find('?'));
 }
 
-bool may_read(const Route& route, std::string_view authorization, const net::Security* security) {
-  if (route.is_open || security == nullptr || !security->needs_token()) return true;
-  constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
-  const std::string_view scheme = authorization.substr(0, kScheme.size());
-  if (!boost::beast::iequals({scheme.data(), scheme.size()}, {kScheme.data(), kScheme.size()})) return false;
-  return security->grant(authorization.substr(kScheme.size())).has_value();  // any role may look
+std::optional<Page> header_refusal(const boost::system::error_code& error) {
+  if (error == bhttp::error::header_limit || error == bhttp::error::buffer_overflow)
+    return error_page(431, "the header is too long");
+  if (error == bhttp::error::body_limit) return error_page(413, "a request has no body here");
+  if (error == bhttp::error::end_of_stream || error == bhttp::error::partial_message) return std::nullopt;
+  if (error.category() == bhttp::make_error_code(bhttp::error::end_of_stream).category())
+    return error_page(400, "this is no HTTP request: " + error.message());
+  return std::nullopt;  // timed out, reset
 }
 
-}  // namespace
+std::optional<Page> upgrade_refusal(const Asked& asked, const Upgrade& upgrade) {
+  if (!asked.is_upgrade)
+    return error_page(426, upgrade.path + " is a WebSocket with the subprotocol " + upgrade.protocol);
+  if (asked.has_body) return error_page(413, "a request has no body here");
+  if (!names(asked.protocols, upgrade.protocol))
+    return error_page(400, fmt::format("Sec-WebSocket-Protocol: found \"{}\"; allowed: {}", asked.protocols,
+                                       upgrade.protocol));
+  return upgrade.obstacle();
+}
 
 Page error_page(int status, const std::string& text) {
   return {status, "text/plain; charset=utf-8", text + "\n"};

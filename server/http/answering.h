@@ -9,6 +9,10 @@
 #include "server/http/http_server.h"
 #include "server/http/site.h"
 
+namespace boost::system {
+class error_code;
+}
+
 namespace obliq::http {
 
 /// How far the daemon is, for /readyz. From any thread.
@@ -45,9 +49,11 @@ struct Asked {
   std::string_view target;
   std::string_view authorization;  ///< the field of that name, as those below
   std::string_view host;
-  std::string_view origin;  ///< empty: none was sent
-  bool is_read = false;     ///< GET or HEAD
+  std::string_view origin;     ///< empty: none was sent
+  std::string_view protocols;  ///< Sec-WebSocket-Protocol
+  bool is_read = false;        ///< GET or HEAD
   bool has_body = false;
+  bool is_upgrade = false;  ///< to a WebSocket
 };
 
 /// Why a request is refused whatever its path: Host or Origin are not this server's (403, and a log line), or
@@ -56,6 +62,16 @@ std::optional<Page> foreign_page(const Asked& asked, const Site& site);
 
 /// `security` null: every client may read.
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security);
+
+/// Of "/metrics?x=1" and of the absolute form "http://host/metrics", which servers must accept (RFC 9112
+/// section 3.2.2): "/metrics".
+std::string_view path_of(std::string_view target);
+
+/// What answers a header that cannot be read; none when the client is gone.
+std::optional<Page> header_refusal(const boost::system::error_code& error);
+
+/// Why a request for the path of `upgrade` is refused, if it is.
+std::optional<Page> upgrade_refusal(const Asked& asked, const Upgrade& upgrade);
 
 Page error_page(int status, const std::string& text);
 

@@ -7,16 +7,21 @@
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
 #include <cmath>
 #include <list>
+#include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "server/http/answering.h"
+#include "server/http/response_text.h"
 #include "server/log/service_log.h"
+#include "server/net/result_of.h"
+#include "server/net/socket_transport.h"
 #include "server/net/tcp.h"
 #include "server/security/networks.h"
 #include "server/security/security.h"
@@ -35,79 +40,118 @@ namespace {
 
 constexpr const char* kMostConnections = "http.max_connections";
 
-using PlainStream = beast::tcp_stream;
-using TlsStream = beast::ssl_stream<beast::tcp_stream>;
-using Response = bhttp::response<bhttp::string_body>;
+using net::SocketTransport;
+using net::Transport;
 using Request = bhttp::request_parser<bhttp::empty_body>;
 
+using Clock = asio::steady_timer::clock_type;
+
 /// A connection that is served.
-struct Connection {
-  std::string peer;     ///< "127.0.0.1:50000"
-  std::string network;  ///< what max_connections_per_address counts
-  beast::tcp_stream* stream = nullptr;
+struct Connection : std::enable_shared_from_this<Connection> {
+  Connection(asio::io_context& io, std::unique_ptr<SocketTransport> from)
+      : peer(from->address()),
+        network(net::network_of(from->host())),
+        transport(std::move(from)),
+        deadline(io) {}
+
+  void close() {
+    if (transport) transport->close();
+  }
+  /// Closes it after so long, unless that is called again before.
+  void limit(std::chrono::nanoseconds time) {
+    deadline.expires_after(time);
+    deadline.async_wait([weak = weak_from_this()](error_code error) {
+      const auto self = weak.lock();
+      // A timer that has gone off may still be set anew before its handler runs.
+      if (!error && self && self->deadline.expiry() <= Clock::now()) self->close();
+    });
+  }
+
+  const std::string peer;                      ///< "127.0.0.1:50000"
+  const std::string network;                   ///< what max_connections_per_address counts
+  std::unique_ptr<SocketTransport> transport;  ///< null once it has become something else than HTTP
+  asio::steady_timer deadline;
   bool asked = false;  ///< a request of it is being answered
   bool gone = false;   ///< it is being closed, and counts no more
 };
+using ConnectionPtr = std::shared_ptr<Connection>;
+
+struct Got {
+  Transport::Transfer transfer{};
+  std::size_t bytes = 0;
+};
+
+asio::awaitable<Got> read_some(SocketTransport& from, std::span<std::byte> bytes) {
+  co_return co_await net::result_of<Got>([&from, bytes](auto done) {
+    from.read_some(bytes, [done](Transport::Transfer transfer, std::size_t n) { done({transfer, n}); });
+  });
+}
+
+void warn_of_handshake(const std::string& peer, const std::string& why) {
+  const LogFields fields{{"client", peer}};
+  spdlog::warn(
+      "HTTP: {}: the TLS handshake failed: {}; clients need https:// and the certificate "
+      "server.tls_certificate",
+      peer, why);
+}
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-Asked asked_by(const Request& parser, std::string peer) {
+Asked asked_by(const Request& parser, const std::string& peer) {
   const auto& request = parser.get();
   return {
-      .peer = std::move(peer),
+      .peer = peer,
       .target = view(request.target()),
       .authorization = view(request[bhttp::field::authorization]),
       .host = request.count(bhttp::field::host) == 1 ? view(request[bhttp::field::host]) : std::string_view(),
       .origin = view(request[bhttp::field::origin]),
+      .protocols = view(request[bhttp::field::sec_websocket_protocol]),
       .is_read = request.method() == bhttp::verb::get || request.method() == bhttp::verb::head,
-      .has_body = !parser.is_done()};
-}
-
-/// What answers a header that cannot be read; none when the client is gone.
-std::optional<Page> refusal(const error_code& error) {
-  if (error == bhttp::error::header_limit || error == bhttp::error::buffer_overflow)
-    return error_page(431, "the header is too long");
-  if (error == bhttp::error::body_limit) return error_page(413, "a request has no body here");
-  if (error == bhttp::error::end_of_stream || error == bhttp::error::partial_message) return std::nullopt;
-  if (error.category() == bhttp::make_error_code(bhttp::error::end_of_stream).category())
-    return error_page(400, "this is no HTTP request: " + error.message());
-  return std::nullopt;  // timed out, reset
+      .has_body = !parser.is_done(),
+      .is_upgrade = beast::websocket::is_upgrade(request)};
 }
 
 }  // namespace
 
 struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
-  State(asio::io_context& context, asio::io_context& for_pages, HttpOptions wanted, std::vector<Route> all)
-      : io(context), pages(for_pages), options(std::move(wanted)), routes(std::move(all)), acceptor(io) {
+  State(asio::io_context& context, HttpOptions wanted, std::vector<Route> all, std::optional<Upgrade> other)
+      : io(context),
+        options(std::move(wanted)),
+        routes(std::move(all)),
+        upgrade(std::move(other)),
+        acceptor(io) {
     site = {options.security && options.security->has_tls(), options.names, options.origins};
     site.names.push_back(options.address);
   }
 
   void listen();
   asio::awaitable<void> accept();
-  asio::awaitable<void> serve(tcp::socket socket);
-  asio::awaitable<void> serve_tls(TlsStream& stream, Connection& connection);
-  template <typename Stream>
-  asio::awaitable<void> converse(Stream& stream, Connection& connection);
-  asio::awaitable<Page> page_for(const Request& request, const std::string& peer);
-  template <typename Stream>
-  asio::awaitable<bool> answer(Stream& stream, const Page& page, bool head, bool keep_alive,
-                               unsigned version);
-  asio::awaitable<void> part(PlainStream& stream);
+  /// Null: the peer has gone already, or there is no place for it.
+  ConnectionPtr admit(tcp::socket socket);
+  asio::awaitable<void> serve(ConnectionPtr connection);
+  asio::awaitable<void> converse(Connection& connection);
+  asio::awaitable<error_code> read_header(Connection& connection, beast::flat_buffer& buffer,
+                                          Request& request) const;
+  asio::awaitable<bool> answer(Connection& connection, const Page& page, bool head, bool keep_alive,
+                               unsigned version) const;
+  asio::awaitable<void> part(Connection& connection) const;
   /// What limit leaves no room for a new connection: "http.max_connections"; empty when there is room.
   std::string limit_reached(const std::string& network) const;
   bool make_room(const std::string& network, const std::string& limit);
   void turn_away(tcp::socket socket, const std::string& limit) const;
   std::chrono::nanoseconds timeout() const { return from_seconds(options.timeout_s); }
+  std::chrono::nanoseconds last_timeout() const {
+    return std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1));
+  }
 
   asio::io_context& io;
-  asio::io_context& pages;
   HttpOptions options;
   std::vector<Route> routes;
+  std::optional<Upgrade> upgrade;
   Site site;
   tcp::acceptor acceptor;
   std::string address;
-  std::list<Connection> open;
+  std::list<ConnectionPtr> open;
   bool stopping = false;
 };
 
@@ -143,26 +187,37 @@ asio::awaitable<void> HttpServer::State::accept() {
       continue;
     }
     in_trouble = false;
-    const std::string network = net::network_of(net::host_of_peer(socket.native_handle()));
-    const std::string limit = limit_reached(network);
-    if (!limit.empty() && !make_room(network, limit)) {
-      turn_away(std::move(socket), limit);
-      continue;
-    }
+    const ConnectionPtr connection = admit(std::move(socket));
+    if (!connection) continue;
     asio::co_spawn(
-        io,
-        [self = shared_from_this(), taken = std::move(socket)]() mutable {
-          return self->serve(std::move(taken));
-        },
+        io, [self = shared_from_this(), connection] { return self->serve(connection); },
         [self = shared_from_this()](const std::exception_ptr&) {});  // alive until then
   }
 }
 
+ConnectionPtr HttpServer::State::admit(tcp::socket socket) {
+  const std::string network = net::network_of(net::host_of_peer(socket.native_handle()));
+  const std::string limit = limit_reached(network);
+  if (!limit.empty() && !make_room(network, limit)) {
+    turn_away(std::move(socket), limit);
+    return nullptr;
+  }
+  error_code error;
+  const bool is_v6 = socket.local_endpoint(error).address().is_v6();
+  if (error) return nullptr;
+  const int fd = socket.release(error);
+  if (error) return nullptr;
+  net::watch_for_dead_peer(fd, options.dead_after_s);
+  return std::make_shared<Connection>(
+      io,
+      std::make_unique<SocketTransport>(io, fd, is_v6, options.security ? options.security->tls() : nullptr));
+}
+
 std::string HttpServer::State::limit_reached(const std::string& network) const {
-  const auto here = [](const Connection& c) { return !c.gone; };
+  const auto here = [](const ConnectionPtr& c) { return !c->gone; };
   if (std::ranges::count_if(open, here) >= options.max_connections) return kMostConnections;
   const auto of_host =
-      std::ranges::count_if(open, [&](const Connection& c) { return here(c) && c.network == network; });
+      std::ranges::count_if(open, [&](const ConnectionPtr& c) { return here(c) && c->network == network; });
   return of_host < options.max_connections_per_address ? "" : "http.max_connections_per_address";
 }
 
@@ -170,19 +225,20 @@ std::string HttpServer::State::limit_reached(const std::string& network) const {
 // them, the oldest goes.
 bool HttpServer::State::make_room(const std::string& network, const std::string& limit) {
   std::vector<std::string> idle;
-  for (const Connection& c : open)
-    if (!c.asked && !c.gone && (limit == kMostConnections || c.network == network)) idle.push_back(c.network);
+  for (const ConnectionPtr& c : open)
+    if (!c->asked && !c->gone && (limit == kMostConnections || c->network == network))
+      idle.push_back(c->network);
   if (idle.empty()) return false;
   const std::string most = net::most_crowded(idle);
-  const auto oldest = std::ranges::find_if(
-      open, [&](const Connection& c) { return !c.asked && !c.gone && c.network == most; });
+  const ConnectionPtr oldest = *std::ranges::find_if(
+      open, [&](const ConnectionPtr& c) { return !c->asked && !c->gone && c->network == most; });
   const LogFields fields{{"client", oldest->peer}};
   spdlog::warn(
       "HTTP: {} sent no request and was closed for a new connection: {} reached; raise that limit, or look "
       "at the open connections",
       oldest->peer, limit);
   oldest->gone = true;
-  oldest->stream->close();
+  oldest->close();
   return true;
 }
 
@@ -193,16 +249,12 @@ void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) 
   spdlog::warn(
       "HTTP: a connection from {} was refused: {} reached; raise that limit, or look at the open connections",
       peer, limit);
-  bhttp::response<bhttp::string_body> answer(bhttp::status::service_unavailable, 11, limit + " reached");
-  answer.set(bhttp::field::content_type, "text/plain");
+  Page page = error_page(503, limit + " reached");
   // By then connections that ask nothing have made room.
-  const auto later_s = static_cast<long>(std::ceil(options.timeout_s));
-  answer.set(bhttp::field::retry_after, std::to_string(later_s));
-  answer.keep_alive(false);
-  answer.prepare_payload();
+  page.retry_after_s = static_cast<int>(std::ceil(options.timeout_s));
   error_code ignored;
   socket.non_blocking(true, ignored);
-  bhttp::write(socket, answer, ignored);
+  asio::write(socket, asio::buffer(response_text(page, false, false, 11)), ignored);
   socket.shutdown(tcp::socket::shutdown_send, ignored);
   // A request that has come already and was not read would make the kernel reset the connection.
   std::array<char, 4096> unwanted;
@@ -210,131 +262,108 @@ void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) 
 }
 
 // GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
-asio::awaitable<void> HttpServer::State::serve(tcp::socket socket) {
-  const std::string peer = net::endpoint_of_peer(socket.native_handle());
-  const std::string network = net::network_of(net::host_of_peer(socket.native_handle()));
-  const auto tls = options.security ? options.security->tls() : nullptr;
-  std::optional<TlsStream> protected_stream;
-  std::optional<PlainStream> plain_stream;
-  if (tls) {
-    protected_stream.emplace(std::move(socket), *tls);
-  } else {
-    plain_stream.emplace(std::move(socket));
-  }
-  PlainStream& lowest = tls ? protected_stream->next_layer() : *plain_stream;
+asio::awaitable<void> HttpServer::State::serve(ConnectionPtr connection) {
+  Connection& c = *connection;
   // Also when memory runs out half way.
-  const auto place = open.insert(open.end(), {peer, network, &lowest});
+  const auto place = open.insert(open.end(), connection);
   const std::shared_ptr<void> entry(nullptr, [this, place](void*) { open.erase(place); });
   try {
-    if (tls) {
-      co_await serve_tls(*protected_stream, *place);
+    c.limit(timeout());
+    const auto start =
+        co_await net::result_of<Transport::Start>([&c](auto done) { c.transport->start(std::move(done)); });
+    if (start == Transport::Start::ready) {
+      co_await converse(c);
     } else {
-      co_await converse(*plain_stream, *place);
+      const bool plain = start == Transport::Start::plain_peer;
+      warn_of_handshake(c.peer, plain ? "it does not speak TLS" : c.transport->description());
+      if (!plain) co_return c.close();
+      (void)co_await answer(c, error_page(400, "this port speaks HTTPS only: https://"), false, false, 11);
     }
-    co_await part(lowest);
+    if (c.transport) co_await part(c);
   } catch (const std::exception& e) {
-    const LogFields fields{{"client", peer}};
+    const LogFields fields{{"client", c.peer}};
     spdlog::error("HTTP: {}: connection ended: {}; if memory runs out, load less terrain or lower the limits",
-                  peer, failure_text(e));
+                  c.peer, failure_text(e));
   }
 }
 
-asio::awaitable<void> HttpServer::State::serve_tls(TlsStream& stream, Connection& connection) {
-  error_code error;
-  stream.next_layer().expires_after(timeout());
-  co_await stream.async_handshake(asio::ssl::stream_base::server,
-                                  asio::redirect_error(asio::use_awaitable, error));
-  if (error) {
-    const LogFields fields{{"client", connection.peer}};
-    spdlog::warn(
-        "HTTP: {}: the TLS handshake failed: {}; clients need https:// and the certificate "
-        "server.tls_certificate",
-        connection.peer, error.message());
-    co_return;
-  }
-  co_await converse(stream, connection);
-  stream.next_layer().expires_after(std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1)));
-  co_await stream.async_shutdown(asio::redirect_error(asio::use_awaitable, error));
-}
-
-template <typename Stream>
-asio::awaitable<void> HttpServer::State::converse(Stream& stream, Connection& connection) {
+asio::awaitable<void> HttpServer::State::converse(Connection& connection) {
   beast::flat_buffer buffer(options.max_header_bytes);
   for (int served = 1; !stopping; ++served) {
     Request request;
     request.header_limit(options.max_header_bytes);
-    error_code error;
-    beast::get_lowest_layer(stream).expires_after(timeout());  // for the whole header, however it dribbles in
-    co_await bhttp::async_read_header(stream, buffer, request,
-                                      asio::redirect_error(asio::use_awaitable, error));
+    connection.limit(timeout());  // for the whole header, however it dribbles in
+    const error_code error = co_await read_header(connection, buffer, request);
     if (error) {
-      const auto page = refusal(error);
-      if (page) (void)co_await answer(stream, *page, false, false, 11);
+      const auto page = header_refusal(error);
+      if (page) (void)co_await answer(connection, *page, false, false, 11);
       break;
     }
     connection.asked = true;
+    const Asked asked = asked_by(request, connection.peer);
+    std::optional<Page> page = foreign_page(asked, site);
+    if (!page && upgrade && path_of(asked.target) == upgrade->path) {
+      page = upgrade_refusal(asked, *upgrade);
+      if (!page) {
+        connection.deadline.cancel();
+        std::ostringstream header;
+        header << request.get().base();
+        upgrade->take(std::move(connection.transport), header.str(), beast::buffers_to_string(buffer.data()));
+        co_return;
+      }
+    }
+    if (!page) page = page_of(asked, routes, options.security.get());
     const bool head = request.get().method() == bhttp::verb::head;
     // A body is never read: what follows it could not be told from it.
     const bool keep = request.is_done() && request.get().keep_alive() && served < options.max_requests;
-    const Page page = co_await page_for(request, connection.peer);
-    const bool more = co_await answer(stream, page, head, keep, request.get().version());
+    const bool more = co_await answer(connection, *page, head, keep, request.get().version());
     connection.asked = false;
     if (!more) break;
   }
 }
 
-asio::awaitable<Page> HttpServer::State::page_for(const Request& request, const std::string& peer) {
-  const Asked asked = asked_by(request, peer);
-  if (auto refused = foreign_page(asked, site)) co_return std::move(*refused);
-  const auto make = [&] { return page_of(asked, routes, options.security.get()); };
-  if (&pages == &io) co_return make();
-  co_return co_await asio::co_spawn(
-      pages, [&]() -> asio::awaitable<Page> { co_return make(); }, asio::use_awaitable);
+asio::awaitable<error_code> HttpServer::State::read_header(Connection& connection, beast::flat_buffer& buffer,
+                                                           Request& request) const {
+  constexpr std::size_t kAtOnce = 4096;
+  while (true) {
+    error_code error = bhttp::error::need_more;
+    if (buffer.size() > 0) buffer.consume(request.put(buffer.data(), error));
+    if (error != bhttp::error::need_more) co_return error;
+    const std::size_t room = std::min(kAtOnce, buffer.max_size() - buffer.size());
+    if (room == 0) co_return bhttp::error::header_limit;
+    const auto space = buffer.prepare(room);
+    const Got got =
+        co_await read_some(*connection.transport, {static_cast<std::byte*>(space.data()), space.size()});
+    if (got.transfer != Transport::Transfer::done) co_return bhttp::error::end_of_stream;
+    buffer.commit(got.bytes);
+  }
 }
 
 // False when the connection is to end.
-template <typename Stream>
-asio::awaitable<bool> HttpServer::State::answer(Stream& stream, const Page& page, bool head, bool keep_alive,
-                                                unsigned version) {
-  Response response(static_cast<bhttp::status>(page.status), version);
-  response.set(bhttp::field::content_type, page.type);
-  response.set(bhttp::field::cache_control, "no-store");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Content-Security-Policy", "default-src 'self'; connect-src 'self'; frame-ancestors 'none'");
-  response.set("Referrer-Policy", "no-referrer");
-  if (page.status == 401) response.set(bhttp::field::www_authenticate, "Bearer");
-  if (page.status == 405) response.set(bhttp::field::allow, "GET, HEAD");
-  response.content_length(page.body.size());
-  if (!head) response.body() = page.body;
-  response.keep_alive(keep_alive);
-  bhttp::response_serializer<bhttp::string_body> serializer(response);
-  error_code error;
-  beast::get_lowest_layer(stream).expires_after(timeout());
-  if (head) {
-    co_await bhttp::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
-  } else {
-    co_await bhttp::async_write(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
-  }
-  co_return !error && keep_alive;
+asio::awaitable<bool> HttpServer::State::answer(Connection& connection, const Page& page, bool head,
+                                                bool keep_alive, unsigned version) const {
+  const std::string text = response_text(page, head, keep_alive, version);
+  connection.limit(timeout());
+  const auto put = co_await net::result_of<Transport::Transfer>(
+      [&](auto done) { connection.transport->write(std::as_bytes(std::span(text)), std::move(done)); });
+  co_return put == Transport::Transfer::done ? keep_alive : false;
 }
 
 // Bytes left unread when a socket is closed make the kernel reset the connection, and the peer would lose the
 // answer: reads on for a while.
-asio::awaitable<void> HttpServer::State::part(PlainStream& stream) {
-  error_code error;
-  stream.socket().shutdown(tcp::socket::shutdown_send, error);
-  std::array<char, 4096> unwanted;
-  stream.expires_after(std::min<std::chrono::nanoseconds>(timeout(), std::chrono::seconds(1)));
-  for (int reads = 0; reads < 256 && !error; ++reads) {
-    co_await stream.async_read_some(asio::buffer(unwanted), asio::redirect_error(asio::use_awaitable, error));
-  }
-  stream.socket().close(error);
+asio::awaitable<void> HttpServer::State::part(Connection& connection) const {
+  connection.limit(last_timeout());
+  Got got{co_await net::result_of<Transport::Transfer>(
+      [&](auto done) { connection.transport->finish(std::move(done)); })};
+  std::array<std::byte, 4096> unwanted;
+  for (int reads = 0; reads < 256 && got.transfer == Transport::Transfer::done; ++reads)
+    got = co_await read_some(*connection.transport, unwanted);
+  connection.close();
 }
 
 HttpServer::HttpServer(asio::io_context& io, HttpOptions options, std::vector<Route> routes,
-                       asio::io_context* pages)
-    : state_(std::make_shared<State>(io, pages == nullptr ? io : *pages, std::move(options),
-                                     std::move(routes))) {
+                       std::optional<Upgrade> upgrade)
+    : state_(std::make_shared<State>(io, std::move(options), std::move(routes), std::move(upgrade))) {
   state_->listen();
   asio::co_spawn(
       io, [state = state_] { return state->accept(); }, asio::detached);
@@ -363,7 +392,7 @@ void HttpServer::stop() {
     state->stopping = true;
     error_code ignored;
     state->acceptor.close(ignored);
-    for (const Connection& connection : state->open) connection.stream->close();
+    for (const ConnectionPtr& connection : state->open) connection->close();
   });
 }
 

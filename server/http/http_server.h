@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
@@ -13,7 +14,8 @@ class io_context;
 
 namespace obliq::net {
 class Security;
-}
+class SocketTransport;
+}  // namespace obliq::net
 
 namespace obliq::http {
 
@@ -22,12 +24,24 @@ struct Page {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
+  int retry_after_s = 0;  ///< said to the client, unless it is 0
 };
 
 struct Route {
   std::string path;
   bool is_open = false;        ///< needs no token
-  std::function<Page()> page;  ///< called for each GET or HEAD on the pages' thread; must be quick
+  std::function<Page()> page;  ///< called for each GET or HEAD on the io thread; must be quick
+};
+
+/// A path where a connection stops being HTTP and becomes a WebSocket (RFC 6455 section 4.2).
+struct Upgrade {
+  std::string path;
+  std::string protocol;                           ///< the subprotocol that a client must name
+  std::function<std::optional<Page>()> obstacle;  ///< the answer when it may not be now
+  /// Takes the connection on the io thread: it has not been answered. `header`: of the request, as text;
+  /// `unread`: what has come behind it.
+  std::function<void(std::unique_ptr<net::SocketTransport> transport, std::string header, std::string unread)>
+      take;
 };
 
 struct HttpOptions {
@@ -40,6 +54,7 @@ struct HttpOptions {
   std::uint32_t max_header_bytes = 8192;
   int max_requests = 1000;                        ///< on one connection
   std::shared_ptr<const net::Security> security;  ///< certificate and tokens; null: none
+  double dead_after_s = 60;                       ///< see net::watch_for_dead_peer
   double timeout_s = 10;  ///< for a header to arrive, for an answer to be taken, between two requests
 };
 
@@ -47,13 +62,12 @@ struct HttpOptions {
 /// open only with a token (`Authorization: Bearer TOKEN`) where there are tokens. Requests with a
 /// body, other methods, long or slow headers, other Hosts and Origins (site.h) are refused; of too many
 /// connections, in all or from one address, the oldest that asks nothing goes, or else the newest is refused.
-/// All on the thread of `io`, but the constructor.
+/// All on the thread of `io`, but the constructor and the arithmetic of TLS handshakes.
 class HttpServer {
  public:
-  /// Listens at once. Throws InputError that names http.address or http.port. `pages`: on its thread they are
-  /// made; null: on that of `io`.
+  /// Listens at once. Throws InputError that names http.address or http.port.
   HttpServer(boost::asio::io_context& io, HttpOptions options, std::vector<Route> routes,
-             boost::asio::io_context* pages = nullptr);
+             std::optional<Upgrade> upgrade = std::nullopt);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -10,7 +10,7 @@
 #include "server/net/panel.h"
 #include "server/net/room.h"
 #include "server/net/session.h"
-#include "server/net/transport.h"
+#include "server/net/socket_transport.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
 
@@ -33,6 +33,7 @@ struct Server::State {
   void listen(ReservedPort reserved);
   asio::awaitable<void> accept();
   void admit(tcp::socket socket);
+  void admit(std::unique_ptr<Transport> transport);
   void stop();
 
   std::unique_ptr<asio::io_context> own;  ///< null: another thread runs it
@@ -98,12 +99,16 @@ void Server::State::admit(tcp::socket socket) {
   const ServerOptions& options = room->options();
   const auto peer = socket.remote_endpoint(error);
   if (error) return;  // gone already
-  room->make_room_before_hello();
   const int fd = socket.release(error);
   if (error) return;
   watch_for_dead_peer(fd, options.dead_after_s);
-  start_session(io, std::make_unique<Transport>(io, fd, peer.address().is_v6(), options.security->tls()),
-                ++last_id, room);
+  admit(std::make_unique<SocketTransport>(io, fd, peer.address().is_v6(), options.security->tls()));
+}
+
+void Server::State::admit(std::unique_ptr<Transport> transport) {
+  if (stopping) return;
+  room->make_room_before_hello();
+  start_session(io, std::move(transport), ++last_id, room);
 }
 
 void Server::State::stop() {
@@ -171,6 +176,10 @@ void Server::start(std::function<void()> stopped) {
   asio::co_spawn(state_->io, state_->accept(), asio::detached);
   state_->room->start();
 }
+
+void Server::admit(std::unique_ptr<Transport> transport) { state_->admit(std::move(transport)); }
+
+const ServerLimits& Server::limits() const { return state_->room->options(); }
 
 void Server::set_limits(const ServerLimits& limits) { state_->room->set_limits(limits); }
 

@@ -18,6 +18,7 @@ class io_context;
 namespace obliq::net {
 
 class Panel;
+class Transport;
 
 /// Listens, and serves live radars to clients. One render thread, and one io thread: the one that calls
 /// run(), or one that others use as well.
@@ -51,6 +52,11 @@ class Server {
   /// Replaces the limits among the options; each takes effect the next time it is looked at, also for
   /// connections that exist. On the io thread.
   void set_limits(const ServerLimits& limits);
+  /// On the io thread.
+  const ServerLimits& limits() const;
+  /// A client that came through another port: a session like all others, under the same limits. On the io
+  /// thread.
+  void admit(std::unique_ptr<Transport> transport);
   /// From any thread; any number of times.
   void stop();
   /// Reads certificate, key and tokens again: new connections use them, clients whose token is gone are told

@@ -13,6 +13,7 @@
 #include "server/log/service_log.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
+#include "server/net/result_of.h"
 #include "server/net/room.h"
 #include "server/net/transport.h"
 #include "terrain/base/errors.h"
@@ -38,19 +39,6 @@ constexpr std::byte kTlsRecord[] = {std::byte{22}, std::byte{3}};
 // A deadline noticed this late shows that this process stood still (stopped, frozen, swapped out), not the
 // peer: what came meanwhile has not been read, so the time begins anew.
 constexpr Clock::duration kStoodStill = std::chrono::milliseconds(500);
-
-/// Waits for an operation of the transport: `start` gets the function to call when it is done.
-template <typename Result, typename Start>
-asio::awaitable<Result> result_of(Start start) {
-  // What resumes a coroutine can only be moved, a std::function must be copied.
-  return asio::async_initiate<const asio::use_awaitable_t<>&, void(Result)>(
-      [start = std::move(start)](auto&& handler) mutable {
-        auto shared =
-            std::make_shared<std::decay_t<decltype(handler)>>(std::forward<decltype(handler)>(handler));
-        start([shared](Result result) { std::move (*shared)(result); });
-      },
-      asio::use_awaitable);
-}
 
 /// Resumes the coroutine that waits for it.
 class Signal {
@@ -271,6 +259,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   asio::awaitable<bool> read(std::span<std::byte> buffer, bool some = false) {
     const Transport::Transfer got = co_await result_of<Transport::Transfer>(
         [=, this](auto done) { transport_->read(buffer, some, std::move(done)); });
+    if (got == Transport::Transfer::refused) {
+      const Transport::Fault fault = transport_->fault();
+      fail(fault.number, fault.text);
+      co_return false;
+    }
     if (!some && got == Transport::Transfer::end && phase_ < Phase::ending) {
       const LogFields fields{{"client", name}};
       spdlog::warn("{}: left in the middle of a message; if that repeats, check its network", name);

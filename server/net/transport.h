@@ -1,18 +1,11 @@
 #pragma once
-// The bytes of one connection, through TLS where the server has it: what the session reads and writes.
+// What carries the messages of one connection: what the session reads and writes.
 #include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 
-namespace boost::asio {
-class io_context;
-namespace ssl {
-class context;
-}
-}  // namespace boost::asio
+#include "proto/error_number.h"
 
 namespace obliq::net {
 
@@ -25,38 +18,44 @@ class Transport {
     plain_peer,  ///< the peer does not speak TLS where it must: what follows is sent in plain
     failed,
   };
-  enum class Transfer { done, end, failed };  ///< end: the peer has closed
+  enum class Transfer {
+    done,
+    end,  ///< the peer has closed
+    failed,
+    refused,  ///< of a read, once: what the peer sent cannot be a message, see fault(); the rest is discarded
+  };
   using Started = std::function<void(Start)>;
   using Done = std::function<void(Transfer)>;
 
-  /// Takes the connected socket. tls null: plain.
-  Transport(boost::asio::io_context& io, int socket_fd, bool is_ipv6,
-            std::shared_ptr<boost::asio::ssl::context> tls);
-  ~Transport();
+  Transport() = default;
+  virtual ~Transport() = default;
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
   /// "127.0.0.1" (to a listener of IPv6 "::ffff:127.0.0.1"), or "?" when the peer has gone already.
-  std::string host() const;
-  std::string address() const;  ///< "127.0.0.1:50000"
+  virtual std::string host() const = 0;
+  virtual std::string address() const = 0;  ///< "127.0.0.1:50000"
 
   /// First of all. Has no time limit of its own: close() ends it.
-  void start(Started done);
-  bool is_ready() const;
-  /// Why start() failed; of a session that runs, its TLS version and cipher; "plain" without TLS.
-  std::string description() const;
+  virtual void start(Started done) = 0;
+  virtual bool is_ready() const = 0;
+  /// Why start() failed; of a session that runs, what protects it.
+  virtual std::string description() const = 0;
 
   /// Fills the buffer, or with `some` a part of it.
-  void read(std::span<std::byte> bytes, bool some, Done done);
-  void write(std::span<const std::byte> bytes, Done done);
+  virtual void read(std::span<std::byte> bytes, bool some, Done done) = 0;
+  struct Fault {
+    wire::ErrorNumber number = wire::ErrorNumber::none;
+    std::string text;
+  };
+  /// Why a read was refused.
+  virtual Fault fault() const { return {}; }
+  /// A whole message.
+  virtual void write(std::span<const std::byte> message, Done done) = 0;
   /// Tells the peer that nothing more comes, after everything has been written.
-  void finish(Done done);
+  virtual void finish(Done done) = 0;
   /// Ends all of the above at once.
-  void close();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
+  virtual void close() = 0;
 };
 
 }  // namespace obliq::net

@@ -234,7 +234,9 @@ TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
   EXPECT_EQ(alive.out.rfind("healthy: https://", 0), 0u) << alive.out;
   HttpPeer plain(port_of(http_address(daemon)));
   plain.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  EXPECT_EQ(plain.receive().status, 0) << "nothing is said in plain words";
+  const HttpReply reply = plain.receive();
+  EXPECT_EQ(reply.status, 400);
+  EXPECT_EQ(reply.body, "this port speaks HTTPS only: https://\n") << "nothing else is said in plain words";
   EXPECT_EQ(client_of(daemon.log(), "TLS handshake failed").rfind("127.0.0.1:", 0), 0u) << daemon.log();
 }
 

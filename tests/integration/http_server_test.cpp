@@ -204,7 +204,7 @@ TEST_F(SmallHttpServerTest, WhereAllAreBeingAnsweredTheNewestAreTurnedAwayUntilT
   HttpPeer newest(port());
   const HttpReply reply = newest.receive();
   EXPECT_EQ(reply.status, 503);
-  EXPECT_EQ(reply.body, "http.max_connections reached");
+  EXPECT_EQ(reply.body, "http.max_connections reached\n");
   EXPECT_NE(reply.headers.find("retry-after: 600\r\n"), std::string::npos) << reply.headers;
   peers.clear();
   int status = 503;

@@ -19,8 +19,13 @@ namespace {
 constexpr client::Timeout kLong{20000};  ///< reached only when something is broken
 }  // namespace
 
-RecordedPeer::RecordedPeer(SessionRecord& record, std::string name, const client::Endpoint& server)
+RecordedPeer::RecordedPeer(SessionRecord& record, std::string name, const client::Endpoint& server, Door door)
     : record_(record), name_(std::move(name)) {
+  if (door == Door::web) {
+    web_.emplace(server);
+    EXPECT_EQ(web_->status(), 101) << web_->answer();
+    return;
+  }
   const client::Status status = client::Socket::connect(server, kLong, socket_);
   EXPECT_TRUE(status.ok()) << status.sentence();
 }
@@ -31,6 +36,7 @@ void RecordedPeer::send(MessageType type, const std::string& fields) {
   message->GetReflection()->SetUInt64(message.get(), message->GetDescriptor()->FindFieldByName("request_id"),
                                       ++sequence_);
   record_.sent(name_, type, *message);
+  if (web_) return web_->send(type, json_of(*message));
   const auto bytes = wire::encode_message(type, {0, sequence_, wire::utc_now_ns()}, *message);
   EXPECT_TRUE(socket_.send(bytes, kLong).ok());
 }
@@ -47,6 +53,15 @@ void RecordedPeer::send_bytes(const std::string& what, const wire::Bytes& bytes)
 
 bool RecordedPeer::read_one(MessageType& type) {
   wire::Bytes bytes(wire::kHeaderBytes);
+  if (web_) {
+    const auto message = web_->read();
+    if (!message) return false;
+    bytes = as_protobuf(*message);
+    wire::MessageView view;
+    EXPECT_EQ(wire::decode_message(bytes, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+    type = view.header.type;
+    return record_.received(name_, view);
+  }
   if (!socket_.receive(bytes, kLong).ok()) return false;
   wire::MessageHeader header;
   const auto status =

@@ -1,15 +1,19 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "client/socket.h"
 #include "tests/integration/session_record.h"
+#include "tests/integration/web_peer.h"
 
 namespace obliq::test {
+
+enum class Door { tcp, web };
 
 /// A connection of its own; what it sends and reads goes into the record.
 class RecordedPeer {
  public:
-  RecordedPeer(SessionRecord& record, std::string name, const client::Endpoint& server);
+  RecordedPeer(SessionRecord& record, std::string name, const client::Endpoint& server, Door door);
 
   /// The fields as protobuf's text format has them; the request_id is the number of the message.
   void send(wire::MessageType type, const std::string& fields = "");
@@ -27,6 +31,7 @@ class RecordedPeer {
   SessionRecord& record_;
   std::string name_;
   client::Socket socket_;
+  std::optional<WebPeer> web_;  ///< instead of the socket
   std::uint64_t sequence_ = 0;
 };
 

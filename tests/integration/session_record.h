@@ -38,8 +38,8 @@ class SessionRecord {
   bool received(const std::string& who, const wire::MessageView& view);
 
   void write(const std::string& file) const;
-  /// The running test fails where the file says something else.
-  void compare(const std::string& file) const;
+  /// The running test fails where the file says something else, up to its line `until`, if that is given.
+  void compare(const std::string& file, const std::string& until = "") const;
 
   const std::string& last_line() const { return lines_.back(); }
   /// Of a stream, whoever watches it.

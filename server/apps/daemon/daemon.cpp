@@ -36,6 +36,7 @@
 #include "server/rendering/scene_renderer.h"
 #include "server/scene/scene_memory.h"
 #include "server/security/security.h"
+#include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/process.h"
 #include "terrain/base/seconds.h"
@@ -70,7 +71,6 @@ class Daemon {
   }
   ~Daemon() {
     io_.end();
-    http_io_.end();
     on_log_line({});
   }
   Daemon(const Daemon&) = delete;
@@ -94,7 +94,6 @@ class Daemon {
   std::shared_ptr<net::Security> security_;
   http::Readiness readiness_;
   http::Metrics metrics_;
-  net::IoThread http_io_;  ///< HTTP's own, so that its TLS handshakes delay no stream
   net::IoThread io_;
   asio::signal_set signals_{io_.context()};
   asio::steady_timer pulse_{io_.context()};
@@ -183,6 +182,7 @@ void Daemon::open_http() {
   options.max_connections = config_.http.max_connections;
   options.max_connections_per_address = config_.http.max_connections_per_address;
   options.timeout_s = config_.http.timeout_s;
+  options.dead_after_s = config_.server.dead_after_s;
   options.names = config_.http.names;
   options.origins = config_.http.origins;
   const auto metrics = [this] {
@@ -196,13 +196,16 @@ void Daemon::open_http() {
     }
     return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
   };
-  http_io_.post([] { (void)lower_own_priority(); });
   std::vector<http::Route> routes = http::page_routes(parameters_json());
   routes.push_back({"/healthz", true, http::health_page});
   routes.push_back({"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }});
   routes.push_back({"/metrics", false, metrics});
-  http_ = std::make_unique<http::HttpServer>(http_io_.context(), options, std::move(routes), &io_.context());
-  spdlog::info("HTTP on {}: /, /healthz, /readyz, /metrics", http_->address());
+  http_ =
+      std::make_unique<http::HttpServer>(io_.context(), options, std::move(routes),
+                                         websocket::upgrade(
+                                             io_.context(), [this] { return serving_; },
+                                             [this] { return http::readiness_page(readiness_.state()); }));
+  spdlog::info("HTTP on {}: /, {}, /healthz, /readyz, /metrics", http_->address(), websocket::kPath);
 }
 
 /// A log line per stage and quarter; /readyz knows better.

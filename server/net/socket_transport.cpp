@@ -1,5 +1,6 @@
-#include "server/net/transport.h"
+#include "server/net/socket_transport.h"
 
+#include <array>
 #include <atomic>
 #include <boost/asio/bind_executor.hpp>
 #include <boost/asio/executor_work_guard.hpp>
@@ -14,6 +15,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "server/net/tcp.h"
 #include "server/security/networks.h"
@@ -71,7 +73,7 @@ Transport::Transfer outcome(error_code error) {
 
 }  // namespace
 
-struct Transport::State {
+struct SocketTransport::State {
   State(asio::io_context& io, int socket_fd, bool is_ipv6, std::shared_ptr<ssl::context> tls)
       : context(std::move(tls)), socket(io, is_ipv6 ? tcp::v6() : tcp::v4(), socket_fd) {
     if (context) stream.emplace(socket, *context);
@@ -83,13 +85,15 @@ struct Transport::State {
   tcp::socket socket;
   std::optional<ssl::stream<tcp::socket&>> stream;  ///< none: plain
   std::byte first{};                                ///< of the peer
+  std::vector<std::byte> joined;                    ///< parts that are being written
   bool ready = false;
   std::string failure;
   bool shaking = false;              ///< the socket belongs to the handshake thread
   std::atomic<bool> closed = false;  ///< meanwhile
 };
 
-Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::shared_ptr<ssl::context> tls)
+SocketTransport::SocketTransport(asio::io_context& io, int socket_fd, bool is_ipv6,
+                                 std::shared_ptr<ssl::context> tls)
     : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
   error_code ignored;  // optional: failure is harmless
   state_->socket.set_option(tcp::no_delay(true), ignored);
@@ -97,15 +101,15 @@ Transport::Transport(asio::io_context& io, int socket_fd, bool is_ipv6, std::sha
     state_->socket.set_option(asio::socket_base::send_buffer_size(kLoopbackSendBytes), ignored);
   }
 }
-Transport::~Transport() = default;
+SocketTransport::~SocketTransport() = default;
 
-std::string Transport::host() const { return host_of_peer(state_->socket.native_handle()); }
+std::string SocketTransport::host() const { return host_of_peer(state_->socket.native_handle()); }
 
-std::string Transport::address() const { return endpoint_of_peer(state_->socket.native_handle()); }
+std::string SocketTransport::address() const { return endpoint_of_peer(state_->socket.native_handle()); }
 
-bool Transport::is_ready() const { return state_->ready; }
+bool SocketTransport::is_ready() const { return state_->ready; }
 
-std::string Transport::description() const {
+std::string SocketTransport::description() const {
   if (!state_->failure.empty()) return state_->failure;
   if (!state_->stream) return "plain";
   SSL* tls = state_->stream->native_handle();
@@ -114,7 +118,7 @@ std::string Transport::description() const {
 
 /// On the handshake thread; then calls `shaken` on the io thread. Once that has been called nothing of this
 /// is left on the handshake thread, close() included.
-void Transport::State::shake_hands(std::function<void(error_code)> shaken) {
+void SocketTransport::State::shake_hands(std::function<void(error_code)> shaken) {
   // Keeps the io thread alive while it waits for this.
   const auto work = asio::make_work_guard(socket.get_executor());
   const auto back = [this, shaken = std::move(shaken), work](error_code error) {
@@ -132,7 +136,7 @@ void Transport::State::shake_hands(std::function<void(error_code)> shaken) {
   });
 }
 
-void Transport::start(Started done) {
+void SocketTransport::start(Started done) {
   State& s = *state_;
   if (!s.stream) {
     s.ready = true;
@@ -160,34 +164,50 @@ void Transport::start(Started done) {
                          });
 }
 
-void Transport::read(std::span<std::byte> bytes, bool some, Done done) {
+void SocketTransport::read(std::span<std::byte> bytes, bool some, Done done) {
+  if (some) return read_some(bytes, [done = std::move(done)](Transfer got, std::size_t) { done(got); });
   State& s = *state_;
   const auto transfer = [&](auto& stream) {
-    auto handler = [done = std::move(done)](error_code error, std::size_t) { done(outcome(error)); };
-    const auto buffer = asio::buffer(bytes.data(), bytes.size());
-    if (some) {
-      stream.async_read_some(buffer, std::move(handler));
-    } else {
-      asio::async_read(stream, buffer, std::move(handler));
-    }
+    asio::async_read(stream, asio::buffer(bytes.data(), bytes.size()),
+                     [done = std::move(done)](error_code error, std::size_t) { done(outcome(error)); });
   };
   s.stream ? transfer(*s.stream) : transfer(s.socket);
 }
 
-void Transport::write(std::span<const std::byte> bytes, Done done) {
+void SocketTransport::read_some(std::span<std::byte> bytes, Counted done) {
   State& s = *state_;
-  // Offer the kernel all that is left at once; Asio by default offers 64 KiB at a time.
-  const auto all_of_it = [most = bytes.size()](error_code error, std::size_t) {
-    return error ? std::size_t{0} : most;
-  };
   const auto transfer = [&](auto& stream) {
-    asio::async_write(stream, asio::buffer(bytes.data(), bytes.size()), all_of_it,
+    stream.async_read_some(
+        asio::buffer(bytes.data(), bytes.size()),
+        [done = std::move(done)](error_code error, std::size_t got) { done(outcome(error), got); });
+  };
+  s.stream ? transfer(*s.stream) : transfer(s.socket);
+}
+
+void SocketTransport::write(std::span<const std::byte> bytes, Done done) {
+  write_parts(std::array{bytes}, std::move(done));
+}
+
+void SocketTransport::write_parts(std::span<const std::span<const std::byte>> parts, Done done) {
+  State& s = *state_;
+  std::vector<asio::const_buffer> buffers;
+  for (const auto part : parts) buffers.emplace_back(part.data(), part.size());
+  const std::size_t most = asio::buffer_size(buffers);
+  if (s.stream && parts.size() > 1) {  // each part would be a record, and a packet, of its own
+    s.joined.resize(most);
+    asio::buffer_copy(asio::buffer(s.joined), buffers);
+    buffers.assign(1, asio::const_buffer(s.joined.data(), most));
+  }
+  // Offer the kernel all that is left at once; Asio by default offers 64 KiB at a time.
+  const auto all_of_it = [most](error_code error, std::size_t) { return error ? std::size_t{0} : most; };
+  const auto transfer = [&](auto& stream) {
+    asio::async_write(stream, std::move(buffers), all_of_it,
                       [done = std::move(done)](error_code error, std::size_t) { done(outcome(error)); });
   };
   s.stream ? transfer(*s.stream) : transfer(s.socket);
 }
 
-void Transport::finish(Done done) {
+void SocketTransport::finish(Done done) {
   State& s = *state_;
   if (s.stream) {
     // Sends close_notify, then waits for the peer's, which the reader receives.
@@ -198,7 +218,7 @@ void Transport::finish(Done done) {
   asio::post(s.socket.get_executor(), [done = std::move(done), error] { done(outcome(error)); });
 }
 
-void Transport::close() {
+void SocketTransport::close() {
   State& s = *state_;
   const auto close_socket = [&s] {
     error_code ignored;

@@ -1,0 +1,58 @@
+// What a WebSocket's message may hold. First byte: bit 0 gives the message a header that fits, of the type in
+// the second byte, and the rest is its JSON; else the rest is the whole message. What is let in must be a
+// message of the stream, and must come back the same from JSON. The seeds are two bytes and JSON by hand.
+
+#include "proto/limits.h"
+#include "server/websocket/json_message.h"
+#include "tests/fuzz/input.h"
+
+namespace obliq::websocket {
+namespace {
+
+constexpr std::uint32_t kMostBytes = 1 << 16;
+
+wire::Bytes message_of(fuzz::Input input) {
+  const bool mended = (input.u8() & 1) != 0;
+  wire::MessageHeader header{.type = static_cast<wire::MessageType>(mended ? input.u8() : 0),
+                             .flags = kJsonDescriptor};
+  const auto rest = input.rest();
+  if (!mended) return {rest.begin(), rest.end()};
+  header.payload_length = header.descriptor_length = static_cast<std::uint32_t>(rest.size());
+  wire::Bytes bytes(wire::kHeaderBytes);
+  wire::encode_header(header, std::span(bytes).first<wire::kHeaderBytes>());
+  bytes.insert(bytes.end(), rest.begin(), rest.end());
+  return bytes;
+}
+
+void run(fuzz::Input input) {
+  wire::Bytes binary;
+  if (const auto refusal = to_binary(message_of(input), kMostBytes, binary)) {
+    if (refusal->text.empty() || refusal->number == wire::ErrorNumber::none)
+      fuzz::broken("refused without words");
+    return;
+  }
+  wire::MessageView view;
+  if (wire::decode_message(binary, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok)
+    fuzz::broken("what was let in is no message");
+  JsonMessage json;
+  if (!to_json(binary, json)) return;  // a type of a later version
+  const auto head = std::as_bytes(std::span(json.head));
+  wire::Bytes again(head.begin(), head.end());
+  again.insert(again.end(), json.plane.begin(), json.plane.end());
+  wire::Bytes back;
+  if (to_binary(again, wire::kMaxPayloadBytes * 8, back)) fuzz::broken("our own JSON is refused");
+  if (back != binary) fuzz::broken("there and back is another message");
+}
+
+}  // namespace
+}  // namespace obliq::websocket
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  const obliq::fuzz::QuietProtobuf quiet;
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  obliq::websocket::run(obliq::fuzz::Input(data, size));
+  return 0;
+}

@@ -1,0 +1,28 @@
+#pragma once
+#include "server/http/http_server.h"
+#include "server/net/io_thread.h"
+#include "tests/integration/net_fixture.h"
+#include "tests/integration/web_peer.h"
+
+namespace obliq::test {
+
+http::HttpOptions web_options();
+
+/// A stream's server whose clients may also come through HTTP.
+class WebServer {
+ public:
+  WebServer(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+            net::ServerOptions options, http::HttpOptions http = web_options());
+  ~WebServer();
+
+  client::Endpoint web() const { return {"127.0.0.1", http_.port()}; }
+  client::Endpoint tcp() const { return {"127.0.0.1", server_.port()}; }
+  net::Server& server() { return server_; }
+
+ private:
+  net::IoThread io_;
+  net::Server server_;
+  http::HttpServer http_;
+};
+
+}  // namespace obliq::test

@@ -1,0 +1,273 @@
+// JSON descriptors: every message type with every field, against protobuf's own JSON, and the message that
+// PROTOCOL.md prints.
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "server/websocket/json_message.h"
+#include "server/websocket/json_writer.h"
+
+namespace obliq::websocket {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using wire::MessageType;
+
+/// Fills a message with numbers that are hard to write: the smallest, the largest, halves, none at all.
+class Filler {
+ public:
+  explicit Filler(unsigned seed) : random_(seed) {}
+
+  void fill(Message& message, int depth = 0) {
+    const auto& reflection = *message.GetReflection();
+    for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+      const FieldDescriptor* field = message.GetDescriptor()->field(i);
+      if (random_() % 4 == 0 || depth > 4) continue;
+      const int n = field->is_repeated() ? static_cast<int>(random_() % 3) : 1;
+      for (int k = 0; k < n; ++k) set(message, reflection, field, depth);
+    }
+  }
+
+ private:
+  template <class Number>
+  Number number() {
+    using Limits = std::numeric_limits<Number>;
+    switch (random_() % 8) {
+      case 0:
+        return 0;
+      case 1:
+        return Limits::max();
+      case 2:
+        return Limits::lowest();
+      case 3:
+        return Limits::is_integer ? Number{1} : Limits::infinity();
+      case 4:
+        return Limits::is_integer ? Number{7} : Limits::denorm_min();
+      default:
+        return static_cast<Number>(static_cast<double>(random_()) / 7);
+    }
+  }
+  double real() { return random_() % 16 == 0 ? -0.0 : number<double>(); }
+
+  void set(Message& message, const google::protobuf::Reflection& reflection, const FieldDescriptor* field,
+           int depth) {
+    const bool many = field->is_repeated();
+    const auto put = [&](auto one, auto more, auto value) {
+      many ? (reflection.*more)(&message, field, value) : (reflection.*one)(&message, field, value);
+    };
+    using R = google::protobuf::Reflection;
+    switch (field->cpp_type()) {
+      case FieldDescriptor::CPPTYPE_INT32:
+        return put(&R::SetInt32, &R::AddInt32, number<std::int32_t>());
+      case FieldDescriptor::CPPTYPE_UINT32:
+        return put(&R::SetUInt32, &R::AddUInt32, number<std::uint32_t>());
+      case FieldDescriptor::CPPTYPE_INT64:
+        return put(&R::SetInt64, &R::AddInt64, number<std::int64_t>());
+      case FieldDescriptor::CPPTYPE_UINT64:
+        return put(&R::SetUInt64, &R::AddUInt64, number<std::uint64_t>());
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        return put(&R::SetDouble, &R::AddDouble, real());
+      case FieldDescriptor::CPPTYPE_FLOAT:
+        return put(&R::SetFloat, &R::AddFloat, number<float>());
+      case FieldDescriptor::CPPTYPE_BOOL:
+        return put(&R::SetBool, &R::AddBool, random_() % 2 == 0);
+      case FieldDescriptor::CPPTYPE_ENUM: {
+        const int index = static_cast<int>(random_()) & 0x7fffffff;
+        const auto* type = field->enum_type();
+        const int value = index % 9 == 0 ? 4711 : type->value(index % type->value_count())->number();
+        return put(&R::SetEnumValue, &R::AddEnumValue, value);
+      }
+      case FieldDescriptor::CPPTYPE_STRING: {
+        const std::string text = "M\u00fcnchen \"a\\b\"\n\t\x01 \u20ac";
+        return many ? reflection.AddString(&message, field, text)
+                    : reflection.SetString(&message, field, text);
+      }
+      case FieldDescriptor::CPPTYPE_MESSAGE:
+        return fill(
+            many ? *reflection.AddMessage(&message, field) : *reflection.MutableMessage(&message, field),
+            depth + 1);
+    }
+  }
+
+  std::mt19937 random_;
+};
+
+void expect_same(const Message& found, const Message& wanted) {
+  google::protobuf::util::MessageDifferencer difference;
+  difference.set_message_field_comparison(google::protobuf::util::MessageDifferencer::EQUAL);
+  std::string why;
+  difference.ReportDifferencesToString(&why);
+  EXPECT_TRUE(difference.Compare(wanted, found)) << wanted.GetTypeName() << ": " << why;
+}
+
+struct Sample {
+  MessageType type;
+  std::unique_ptr<Message> message;
+};
+
+/// One of each type of the protocol.
+std::vector<Sample> samples(unsigned seed) {
+  using namespace wire;
+  std::vector<Sample> all;
+  const auto add = [&](MessageType type, const Message& example) {
+    all.push_back({type, std::unique_ptr<Message>(example.New())});
+    Filler(seed + static_cast<unsigned>(type)).fill(*all.back().message);
+  };
+  using enum wire::MessageType;
+  add(hello, Hello());
+  add(welcome, Welcome());
+  add(ack, Ack());
+  add(error, Error());
+  add(heartbeat, Heartbeat());
+  add(list_radars, ListRadars());
+  add(radar_list, RadarList());
+  add(get_radar, GetRadar());
+  add(radar_info, RadarInfo());
+  add(claim_control, ClaimControl());
+  add(release_control, ReleaseControl());
+  add(set_settings, SetSettings());
+  add(set_pose, SetPose());
+  add(subscribe, Subscribe());
+  add(unsubscribe, Unsubscribe());
+  add(render_once, RenderOnce());
+  add(get_status, GetStatus());
+  add(MessageType::status, Status());
+  add(set_state, SetState());
+  add(query_ground, QueryGround());
+  add(ground_answer, GroundAnswer());
+  add(frame_begin, FrameBegin());
+  add(wedge_block, WedgeBlock());
+  add(frame_end, FrameEnd());
+  add(frame_abort, FrameAbort());
+  return all;
+}
+
+wire::Bytes whole(const JsonMessage& json) {
+  const auto head = std::as_bytes(std::span(json.head));
+  wire::Bytes bytes(head.begin(), head.end());
+  bytes.insert(bytes.end(), json.plane.begin(), json.plane.end());
+  return bytes;
+}
+
+TEST(WebSocketTranslation, EveryFieldOfEveryTypeIsWhatProtobufWrites) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    for (const Sample& sample : samples(1000 * seed)) {
+      std::string ours, theirs;
+      append_json(*sample.message, ours);
+      ASSERT_TRUE(google::protobuf::util::MessageToJsonString(*sample.message, &theirs, options).ok());
+      ASSERT_EQ(nlohmann::json::parse(ours), nlohmann::json::parse(theirs)) << sample.message->GetTypeName();
+      const std::unique_ptr<Message> back(sample.message->New());
+      const auto status = google::protobuf::util::JsonStringToMessage(ours, back.get());
+      ASSERT_TRUE(status.ok()) << status.ToString() << "\n" << ours;
+      expect_same(*back, *sample.message);
+    }
+  }
+}
+
+TEST(WebSocketTranslation, ThereAndBackIsTheSameMessage) {
+  const wire::Bytes plane{std::byte{1}, std::byte{0}, std::byte{255}};
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    for (const Sample& sample : samples(77 * seed)) {
+      const wire::Bytes sent = wire::encode_message(sample.type, {3, 4, 5}, *sample.message, plane);
+      JsonMessage json;
+      ASSERT_TRUE(to_json(sent, json));
+      wire::Bytes back;
+      const auto refusal = to_binary(whole(json), 1 << 22, back);
+      ASSERT_FALSE(refusal) << refusal->text;
+      wire::MessageView was, is;
+      ASSERT_EQ(wire::decode_message(sent, 1 << 22, was), wire::MessageStatus::ok);
+      ASSERT_EQ(wire::decode_message(back, 1 << 22, is), wire::MessageStatus::ok);
+      EXPECT_TRUE(std::ranges::equal(is.plane, plane));
+      EXPECT_EQ(is.header.stream_id, 3u);
+      EXPECT_EQ(is.header.sequence, 4u);
+      EXPECT_EQ(is.header.utc_ns, 5);
+      const std::unique_ptr<Message> message(sample.message->New());
+      ASSERT_TRUE(wire::parse_descriptor(is.descriptor, *message));
+      expect_same(*message, *sample.message);
+    }
+  }
+}
+
+TEST(WebSocketTranslation, AnAbsentFieldAndOneThatIsZeroAreTwoThings) {
+  wire::SetPose pose;
+  pose.mutable_pose()->set_bearing_deg(0);
+  std::string json;
+  append_json(pose, json);
+  EXPECT_EQ(json, R"({"pose":{"bearing_deg":0}})");
+}
+
+TEST(WebSocketTranslation, BytesThatAreNoTextAreReplaced) {
+  wire::Error error;
+  error.set_text("a \xff name");
+  std::string json;
+  append_json(error, json);
+  EXPECT_EQ(json, "{\"text\":\"a \xef\xbf\xbd name\"}");
+}
+
+TEST(WebSocketTranslation, BytesThatAreNoMessageAreNotTranslated) {
+  const wire::Bytes sent = wire::encode_message(MessageType::ack, {}, wire::Ack());
+  JsonMessage json;
+  ASSERT_TRUE(to_json(sent, json));
+  for (std::size_t n = 0; n < sent.size(); ++n) EXPECT_FALSE(to_json(std::span(sent).first(n), json)) << n;
+}
+
+TEST(WebSocketTranslation, ATypeOfALaterVersionIsPassedOnEmptyAndSkipped) {
+  wire::MessageHeader header{.type = static_cast<MessageType>(4000), .flags = kJsonDescriptor};
+  header.payload_length = header.descriptor_length = 2;
+  wire::Bytes bytes(wire::kHeaderBytes + 2, std::byte{'{'});
+  bytes.back() = std::byte{'}'};
+  wire::encode_header(header, std::span(bytes).first<wire::kHeaderBytes>());
+  wire::Bytes binary;
+  EXPECT_FALSE(to_binary(bytes, 1000, binary));
+  EXPECT_EQ(binary.size(), wire::kHeaderBytes);
+}
+
+/// The block "```web" of the page: offset, colon, bytes, a bar and a comment.
+wire::Bytes example_of_the_page() {
+  std::ifstream file(OBLIQ_SOURCE_DIR "/proto/PROTOCOL.md");
+  wire::Bytes bytes;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("```", 0) == 0) {
+      inside = line == "```web";
+      continue;
+    }
+    if (!inside) continue;
+    std::istringstream rest(line.substr(line.find(':') + 1));
+    std::string word;
+    while (rest >> word && word != "|") bytes.push_back(static_cast<std::byte>(std::stoi(word, nullptr, 16)));
+  }
+  return bytes;
+}
+
+TEST(WebSocketTranslation, TheMessageInTheProtocolsPageIsWhatTheServerSends) {
+  wire::WedgeBlock block;
+  block.set_frame_id(1);
+  block.set_plane(wire::STATE);
+  block.set_first_azimuth(8);
+  block.set_n_azimuth(2);
+  block.set_n_range(3);
+  block.set_wedge_index(1);
+  wire::Bytes plane;
+  for (const int state : {1, 1, 2, 1, 0, 3}) plane.push_back(static_cast<std::byte>(state));
+  const wire::Bytes sent =
+      wire::encode_message(MessageType::wedge_block, {2, 5, 1767225600000000000}, block, plane);
+  JsonMessage json;
+  ASSERT_TRUE(to_json(sent, json));
+  EXPECT_EQ(whole(json), example_of_the_page());
+}
+
+}  // namespace
+}  // namespace obliq::websocket
