@@ -11,9 +11,9 @@ set -euo pipefail
 cd "$root"
 
 # Bytes of an input at most: what a target can make use of, so that none spends its time on length.
-declare -A most_bytes=([framing]=8192 [requests]=4096 [configuration]=4096 [recording]=16384 [modbus]=2048 [websocket]=4096
-  [elevation]=32768 [footprints]=32768)
-targets=(framing requests configuration recording modbus websocket elevation footprints)
+declare -A most_bytes=([framing]=8192 [requests]=4096 [configuration]=4096 [recording]=16384 [modbus]=2048
+  [websocket]=4096 [ownship]=256 [pattern]=4096 [elevation]=32768 [footprints]=32768)
+targets=(framing requests configuration recording modbus websocket ownship pattern elevation footprints)
 if [[ ! "${1-}" =~ ^[0-9]+$ ]] || [ "$1" -eq 0 ]; then
   sed -n '2,9s/^# \{0,1\}//p' "$0"
   [ "${1-}" = --help ] || [ "${1-}" = -h ]

@@ -29,6 +29,19 @@ void write_seed(const std::string& target, const std::string& name, const std::s
   std::printf("%s/%s: %zu bytes\n", target.c_str(), name.c_str(), bytes.size());
 }
 
+// ---- A measured antenna ----
+
+void write_patterns() {
+  std::string both = "cut,angle_deg,gain_db\n";
+  for (int k = -6; k <= 6; ++k) {
+    const std::string row = std::to_string(k * 5) + "," + std::to_string(-k * k * 1.5) + "\n";
+    both += "azimuth," + row + "elevation," + row;
+  }
+  write_seed("pattern", "both", both);
+  write_seed("pattern", "azimuth_alone",
+             "cut,angle_deg,gain_db\r\nazimuth,-2,-20\r\nazimuth,0,0\r\nazimuth,2,-20\r\n");
+}
+
 // ---- The stream ----
 
 constexpr char kMended = 1;  // CRCs are put right
@@ -381,6 +394,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(obliq::fuzz::g_corpus);
   GDALAllRegister();
   obliq::fuzz::write_streams();
+  obliq::fuzz::write_patterns();
   obliq::fuzz::write_requests();
   obliq::fuzz::write_modbus();
   obliq::fuzz::write_ownship();
