@@ -39,6 +39,7 @@ class RecordTest : public testing::Test {
 };
 
 /// All frames of a recording by number.
-std::map<std::uint64_t, client::AssembledFrame> frames_of(const std::string& file);
+std::map<std::uint64_t, client::AssembledFrame> frames_of(const std::string& file,
+                                                          wire::PlaneSet planes = wire::kAllPlanes);
 
 }  // namespace obliq::test

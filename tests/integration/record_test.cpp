@@ -142,5 +142,40 @@ TEST_F(RecordTest, ASubscriptionThatIsRefusedLeavesNoFileAndAnOlderOneAsItWas) {
   EXPECT_TRUE(text_of(file) == whole);
 }
 
+TEST_F(RecordTest, VideoAloneIsRecordedReplayedServedAndDrawn) {
+  const Daemon daemon({"--config", scene, "--set", "receiver.noise=true", "--set", "radar.power_w=50e3",
+                       "--set", "video.looks=4"},
+                      folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  const Outcome recorded =
+      obliq(record(daemon.address(), {"--planes", "video", "--out", file, "--frames", "2"}));
+  ASSERT_EQ(recorded.code, 0) << recorded.err;
+  const auto frames = frames_of(file, wire::plane_bit(wire::Plane::video));
+  ASSERT_EQ(frames.size(), 2u);
+  // Each frame has noise of its own; the recorder was sent both.
+  EXPECT_NE(frames.begin()->second.video, frames.rbegin()->second.video);
+  const Outcome shown = obliq({"replay", file, "--out", folder / "shown", "--speed", "max"});
+  ASSERT_EQ(shown.code, 0) << shown.err;
+  EXPECT_GT(text_of(folder / "shown" / "ground_map.png").size(), 5000u);
+  const std::string newest = text_of(folder / "shown" / "video.npy");
+  const std::vector<std::uint16_t>& levels = frames.rbegin()->second.video;
+  ASSERT_FALSE(levels.empty());
+  EXPECT_EQ(newest.substr(newest.size() - levels.size()), std::string(levels.begin(), levels.end()));
+  Running replay({"replay", file, "--serve", "--port", "0", "--loop"}, folder / "replay.log");
+  const std::string address = replay.await(" on ");
+  ASSERT_NE(address, "") << replay.log();
+  const Outcome watched =
+      obliq({"watch", "--server", address, "--planes", "video", "--frames", "1", "--out", folder / "served"});
+  ASSERT_EQ(watched.code, 0) << watched.err;
+  const std::string served = text_of(folder / "served" / "video.npy");
+  bool is_one = false;
+  for (const auto& [id, frame] : frames)
+    is_one |= served.substr(served.size() - frame.video.size()) ==
+              std::string(frame.video.begin(), frame.video.end());
+  EXPECT_TRUE(is_one);
+  const Outcome refused = obliq({"get", "--server", address, "--planes", "iq", "--out", folder / "never"});
+  EXPECT_NE(refused.code, 0);
+}
+
 }  // namespace
 }  // namespace obliq::test
