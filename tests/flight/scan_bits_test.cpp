@@ -9,6 +9,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
+#include "server/radar/receiver/receiver.h"
 #include "server/rendering/scene_renderer.h"
 #include "tests/integration/render_listener.h"
 #include "tests/support/scenes.h"
@@ -28,7 +29,14 @@ std::shared_ptr<const Scene> town_in_hills() {
   return make_scene(load_world(spec));
 }
 
-void expect_bits_of_whole_frames(FrustumKind kind) {
+struct Case {
+  FrustumKind kind;
+  bool moves = true;
+  bool is_radar = false;  ///< a beam, a pulse, noise
+};
+
+void expect_bits_of_whole_frames(const Case& tested) {
+  const FrustumKind kind = tested.kind;
   const auto scene = town_in_hills();
   scene->tracer();  // so that the first dwell is not missed for it
   const ScanWatch<net::SceneRenderer> renderer(scene, "town");
@@ -44,14 +52,22 @@ void expect_bits_of_whole_frames(FrustumKind kind) {
   settings.scan_rate_deg_s = 90;
   settings.scan_dwell_bins = 16;
 
+  if (tested.is_radar) {
+    settings.beam.pattern = BeamPattern::gaussian;
+    settings.beam.width_deg = 4;
+    settings.pulse.kind = PulseKind::compressed;
+    settings.receiver.noise = true;
+    settings.power_w = 1e3;
+  }
+
   PoseSettings pose;
   pose.latitude_deg = 33;
   pose.longitude_deg = -99.5;
   pose.height_m = 900;
   const auto poses = std::make_shared<PoseTimeLine>(pose);
   for (int i = 0; i < 6; ++i) {  // 111 m/s north, turning
-    pose.latitude_deg = 33 + 0.00025 * i;
-    pose.bearing_deg = 350 + 7.0 * i;
+    pose.latitude_deg = 33 + (tested.moves ? 0.00025 * i : 0);
+    pose.bearing_deg = 350 + (tested.moves ? 7.0 * i : 0);
     pose.sim_time_ns = i * 250'000'000LL;
     ASSERT_TRUE(poses->add(pose, kStart_ns));
   }
@@ -88,7 +104,12 @@ void expect_bits_of_whole_frames(FrustumKind kind) {
     std::vector<FieldError> errors;
     const auto placed = place_antenna(scene->world(), its_pose, errors);
     ASSERT_TRUE(placed);
-    const Frame whole = render(scene, snapshot(settings), *placed, {0, settings.azimuth_bins});
+    const std::uint64_t counter = events.begins.at(0).frame().noise_counter();
+    const Receiver receiver(settings, "main", counter);
+    RenderOptions as_sent;
+    as_sent.draw = frame_draw("main", counter);
+    as_sent.receiver = &receiver;
+    const Frame whole = render(scene, snapshot(settings), *placed, {0, settings.azimuth_bins}, as_sent);
     const std::size_t row_bytes = static_cast<std::size_t>(settings.range_bins) * 8;
     ASSERT_EQ(events.values[i].size(), wedge.n_azimuth() * row_bytes);
     const auto* expected = reinterpret_cast<const std::byte*>(whole.bins.iq.data());
@@ -98,20 +119,26 @@ void expect_bits_of_whole_frames(FrustumKind kind) {
         << "wedge at azimuth bin " << wedge.first_azimuth();
     bytes += events.values[i].size();
   }
-  EXPECT_GE(bearings.size(), 3u) << "the dwells had poses of their own";
+  EXPECT_GE(bearings.size(), tested.moves ? 3u : 1u) << "the dwells had poses of their own";
   EXPECT_GT(bytes, 0u);
 }
 
 TEST(ScanBits, EachDwellOfTheSweepIsThatOfAWholeFrameAtItsPose) {
-  expect_bits_of_whole_frames(FrustumKind::sweep);
+  expect_bits_of_whole_frames({FrustumKind::sweep});
 }
 
 TEST(ScanBits, EachDwellOfThePolarFrustumIsThatOfAWholeFrameAtItsPose) {
-  expect_bits_of_whole_frames(FrustumKind::polar);
+  expect_bits_of_whole_frames({FrustumKind::polar});
 }
 
 TEST(ScanBits, EachDwellOfTheObliqueFrustumIsThatOfAWholeFrameAtItsPose) {
-  expect_bits_of_whole_frames(FrustumKind::oblique);
+  expect_bits_of_whole_frames({FrustumKind::oblique});
+}
+
+// A radar that moves shares sharp bins between neighbouring dwells: its dwells are not those of whole frames.
+TEST(ScanBits, ThroughARadarTheDwellsOfAnAntennaThatStandsAreAWholeFrame) {
+  expect_bits_of_whole_frames({FrustumKind::sweep, false, true});
+  expect_bits_of_whole_frames({FrustumKind::polar, false, true});
 }
 
 }  // namespace
