@@ -1,0 +1,127 @@
+// Fields of a radar's parameters: names, limits and help come from /parameters.json, a refusal stands beside its field.
+
+/**
+ * @typedef {object} Parameter of /parameters.json
+ * @property {string} key
+ * @property {string|null} message_field "RadarSettings.r_max_m"
+ * @property {"number"|"integer"|"boolean"|"choice"|string} type
+ * @property {string} unit
+ * @property {any} limits
+ * @property {string} allowed
+ * @property {string} text
+ */
+
+/** "scan.dwell_bins" in words: "dwell bins". */
+const nameOf = ({ key, unit }) => {
+  const tail = key.slice(key.indexOf(".") + 1);
+  const suffix = `_${unit.replace("deg/s", "deg_s").replace("mm/h", "mm_h").toLowerCase()}`;
+  return (unit && tail.endsWith(suffix) ? tail.slice(0, -suffix.length) : tail).replaceAll("_", " ");
+};
+
+/** The enumerator of a word: that of the current value with the word in place of its own. */
+function enumerator(word, words, current) {
+  const was = words.find((w) => current === w.toUpperCase() || current.startsWith(`${w.toUpperCase()}_`));
+  return was === undefined ? word.toUpperCase() : word.toUpperCase() + current.slice(was.length);
+}
+
+export class Field {
+  /**
+   * @param {Parameter} parameter
+   * @param {(parameter: Parameter, value: any) => Promise<void>} send
+   */
+  constructor(parameter, send) {
+    this.parameter = parameter;
+    this.send = send;
+    this.field = parameter.message_field.split(".")[1];
+    this.isPose = parameter.message_field.startsWith("Pose.");
+    this.element = document.createElement("label");
+    this.element.className = "field";
+    this.element.title = `${parameter.text} Allowed: ${parameter.allowed}. (${parameter.key})`;
+    const name = document.createElement("span");
+    name.className = "name";
+    name.textContent = nameOf(parameter);
+    this.input = this.#inputOf();
+    this.value = document.createElement("output");
+    this.value.className = "mono";
+    const unit = document.createElement("span");
+    unit.className = "unit";
+    unit.textContent = parameter.unit;
+    this.refusal = document.createElement("span");
+    this.refusal.className = "refusal";
+    this.refusal.setAttribute("role", "alert");
+    this.element.append(name, this.input, this.value, unit, this.refusal);
+    this.current = undefined;
+    this.input.onchange = () => this.#changed();
+  }
+
+  #inputOf() {
+    const { type, limits, key } = this.parameter;
+    const isChoice = type === "choice";
+    const input = document.createElement(isChoice ? "select" : "input");
+    input.dataset.key = key;
+    input.name = key;
+    if (isChoice) {
+      for (const word of limits.one_of) input.add(new Option(word, word));
+    } else if (type === "boolean") {
+      input.type = "checkbox";
+    } else {
+      input.type = "number";
+      input.step = type === "integer" ? "1" : "any";
+      input.autocomplete = "off";
+      if (limits.at_least !== undefined) input.min = limits.at_least;
+      if (limits.at_most !== undefined) input.max = limits.at_most;
+    }
+    return input;
+  }
+
+  /** @param {any} info RadarInfo @param {boolean} mayChange */
+  show(info, mayChange) {
+    const from = (this.isPose ? info.pose : info.settings) ?? {};
+    this.current = from[this.field];
+    this.input.hidden = !mayChange;
+    this.value.hidden = mayChange;
+    const text = this.#text(this.current);
+    this.value.textContent = text;
+    if (document.activeElement === this.input && this.input.type !== "checkbox") return;
+    if (this.input.type === "checkbox") this.input.checked = Boolean(this.current);
+    else if (this.input.value !== text && !this.refusal.textContent) this.input.value = text;
+  }
+
+  #text(value) {
+    const { type, limits } = this.parameter;
+    if (type === "boolean") return value ? "on" : "off";
+    if (type === "choice") {
+      const name = String(value ?? "");
+      return limits.one_of.find((w) => name === w.toUpperCase() || name.startsWith(`${w.toUpperCase()}_`)) ?? "";
+    }
+    return value === undefined ? "0" : String(type === "integer" ? value : Number(Number(value).toPrecision(12)));
+  }
+
+  async #changed() {
+    const { type, limits } = this.parameter;
+    let value;
+    if (type === "boolean") value = this.input.checked;
+    else if (type === "choice") value = enumerator(this.input.value, limits.one_of, String(this.current ?? ""));
+    else value = this.input.value.trim() === "" ? NaN : type === "integer" ? this.input.value : Number(this.input.value);
+    this.refuse("");
+    if (Number.isNaN(value)) {
+      this.refuse(`allowed: ${this.parameter.allowed}`);
+      return;
+    }
+    await this.send(this.parameter, value);
+  }
+
+  refuse(text) {
+    this.refusal.textContent = text;
+    this.element.classList.toggle("refused", text !== "");
+  }
+}
+
+/** A request's refusal in words, without the fields that have their own. */
+export function refusalText(error, parameter) {
+  const own = (error.fields ?? []).filter(({ field }) => field === parameter?.key);
+  const others = (error.fields ?? []).filter(({ field }) => field !== parameter?.key);
+  const words = own.map(({ found, allowed }) => `found ${found}; allowed: ${allowed}`);
+  for (const { field, found, allowed } of others) words.push(`${field}: found ${found}; allowed: ${allowed}`);
+  return words.length ? words.join("; ") : error.message;
+}

@@ -1,0 +1,215 @@
+// What stands still above a picture: rings, bearings, edges of the sector, the antenna, the scale of levels.
+
+import { colourOf } from "./palettes.js";
+import { onPlane } from "./table.js";
+import { DEGREE, turned } from "./placement.js";
+
+export const UNIT_M = { km: 1000, NM: 1852 };
+const LINE = "rgba(132, 196, 180, 0.30)";
+const EDGE = "rgba(132, 196, 180, 0.55)";
+const TEXT = "#a9c4be";
+const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
+const RING_STEP_DEG = 20; // between places of a ring that are worked out: it is a circle to a millionth
+const MOST_RINGS = 6;
+
+/** The step 1, 2 or 5 times a power of ten that gives at most so many. */
+export function stepOf(span, most) {
+  const power = 10 ** Math.floor(Math.log10(span / most));
+  return power * [1, 2, 5, 10].find((k) => span / (power * k) <= most);
+}
+
+/** @param {number} value @param {number} step the label of a ring: no more digits than its step has */
+function label(value, step) {
+  return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+}
+
+/** @param {import("./ppi.js").Ppi} ppi */
+export function drawGrid(ppi) {
+  const { grid: c, bins, look } = ppi;
+  const { placement } = bins;
+  c.setTransform(ppi.density, 0, 0, ppi.density, 0, 0);
+  c.clearRect(0, 0, ppi.width, ppi.height);
+  c.font = FONT;
+  c.lineWidth = 1;
+  c.textBaseline = "middle";
+  const sector_deg = placement.azimuths * placement.width_deg;
+  if (look.rings) rings(ppi, c, sector_deg);
+  if (!placement.isRound) {
+    c.strokeStyle = EDGE;
+    for (const bearing of [placement.start_deg, placement.start_deg + sector_deg])
+      line(ppi, c, bearing, placement.r0_m, placement.rMax_m);
+  }
+  bearings(ppi, c, sector_deg);
+  antenna(ppi, c);
+  legend(ppi, c);
+}
+
+function line(ppi, c, bearing_deg, from_m, to_m) {
+  c.beginPath();
+  c.moveTo(...ppi.toScreen(...ppi.placed(bearing_deg, from_m)));
+  c.lineTo(...ppi.toScreen(...ppi.placed(bearing_deg, to_m)));
+  c.stroke();
+}
+
+/** Distance on the plane of a slant range, by bearing: exact every RING_STEP_DEG, between them linear. */
+function ringOf(ppi, slant_m, sector_deg) {
+  const { start_deg } = ppi.bins.placement;
+  const n = Math.max(1, Math.ceil(sector_deg / RING_STEP_DEG));
+  const exact = Array.from({ length: n + 1 }, (_, k) => {
+    const [e, north] = ppi.placed(start_deg + (k / n) * sector_deg, slant_m);
+    return { distance: Math.hypot(e, north), turn: Math.atan2(e, north) - (start_deg + (k / n) * sector_deg) * DEGREE };
+  });
+  return (part) => {
+    const k = Math.min(n - 1, Math.floor(part * n));
+    const v = part * n - k;
+    const distance = exact[k].distance * (1 - v) + exact[k + 1].distance * v;
+    const bearing = (start_deg + part * sector_deg) * DEGREE + exact[k].turn;
+    return [distance * Math.sin(bearing), distance * Math.cos(bearing)];
+  };
+}
+
+/** Of the ranges that the picture shows: a step, and the first and last multiple of it. */
+function ringRange(ppi) {
+  const { placement } = ppi.bins;
+  const unit_m = UNIT_M[ppi.look.unit];
+  const { view } = ppi;
+  const corners = [[0, 0], [view.width, 0], [0, view.height], [view.width, view.height]];
+  const distances = corners.map(([x, y]) => Math.hypot(...onPlane(view, x, y)));
+  const far = Math.min(placement.rMax_m, 1.05 * Math.max(...distances) + placement.y_m);
+  const [ax, ay] = ppi.toScreen(0, 0);
+  const holdsAntenna = ax > 0 && ay > 0 && ax < ppi.width && ay < ppi.height;
+  const near = Math.max(placement.r0_m, holdsAntenna ? 0 : 0.8 * nearest(ppi));
+  const span = Math.min(far - (holdsAntenna ? 0 : near), far);
+  const step = stepOf(span / unit_m, MOST_RINGS);
+  return { step, unit_m, first: Math.ceil(near / unit_m / step - 1e-9), last: Math.floor(far / unit_m / step + 1e-9) };
+}
+
+/** The picture's nearest place to an antenna that is off it. */
+function nearest(ppi) {
+  const { view } = ppi;
+  let least = Infinity;
+  for (let k = 0; k <= 8; ++k)
+    for (const [x, y] of [[k / 8, 0], [k / 8, 1], [0, k / 8], [1, k / 8]])
+      least = Math.min(least, Math.hypot(...onPlane(view, x * view.width, y * view.height)));
+  return least;
+}
+
+function rings(ppi, c, sector_deg) {
+  const { placement } = ppi.bins;
+  const { step, unit_m, first, last } = ringRange(ppi);
+  ppi.ringStep = { step, first, last, unit: ppi.look.unit };
+  const drawn = [];
+  for (let n = Math.max(1, first); n <= last; ++n) drawn.push([n * step * unit_m, true, label(n * step, step)]);
+  drawn.push([placement.rMax_m, false, ""]);
+  if (placement.r0_m > 0) drawn.push([placement.r0_m, false, ""]);
+  for (const [slant_m, isRing, text] of drawn) {
+    const ring = ringOf(ppi, slant_m, sector_deg);
+    const steps = Math.max(24, Math.ceil(sector_deg));
+    c.strokeStyle = isRing ? LINE : EDGE;
+    c.beginPath();
+    for (let k = 0; k <= steps; ++k) c.lineTo(...ppi.toScreen(...ring(k / steps)));
+    c.stroke();
+    if (text) ringLabel(ppi, c, ring, `${text}${n_is_last(slant_m, last, step, unit_m) ? " " + ppi.look.unit : ""}`);
+  }
+}
+
+const n_is_last = (slant_m, last, step, unit_m) => Math.abs(slant_m - last * step * unit_m) < 1;
+
+function ringLabel(ppi, c, ring, text) {
+  const { isRound } = ppi.bins.placement;
+  const part = isRound ? turned(ppi.view.up_deg + 112 - ppi.bins.placement.start_deg) / 360 : 1;
+  let [x, y] = ppi.toScreen(...ring(part));
+  const [x0, y0] = ppi.toScreen(...ring(Math.max(0, part - 0.004)));
+  const length = Math.hypot(x - x0, y - y0) || 1;
+  if (!isRound) { // beyond the edge of the sector
+    x += (12 * (x - x0)) / length;
+    y += (12 * (y - y0)) / length;
+  }
+  const width = c.measureText(text).width;
+  c.fillStyle = "rgba(7, 11, 14, 0.72)";
+  if (isRound) c.fillRect(x - width / 2 - 3, y - 7, width + 6, 14);
+  c.fillStyle = TEXT;
+  const rightwards = x >= x0;
+  c.fillText(text, isRound ? x - width / 2 : rightwards ? x - 3 : x - width + 3, y);
+}
+
+/** Bearings around the sector, or at the picture's border where that is nearer. */
+function bearings(ppi, c, sector_deg) {
+  const { placement } = ppi.bins;
+  const [ax, ay] = ppi.toScreen(0, 0);
+  const [rx, ry] = ppi.toScreen(...ppi.placed(placement.start_deg + sector_deg / 2, placement.rMax_m));
+  const radius = Math.hypot(rx - ax, ry - ay);
+  const perDegree = radius * DEGREE;
+  const tick = [1, 2, 5, 10].find((k) => perDegree * k >= 6) ?? 10;
+  const words = [1, 2, 5, 10, 30].find((k) => perDegree * k >= 44 && k % tick === 0) ?? 30;
+  const first = Math.ceil(placement.start_deg / tick - 1e-9);
+  const last = Math.floor((placement.start_deg + sector_deg) / tick + (placement.isRound ? -1e-6 : 1e-9));
+  c.textAlign = "center";
+  for (let n = first; n <= last; ++n) {
+    const bearing = n * tick;
+    const isWord = bearing % words === 0;
+    const end = borderOf(ppi, ax, ay, ...ppi.toScreen(...ppi.placed(bearing, placement.rMax_m)));
+    if (!end) continue;
+    const { x, y, dx, dy } = end;
+    const long = isWord ? 9 : bearing % 10 === 0 ? 6 : 4;
+    c.strokeStyle = isWord ? TEXT : EDGE;
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x + long * dx, y + long * dy);
+    c.stroke();
+    c.fillStyle = TEXT;
+    if (isWord) c.fillText(String(turned(bearing)).padStart(3, "0"), x + 22 * dx, y + 18 * dy);
+  }
+  c.textAlign = "left";
+}
+
+/** The end of a bearing's line on the picture, with the line's direction; null: it is not on it. */
+function borderOf(ppi, ax, ay, bx, by) {
+  const inset = 30;
+  const length = Math.hypot(bx - ax, by - ay);
+  if (length < 1) return null;
+  const [dx, dy] = [(bx - ax) / length, (by - ay) / length];
+  let most = length;
+  for (const [p, d, low, high] of [[ax, dx, inset, ppi.width - inset], [ay, dy, inset - 8, ppi.height - inset + 8]]) {
+    if (Math.abs(d) > 1e-9) most = Math.min(most, ((d > 0 ? high : low) - p) / d);
+    else if (p < low || p > high) return null;
+  }
+  const [x, y] = [ax + most * dx, ay + most * dy];
+  const inside = x > inset - 4 && x < ppi.width - inset + 4 && y > inset - 12 && y < ppi.height - inset + 12;
+  return most > 0 && inside ? { x, y, dx, dy } : null;
+}
+
+function antenna(ppi, c) {
+  const [x, y] = ppi.toScreen(0, 0);
+  c.strokeStyle = TEXT;
+  c.beginPath();
+  c.arc(x, y, 4, 0, 2 * Math.PI);
+  c.moveTo(x - 8, y);
+  c.lineTo(x + 8, y);
+  c.moveTo(x, y - 8);
+  c.lineTo(x, y + 8);
+  c.stroke();
+}
+
+/** A bar with the levels in dB, at the lower right. */
+function legend(ppi, c) {
+  const height = Math.min(132, ppi.height / 4);
+  const width = 9;
+  const x = ppi.width - width - 8;
+  const y = ppi.height - height - 20;
+  for (let k = 0; k < height; ++k) {
+    const [r, g, b] = colourOf(ppi.look.palette, Math.round(255 * (1 - k / (height - 1))));
+    c.fillStyle = `rgb(${r} ${g} ${b})`;
+    c.fillRect(x, y + k, width, 1.5);
+  }
+  c.strokeStyle = EDGE;
+  c.strokeRect(x - 0.5, y - 0.5, width + 1, height + 1);
+  const { low_dB, span_dB } = ppi.bins.scale;
+  const step = stepOf(span_dB, 4);
+  c.fillStyle = TEXT;
+  c.textAlign = "right";
+  for (let dB = Math.ceil(low_dB / step) * step; dB <= low_dB + span_dB + 1e-9; dB += step)
+    c.fillText(String(dB), x - 4, y + height * (1 - (dB - low_dB) / span_dB));
+  c.fillText("dB", x + width, y - 9);
+  c.textAlign = "left";
+}

@@ -1,0 +1,387 @@
+// The page: it joins connection, pictures, controls and words.
+
+import { Display, readFragment, writeFragment } from "./controls.js";
+import { KEYS, listenKeys, listenPointer } from "./input.js";
+import { Link, Refused } from "./stream.js";
+import { Meter, Readout } from "./readout.js";
+import { Pane } from "./pane.js";
+import { RadarControls } from "./radar.js";
+import { number } from "./messages.js";
+import { savePicture } from "./export.js";
+import { sentences } from "./words.js";
+import { turned } from "./placement.js";
+
+const FRUSTA = ["sweep", "oblique", "symmetric", "polar"];
+const POLL_MS = 1000;
+const WORDS_MS = 250;
+
+const $ = (id) => document.getElementById(id);
+
+/** @typedef {import("./ppi.js").Look & {low_dB: number, span_dB: number, auto: boolean, compensated: boolean, autoGlow: boolean, hold: boolean, armed: number|null}} AppLook */
+
+export class App {
+  constructor() {
+    const kept = readFragment();
+    /** @type {AppLook} */
+    this.look = {
+      palette: kept.palette, low_dB: kept.low, span_dB: kept.span, auto: kept.auto, compensated: kept.r2,
+      afterglow_s: Math.max(0, kept.glow), autoGlow: kept.glow < 0, up: kept.up, slant: kept.slant, unit: kept.unit,
+      rings: kept.rings, overlay: kept.overlay, hold: false, window: null, cursor: null, markers: [null, null], armed: null,
+    };
+    this.kept = kept;
+    this.tab = kept.tab;
+    /** @type {Pane[]} */
+    this.panes = [];
+    this.status = null;
+    this.said = [];
+    this.streams = new Map(); // stream id to radar or request
+    this.link = new Link({
+      message: (message) => this.take(message),
+      state: (state) => this.linked(state),
+      welcome: (welcome) => this.welcomed(welcome),
+    });
+    this.meter = new Meter();
+    this.readout = new Readout();
+    this.addPane(`radar ${kept.a}`);
+    this.display = new Display(this);
+    this.controls = new RadarControls(this);
+    listenKeys(this);
+    this.#buttons();
+    document.addEventListener("visibilitychange", () => this.subscribe());
+    setInterval(() => this.poll(), POLL_MS);
+    setInterval(() => this.tell(), WORDS_MS);
+    requestAnimationFrame((now) => this.frame(now));
+    this.link.open();
+    this.loadParameters();
+  }
+
+  #buttons() {
+    $("two").onclick = () => this.setPanes(this.panes.length === 1 ? 2 : 1);
+    $("keys").onclick = () => this.showKeys();
+    $("key-table").replaceChildren(...KEYS.map(([key, text]) => {
+      const row = document.createElement("tr");
+      row.insertCell().textContent = key;
+      row.insertCell().textContent = text;
+      return row;
+    }));
+    $("ask").onclose = () => {
+      if (!$("token").value) return;
+      this.link.token = $("token").value;
+      $("token").value = "";
+      this.link.open();
+    };
+    addEventListener("hashchange", () => location.reload());
+  }
+
+  showKeys() {
+    $("help").showModal();
+  }
+
+  async loadParameters() {
+    try {
+      const answer = await fetch("parameters.json");
+      this.controls.use(await answer.json());
+    } catch {
+      setTimeout(() => this.loadParameters(), 3000);
+    }
+  }
+
+  /** Keeps the settings in the URL's fragment. */
+  keep() {
+    const { look } = this;
+    writeFragment({
+      palette: look.palette, low: look.auto ? undefined : look.low_dB, span: look.auto ? undefined : look.span_dB,
+      auto: look.auto, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
+      unit: look.unit, rings: look.rings, overlay: look.overlay, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
+      a: this.kept.a, b: this.kept.b,
+    });
+  }
+
+  // ---- Panes
+
+  addPane(source) {
+    const pane = new Pane($("panes"), this, source);
+    listenPointer(this, pane);
+    this.panes.push(pane);
+    $("panes").dataset.count = String(this.panes.length);
+  }
+
+  setPanes(count) {
+    while (this.panes.length > count) this.panes.pop().remove();
+    if (this.panes.length < count) this.addPane(this.kept.b || this.otherSource());
+    $("panes").dataset.count = String(this.panes.length);
+    this.fillSources();
+    this.subscribe();
+    this.poll();
+    this.display.show();
+    this.keep();
+  }
+
+  otherSource() {
+    const other = (this.link.welcome?.radars ?? []).find((radar) => radar !== this.panes[0].radar);
+    return other ? `radar ${other}` : "frustum symmetric";
+  }
+
+  /** @param {Pane} pane */
+  choose(pane, source) {
+    pane.source = source;
+    pane.info = pane.status = null;
+    pane.clear();
+    if (pane === this.panes[0]) this.kept.a = pane.radar;
+    else this.kept.b = source;
+    this.keep();
+    this.subscribe();
+    this.poll();
+  }
+
+  fillSources() {
+    const radars = this.link.welcome?.radars ?? [];
+    for (const pane of this.panes) {
+      const isFirst = pane === this.panes[0];
+      const options = radars.map((radar) => new Option(radar, `radar ${radar}`));
+      if (!isFirst) options.push(...FRUSTA.map((kind) => new Option(`same view, ${kind}`, `frustum ${kind}`)));
+      pane.pick.replaceChildren(...options);
+      if (!options.some(({ value }) => value === pane.source)) pane.source = isFirst ? `radar ${radars[0] ?? ""}` : this.otherSource();
+      pane.pick.value = pane.source;
+    }
+  }
+
+  // ---- The connection
+
+  linked(state) {
+    document.body.classList.toggle("stale", !["live", "connecting"].includes(state.kind));
+    document.body.dataset.link = state.kind;
+    if (state.kind !== "live" && state.kind !== "silent") {
+      this.streams.clear();
+      for (const pane of this.panes) {
+        pane.info = pane.status = null;
+        pane.clear();
+        pane.bins.abort();
+        pane.bins.held = [];
+      }
+    }
+    const ask = $("ask");
+    if (state.kind === "token") {
+      $("ask-text").textContent = state.text ? `The server does not accept this one: ${state.text}` : "This server wants a token.";
+      if (!ask.open) ask.showModal();
+    } else if (ask.open && state.kind === "live") {
+      ask.close();
+    }
+    this.controls?.show();
+    this.tell();
+  }
+
+  welcomed(welcome) {
+    $("scene").textContent = [welcome.scene_name, welcome.server_version].filter(Boolean).join(" · ");
+    $("scene").title = `Scene and version of ${welcome.server_name ?? "the server"}`;
+    document.title = `obliq · ${welcome.scene_name ?? ""}`;
+    $("role").textContent = welcome.role ?? "";
+    $("role").title = { viewer: "You may watch", controller: "You may set a radar that nobody else controls",
+      admin: "You may set any radar" }[welcome.role] ?? "";
+    this.fillSources();
+    if (this.kept.panes === 2 && this.panes.length === 1) this.setPanes(2);
+    this.subscribed = new Set();
+    this.subscribe();
+    this.poll();
+  }
+
+  /** Asks for what the panes show; for nothing while the page is hidden. */
+  async subscribe() {
+    const { link } = this;
+    if (!link.isLive) return;
+    const wanted = document.hidden ? new Set() : new Set(this.panes.map(({ radar }) => radar).filter(Boolean));
+    const asks = [];
+    for (const radar of this.subscribed ?? []) if (!wanted.has(radar)) asks.push(link.ask("Unsubscribe", { radar }));
+    const rate_hz = Math.min(this.kept.rate, number(link.welcome.limits?.max_rate_hz, this.kept.rate));
+    for (const radar of wanted) {
+      const planes = this.look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"];
+      asks.push(link.ask("Subscribe", { radar, rate_hz, planes, video_bits: 8 }).catch((error) => {
+        for (const pane of this.panes) if (pane.radar === radar) pane.says = error.message;
+        throw error;
+      }));
+    }
+    this.subscribed = wanted;
+    if (!this.look.overlay) for (const pane of this.panes) pane.bins.hasStates = false;
+    await Promise.allSettled(asks);
+  }
+
+  /** @param {import("./messages.js").Message} message */
+  take(message) {
+    const { type, body, stream } = message;
+    if (type === "FrameBegin")
+      this.streams.set(stream, number(body.request_id) ? { request: body.request_id } : { radar: body.frame.radar });
+    const of = this.streams.get(stream);
+    if (type === "Error") {
+      if (number(body.number) === 102) this.controls.general.textContent = `Control was taken: ${body.text}`;
+      else for (const pane of this.panes) if (!body.radar || pane.radar === body.radar) pane.says = body.text;
+      this.poll();
+      return;
+    }
+    const id = of?.request ?? (type === "FrameAbort" ? body.request_id : undefined);
+    for (const pane of this.panes) {
+      const isOwn = id ? pane.pending === id : pane.radar && pane.radar === of?.radar;
+      if (!isOwn || this.look.hold) continue;
+      pane.take(message);
+      if (type === "FrameEnd") this.meter.frameReceived(pane);
+      if (id && (type === "FrameEnd" || type === "FrameAbort")) pane.pending = "";
+    }
+    if (of?.request && (type === "FrameEnd" || type === "FrameAbort")) this.streams.delete(stream);
+  }
+
+  async poll() {
+    const { link } = this;
+    if (!link.isLive || document.hidden) return;
+    try {
+      this.status = await link.ask("GetStatus");
+      for (const pane of this.panes) {
+        if (!pane.radar) continue;
+        const { radar } = pane;
+        const info = await link.ask("GetRadar", { radar });
+        if (pane.radar !== radar) continue;
+        pane.info = info;
+        pane.status = (this.status.radars ?? []).find((r) => r.radar === radar) ?? null;
+      }
+    } catch (error) {
+      if (error instanceof Refused && error.number === 101) this.fillSources();
+    }
+    this.controls.show();
+    this.meter.show(this);
+    this.tell();
+  }
+
+  /** @param {string} messageField "RadarSettings.r_max_m" @param {any} value */
+  async set(messageField, value) {
+    const [message, field] = messageField.split(".");
+    const radar = this.panes[0].radar;
+    if (message === "Pose") await this.link.ask("SetPose", { radar, pose: { [field]: value } });
+    else await this.link.ask("SetSettings", { radar, settings: { [field]: value } });
+    await this.poll();
+  }
+
+  setBearing(bearing_deg) {
+    const rounded = Math.round(bearing_deg * 10) / 10;
+    return this.controls.attempt(() => this.link.ask("SetPose", { radar: this.panes[0].radar, pose: { bearing_deg: rounded } }));
+  }
+  turn(by_deg) {
+    const info = this.panes[0].info;
+    if (!info) return;
+    const to = turned(number(info.pose?.bearing_deg) + by_deg);
+    info.pose.bearing_deg = to;
+    this.setBearing(to);
+  }
+
+  // ---- What is shown
+
+  /** @param {Partial<AppLook>} change */
+  change(change) {
+    const { look } = this;
+    Object.assign(look, change);
+    const has = (...keys) => keys.some((key) => key in change);
+    if (has("hold", "overlay") && !look.hold) this.subscribe();
+    for (const pane of this.panes) {
+      if (has("palette", "afterglow_s")) pane.ppi.restyle();
+      if (has("auto", "compensated")) pane.isSettled = false;
+      if (has("compensated")) this.level(look.low_dB, look.span_dB);
+      if (has("auto", "compensated") && look.auto) pane.level(performance.now());
+      if (has("overlay")) pane.ppi.needs.all = true;
+      if (has("up", "slant")) look.window = null;
+      if (has("up", "slant") || !Object.keys(change).length) pane.ppi.refresh();
+      pane.ppi.needs.grid = pane.ppi.needs.marks = true;
+    }
+  }
+
+  /** Black level and span of all panes. */
+  level(low_dB, span_dB) {
+    Object.assign(this.look, { low_dB, span_dB });
+    for (const pane of this.panes) {
+      this.setScale(pane);
+      pane.bins.rescale();
+      pane.ppi.needs.grid = true;
+    }
+    this.display?.show();
+  }
+
+  /** @param {Pane} pane */
+  setScale({ bins }) {
+    const { low_dB, span_dB, compensated } = this.look;
+    bins.scale = { low_dB, span_dB, compensated };
+    if (bins !== this.panes[0]?.bins || !bins.placement) return;
+    const near = bins.compensation_dB(0);
+    const far = bins.compensation_dB(bins.placement.ranges - 1);
+    this.display?.limits(Math.floor(bins.floor_dB + near), Math.ceil(bins.floor_dB + 254 * bins.step_dB + far));
+    if (this.look.autoGlow) this.#autoGlow(bins);
+  }
+
+  /** An echo fades until the beam comes again. */
+  #autoGlow({ scan, placement }) {
+    const pass_s = scan ? (placement.azimuths * placement.width_deg) / number(scan.rate_deg_s, 36) : 0;
+    const glow = Math.min(20, Math.round(4 * pass_s) / 2);
+    if (glow === this.look.afterglow_s) return;
+    this.change({ afterglow_s: glow });
+    this.display.show();
+  }
+
+  zoom(factor, x, y, pane = this.panes[0]) {
+    if (factor === 0) this.look.window = null;
+    else pane.ppi.zoom(factor, x, y);
+    this.change({});
+  }
+
+  setCursor(place) {
+    this.look.cursor = place;
+    for (const pane of this.panes) pane.ppi.needs.marks = true;
+  }
+  moveCursor(dx, dy) {
+    const { ppi, bins } = this.panes[0];
+    if (!bins.placement) return;
+    const { cursor } = this.look;
+    const [x, y] = cursor ? ppi.toScreen(cursor.east_m, cursor.north_m) : [ppi.width / 2, ppi.height / 2];
+    this.setCursor(ppi.fromScreen(x + dx, y + dy));
+  }
+  setMarker(k, place) {
+    this.look.markers[k] = place;
+    this.look.armed = null;
+    this.setCursor(this.look.cursor);
+    this.display.show();
+  }
+  toggleMarker(k) {
+    const { look } = this;
+    if (look.markers[k]) this.setMarker(k, null);
+    else if (look.cursor && !document.activeElement?.id.startsWith("marker-")) this.setMarker(k, { ...look.cursor });
+    else look.armed = look.armed === k ? null : k;
+    this.display.show();
+  }
+  clearMarks() {
+    Object.assign(this.look, { cursor: null, markers: [null, null], armed: null });
+    this.setCursor(null);
+    this.display.show();
+  }
+
+  save() {
+    savePicture(this);
+  }
+
+  tell() {
+    this.said = sentences(this);
+    const words = $("words");
+    const text = this.said.map((sentence) => sentence.text).join(" ");
+    if (words.textContent !== text) words.textContent = text;
+    words.title = text;
+    words.dataset.grave = String(this.said[0]?.grave ?? 0);
+    for (const pane of this.panes) {
+      const own = this.said.find(({ banner, pane: of }) => banner && (!of || of === pane));
+      pane.say(own?.banner ?? "");
+    }
+  }
+
+  frame(now) {
+    for (const pane of this.panes) {
+      pane.draw(now);
+      if (pane !== this.panes[0]) pane.renderAgain(this.panes[0]);
+    }
+    this.readout.show(this);
+    requestAnimationFrame((next) => this.frame(next));
+  }
+}
+
+globalThis.obliq = new App(); // for tests and benches

@@ -1,0 +1,155 @@
+// One picture with its source: a live radar, or the first pane's view rendered through another frustum.
+
+import { Bins } from "./bins.js";
+import { Ppi } from "./ppi.js";
+import { Scope } from "./scope.js";
+import { number, utcNow_ms } from "./messages.js";
+
+const AUTO_MS = 1000; // between looks at the levels
+const SETTLED_DB = 2; // a smaller change of the best levels leaves them
+
+const MARKUP = `<div class="ppi" tabindex="0" role="application" aria-label="Radar picture"></div>
+<div class="corner source"><select class="pick" title="What this picture shows: a radar, or the same view sampled by another frustum"
+ aria-label="Radar of this picture"></select><span class="about"></span></div>
+<div class="banner" hidden></div>
+<canvas class="scope" aria-label="Level over range at the cursor's bearing"></canvas>`;
+
+export class Pane {
+  /**
+   * @param {HTMLElement} parent
+   * @param {import("./main.js").App} app
+   * @param {string} source "radar NAME" or "frustum KIND"
+   */
+  constructor(parent, app, source) {
+    this.app = app;
+    this.element = document.createElement("section");
+    this.element.className = "pane";
+    this.element.innerHTML = MARKUP;
+    parent.append(this.element);
+    this.bins = new Bins();
+    this.ppi = new Ppi(this.element.querySelector(".ppi"), this.bins, app.look);
+    this.scope = new Scope(this.element.querySelector(".scope"));
+    this.banner = this.element.querySelector(".banner");
+    this.about = this.element.querySelector(".about");
+    this.pick = this.element.querySelector(".pick");
+    this.pick.onchange = () => app.choose(this, this.pick.value);
+    this.source = source;
+    this.info = null; // RadarInfo
+    this.status = null; // RadarStatus
+    this.rendered = ""; // what RenderOnce was last asked for
+    this.pending = ""; // its request, while unanswered
+    this.drawnFrames = 0;
+    this.auto_ms = 0;
+    this.latency_ms = null;
+    this.clear();
+  }
+
+  get radar() {
+    return this.source.startsWith("radar ") ? this.source.slice(6) : "";
+  }
+  get frustum() {
+    return this.source.startsWith("frustum ") ? this.source.slice(8) : "";
+  }
+
+  clear() {
+    this.isSettled = false;
+    this.pending = this.rendered = "";
+  }
+
+  /** @param {import("./messages.js").Message} message of this pane's frames */
+  take({ type, body, plane, utc_ms }) {
+    const { bins, ppi } = this;
+    if (type === "FrameBegin") {
+      this.app.setScale(this);
+      if (bins.begin(body)) ppi.refresh();
+      this.says = null;
+      this.describe();
+    } else if (type === "WedgeBlock") {
+      const now_ms = performance.now();
+      // At utc_ms the server's monotonic clock stood at send_ns.
+      const past_ms = utcNow_ms() + this.app.link.offset_ms - utc_ms;
+      const sent_ns = number(body.send_ns);
+      const age_ms = (clock_ns) => (clock_ns === undefined ? 0 : past_ms + (sent_ns - number(clock_ns)) * 1e-6);
+      bins.block(body, plane, { now_ms, age_ms });
+    } else if (type === "FrameEnd") {
+      if (bins.end(body)) ppi.refresh();
+      this.level(performance.now());
+    } else if (type === "FrameAbort") {
+      bins.abort();
+    }
+  }
+
+  describe() {
+    const { placement, descriptor } = this.bins;
+    const s = descriptor.settings;
+    const rows = this.element.clientWidth > 700 ? `${placement.azimuths} × ${placement.ranges} bins` : "";
+    const mode = { SECTOR_SCAN: "sector scan", CIRCULAR_SCAN: "turning" }[s.scan_mode] ?? "whole frames";
+    this.about.textContent = [`${number(s.frequency_ghz).toFixed(2)} GHz`, this.frustum ? "rendered once" : mode, rows]
+      .filter(Boolean).join(" · ");
+  }
+
+  /** Black level and span by what is shown, where they are to follow it. */
+  level(now_ms) {
+    const { look } = this.app;
+    if (!look.auto || this !== this.app.panes[0] || (this.isSettled && now_ms - this.auto_ms < AUTO_MS)) return;
+    this.auto_ms = now_ms;
+    const best = this.bins.bestScale(this.ppi.table);
+    if (!best) return;
+    const off = Math.max(Math.abs(best.low_dB - look.low_dB), Math.abs(best.span_dB - look.span_dB));
+    if (this.isSettled && off < SETTLED_DB) return;
+    this.isSettled = true;
+    this.app.level(best.low_dB, best.span_dB);
+  }
+
+  /** @param {number} now_ms */
+  draw(now_ms) {
+    if (!this.app.link.isLive || this.app.look.hold) {
+      if (!this.ppi.needs.grid && !this.ppi.needs.marks && !this.ppi.needs.table) return;
+      now_ms = this.held_ms ?? now_ms; // ages stand still
+    } else {
+      this.held_ms = now_ms;
+    }
+    const { bins } = this;
+    const isNew = this.ppi.draw(now_ms);
+    if (!isNew) return;
+    if (!this.isSettled) this.level(now_ms);
+    const { newest } = bins;
+    if (newest && newest !== this.shownTimes) {
+      this.shownTimes = newest;
+      const since_ms = performance.now() - newest.at_ms;
+      this.latency_ms = newest.pose_ms + since_ms;
+      this.beam_ms = bins.scan ? newest.beam_ms + (performance.now() - now_ms) : null;
+      this.app.meter.drew(this);
+    }
+    if (bins.frames !== this.drawnFrames) {
+      this.drawnFrames = bins.frames;
+      this.app.meter.frameDrawn(this);
+    }
+    const { cursor } = this.app.look;
+    this.scope.draw(bins, this.app.look, cursor && this.ppi.read(cursor));
+  }
+
+  /** Asks for this pane's own frame where the first pane shows something new. */
+  renderAgain(first) {
+    const { link, look } = this.app;
+    const d = first.bins.descriptor;
+    if (!this.frustum || this.pending || !d || !link.isLive || look.hold) return;
+    const wanted = JSON.stringify([this.frustum, d.settings, d.pose, look.overlay]);
+    if (wanted === this.rendered) return;
+    this.rendered = wanted;
+    const settings = { ...d.settings, frustum: this.frustum };
+    this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
+      planes: look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"] });
+  }
+
+  /** A sentence on the picture itself; nothing: none. */
+  say(text) {
+    if (this.banner.textContent === text) return;
+    this.banner.textContent = text;
+    this.banner.hidden = !text;
+  }
+
+  remove() {
+    this.element.remove();
+  }
+}

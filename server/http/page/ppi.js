@@ -1,0 +1,277 @@
+// One plan position picture: the bins through the index table and the palette, and two drawings above it.
+
+import { AGES, LEVELS, OUTSIDE, STATE_COLOURS, packed, paletteOf } from "./palettes.js";
+import { BinTable, onPicture, onPlane } from "./table.js";
+import { DEGREE } from "./placement.js";
+import { drawGrid } from "./grid.js";
+import { drawMarks } from "./marks.js";
+
+const MOST_PIXELS = 1440; // a side; above, the browser scales
+const MARGIN_PX = 34; // for the bearings around the picture
+const FRAME_MS = 1000 / 30;
+const MOST_ZOOM = 200;
+
+/**
+ * @typedef {object} Look what all panes share
+ * @property {string} palette
+ * @property {number} afterglow_s
+ * @property {"north"|"bearing"} up
+ * @property {boolean} slant
+ * @property {"km"|"NM"} unit
+ * @property {boolean} overlay
+ * @property {boolean} rings
+ * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
+ * @property {{east_m: number, north_m: number}|null} cursor
+ * @property {({east_m: number, north_m: number}|null)[]} markers
+ */
+
+export class Ppi {
+  /**
+   * @param {HTMLElement} element
+   * @param {import("./bins.js").Bins} bins
+   * @param {Look} look
+   */
+  constructor(element, bins, look) {
+    this.element = element;
+    this.bins = bins;
+    this.look = look;
+    this.canvases = ["picture", "grid", "marks"].map((name) => {
+      const canvas = document.createElement("canvas");
+      canvas.className = name;
+      element.append(canvas);
+      return canvas;
+    });
+    const [picture, grid, marks] = this.canvases;
+    this.picture = picture.getContext("2d", { alpha: false, willReadFrequently: true });
+    this.grid = grid.getContext("2d");
+    this.marks = marks.getContext("2d");
+    this.table = new BinTable();
+    this.ages = new Uint8Array(0);
+    this.width = this.height = 0; // CSS pixels
+    this.view = { width: 1, height: 1, pixel_m: 1, right_m: 0, ahead_m: 0, up_deg: 0, slant: false };
+    this.image = null;
+    this.drawn_ms = 0;
+    this.draws = 0;
+    this.times = { draw_ms: 0, table_ms: 0 };
+    this.handle = false; // whether the centre bearing can be dragged
+    this.needs = { table: true, grid: true, marks: true, all: true };
+    new ResizeObserver(() => this.resize()).observe(element);
+    this.resize();
+    this.restyle();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width < 8 || height < 8) return;
+    const density = Math.min(devicePixelRatio || 1, 2);
+    const part = Math.min(density, MOST_PIXELS / width, MOST_PIXELS / height);
+    const [picture, grid, marks] = this.canvases;
+    const w = Math.floor(width * part);
+    const h = Math.floor(height * part);
+    if (w !== picture.width || h !== picture.height || !this.image) {
+      [picture.width, picture.height] = [w, h];
+      this.image = this.picture.createImageData(w, h);
+      this.out = new Uint32Array(this.image.data.buffer);
+    }
+    for (const canvas of [grid, marks])
+      [canvas.width, canvas.height] = [Math.round(width * density), Math.round(height * density)];
+    this.width = width;
+    this.height = height;
+    this.density = density;
+    this.refresh();
+  }
+
+  /** Where things lie has changed. */
+  refresh() {
+    Object.assign(this.needs, { table: true, grid: true, marks: true });
+  }
+
+  /** Colours have changed. */
+  restyle() {
+    this.palette = paletteOf(this.look.palette);
+    Object.assign(this.needs, { grid: true, all: true, marks: true });
+  }
+
+  /** @returns {import("./table.js").View} the whole sector, or the window that was chosen */
+  #viewNow() {
+    const { placement } = this.bins;
+    const [picture] = this.canvases;
+    const up_deg = this.look.up === "bearing" ? placement.bearing_deg : 0;
+    const base = { width: picture.width, height: picture.height, up_deg, slant: this.look.slant };
+    const fit = this.#fit(up_deg);
+    const chosen = this.look.window;
+    if (!chosen) return { ...base, ...fit };
+    return { ...base, pixel_m: fit.pixel_m / chosen.zoom, right_m: chosen.right_m, ahead_m: chosen.ahead_m };
+  }
+
+  #fit(up_deg) {
+    const { placement } = this.bins;
+    const u = up_deg * DEGREE;
+    let [left, right, back, ahead] = [0, 0, 0, 0];
+    const include = (bearing_deg, slant_m, first) => {
+      const [e, n] = this.placed(bearing_deg, slant_m);
+      const x = e * Math.cos(u) - n * Math.sin(u);
+      const y = e * Math.sin(u) + n * Math.cos(u);
+      if (first) [left, right, back, ahead] = [x, x, y, y];
+      [left, right] = [Math.min(left, x), Math.max(right, x)];
+      [back, ahead] = [Math.min(back, y), Math.max(ahead, y)];
+    };
+    const sector_deg = placement.azimuths * placement.width_deg;
+    // An expanded view far out leaves the antenna off the picture.
+    const isFar = !placement.isRound && placement.r0_m > 0.5 * placement.rMax_m;
+    if (isFar) include(placement.start_deg, placement.r0_m, true);
+    const steps = Math.max(4, Math.ceil(sector_deg / 5));
+    for (let k = 0; k <= steps; ++k) {
+      include(placement.start_deg + (k / steps) * sector_deg, placement.rMax_m);
+      if (isFar) include(placement.start_deg + (k / steps) * sector_deg, placement.r0_m);
+    }
+    const [picture] = this.canvases;
+    const perCss = picture.width / this.width;
+    const margin = 2 * Math.min(MARGIN_PX, this.width / 12) * perCss;
+    const pixel_m = Math.max((right - left) / (picture.width - margin), (ahead - back) / (picture.height - margin), 1e-3);
+    return { pixel_m, right_m: (left + right) / 2, ahead_m: (back + ahead) / 2 };
+  }
+
+  /** On the plane of this picture. */
+  placed(bearing_deg, slant_m) {
+    if (!this.look.slant) return this.bins.placement.place(bearing_deg, slant_m);
+    return [slant_m * Math.sin(bearing_deg * DEGREE), slant_m * Math.cos(bearing_deg * DEGREE)];
+  }
+
+  /** CSS pixels of a place on the plane. */
+  toScreen(east_m, north_m) {
+    const [x, y] = onPicture(this.view, east_m, north_m);
+    const k = this.width / this.view.width;
+    return [x * k, y * k];
+  }
+
+  /** A place on the plane under CSS pixels. */
+  fromScreen(x, y) {
+    const k = this.view.width / this.width;
+    const [east_m, north_m] = onPlane(this.view, x * k, y * k);
+    return { east_m, north_m };
+  }
+
+  /** Slant and ground range, bearing, place, bin and value of a place on the plane. */
+  read({ east_m, north_m }) {
+    const { bins } = this;
+    const { placement } = bins;
+    if (!placement) return null;
+    let seen;
+    if (this.look.slant) {
+      const slant_m = Math.hypot(east_m, north_m);
+      const bearing_deg = Math.atan2(east_m, north_m) / DEGREE;
+      seen = { slant_m, bearing_deg, ...placement.located(bearing_deg, slant_m) };
+    } else {
+      seen = placement.seen(east_m, north_m);
+    }
+    const { row, column } = placement.bin(seen.bearing_deg, seen.slant_m);
+    const bin = row < 0 ? -1 : row * placement.ranges + column;
+    const isKnown = bin >= 0 && bins.seen_ms[row] > -Infinity;
+    return { ...seen, row, column, bin, value_dB: isKnown ? bins.value_dB(bin) : null, isKnown,
+      state: isKnown && bins.hasStates ? bins.state[bin] : -1 };
+  }
+
+  /** Zooms about CSS pixels. */
+  zoom(factor, x = this.width / 2, y = this.height / 2) {
+    if (!this.bins.placement) return;
+    const { view } = this;
+    const fit = this.#fit(view.up_deg);
+    const zoom = Math.min(MOST_ZOOM, (fit.pixel_m / view.pixel_m) * factor);
+    if (zoom < 0.3) return;
+    const k = view.width / this.width;
+    const dx = (x * k - view.width / 2) * view.pixel_m * (1 - 1 / factor);
+    const dy = (y * k - view.height / 2) * view.pixel_m * (1 - 1 / factor);
+    this.look.window = { zoom, right_m: view.right_m + dx, ahead_m: view.ahead_m - dy };
+  }
+
+  pan(dx, dy) {
+    if (!this.bins.placement) return;
+    const { view } = this;
+    const k = (view.width / this.width) * view.pixel_m;
+    const zoom = this.#fit(view.up_deg).pixel_m / view.pixel_m;
+    this.look.window = { zoom, right_m: view.right_m - dx * k, ahead_m: view.ahead_m + dy * k };
+  }
+
+  /** At most 30 pictures a second; more where the beam would otherwise move by more than its width between two. */
+  #pause_ms() {
+    const s = this.bins.descriptor?.settings;
+    if (!this.bins.scan || !s) return FRAME_MS;
+    const width_deg = s.beam_pattern && s.beam_pattern !== "OFF_BEAM" ? Number(s.beam_width_deg) : 3;
+    return (Number(this.bins.scan.rate_deg_s) * FRAME_MS) / 1000 > width_deg ? 0 : FRAME_MS;
+  }
+
+  /**
+   * @param {number} now_ms
+   * @returns {boolean} whether bins were drawn
+   */
+  draw(now_ms) {
+    if (!this.bins.placement || !this.image) return false;
+    if (now_ms - this.drawn_ms < this.#pause_ms() - 4) return false;
+    this.bins.advance(now_ms);
+    const began = performance.now();
+    if (this.needs.table) this.#rebuild(began);
+    const rows = this.#drawRows(now_ms);
+    if (rows) {
+      this.drawn_ms = now_ms;
+      ++this.draws;
+      this.times.draw_ms = performance.now() - began;
+    }
+    if (this.needs.grid) drawGrid(this);
+    if (this.needs.marks || (rows && this.bins.scan)) drawMarks(this);
+    this.needs.grid = this.needs.marks = false;
+    return rows > 0;
+  }
+
+  #rebuild(began) {
+    this.view = this.#viewNow();
+    this.table.build(this.bins.placement, this.view);
+    this.out.fill(packed(OUTSIDE));
+    this.ages = new Uint8Array(this.bins.placement.azimuths);
+    this.needs.table = false;
+    this.needs.all = this.needs.grid = this.needs.marks = true;
+    this.times.table_ms = performance.now() - began;
+  }
+
+  #drawRows(now_ms) {
+    const { bins, table, out, palette, ages } = this;
+    const { rowStart } = table;
+    const perMs = this.look.afterglow_s > 0 ? (AGES - 1) / (1000 * this.look.afterglow_s) : 0;
+    const overlay = this.look.overlay && bins.hasStates ? STATE_COLOURS.map(packed) : null;
+    let [top, bottom, rows] = [Infinity, -1, 0];
+    for (let row = 0; row < bins.placement.azimuths; ++row) {
+      const since = (now_ms - bins.seen_ms[row]) * perMs;
+      const age = perMs === 0 ? 0 : since > 0 ? Math.min(AGES - 1, Math.floor(since)) : 0;
+      if (!this.needs.all && !bins.changed[row] && age === ages[row]) continue;
+      ages[row] = age;
+      bins.changed[row] = 0;
+      ++rows;
+      const begin = rowStart[row];
+      const end = rowStart[row + 1];
+      if (begin === end) continue;
+      if (overlay) drawOverlaid(out, table, begin, end, bins, palette, age * LEVELS, overlay);
+      else drawPlain(out, table, begin, end, bins.shown, palette, age * LEVELS);
+      top = Math.min(top, table.pixels[begin]); // pixels of a row come from above to below
+      bottom = Math.max(bottom, table.pixels[end - 1]);
+    }
+    if (this.needs.all) this.picture.putImageData(this.image, 0, 0);
+    else if (bottom >= 0) {
+      const first = Math.floor(top / this.view.width);
+      this.picture.putImageData(this.image, 0, 0, 0, first, this.view.width, Math.floor(bottom / this.view.width) + 1 - first);
+    }
+    this.needs.all = false;
+    return rows;
+  }
+}
+
+function drawPlain(out, { pixels, bins }, begin, end, shown, palette, age) {
+  for (let k = begin; k < end; ++k) out[pixels[k]] = palette[age + shown[bins[k]]];
+}
+
+function drawOverlaid(out, { pixels, bins }, begin, end, { shown, state }, palette, age, colours) {
+  for (let k = begin; k < end; ++k) {
+    const bin = bins[k];
+    const kind = state[bin];
+    out[pixels[k]] = kind === 1 ? palette[age + shown[bin]] : colours[kind] ?? colours[3];
+  }
+}

@@ -1,0 +1,212 @@
+// The tabs Radar and Settings: who controls the radar, its switches and its parameters.
+
+import { Field, refusalText } from "./form.js";
+import { Refused } from "./stream.js";
+import { number } from "./messages.js";
+
+const SCALES_NM = [10, 20, 40, 80];
+const NM_M = 1852;
+// The tab Radar has what an operator turns; the tab Settings has all, by section of the scene file.
+const QUICK = ["antenna.bearing_deg", "antenna.tilt_deg", "antenna.tilt_auto", "antenna.height_m", "radar.sector_deg",
+  "receiver.gain_db", "receiver.stc_range_m", "receiver.stc_db", "scan.rate_deg_s", "atmosphere.rain_mm_h", "frustum.kind"];
+
+const $ = (id) => document.getElementById(id);
+const TABS = ["view", "radar", "setup"];
+
+function make(tag, text, title) {
+  const element = document.createElement(tag);
+  element.textContent = text;
+  if (title) element.title = title;
+  return element;
+}
+
+export class RadarControls {
+  /** @param {import("./main.js").App} app */
+  constructor(app) {
+    this.app = app;
+    /** @type {Field[]} */
+    this.fields = [];
+    for (const name of TABS) $(`tab-${name}`).onclick = () => this.tab(name);
+    document.querySelector("nav").onkeydown = (event) => {
+      const by = { ArrowRight: 1, ArrowLeft: TABS.length - 1 }[event.key];
+      if (!by) return;
+      this.tab(TABS[(TABS.indexOf(app.tab) + by) % TABS.length]);
+      $(`tab-${app.tab}`).focus();
+    };
+    this.#build();
+    this.tab(app.tab);
+  }
+
+  tab(name) {
+    this.app.tab = TABS.includes(name) ? name : TABS[0];
+    for (const tab of TABS) {
+      const on = tab === this.app.tab;
+      $(tab).hidden = !on;
+      $(`tab-${tab}`).setAttribute("aria-selected", String(on));
+      $(`tab-${tab}`).tabIndex = on ? 0 : -1;
+    }
+    this.app.keep();
+  }
+
+  #build() {
+    const panel = $("radar");
+    const row = (name, ...children) => {
+      const element = make("div", "");
+      element.className = "row";
+      const label = make("span", name);
+      label.className = "name";
+      element.append(label, ...children);
+      panel.append(element);
+      return element;
+    };
+    const choice = (...buttons) => {
+      const element = make("span", "");
+      element.className = "choice";
+      element.append(...buttons);
+      return element;
+    };
+    this.holder = make("span", "");
+    this.holder.className = "holder";
+    this.claim = make("button", "take", "Only one client at a time sets a radar (K)");
+    this.claim.id = "claim";
+    this.claim.onclick = () => this.toggleControl();
+    row("Control", this.holder, this.claim);
+    this.transmit = make("button", "standby", "Standby switches the transmitter off (T)");
+    this.transmit.id = "transmit";
+    this.transmit.onclick = () => this.toggleState("transmit");
+    this.freeze = make("button", "freeze", "The radar keeps this pose and these settings (Z)");
+    this.freeze.id = "freeze";
+    this.freeze.onclick = () => this.toggleState("freeze");
+    row("State", choice(this.transmit, this.freeze));
+    this.scales = SCALES_NM.map((scale) => {
+      const button = make("button", String(scale), `Range scale of ${scale} nautical miles ([ and ]: smaller, greater)`);
+      button.id = `scale-${scale}`;
+      button.onclick = () => this.scale(scale);
+      return button;
+    });
+    this.scaleNow = make("output", "");
+    this.scaleNow.className = "mono unit";
+    row("Range NM", choice(...this.scales));
+    this.general = make("p", "");
+    this.general.className = "refusal";
+    this.general.setAttribute("role", "alert");
+    panel.append(this.general);
+    this.quick = make("div", "");
+    this.quick.className = "fields";
+    panel.append(this.quick);
+    this.section = make("select", "", "Section of the scene file");
+    this.section.setAttribute("aria-label", "Section of the scene file");
+    this.section.onchange = () => this.#fillSection();
+    this.all = make("div", "");
+    this.all.className = "fields";
+    $("setup").append(this.section, this.all);
+  }
+
+  /** @param {import("./form.js").Parameter[]} table of /parameters.json */
+  use(table) {
+    this.table = table.filter(({ message_field }) => message_field);
+    this.quick.replaceChildren();
+    this.fields = [];
+    for (const key of QUICK) {
+      const parameter = this.table.find((p) => p.key === key);
+      if (parameter) this.quick.append(this.#field(parameter).element);
+    }
+    const sections = [...new Set(this.table.map(({ key }) => key.split(".")[0]))];
+    this.section.replaceChildren(...sections.map((name) => new Option(name, name)));
+    this.#fillSection();
+  }
+
+  #field(parameter) {
+    const field = new Field(parameter, (p, value) => this.#set(field, p, value));
+    this.fields.push(field);
+    return field;
+  }
+
+  #fillSection() {
+    const inQuick = this.fields.filter(({ element }) => element.parentElement === this.quick);
+    this.fields = inQuick;
+    const own = this.table.filter(({ key }) => key.startsWith(`${this.section.value}.`));
+    this.all.replaceChildren(...own.map((parameter) => this.#field(parameter).element));
+    this.show();
+  }
+
+  get radar() {
+    return this.app.panes[0].radar;
+  }
+  get info() {
+    return this.app.panes[0].info;
+  }
+  get isMine() {
+    return Boolean(this.info?.controlled_by_you) && this.app.link.isLive;
+  }
+
+  async #set(field, parameter, value) {
+    try {
+      await this.app.set(parameter.message_field, value);
+      field.refuse("");
+    } catch (error) {
+      field.refuse(error instanceof Refused ? refusalText(error, parameter) : error.message);
+    }
+  }
+
+  /** Does what may be refused; the refusal stands below the switches. */
+  async attempt(what) {
+    this.general.textContent = "";
+    try {
+      await what();
+    } catch (error) {
+      this.general.textContent = error instanceof Refused ? refusalText(error) : error.message;
+      this.tab("radar");
+    }
+    await this.app.poll();
+  }
+
+  toggleControl() {
+    const { link } = this.app;
+    return this.attempt(async () => {
+      if (this.isMine) await link.ask("ReleaseControl", { radar: this.radar });
+      else await link.ask("ClaimControl", { radar: this.radar, ...(this.info?.controller && { force: true }) });
+    });
+  }
+
+  toggleState(which) {
+    const off = which === "transmit" ? { transmit: Boolean(this.info?.transmit_off) } : { freeze: !this.info?.frozen };
+    return this.attempt(() => this.app.link.ask("SetState", { radar: this.radar, ...off }));
+  }
+
+  scale(scale_NM) {
+    return this.attempt(() => this.app.set("RadarSettings.r_max_m", scale_NM * NM_M));
+  }
+
+  nextScale(by) {
+    const now = number(this.info?.settings?.r_max_m) / NM_M;
+    const found = by > 0 ? SCALES_NM.find((s) => s > now + 0.01) : SCALES_NM.findLast((s) => s < now - 0.01);
+    return found && this.scale(found);
+  }
+
+  show() {
+    const { info, app } = this;
+    const role = app.link.welcome?.role ?? "";
+    const mayControl = app.link.isLive && Boolean(this.radar) && (role === "controller" || role === "admin");
+    const holder = info?.controller ?? "";
+    this.holder.textContent = !info ? "" : info.controlled_by_you ? "this page" : holder || "nobody";
+    this.holder.title = this.holder.textContent;
+    this.claim.textContent = this.isMine ? "release" : holder ? "take over" : "take control";
+    this.claim.disabled = !mayControl || (Boolean(holder) && !this.isMine && role !== "admin");
+    this.claim.classList.toggle("call", mayControl && !this.isMine);
+    const mine = this.isMine;
+    for (const button of [this.transmit, this.freeze, ...this.scales]) button.disabled = !mine;
+    this.transmit.textContent = info?.transmit_off ? "transmit" : "standby";
+    this.transmit.setAttribute("aria-pressed", String(Boolean(info?.transmit_off)));
+    this.freeze.setAttribute("aria-pressed", String(Boolean(info?.frozen)));
+    const now_NM = number(info?.settings?.r_max_m) / NM_M;
+    for (const [k, button] of this.scales.entries())
+      button.setAttribute("aria-pressed", String(Math.abs(now_NM - SCALES_NM[k]) < 0.01));
+    if (info) for (const field of this.fields) field.show(info, mine);
+    for (const pane of app.panes) {
+      const had = pane.ppi.handle;
+      pane.ppi.handle = mine && pane === app.panes[0];
+      if (had !== pane.ppi.handle) pane.ppi.needs.marks = true;
+    }
+  }
+}

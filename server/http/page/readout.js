@@ -1,0 +1,105 @@
+// Numbers beside the picture: cursor, markers, rates and latencies.
+
+import { STATE_WORDS } from "./palettes.js";
+import { UNIT_M } from "./grid.js";
+import { turned } from "./placement.js";
+import { lineOf } from "./marks.js";
+
+const KEPT = 4096; // latencies, for the greatest of late and for benches
+
+export const distanceText = (metres, unit) => `${(metres / UNIT_M[unit]).toFixed(2)} ${unit}`;
+export const bearingText = (degrees) => `${(turned(Math.round(degrees * 10) / 10) % 360).toFixed(1).padStart(5, "0")}°`;
+const angleText = (degrees, positive, negative) => `${Math.abs(degrees).toFixed(5)}° ${degrees < 0 ? negative : positive}`;
+
+/** @type {[string, string][]} */
+const ROWS = [["range", "Range"], ["ground", "Ground"], ["bearing", "Bearing"], ["latitude", "Lat"], ["longitude", "Lon"],
+  ["level", "Level"], ["state", "State"], ["m1", "Marker 1"], ["m2", "Marker 2"], ["m12", "1 to 2"]];
+
+export class Readout {
+  constructor() {
+    const list = document.getElementById("readout");
+    this.values = {};
+    for (const [key, name] of ROWS) {
+      const term = document.createElement("dt");
+      const value = document.createElement("dd");
+      term.textContent = name;
+      value.dataset.of = key;
+      list.append(term, value);
+      this.values[key] = value;
+    }
+  }
+
+  /** @param {import("./main.js").App} app */
+  show({ panes: [pane], look }) {
+    const at = look.cursor && pane.ppi.read(look.cursor);
+    const put = (key, text) => {
+      if (this.values[key].textContent !== text) this.values[key].textContent = text;
+    };
+    put("range", at ? distanceText(at.slant_m, look.unit) : "–");
+    put("ground", at ? distanceText(at.ground_m, look.unit) : "–");
+    put("bearing", at ? bearingText(at.bearing_deg) : "–");
+    put("latitude", at ? angleText(at.latitude_deg, "N", "S") : "–");
+    put("longitude", at ? angleText(turned(at.longitude_deg + 180) - 180, "E", "W") : "–");
+    put("level", !at || at.bin < 0 ? "–" : at.value_dB === null ? "no echo" : `${at.value_dB.toFixed(1)} dB`);
+    put("state", !at ? "–" : at.bin < 0 ? "outside" : at.state < 0 ? "(overlay off)" : STATE_WORDS[at.state] ?? STATE_WORDS[3]);
+    const marks = look.markers.map((marker) => marker && pane.ppi.read(marker));
+    for (const k of [0, 1])
+      put(`m${k + 1}`, marks[k] ? `${bearingText(marks[k].bearing_deg)} ${distanceText(marks[k].slant_m, look.unit)}` : "–");
+    const line = marks[0] && marks[1] && lineOf(look.markers[0], look.markers[1]);
+    put("m12", line ? `${bearingText(line.bearing_deg)} ${distanceText(line.distance_m, look.unit)}` : "–");
+  }
+}
+
+/** Counts what came and what was drawn; the first pane's. */
+export class Meter {
+  constructor() {
+    this.received = 0;
+    this.drawn = 0;
+    /** Each latency in ms: from the beam where it scans, else from the pose. */
+    this.latencies = [];
+    this.drawTimes = [];
+    this.last = { at_ms: performance.now(), received: 0, drawn: 0 };
+    this.rates = { received: 0, drawn: 0 };
+    this.drawn_ms = 0;
+  }
+
+  /** @param {import("./pane.js").Pane} pane whose new bins were drawn */
+  drew(pane) {
+    if (pane !== pane.app.panes[0]) return;
+    this.drawn_ms = performance.now();
+    this.#keep(this.latencies, pane.beam_ms ?? pane.latency_ms);
+    this.#keep(this.drawTimes, pane.ppi.times.draw_ms);
+  }
+  #keep(list, value) {
+    list.push(value);
+    if (list.length >= 2 * KEPT) list.splice(0, KEPT);
+  }
+  frameDrawn(pane) {
+    if (pane === pane.app.panes[0]) ++this.drawn;
+  }
+  frameReceived(pane) {
+    if (pane === pane.app.panes[0]) ++this.received;
+  }
+
+  /** Once a second. */
+  show({ panes: [pane], link }) {
+    const now = performance.now();
+    const passed_s = (now - this.last.at_ms) / 1000;
+    for (const key of ["received", "drawn"]) this.rates[key] = (this[key] - this.last[key]) / passed_s;
+    this.last = { at_ms: now, received: this.received, drawn: this.drawn };
+    const { bins } = pane;
+    let text = "";
+    if (link.isLive && bins.newest) {
+      const age_s = (now - this.drawn_ms) / 1000;
+      const one = (value) => value.toFixed(value < 9.95 ? 1 : 0);
+      const latency = pane.beam_ms ?? pane.latency_ms;
+      text = `in ${one(this.rates.received)} drawn ${one(this.rates.drawn)}/s`;
+      if (latency !== null && latency < 10000) text += ` · ${bins.scan ? "beam" : "pose"} ${Math.round(latency)} ms`;
+      text += ` · age ${age_s.toFixed(1)} s`;
+      if (bins.skipped) text += ` · skipped ${bins.skipped}`;
+      if (bins.missed) text += ` · missed ${bins.missed}`;
+    }
+    const element = document.getElementById("meters");
+    if (element.textContent !== text) element.textContent = text;
+  }
+}

@@ -1,0 +1,117 @@
+// The A-scope: level over slant range at the cursor's azimuth, or where the beam is.
+
+import { UNIT_M, stepOf } from "./grid.js";
+
+const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
+const LEFT = 42;
+const BOTTOM = 16;
+const LEAST_SPAN_DB = 20;
+
+export class Scope {
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    this.low = Infinity;
+    this.high = -Infinity;
+    this.key = "";
+  }
+
+  /**
+   * @param {import("./bins.js").Bins} bins
+   * @param {import("./ppi.js").Look} look
+   * @param {{row: number, column: number, slant_m: number}|null} at the cursor's bin
+   */
+  draw(bins, look, at) {
+    const { canvas, context: c } = this;
+    const { clientWidth: width, clientHeight: height } = canvas;
+    const { placement } = bins;
+    if (!placement || width < 40 || height < 20) return;
+    const density = Math.min(devicePixelRatio || 1, 2);
+    const [w, h] = [Math.round(width * density), Math.round(height * density)];
+    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+    c.setTransform(density, 0, 0, density, 0, 0);
+    c.clearRect(0, 0, width, height);
+    c.font = FONT;
+    const isCursor = at && at.row >= 0;
+    const row = isCursor ? at.row : bins.scanRow >= 0 ? bins.scanRow : Math.floor(placement.azimuths / 2);
+    const values = bins.video.subarray(row * placement.ranges, (row + 1) * placement.ranges);
+    this.#settle(values, bins);
+    const x = (column) => LEFT + (column / placement.ranges) * (width - LEFT - 6);
+    const y = (dB) => 4 + (1 - (dB - this.low) / (this.high - this.low)) * (height - BOTTOM - 6);
+    this.#axes(c, placement, look, x, y, width, height);
+    c.strokeStyle = "#7ee0a4";
+    c.lineWidth = 1;
+    c.beginPath();
+    const floor = height - BOTTOM - 1;
+    let isDown = false;
+    const each = Math.max(1, Math.floor(placement.ranges / (2 * (width - LEFT)))); // what one half pixel holds: its greatest
+    for (let k = 0; k < placement.ranges; k += each) {
+      let value = 0;
+      for (let j = k; j < k + each && j < placement.ranges; ++j) value = Math.max(value, values[j]);
+      const to = value === 0 ? floor : y(bins.floor_dB + (value - 1) * bins.step_dB);
+      if (isDown) c.lineTo(x(k + 0.5), to);
+      else c.moveTo(x(k + 0.5), to);
+      isDown = true;
+    }
+    c.stroke();
+    if (isCursor) {
+      c.strokeStyle = "rgba(255, 255, 255, 0.75)";
+      c.beginPath();
+      c.moveTo(x(at.column + 0.5), 2);
+      c.lineTo(x(at.column + 0.5), floor);
+      c.stroke();
+    }
+    const bearing = placement.start_deg + (row + 0.5) * placement.width_deg;
+    c.fillStyle = "#a9c4be";
+    c.textAlign = "right";
+    c.fillText(`A-scope ${(((bearing % 360) + 360) % 360).toFixed(1).padStart(5, "0")}°`, width - 8, 13);
+    c.textAlign = "left";
+  }
+
+  /** The axis holds all that was seen of this geometry, in steps of ten. */
+  #settle(values, bins) {
+    const key = `${bins.floor_dB} ${bins.step_dB} ${bins.placement.key.split(",").slice(0, 6)}`;
+    if (key !== this.key) [this.key, this.low, this.high] = [key, Infinity, -Infinity];
+    let [least, most] = [255, 0];
+    for (const value of values) {
+      if (value === 0) continue;
+      if (value < least) least = value;
+      if (value > most) most = value;
+    }
+    if (most > 0) {
+      this.low = Math.min(this.low, 10 * Math.floor((bins.floor_dB + (least - 1) * bins.step_dB) / 10));
+      this.high = Math.max(this.high, 10 * Math.ceil((bins.floor_dB + (most - 1) * bins.step_dB) / 10));
+    }
+    if (!(this.high > this.low)) [this.low, this.high] = [bins.floor_dB, bins.floor_dB + LEAST_SPAN_DB];
+  }
+
+  #axes(c, placement, look, x, y, width, height) {
+    c.strokeStyle = "rgba(132, 196, 180, 0.18)";
+    c.fillStyle = "#a9c4be";
+    c.lineWidth = 1;
+    const step = stepOf(this.high - this.low, Math.max(2, Math.floor(height / 26)));
+    c.beginPath();
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    for (let dB = Math.ceil(this.low / step) * step; dB <= this.high; dB += step) {
+      c.moveTo(LEFT, y(dB));
+      c.lineTo(width - 6, y(dB));
+      c.fillText(String(dB), LEFT - 5, y(dB));
+    }
+    const unit_m = UNIT_M[look.unit];
+    const each = stepOf((placement.rMax_m - placement.r0_m) / unit_m, Math.max(2, Math.floor(width / 90)));
+    c.textAlign = "center";
+    c.textBaseline = "alphabetic";
+    for (let n = Math.ceil(placement.r0_m / unit_m / each); n * each * unit_m <= placement.rMax_m; ++n) {
+      const at = x((n * each * unit_m - placement.r0_m) / placement.spacing_m);
+      c.moveTo(at, 2);
+      c.lineTo(at, height - BOTTOM);
+      if (at < width - 20) c.fillText(String(+(n * each).toFixed(3)), at, height - 4);
+    }
+    c.stroke();
+    c.textAlign = "left";
+    c.fillText(look.unit, 4, height - 4);
+    c.fillText("dB", 4, 11);
+  }
+}

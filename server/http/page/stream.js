@@ -1,0 +1,248 @@
+// The connection: it opens, greets, asks, measures the server's clock, notices silence, and comes back by itself.
+
+import { SUBPROTOCOL, decode, encode, utcNow_ms } from "./messages.js";
+
+const BEAT_MS = 700; // between heartbeats
+const SILENCE_MS = 1700; // without an answer the picture is no longer live
+const GIVE_UP_MS = 6000; // then the connection is opened anew
+const ANSWER_LIMIT_MS = 60000; // of a request: a queue of pictures may take its time
+const FIRST_PAUSE_MS = 500;
+const LONGEST_PAUSE_MS = 10000;
+const TOKEN_KEY = "obliq.token"; // of sessionStorage: it ends with the tab
+
+/** What the server refused, with its number and the faulty fields. */
+export class Refused extends Error {
+  /** @param {any} body of an Error message */
+  constructor(body) {
+    super(body.text ?? "refused");
+    this.number = body.number ?? 0;
+    /** @type {{field: string, found: string, allowed: string}[]} */
+    this.fields = body.fields ?? [];
+  }
+}
+
+/**
+ * @typedef {object} LinkState
+ * @property {"connecting"|"loading"|"live"|"silent"|"lost"|"token"|"refused"} kind
+ * @property {string} text the server's words, where it has some
+ * @property {number} retry_ms when the next attempt is due, by performance.now(); 0: none
+ */
+
+export class Link {
+  /**
+   * @param {object} heard
+   * @param {(message: import("./messages.js").Message) => void} heard.message all that answers no request
+   * @param {(state: LinkState) => void} heard.state
+   * @param {(welcome: any) => void} heard.welcome
+   */
+  constructor(heard) {
+    this.heard = heard;
+    /** @type {LinkState} */
+    this.state = { kind: "connecting", text: "", retry_ms: 0 };
+    this.welcome = null;
+    this.offset_ms = 0; // server's clock minus this one's
+    this.roundTrip_ms = Infinity;
+    this.received = 0; // bytes
+    this.socket = null;
+    this.waiting = new Map();
+    this.nextRequest = 1;
+    this.sequence = 0;
+    this.pause_ms = FIRST_PAUSE_MS;
+    this.heard_ms = 0;
+    this.beat = null;
+    this.retry = 0;
+    setInterval(() => this.#watch(), 250);
+  }
+
+  get isLive() {
+    return this.state.kind === "live";
+  }
+
+  set token(token) {
+    if (token) sessionStorage.setItem(TOKEN_KEY, token);
+    else sessionStorage.removeItem(TOKEN_KEY);
+  }
+  get token() {
+    return sessionStorage.getItem(TOKEN_KEY) ?? "";
+  }
+
+  /** Opens the connection now, whatever pause was due. */
+  async open() {
+    clearTimeout(this.retry);
+    this.#drop();
+    if (this.state.kind !== "lost" && this.state.kind !== "loading") this.#say("connecting");
+    const readiness = await this.#readiness();
+    if (readiness !== "ready") {
+      if (readiness === "") this.#later("lost", "");
+      else this.#later("loading", readiness, FIRST_PAUSE_MS);
+      return;
+    }
+    const socket = new WebSocket(new URL("stream", location.href).href.replace(/^http/, "ws"), SUBPROTOCOL);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onopen = () => this.#greet(socket);
+    socket.onmessage = (event) => this.socket === socket && this.#receive(event.data);
+    socket.onclose = () => this.socket === socket && this.#ended();
+  }
+
+  /**
+   * @param {string} type
+   * @param {object} [body]
+   * @returns {Promise<any>} the answer's body
+   */
+  ask(type, body = {}) {
+    return new Promise((resolve, reject) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) {
+        reject(new Error("not connected"));
+        return;
+      }
+      const id = this.nextRequest++;
+      const limit = setTimeout(() => {
+        this.waiting.delete(String(id));
+        reject(new Error("no answer"));
+      }, ANSWER_LIMIT_MS);
+      this.waiting.set(String(id), { resolve, reject, limit, type });
+      this.#send(type, { request_id: id, ...body });
+    });
+  }
+
+  /**
+   * A request whose answer is a frame: its number, which the frame's messages repeat.
+   * @param {object} body of RenderOnce
+   */
+  render(body) {
+    const id = this.nextRequest++;
+    this.#send("RenderOnce", { request_id: id, ...body });
+    return String(id);
+  }
+
+  #send(type, body) {
+    this.socket.send(encode(type, body, ++this.sequence));
+  }
+
+  /** "ready", the stage of loading, or nothing where nothing answers. */
+  async #readiness() {
+    try {
+      const answer = await fetch("readyz", { cache: "no-store", signal: AbortSignal.timeout(3000) });
+      const text = (await answer.text()).trim();
+      return answer.ok || !/^(loading|stopping)/.test(text) ? "ready" : text;
+    } catch {
+      return "";
+    }
+  }
+
+  async #greet(socket) {
+    this.heard_ms = performance.now();
+    try {
+      const token = this.token;
+      const welcome = await this.ask("Hello", { major: 1, minor: 1, client_name: "page", ...(token && { token }) });
+      if (this.socket !== socket) return;
+      this.welcome = welcome;
+      this.pause_ms = FIRST_PAUSE_MS;
+      this.#say("live");
+      this.heard.welcome(welcome);
+    } catch (error) {
+      if (this.socket === socket && error instanceof Refused) this.#refuse(error);
+    }
+  }
+
+  /** Errors that end the connection; the others answer a request or are news. */
+  #refuse(error) {
+    this.#drop();
+    if (error.number === 11) {
+      const had = this.token !== "";
+      this.token = "";
+      this.#say("token", had ? error.message : "");
+    } else if (error.number === 2 || error.number === 5) {
+      this.#say("refused", error.message);
+    } else {
+      this.#later("lost", error.message);
+    }
+  }
+
+  #receive(data) {
+    const now = performance.now();
+    this.heard_ms = now;
+    if (this.state.kind === "silent") this.#say("live");
+    if (typeof data === "string") return;
+    this.received += data.byteLength;
+    const message = decode(data);
+    const { type, body } = message;
+    if (type === "Heartbeat") {
+      this.#clock(message, now);
+      if (body.answer_wanted) this.#send("Heartbeat", body.request_id ? { request_id: body.request_id } : {});
+      return;
+    }
+    const isFrame = type === "FrameBegin" || type === "FrameAbort";
+    const waiting = !isFrame && body.request_id ? this.waiting.get(body.request_id) : undefined;
+    if (waiting) {
+      this.waiting.delete(body.request_id);
+      clearTimeout(waiting.limit);
+      if (type === "Error") waiting.reject(new Refused(body));
+      else waiting.resolve(body);
+    } else if (type === "Error" && (body.number ?? 0) < 100) {
+      this.#refuse(new Refused(body));
+    } else {
+      this.heard.message(message);
+    }
+  }
+
+  /** The server's time belongs to the middle of the round trip; the shortest trip of late tells best. */
+  #clock({ body, utc_ms }, now) {
+    if (!this.beat || body.request_id !== this.beat.id) return;
+    const trip = now - this.beat.sent_ms;
+    const here_ms = utcNow_ms() - trip / 2;
+    this.roundTrip_ms *= 1.02; // an old measurement counts less and less
+    if (trip <= this.roundTrip_ms) {
+      this.roundTrip_ms = trip;
+      this.offset_ms = utc_ms - here_ms;
+    }
+    this.beat = null;
+  }
+
+  #watch() {
+    if (this.socket?.readyState !== WebSocket.OPEN || !this.welcome) return;
+    const now = performance.now();
+    if (!this.beat || now - this.beat.sent_ms > 4 * BEAT_MS) {
+      if (!this.beat && now - (this.beaten_ms ?? 0) < BEAT_MS) return;
+      this.beaten_ms = now;
+      this.beat = { id: String(this.nextRequest++), sent_ms: now };
+      this.#send("Heartbeat", { request_id: this.beat.id, answer_wanted: true });
+    }
+    const silent_ms = now - Math.max(this.heard_ms, this.shown_ms ?? 0);
+    if (document.hidden) this.shown_ms = now; // a hidden page's clock runs in jumps
+    else if (silent_ms > GIVE_UP_MS) this.#ended();
+    else if (silent_ms > SILENCE_MS && this.isLive) this.#say("silent");
+  }
+
+  #ended() {
+    this.#drop();
+    this.#later("lost", "");
+  }
+
+  #later(kind, text, pause_ms) {
+    const pause = pause_ms ?? this.pause_ms;
+    if (pause_ms === undefined) this.pause_ms = Math.min(2 * this.pause_ms, LONGEST_PAUSE_MS);
+    this.#say(kind, text, performance.now() + pause);
+    this.retry = setTimeout(() => this.open(), pause);
+  }
+
+  #drop() {
+    const socket = this.socket;
+    this.socket = null;
+    this.welcome = null;
+    this.beat = null;
+    this.roundTrip_ms = Infinity;
+    socket?.close();
+    for (const { reject, limit } of this.waiting.values()) {
+      clearTimeout(limit);
+      reject(new Error("the connection was lost"));
+    }
+    this.waiting.clear();
+  }
+
+  #say(kind, text = "", retry_ms = 0) {
+    this.state = { kind, text, retry_ms };
+    this.heard.state(this.state);
+  }
+}

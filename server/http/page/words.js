@@ -1,0 +1,73 @@
+// The state of everything, in sentences: one place for each, the gravest first.
+
+import { number } from "./messages.js";
+
+/** @typedef {{grave: 0|1|2, text: string, banner?: string}} Sentence 2: the picture is not live */
+
+/**
+ * @param {import("./main.js").App} app
+ * @returns {Sentence[]}
+ */
+export function sentences(app) {
+  const link = linkSentence(app.link);
+  if (link) return [link];
+  const found = app.panes.flatMap((pane) => paneSentences(app, pane));
+  if (app.look.hold) found.unshift({ grave: 1, text: "The picture is held; press F or Hold to go on.", banner: "HELD" });
+  if (app.status?.window_error) found.push({ grave: 1, text: `Ground is missing: ${app.status.window_error}.` });
+  if (app.status?.window_loading) found.push({ grave: 0, text: "The server is loading the next ground." });
+  const seen = new Set();
+  return found.filter(({ text }) => !seen.has(text) && seen.add(text)).sort((a, b) => b.grave - a.grave);
+}
+
+/** @param {import("./stream.js").Link} link */
+function linkSentence({ state }) {
+  const left_s = Math.max(0, Math.ceil((state.retry_ms - performance.now()) / 1000));
+  const again = state.retry_ms ? (left_s > 0 ? ` Next attempt in ${left_s} s.` : " Trying again now.") : "";
+  const because = state.text ? `: ${plain(state.text)}` : "";
+  switch (state.kind) {
+    case "connecting":
+      return { grave: 0, text: "Connecting to the server.", banner: "CONNECTING" };
+    case "loading":
+      return { grave: 1, text: `The server is not ready yet: ${plain(state.text)}.`, banner: loadingBanner(state.text) };
+    case "silent":
+      return { grave: 2, text: "The server is silent; the picture is old.", banner: "NO ANSWER" };
+    case "lost":
+      return { grave: 2, text: `No connection to the server${because}.${again}`, banner: "NO CONNECTION" };
+    case "token":
+      return state.text
+        ? { grave: 2, text: `The server does not accept this token: ${plain(state.text)}.`, banner: "WRONG TOKEN" }
+        : { grave: 2, text: "This server wants a token.", banner: "TOKEN NEEDED" };
+    case "refused":
+      return { grave: 2, text: `The server refuses this page${because}. Load it again.`, banner: "REFUSED" };
+    default:
+      return null;
+  }
+}
+
+const plain = (text) => text.trim().replace(/\.$/, "");
+
+function loadingBanner(text) {
+  const percent = /(\d+) %/.exec(text);
+  return text.startsWith("stopping") ? "STOPPING" : `LOADING${percent ? ` ${percent[1]} %` : ""}`;
+}
+
+function paneSentences(app, pane) {
+  const { info, status, bins } = pane;
+  const name = app.panes.length > 1 && pane.radar ? `${pane.radar}: ` : "";
+  const found = [];
+  const say = (grave, text, banner) => found.push({ grave, text: name + text, banner, pane });
+  if (pane.says) say(1, pane.says);
+  if (info?.transmit_off) say(1, "Standby: the transmitter is off.", "STANDBY");
+  if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "FROZEN");
+  if (info?.fault) say(2, `The radar cannot render: ${plain(info.fault)}.`, "FAULT");
+  if (info?.pose_stale) say(1, "The pose is stale: no newer one has arrived in time.", "STALE POSE");
+  if (info && number(info.rate_limit_hz)) say(0, `The operator limits this radar to ${number(info.rate_limit_hz)} frames/s.`);
+  const coverage = status?.coverage;
+  if (coverage !== undefined && coverage < 0.9995) {
+    const percent = Math.min(99.9, 100 * coverage).toFixed(coverage > 0.99 ? 1 : 0);
+    const why = status.coverage_reason ? `: ${plain(status.coverage_reason)}` : "";
+    say(0, `${percent} % of the sector has ground${why}.`);
+  }
+  for (const warning of bins.descriptor?.warnings ?? []) say(0, `${plain(warning)}.`);
+  return found;
+}
