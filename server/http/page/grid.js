@@ -5,7 +5,7 @@ import { onPlane } from "./table.js";
 import { DEGREE, turned } from "./placement.js";
 
 export const UNIT_M = { km: 1000, NM: 1852 };
-const LINE = "rgba(132, 196, 180, 0.30)";
+const LINE = "rgba(150, 210, 196, 0.40)";
 const EDGE = "rgba(132, 196, 180, 0.55)";
 const TEXT = "#a9c4be";
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
@@ -109,15 +109,15 @@ function rings(ppi, c, sector_deg) {
     c.beginPath();
     for (let k = 0; k <= steps; ++k) c.lineTo(...ppi.toScreen(...ring(k / steps)));
     c.stroke();
-    if (text) ringLabel(ppi, c, ring, `${text}${n_is_last(slant_m, last, step, unit_m) ? " " + ppi.look.unit : ""}`);
+    if (text) ringLabel(ppi, c, ring, `${text}${isLast(slant_m, last, step, unit_m) ? " " + ppi.look.unit : ""}`);
   }
 }
 
-const n_is_last = (slant_m, last, step, unit_m) => Math.abs(slant_m - last * step * unit_m) < 1;
+const isLast = (slant_m, last, step, unit_m) => Math.abs(slant_m - last * step * unit_m) < 1;
 
 function ringLabel(ppi, c, ring, text) {
   const { isRound } = ppi.bins.placement;
-  const part = isRound ? turned(ppi.view.up_deg + 112 - ppi.bins.placement.start_deg) / 360 : 1;
+  const part = isRound ? turned(ppi.view.up_deg + 95 - ppi.bins.placement.start_deg) / 360 : 1;
   let [x, y] = ppi.toScreen(...ring(part));
   const [x0, y0] = ppi.toScreen(...ring(Math.max(0, part - 0.004)));
   const length = Math.hypot(x - x0, y - y0) || 1;
@@ -127,10 +127,10 @@ function ringLabel(ppi, c, ring, text) {
   }
   const width = c.measureText(text).width;
   c.fillStyle = "rgba(7, 11, 14, 0.72)";
-  if (isRound) c.fillRect(x - width / 2 - 3, y - 7, width + 6, 14);
+  if (isRound) c.fillRect(x - width - 4, y - 7, width + 5, 14);
   c.fillStyle = TEXT;
   const rightwards = x >= x0;
-  c.fillText(text, isRound ? x - width / 2 : rightwards ? x - 3 : x - width + 3, y);
+  c.fillText(text, isRound ? x - width - 2 : rightwards ? x - 3 : x - width + 3, y);
 }
 
 /** Bearings around the sector, or at the picture's border where that is nearer. */

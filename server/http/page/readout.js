@@ -5,6 +5,8 @@ import { UNIT_M } from "./grid.js";
 import { turned } from "./placement.js";
 import { lineOf } from "./marks.js";
 
+const FRAME_SECONDS = 3; // that a rate is counted over
+const SCAN_SECONDS = 12; // of passes
 const KEPT = 4096; // latencies, for the greatest of late and for benches
 
 export const distanceText = (metres, unit) => `${(metres / UNIT_M[unit]).toFixed(2)} ${unit}`;
@@ -58,7 +60,7 @@ export class Meter {
     /** Each latency in ms: from the beam where it scans, else from the pose. */
     this.latencies = [];
     this.drawTimes = [];
-    this.last = { at_ms: performance.now(), received: 0, drawn: 0 };
+    this.past = [{ at_ms: performance.now(), received: 0, drawn: 0 }];
     this.rates = { received: 0, drawn: 0 };
     this.drawn_ms = 0;
   }
@@ -84,14 +86,16 @@ export class Meter {
   /** Once a second. */
   show({ panes: [pane], link }) {
     const now = performance.now();
-    const passed_s = (now - this.last.at_ms) / 1000;
-    for (const key of ["received", "drawn"]) this.rates[key] = (this[key] - this.last[key]) / passed_s;
-    this.last = { at_ms: now, received: this.received, drawn: this.drawn };
     const { bins } = pane;
+    const over = bins.scan ? SCAN_SECONDS : FRAME_SECONDS;
+    while (this.past.length > over) this.past.shift();
+    const [then] = this.past;
+    for (const key of ["received", "drawn"]) this.rates[key] = (1000 * (this[key] - then[key])) / (now - then.at_ms);
+    this.past.push({ at_ms: now, received: this.received, drawn: this.drawn });
     let text = "";
     if (link.isLive && bins.newest) {
       const age_s = (now - this.drawn_ms) / 1000;
-      const one = (value) => value.toFixed(value < 9.95 ? 1 : 0);
+      const one = (value) => value.toFixed(value < 0.95 ? 2 : value < 9.95 ? 1 : 0);
       const latency = pane.beam_ms ?? pane.latency_ms;
       text = `in ${one(this.rates.received)} drawn ${one(this.rates.drawn)}/s`;
       if (latency !== null && latency < 10000) text += ` · ${bins.scan ? "beam" : "pose"} ${Math.round(latency)} ms`;

@@ -1,0 +1,231 @@
+"""What the tests of the page share: a daemon that serves it, a browser without a screen, questions to the page."""
+import atexit
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "client" / "python" / "src"))
+os.environ.setdefault("OBLIQ_CACHE_DIR", "")
+
+BIN = pathlib.Path(os.environ.get("OBLIQ_BIN", ROOT / "build" / "release" / "bin"))
+OBLIQ, OBLIQD = str(BIN / "obliq"), str(BIN / "obliqd")
+PATIENCE_S = 60  # of a test on a busy machine; a figure that matters is printed
+
+# The second radar stands 25 km away, so that the scene's origin is far from both.
+SCENE = """
+[terrain]
+synthetic = "hills"
+cell_m = 60.0
+[earth]
+radius_factor = 1.3333333333333333
+[antenna]
+latitude_deg = 33.0
+longitude_deg = -99.5
+height_m = 2500.0
+bearing_deg = 60.0
+[bins]
+azimuth = 128
+range = 192
+[frustum]
+kind = "sweep"
+[[radar]]
+name = "main"
+sector_deg = 60.0
+r_min_m = 3000.0
+r_max_m = 15000.0
+[[radar]]
+name = "wide"
+sector_deg = 120.0
+r_min_m = 3000.0
+r_max_m = 15000.0
+[radar.antenna]
+latitude_deg = 33.2
+longitude_deg = -99.35
+bearing_deg = -20.0
+[[radar]]
+name = "round"
+sector_deg = 360.0
+r_min_m = 3500.0
+r_max_m = 15000.0
+[[radar]]
+name = "scan"
+sector_deg = 90.0
+r_min_m = 3000.0
+r_max_m = 15000.0
+scan.mode = "sector"
+scan.rate_deg_s = 90.0
+"""
+
+
+def free_ports(count):
+    """Ports that nobody listens on at this moment."""
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
+    ports = [held.getsockname()[1] for held in sockets]
+    for held in sockets:
+        held.close()
+    return ports
+
+
+def await_that(question, what, patience_s=PATIENCE_S):
+    """The first true answer; an AssertionError with `what` where none comes."""
+    end = time.monotonic() + patience_s
+    while not (answer := question()):
+        if time.monotonic() > end:
+            raise AssertionError(f"waited {patience_s} s for {what}")
+        time.sleep(0.05)
+    return answer
+
+
+class Daemon:
+    """obliqd with its page, on ports that stay the same when it is started again."""
+
+    def __init__(self, scene=SCENE, *settings):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self._folder.name)
+        if isinstance(scene, pathlib.Path):
+            self.scene = scene
+        else:
+            self.scene = self.folder / "scene.toml"
+            self.scene.write_text(scene)
+        self.port, self.http_port = free_ports(2)
+        self._words = [OBLIQD, "--config", str(self.scene), "--port", str(self.port)]
+        for setting in (f"http.port={self.http_port}", *settings):
+            self._words += ["--set", setting]
+        self._log = open(self.folder / "log", "ab")
+        self._process = None
+        self.start()
+        atexit.register(self.close)
+
+    def start(self, wait=True):
+        if os.environ.get("BRIDGE"):  # TEMPORARY
+            self._bridge_port, = free_ports(1)
+            self._bridge = subprocess.Popen([sys.executable, "/work/wt/pagetmp/bridge.py", str(self.port), str(self._bridge_port), str(self.http_port)])
+            time.sleep(1.5)
+        self._process = subprocess.Popen(self._words, stdout=self._log, stderr=self._log)
+        if wait:
+            before = self.log().count("ready: ")
+            await_that(lambda: self.log().count("ready: ") > before or self._process.poll() is not None, "the daemon")
+            if self._process.poll() is not None:
+                raise AssertionError(f"obliqd ended at its start: {self.log()[-2000:]}")
+
+    def log(self):
+        return (self.folder / "log").read_text(errors="replace")
+
+    def signal(self, number):
+        self._process.send_signal(number)
+
+    def stop(self):
+        self.signal(signal.SIGTERM)
+        self._process.wait(PATIENCE_S)
+
+    @property
+    def url(self):
+        return f"http://127.0.0.1:{getattr(self, '_bridge_port', self.http_port)}/"
+
+    @property
+    def address(self):
+        return f"127.0.0.1:{self.port}"
+
+    def run(self, *words):
+        """A command of obliq; its standard output."""
+        done = subprocess.run([OBLIQ, *map(str, words)], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise AssertionError(f"obliq {words}: exit code {done.returncode}: {done.stderr}")
+        return done.stdout
+
+    def close(self):
+        if getattr(self, "_bridge", None): self._bridge.kill()  # TEMPORARY
+        if self._process and self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        self._log.close()
+        with contextlib.suppress(OSError):
+            self._folder.cleanup()
+
+
+def missing():
+    """What a test of the page lacks here, in words; nothing: it has all."""
+    lacks = [name for name in ("chromium", "chromedriver") if not shutil.which(name)]
+    for module in ("selenium", "numpy", "google.protobuf"):
+        try:
+            __import__(module)
+        except ImportError:
+            lacks.append(f"Python's {module}")
+    return ", ".join(lacks)
+
+
+class Page:
+    """A browser that shows the page."""
+
+    def __init__(self, width=1366, height=768, touch=False):
+        from selenium import webdriver
+        from selenium.webdriver.chrome.service import Service
+        options = webdriver.ChromeOptions()
+        for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--js-flags=--expose-gc",
+                     "--enable-precise-memory-info", f"--window-size={width},{height}"):
+            options.add_argument(word)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        # By name: Selenium would else look for a driver on the network.
+        self.driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+        self.driver.set_script_timeout(PATIENCE_S)
+        self._requests = []
+        self._console = []
+        self.size(width, height, touch)
+        atexit.register(self.close)
+
+    def size(self, width, height, touch=False):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch})
+
+    def open(self, url, fragment=""):
+        self.driver.get("about:blank")
+        self.driver.get(f"{url}#{fragment}")
+
+    def script(self, text, *arguments):
+        return self.driver.execute_script(text, *arguments)
+
+    def await_script(self, text, what, patience_s=PATIENCE_S):
+        return await_that(lambda: self.script(f"return {text}"), f"{what} ({text})", patience_s)
+
+    def await_frame(self, more=1):
+        """Until so many more whole frames are drawn."""
+        before = self.script("return obliq.meter.drawn")
+        self.await_script(f"obliq.meter.drawn >= {before + more}", "a drawn frame")
+
+    def words(self):
+        return self.script("return document.getElementById('words').textContent")
+
+    def await_words(self, part):
+        return await_that(lambda: part in self.words(), f"the words {part!r}; the page says {self.words()!r}")
+
+    def shot(self, path):
+        pathlib.Path(path).parent.mkdir(parents=True, exist_ok=True)
+        self.driver.save_screenshot(str(path))
+
+    def console(self):
+        """What the browser has complained of so far."""
+        self._console += self.driver.get_log("browser")
+        return self._console
+
+    def requested(self):
+        """URLs of all requests so far."""
+        for entry in self.driver.get_log("performance"):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                self._requests.append(message["params"]["request"]["url"])
+            elif message["method"] == "Network.webSocketCreated":
+                self._requests.append(message["params"]["url"])
+        return self._requests
+
+    def close(self):
+        with contextlib.suppress(Exception):
+            self.driver.quit()
