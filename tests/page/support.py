@@ -106,10 +106,6 @@ class Daemon:
         atexit.register(self.close)
 
     def start(self, wait=True):
-        if os.environ.get("BRIDGE"):  # TEMPORARY
-            self._bridge_port, = free_ports(1)
-            self._bridge = subprocess.Popen([sys.executable, "/work/wt/pagetmp/bridge.py", str(self.port), str(self._bridge_port), str(self.http_port)])
-            time.sleep(1.5)
         self._process = subprocess.Popen(self._words, stdout=self._log, stderr=self._log)
         if wait:
             before = self.log().count("ready: ")
@@ -129,7 +125,7 @@ class Daemon:
 
     @property
     def url(self):
-        return f"http://127.0.0.1:{getattr(self, '_bridge_port', self.http_port)}/"
+        return f"http://127.0.0.1:{self.http_port}/"
 
     @property
     def address(self):
@@ -143,7 +139,6 @@ class Daemon:
         return done.stdout
 
     def close(self):
-        if getattr(self, "_bridge", None): self._bridge.kill()  # TEMPORARY
         if self._process and self._process.poll() is None:
             self._process.kill()
             self._process.wait()
