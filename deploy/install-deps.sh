@@ -23,6 +23,7 @@ test_packages=(
   python3 python3-numpy python3-matplotlib python3-pip python3-venv python3-protobuf python3-crc32c
   mbpoll openssl curl socat tshark                             # clients from elsewhere
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
+  chromium chromium-driver                                     # the page, with Selenium (below)
 )
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
 image_packages=(buildah debootstrap python3 python3-numpy)     # build-image.sh, check-image.sh
@@ -35,6 +36,7 @@ die() {
 
 wanted=()
 [ $# -gt 0 ] || set -- build
+groups=$*
 for group in "$@"; do
   case "$group" in
     build) wanted+=("${build_packages[@]}") ;;
@@ -54,12 +56,24 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   die "this machine has no apt. obliq is built and tested on Debian 12; elsewhere install the equivalents of: ${wanted[*]}"
 fi
 
+# Selenium, which Debian 12 has only in an older version, for the tests of the page: into build/page/venv.
+install_selenium() {
+  case " $groups " in *" test "*) ;; *) return 0 ;; esac
+  local venv
+  venv=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)/build/page/venv
+  if "$venv/bin/python" -c 'import selenium' 2>/dev/null; then return 0; fi
+  echo "install-deps: selenium into $venv"
+  python3 -m venv --system-site-packages "$venv" && "$venv/bin/pip" install -q 'selenium>=4.40,<5' </dev/null ||
+    echo "install-deps: no selenium (does the Python package registry answer?): the page's tests will be skipped" >&2
+}
+
 # dpkg-query fails when any name is unknown to it, yet still prints the others.
 installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
   awk '$2 == "installed" {print $1}' || true)
 mapfile -t missing < <(comm -13 <(sort -u <<<"$installed") <(printf '%s\n' "${wanted[@]}" | sort -u))
 if [ ${#missing[@]} -eq 0 ]; then
   echo "install-deps: nothing to install ($*)"
+  install_selenium
   exit 0
 fi
 echo "install-deps: missing: ${missing[*]}"
@@ -89,3 +103,4 @@ if ! install_missing; then
   apt update -q || die "apt-get update failed: is a Debian mirror within reach?"
   install_missing || die "apt-get could not install: ${missing[*]}"
 fi
+install_selenium

@@ -56,16 +56,13 @@ class Connection(unittest.TestCase):
         self.page.await_script(f"!{STALE} && obliq.link.isLive", "a live picture")
 
     def test_a_daemon_that_loads(self):
-        daemon = self.daemon("terrain.cell_m=4.0")  # takes its time
-        daemon.stop()
-        daemon.start(wait=False)
+        daemon = self.daemon("terrain.cell_m=15.0", wait=False)
         support.await_that(lambda: "HTTP on" in daemon.log(), "HTTP")
         self.page.open(daemon.url, "a=main")
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 0", "frames")
         self.assertFalse(self.page.script(f"return {STALE}"))
 
     def test_tokens(self):
-        tokens = self.id() + ".tokens"
         folder = support.tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         path = support.pathlib.Path(folder.name) / "tokens"
@@ -74,7 +71,7 @@ class Connection(unittest.TestCase):
             path.write_text("".join(f"{line}\n" for line in lines))
             path.chmod(0o600)
 
-        watch, fly, tokens = "watch-0123456789abcdef", "fly-0123456789abcdef0", tokens
+        watch, fly = "watch-0123456789abcdef", "fly-0123456789abcdef0"
         write(f"viewer {watch} anna", f"controller {fly} bert")
         daemon = self.daemon(f"server.tokens={path}")
         self.page.open(daemon.url, "a=main&tab=radar")
@@ -110,18 +107,18 @@ class Connection(unittest.TestCase):
         with obliq.connect(daemon.address, name="instructor") as server, server.radar("main").control(force=True):
             self.page.await_script("!obliq.controls.isMine && document.querySelector('#radar [data-key]').hidden", "a closed form")
             self.page.await_script("document.querySelector('#radar > .refusal').textContent.includes('instructor')", "who took it")
-            self.page.await_script("document.querySelector('.holder').textContent === 'instructor'", "who holds it")
+            self.page.await_script("document.querySelector('.holder').textContent.includes('instructor')", "who holds it")
 
     def test_standby_and_freeze_are_said(self):
         daemon = self.daemon()
         self.open(daemon)
         with obliq.connect(daemon.address) as server, server.radar("main").control() as control:
-            set_state(control, transmit=False)
+            control.set_state(transmit=False)
             self.page.await_words("the transmitter is off")
             self.page.await_script("document.querySelector('.banner').textContent === 'STANDBY'", "the banner")
-            set_state(control, transmit=True, freeze=True)
+            control.set_state(transmit=True, freeze=True)
             self.page.await_words("The radar is frozen")
-            set_state(control, freeze=False)
+            control.set_state(freeze=False)
             control.set_pose(valid_s=0.3)
             self.page.await_words("The pose is stale")
             control.set_pose(valid_s=0)
@@ -139,10 +136,6 @@ class Connection(unittest.TestCase):
             support.await_that(lambda: any(r.subscribers for r in server.status().radars), "a subscriber")
         self.page.await_frame(2)
         self.assertLess(self.page.script("return obliq.panes[0].bins.held.length"), 200, "a backlog")
-
-
-def set_state(control, **switches):
-    control.set_state(**switches)
 
 
 if __name__ == "__main__":

@@ -88,7 +88,7 @@ def await_that(question, what, patience_s=PATIENCE_S):
 class Daemon:
     """obliqd with its page, on ports that stay the same when it is started again."""
 
-    def __init__(self, scene=SCENE, *settings):
+    def __init__(self, scene=SCENE, *settings, wait=True):
         self._folder = tempfile.TemporaryDirectory()
         self.folder = pathlib.Path(self._folder.name)
         if isinstance(scene, pathlib.Path):
@@ -102,7 +102,7 @@ class Daemon:
             self._words += ["--set", setting]
         self._log = open(self.folder / "log", "ab")
         self._process = None
-        self.start()
+        self.start(wait)
         atexit.register(self.close)
 
     def start(self, wait=True):

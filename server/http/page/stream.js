@@ -3,7 +3,7 @@
 import { SUBPROTOCOL, decode, encode, utcNow_ms } from "./messages.js";
 
 const BEAT_MS = 700; // between heartbeats
-const SILENCE_MS = 1700; // without an answer the picture is no longer live
+const SILENCE_MS = 1400; // without an answer the picture is no longer live
 const GIVE_UP_MS = 6000; // then the connection is opened anew
 const ANSWER_LIMIT_MS = 60000; // of a request: a queue of pictures may take its time
 const FIRST_PAUSE_MS = 500;
@@ -51,7 +51,7 @@ export class Link {
     this.heard_ms = 0;
     this.beat = null;
     this.retry = 0;
-    setInterval(() => this.#watch(), 250);
+    setInterval(() => this.#watch(), 150);
   }
 
   get isLive() {
