@@ -28,8 +28,9 @@ export class Field {
   /**
    * @param {Parameter} parameter
    * @param {(parameter: Parameter, value: any) => Promise<void>} send
+   * @param {string} [called] its name, where that of the key says too little
    */
-  constructor(parameter, send) {
+  constructor(parameter, send, called) {
     this.parameter = parameter;
     this.send = send;
     this.field = parameter.message_field.split(".")[1];
@@ -39,7 +40,7 @@ export class Field {
     this.element.title = `${parameter.text} Allowed: ${parameter.allowed}. (${parameter.key})`;
     const name = document.createElement("span");
     name.className = "name";
-    name.textContent = nameOf(parameter);
+    name.textContent = called ?? nameOf(parameter);
     this.input = this.#inputOf();
     this.value = document.createElement("output");
     this.value.className = "mono";

@@ -7,10 +7,21 @@ import { DEGREE, turned } from "./placement.js";
 export const UNIT_M = { km: 1000, NM: 1852 };
 const LINE = "rgba(150, 210, 196, 0.40)";
 const EDGE = "rgba(132, 196, 180, 0.55)";
-const TEXT = "#a9c4be";
+const TEXT = "#b4cec8";
+const HALO = "rgba(7, 11, 14, 0.8)";
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 const RING_STEP_DEG = 20; // between places of a ring that are worked out: it is a circle to a millionth
-const MOST_RINGS = 6;
+const MOST_RINGS = 7;
+
+/** Words that can be read on any picture. */
+function write(c, text, x, y) {
+  c.strokeStyle = HALO;
+  c.lineWidth = 3;
+  c.strokeText(text, x, y);
+  c.lineWidth = 1;
+  c.fillStyle = TEXT;
+  c.fillText(text, x, y);
+}
 
 /** The step 1, 2 or 5 times a power of ten that gives at most so many. */
 export function stepOf(span, most) {
@@ -126,11 +137,8 @@ function ringLabel(ppi, c, ring, text) {
     y += (12 * (y - y0)) / length;
   }
   const width = c.measureText(text).width;
-  c.fillStyle = "rgba(7, 11, 14, 0.72)";
-  if (isRound) c.fillRect(x - width - 4, y - 7, width + 5, 14);
-  c.fillStyle = TEXT;
   const rightwards = x >= x0;
-  c.fillText(text, isRound ? x - width - 2 : rightwards ? x - 3 : x - width + 3, y);
+  write(c, text, isRound ? x - width - 2 : rightwards ? x - 3 : x - width + 3, y);
 }
 
 /** Bearings around the sector, or at the picture's border where that is nearer. */
@@ -157,25 +165,24 @@ function bearings(ppi, c, sector_deg) {
     c.moveTo(x, y);
     c.lineTo(x + long * dx, y + long * dy);
     c.stroke();
-    c.fillStyle = TEXT;
-    if (isWord) c.fillText(String(turned(bearing)).padStart(3, "0"), x + 22 * dx, y + 18 * dy);
+    if (isWord) write(c, String(turned(bearing)).padStart(3, "0"), x + 22 * dx, y + 18 * dy);
   }
   c.textAlign = "left";
 }
 
 /** The end of a bearing's line on the picture, with the line's direction; null: it is not on it. */
 function borderOf(ppi, ax, ay, bx, by) {
-  const inset = 30;
+  const inset = 34;
   const length = Math.hypot(bx - ax, by - ay);
   if (length < 1) return null;
   const [dx, dy] = [(bx - ax) / length, (by - ay) / length];
   let most = length;
-  for (const [p, d, low, high] of [[ax, dx, inset, ppi.width - inset], [ay, dy, inset - 8, ppi.height - inset + 8]]) {
+  for (const [p, d, low, high] of [[ax, dx, inset, ppi.width - inset], [ay, dy, inset - 6, ppi.height - inset + 6]]) {
     if (Math.abs(d) > 1e-9) most = Math.min(most, ((d > 0 ? high : low) - p) / d);
     else if (p < low || p > high) return null;
   }
   const [x, y] = [ax + most * dx, ay + most * dy];
-  const inside = x > inset - 4 && x < ppi.width - inset + 4 && y > inset - 12 && y < ppi.height - inset + 12;
+  const inside = x > inset - 4 && x < ppi.width - inset + 4 && y > inset - 10 && y < ppi.height - inset + 10;
   return most > 0 && inside ? { x, y, dx, dy } : null;
 }
 
@@ -206,10 +213,9 @@ function legend(ppi, c) {
   c.strokeRect(x - 0.5, y - 0.5, width + 1, height + 1);
   const { low_dB, span_dB } = ppi.bins.scale;
   const step = stepOf(span_dB, 4);
-  c.fillStyle = TEXT;
   c.textAlign = "right";
   for (let dB = Math.ceil(low_dB / step) * step; dB <= low_dB + span_dB + 1e-9; dB += step)
-    c.fillText(String(dB), x - 4, y + height * (1 - (dB - low_dB) / span_dB));
-  c.fillText("dB", x + width, y - 9);
+    write(c, String(dB), x - 4, y + height * (1 - (dB - low_dB) / span_dB));
+  write(c, "dB", x + width, y - 9);
   c.textAlign = "left";
 }

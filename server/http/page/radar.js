@@ -7,8 +7,10 @@ import { number } from "./messages.js";
 const SCALES_NM = [10, 20, 40, 80];
 const NM_M = 1852;
 // The tab Radar has what an operator turns; the tab Settings has all, by section of the scene file.
-const QUICK = ["antenna.bearing_deg", "antenna.tilt_deg", "antenna.tilt_auto", "antenna.height_m", "radar.sector_deg",
-  "receiver.gain_db", "receiver.stc_range_m", "receiver.stc_db", "scan.rate_deg_s", "atmosphere.rain_mm_h", "frustum.kind"];
+/** @type {[string, string?][]} keys, and names where those of the keys say too little */
+const QUICK = [["antenna.bearing_deg"], ["antenna.tilt_deg"], ["antenna.tilt_auto"], ["antenna.height_m"], ["radar.sector_deg"],
+  ["receiver.gain_db"], ["receiver.stc_range_m", "STC range"], ["receiver.stc_db", "STC depth"], ["scan.rate_deg_s", "scan rate"],
+  ["atmosphere.rain_mm_h"], ["frustum.kind", "frustum"]];
 
 const $ = (id) => document.getElementById(id);
 const TABS = ["view", "radar", "setup"];
@@ -84,9 +86,9 @@ export class RadarControls {
       button.onclick = () => this.scale(scale);
       return button;
     });
-    this.scaleNow = make("output", "");
-    this.scaleNow.className = "mono unit";
-    row("Range NM", choice(...this.scales));
+    const unit = make("span", "NM");
+    unit.className = "unit";
+    row("Range", choice(...this.scales), unit);
     this.general = make("p", "");
     this.general.className = "refusal";
     this.general.setAttribute("role", "alert");
@@ -107,17 +109,17 @@ export class RadarControls {
     this.table = table.filter(({ message_field }) => message_field);
     this.quick.replaceChildren();
     this.fields = [];
-    for (const key of QUICK) {
+    for (const [key, name] of QUICK) {
       const parameter = this.table.find((p) => p.key === key);
-      if (parameter) this.quick.append(this.#field(parameter).element);
+      if (parameter) this.quick.append(this.#field(parameter, name).element);
     }
     const sections = [...new Set(this.table.map(({ key }) => key.split(".")[0]))];
     this.section.replaceChildren(...sections.map((name) => new Option(name, name)));
     this.#fillSection();
   }
 
-  #field(parameter) {
-    const field = new Field(parameter, (p, value) => this.#set(field, p, value));
+  #field(parameter, name) {
+    const field = new Field(parameter, (p, value) => this.#set(field, p, value), name);
     this.fields.push(field);
     return field;
   }
