@@ -55,7 +55,8 @@ std::string range_line(const RadarSettings& s, const EchoPlan& plan) {
   const double bin_m = (s.r_max_m - s.r_min_m) / s.range_bins;
   const PointResponse response(s);
   return fmt::format(
-      "Pulse: resolution {} m, range bins of {} m{}; {} bins in the swath would do. Level ground returns {} "
+      "Pulse: resolution {} m, range bins of {} m{}; {} bins in the swath would do for ground, twice as many "
+      "for single houses. Level ground returns {} "
       "of what a "
       "sharp range bin does.",
       short_number(response.resolution_m(), 4), short_number(bin_m, 4), parts_text(plan.range_parts),
