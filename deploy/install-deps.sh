@@ -21,6 +21,7 @@ test_packages=(
   libcgal-dev libgmp-dev libmpfr-dev                           # the independent ray tracer
   clang clang-format
   python3 python3-numpy python3-matplotlib python3-pip python3-venv python3-protobuf python3-crc32c
+  mono-mcs mono-runtime libmono-system-runtime-serialization4.0-cil    # the C# client
   mbpoll openssl curl socat tshark                             # clients from elsewhere
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
   chromium chromium-driver                                     # the page, with Selenium (below)

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <string>
 #include <vector>
 
 #include "client/socket.h"
@@ -59,7 +60,10 @@ class PreparedFrame : public net::PlannedFrame {
 
 class PreparedRenderer : public net::FrameRenderer {
  public:
-  PreparedRenderer() { wedge_.bins = BinBlock(0, kWedgeAzimuthBins, kBins); }
+  PreparedRenderer() {
+    wedge_.bins = BinBlock(0, kWedgeAzimuthBins, kBins);
+    wedge_.bins.video8.assign(wedge_.bins.iq.size(), 100);
+  }
   std::vector<FieldError> place(const PoseSettings&) const override { return {}; }
   Plan plan(const SettingsPtr& settings, const PoseSettings&) const override {
     Plan plan;
@@ -131,15 +135,15 @@ class WebReader : public Reader {
   void send(MessageType type, const google::protobuf::Message& message) override {
     websocket::JsonMessage json;
     if (!websocket::to_json(wire::encode_message(type, {}, message), json)) std::exit(1);
-    // A short frame whose mask is 0.
-    std::string frame = {'\x82',
-                         '\xfe',
-                         static_cast<char>(json.head.size() >> 8),
-                         static_cast<char>(json.head.size() & 0xff),
-                         0,
-                         0,
-                         0,
-                         0};
+    // Masked with 0. The length has as few bytes as it needs (RFC 6455 section 5.2).
+    const std::size_t n = json.head.size();
+    std::string frame = "\x82";
+    if (n < 126) {
+      frame += static_cast<char>(0x80 | n);
+    } else {
+      frame += {'\xfe', static_cast<char>(n >> 8), static_cast<char>(n & 0xff)};
+    }
+    frame.append(4, '\0');
     frame += json.head;
     check(socket_.send(std::as_bytes(std::span(frame)), kLong));
   }

@@ -40,6 +40,7 @@ class PatternFrame : public net::PlannedFrame {
           wedge.bins.state[at] = static_cast<std::uint8_t>(r % 4);
         }
       }
+      wedge.bins.video8.assign(wedge.bins.state.size(), 100);
       wedge.stats.samples = 1;
       options.on_wedge(std::move(wedge));
     }

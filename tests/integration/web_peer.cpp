@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/integration/session_record.h"
 
@@ -32,6 +34,23 @@ wire::Bytes web_message(wire::MessageType type, std::string_view json) {
   wire::encode_header(header, std::span(bytes).first<wire::kHeaderBytes>());
   const auto text = bytes_of(json);
   bytes.insert(bytes.end(), text.begin(), text.end());
+  return bytes;
+}
+
+wire::Bytes bytes_of_block(const std::string& page, const std::string& name) {
+  std::ifstream file(page);
+  wire::Bytes bytes;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("```")) {
+      inside = line == "```" + name;
+      continue;
+    }
+    if (!inside) continue;
+    std::istringstream rest(line.substr(line.find(':') + 1));
+    for (std::string word; rest >> word && word != "|";)
+      bytes.push_back(static_cast<std::byte>(std::stoi(word, nullptr, 16)));
+  }
   return bytes;
 }
 

@@ -63,6 +63,8 @@ class WebPeer {
 wire::Bytes web_message(wire::MessageType type, std::string_view json);
 /// A message with JSON as the stream has it, by protobuf's own reader of JSON.
 wire::Bytes as_protobuf(const wire::Bytes& message);
+/// Of a page's block "```name": offset, colon, bytes, a bar and a comment in each line.
+wire::Bytes bytes_of_block(const std::string& page, const std::string& name);
 /// By protobuf's own writer.
 std::string json_of(const google::protobuf::Message& message);
 

@@ -92,6 +92,14 @@ TEST(WebSocketDoor, AScreenWatchesARadar) {
   expect_pattern_powers(powers_of_frame(peer));
 }
 
+TEST(WebSocketDoor, TheBytesInTheGuideForUnrealSubscribe) {
+  Pattern pattern;
+  WebPeer peer(pattern.server.web());
+  peer.send(MessageType::hello, kHello);
+  peer.send({Kind::binary, bytes_of_block(OBLIQ_SOURCE_DIR "/client/guide/unreal.md", "subscribe")});
+  EXPECT_EQ(json::parse(peer.await(MessageType::ack)).at("request_id"), "1");
+}
+
 TEST(WebSocketDoor, ThroughTlsAndWithATokenItIsTheSame) {
   const TestFolder folder;
   const TestCertificate own = make_certificate(folder.path(), "own");

@@ -5,16 +5,15 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
-#include <sstream>
 
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/websocket/json_message.h"
 #include "server/websocket/json_writer.h"
+#include "tests/integration/web_peer.h"
 
 namespace obliq::websocket {
 namespace {
@@ -234,24 +233,6 @@ TEST(WebSocketTranslation, ATypeOfALaterVersionIsPassedOnEmptyAndSkipped) {
   EXPECT_EQ(binary.size(), wire::kHeaderBytes);
 }
 
-/// The block "```web" of the page: offset, colon, bytes, a bar and a comment.
-wire::Bytes example_of_the_page() {
-  std::ifstream file(OBLIQ_SOURCE_DIR "/proto/PROTOCOL.md");
-  wire::Bytes bytes;
-  bool inside = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.rfind("```", 0) == 0) {
-      inside = line == "```web";
-      continue;
-    }
-    if (!inside) continue;
-    std::istringstream rest(line.substr(line.find(':') + 1));
-    std::string word;
-    while (rest >> word && word != "|") bytes.push_back(static_cast<std::byte>(std::stoi(word, nullptr, 16)));
-  }
-  return bytes;
-}
-
 TEST(WebSocketTranslation, TheMessageInTheProtocolsPageIsWhatTheServerSends) {
   wire::WedgeBlock block;
   block.set_frame_id(1);
@@ -266,7 +247,7 @@ TEST(WebSocketTranslation, TheMessageInTheProtocolsPageIsWhatTheServerSends) {
       wire::encode_message(MessageType::wedge_block, {2, 5, 1767225600000000000}, block, plane);
   JsonMessage json;
   ASSERT_TRUE(to_json(sent, json));
-  EXPECT_EQ(whole(json), example_of_the_page());
+  EXPECT_EQ(whole(json), test::bytes_of_block(OBLIQ_SOURCE_DIR "/proto/PROTOCOL.md", "web"));
 }
 
 }  // namespace

@@ -19,9 +19,15 @@
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/replay/replay_renderer.h"
+#include "server/control/parameter_reference.h"
 #include "server/control/settings_message.h"
+#include "server/http/answering.h"
+#include "server/http/http_server.h"
+#include "server/http/page_routes.h"
+#include "server/net/io_thread.h"
 #include "server/net/server.h"
 #include "server/security/networks.h"
+#include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
@@ -40,6 +46,7 @@ struct ReplayArguments {
   bool serve = false;
   std::string address = "127.0.0.1";
   std::uint16_t port = wire::kDefaultPort;
+  std::optional<std::uint16_t> http_port;
   bool unprotected = false;
 };
 
@@ -161,6 +168,22 @@ RadarConfig radar_of(const client::RecordingStart& start, const std::string& pat
   return radar;
 }
 
+/// The page and the stream for browsers, beside `server` on its thread.
+std::unique_ptr<http::HttpServer> serve_browsers(const ReplayArguments& arguments, net::IoThread& io,
+                                                 net::Server& server) {
+  http::HttpOptions options;
+  options.address = arguments.address;
+  options.port = *arguments.http_port;
+  std::vector<http::Route> routes = http::page_routes(parameters_json());
+  http::Readiness readiness;
+  readiness.ready();
+  routes.push_back({"/readyz", true, [state = readiness.state()] { return http::readiness_page(state); }});
+  return std::make_unique<http::HttpServer>(
+      io.context(), options, std::move(routes),
+      websocket::upgrade(
+          io.context(), [&server] { return &server; }, [] { return http::Page{}; }));
+}
+
 void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
   if (!net::resolves_to_loopback(arguments.address) && !arguments.unprotected) {
     throw InputError("--address: found " + arguments.address +
@@ -181,9 +204,18 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
   std::atomic<bool> ended = false;
   const ReplayOptions replay{speed, arguments.loop};
   const ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
-  net::Server server(renderer, {radar}, options);
+  net::IoThread io;
+  net::Server server(io.context(), renderer, {radar}, options,
+                     net::ReservedPort(options.address, options.port));
+  std::unique_ptr<http::HttpServer> browsers;
+  if (arguments.http_port) browsers = serve_browsers(arguments, io, server);
+  const std::shared_ptr<void> first_of_all(nullptr, [&io](void*) { io.end(); });
   heed_interrupts();
-  std::jthread io([&server] { server.run(); });
+  server.start([&] {
+    if (browsers) browsers->stop();
+    io.release();
+  });
+  if (browsers) std::printf("the picture in a browser: %s\n", browsers->url().c_str());
   std::printf("ready: replays radar %s (%s) on %s\n", radar.name.c_str(),
               wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
   std::fflush(stdout);
@@ -241,6 +273,13 @@ void add_replay(CLI::App& app) {
       ->needs(serve)
       ->type_name("N")
       ->default_val(wire::kDefaultPort)
+      ->check(whole_number_from(0, std::numeric_limits<std::uint16_t>::max()));
+  command
+      ->add_option(
+          "--http-port", arguments->http_port,
+          "With --serve: also the page and the stream for browsers (/stream) over HTTP; 0: any free one")
+      ->needs(serve)
+      ->type_name("N")
       ->check(whole_number_from(0, std::numeric_limits<std::uint16_t>::max()));
   command->add_option("--address", arguments->address, "With --serve: where to listen")
       ->needs(serve)

@@ -1,0 +1,71 @@
+// obliq replay --serve --http-port: a recording in the browser, with the bytes that were recorded, for
+// several at a time.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "proto/error_number.h"
+#include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/http_peer.h"
+#include "tests/integration/record_fixture.h"
+#include "tests/integration/web_peer.h"
+#include "tests/support/made_recording.h"
+
+namespace obliq::test {
+namespace {
+
+using nlohmann::json;
+using wire::MessageType;
+
+/// The I&Q of the next whole frame.
+std::vector<std::complex<float>> iq_of_frame(WebPeer& peer) {
+  std::vector<std::complex<float>> iq;
+  while (const auto message = peer.read()) {
+    wire::MessageView view;
+    const wire::Bytes binary = as_protobuf(*message);
+    EXPECT_EQ(wire::decode_message(binary, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+    if (view.header.type == MessageType::frame_begin) iq.assign(kMadeAzimuths * kMadeRanges, {});
+    if (view.header.type == MessageType::frame_end && !iq.empty()) return iq;
+    wire::WedgeBlock block;
+    if (view.header.type != MessageType::wedge_block || !wire::parse_descriptor(view.descriptor, block))
+      continue;
+    if (block.plane() != wire::IQ || iq.empty()) continue;
+    EXPECT_EQ(view.plane.size(), block.n_azimuth() * block.n_range() * sizeof iq[0]);
+    std::memcpy(iq.data() + block.first_azimuth() * kMadeRanges, view.plane.data(), view.plane.size());
+  }
+  return {};
+}
+
+TEST_F(RecordTest, WebSocketReplayShowsTheRecordedBytesToSeveral) {
+  folder.write("main.obliq", made_recording().bytes);
+  const auto expected = frames_of(file);
+  ASSERT_FALSE(expected.empty());
+  const Running replay({"replay", file, "--serve", "--port", "0", "--http-port", "0", "--loop"},
+                       folder / "replay.log");
+  const std::string url = replay.await("in a browser: ");
+  ASSERT_EQ(url.rfind("http://127.0.0.1:", 0), 0u) << replay.log();
+  const auto at = *client::parse_endpoint(url.substr(7, url.find('/', 7) - 7));
+  EXPECT_EQ(http_get(at.port, "/").body,
+            text_of(std::filesystem::path(OBLIQ_SOURCE_DIR "/server/http/page/index.html")));
+  EXPECT_EQ(http_get(at.port, "/readyz").status, 200);
+  EXPECT_EQ(http_get(at.port, "/parameters.json").status, 200);
+  EXPECT_EQ(WebPeer(at, {.origin = "http://evil.example"}).status(), 403);
+  WebPeer student(at), instructor(at);
+  for (WebPeer* peer : {&student, &instructor}) {
+    peer->send(MessageType::hello, R"({"major": 1})");
+    EXPECT_EQ(json::parse(peer->await(MessageType::welcome)).at("server_name"), "obliq replay");
+    peer->send(MessageType::subscribe,
+               R"({"request_id": 1, "radar": "main", "rate_hz": 100, "planes": ["IQ"]})");
+  }
+  for (WebPeer* peer : {&student, &instructor, &student}) {
+    const auto iq = iq_of_frame(*peer);
+    EXPECT_TRUE(std::ranges::any_of(expected, [&](const auto& one) { return one.second.iq == iq; }));
+  }
+  student.send(MessageType::claim_control, R"({"request_id": 2, "radar": "main"})");
+  EXPECT_EQ(student.error_number(), static_cast<std::uint32_t>(wire::ErrorNumber::replay_only));
+}
+
+}  // namespace
+}  // namespace obliq::test
