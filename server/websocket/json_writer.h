@@ -1,7 +1,7 @@
 #pragma once
 // protobuf's JSON mapping (protobuf.dev, "ProtoJSON format") with the names of obliq.proto, written by
-// reflection: a block's descriptor costs a seventh of what protobuf's own writer takes, which goes through the
-// bytes of the message and a type resolver (websocket_bench).
+// reflection: a block's descriptor costs a seventh of what protobuf's own writer takes, which goes through
+// the bytes of the message and a type resolver (websocket_bench).
 #include <string>
 
 namespace google::protobuf {

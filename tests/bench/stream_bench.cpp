@@ -17,8 +17,8 @@
 #include "client/client.h"
 #include "client/socket.h"
 #include "proto/obliq.pb.h"
-#include "server/control/settings_message.h"
 #include "server/net/server.h"
+#include "tests/bench/prepared_renderer.h"
 
 namespace {
 
@@ -30,48 +30,6 @@ constexpr std::size_t kBlockBytes = std::size_t{kWedgeAzimuthBins} * kBins * siz
 constexpr std::size_t kFrameBytes = std::size_t{kBins} * kBins * sizeof(std::complex<float>);
 constexpr int kFrames = 60;
 constexpr client::Timeout kLong{60000};
-
-/// Wedges that were rendered long ago.
-class PreparedFrame : public net::PlannedFrame {
- public:
-  PreparedFrame(SettingsPtr settings, Wedge& wedge) : settings_(std::move(settings)), wedge_(wedge) {}
-  void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
-    descriptor.set_radar(radar);
-    write_message(settings_->settings, *descriptor.mutable_settings());
-  }
-  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
-    for (int first = azimuths.first; first < azimuths.first + azimuths.count; first += kWedgeAzimuthBins) {
-      if (options.stop.stop_requested()) return false;
-      wedge_.index = first / kWedgeAzimuthBins;
-      wedge_.bins.first_azimuth = first;
-      options.on_wedge(std::move(wedge_));  // who receives it reads only
-    }
-    return true;
-  }
-  void summarise(const FrameStats&, wire::FrameSummary&) const override {}
-
- private:
-  SettingsPtr settings_;
-  Wedge& wedge_;
-};
-
-class PreparedRenderer : public net::FrameRenderer {
- public:
-  PreparedRenderer() {
-    wedge_.bins = BinBlock(0, kWedgeAzimuthBins, kBins);
-    for (std::size_t i = 0; i < wedge_.bins.iq.size(); ++i)
-      wedge_.bins.iq[i] = {static_cast<float>(i), static_cast<float>(i % 77)};
-  }
-  std::vector<FieldError> place(const PoseSettings&) const override { return {}; }
-  Plan plan(const SettingsPtr& settings, const PoseSettings&) const override {
-    Plan plan;
-    plan.frame = std::make_unique<PreparedFrame>(settings, wedge_);
-    return plan;
-  }
-
- private:
-  mutable Wedge wedge_;
-};
 
 void check(const client::Status& status) {
   if (status.ok()) return;
@@ -207,7 +165,7 @@ int main(int argc, char** argv) {
   radar.name = "main";
   radar.settings.azimuth_bins = kBins;
   radar.settings.range_bins = kBins;
-  const PreparedRenderer renderer;
+  const bench::PreparedRenderer renderer(kBins);
   net::Server server(renderer, {radar}, options);
   std::thread running([&] { server.run(); });
 
