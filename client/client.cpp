@@ -24,6 +24,7 @@ struct Client::State {
   FrameHandler* handler = nullptr;
   Tap tap;
   wire::Bytes welcome_bytes;
+  std::optional<wire::ReplayState> replay_state;
   std::uint64_t last_request = 0;
   Clock::time_point last_heard;
 
@@ -43,6 +44,7 @@ struct Client::State {
   }
   Status receive(Message& message, Timeout timeout);
   Status dispatch(const Message& message);
+  Status keep_replay_state(const Message& message);
   Status doubt_server(Status status);
 };
 
@@ -100,6 +102,8 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (error.request_id() == last_request || error.number() < 100) return Status::from_error(error);
     } else if (message.header.type == MessageType::heartbeat) {
       if (Status status = answer_heartbeat(connection, message); !status.ok()) return status;
+    } else if (message.header.type == MessageType::replay_state) {
+      if (Status status = keep_replay_state(message); !status.ok()) return status;
     } else if (is_frame(message.header.type)) {
       if (Status status = dispatch(message); !status.ok()) return status;
     }
@@ -133,6 +137,13 @@ Status Client::State::dispatch(const Message& message) {
   FrameHandler none;
   return dispatch_frame(message.header, message.descriptor(), message.plane(),
                         handler != nullptr ? *handler : none);
+}
+
+Status Client::State::keep_replay_state(const Message& message) {
+  wire::ReplayState state;
+  if (!wire::parse_descriptor(message.descriptor(), state)) return unreadable("ReplayState");
+  replay_state = std::move(state);
+  return {};
 }
 
 Client::Client() : state_(std::make_unique<State>()) {}
@@ -172,6 +183,7 @@ Status Client::reconnect() {
   state_->connection.close();
   if (state_->handler != nullptr) state_->handler->on_lost();
   state_->welcome.Clear();
+  state_->replay_state.reset();
   const Endpoint endpoint = state_->endpoint;
   ClientOptions options = state_->options;
   options.hello_timeout = options.reply_timeout;  // that it is obliqd is known
@@ -260,6 +272,13 @@ Status Client::get_status(wire::Status& status) {
   return state_->call(MessageType::get_status, request, MessageType::status, status);
 }
 
+Status Client::set_replay(wire::SetReplay& request) {
+  return state_->acknowledged(MessageType::set_replay, request);
+}
+const wire::ReplayState* Client::replay_state() const {
+  return state_->replay_state ? &*state_->replay_state : nullptr;
+}
+
 Status Client::query_ground(wire::QueryGround& request, wire::GroundAnswer& answer,
                             std::vector<wire::GroundRecord>& records) {
   records.clear();
@@ -285,6 +304,7 @@ Status Client::receive(Timeout timeout) {
   }
   state_->last_heard = Clock::now();
   if (message.header.type == MessageType::heartbeat) return answer_heartbeat(state_->connection, message);
+  if (message.header.type == MessageType::replay_state) return state_->keep_replay_state(message);
   return is_frame(message.header.type) ? state_->dispatch(message) : unsolicited(message);
 }
 

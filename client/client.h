@@ -23,6 +23,8 @@ class Subscribe;
 class Ack;
 class QueryGround;
 class GroundAnswer;
+class SetReplay;
+class ReplayState;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -75,6 +77,11 @@ class Client {
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);
   Status get_status(wire::Status& status);
+  /// Pauses a replay, changes its speed or its place, for all that watch it. request's number is set. Refused
+  /// with error 126 by a server whose radars are live.
+  Status set_replay(wire::SetReplay& request);
+  /// The newest that has come, where the server replays; null: none. Valid until the next call that receives.
+  const wire::ReplayState* replay_state() const;
   /// What is at up to Limits.max_query_points places, and whether an antenna sees points there: a record for
   /// each, in their order. request's number is set.
   Status query_ground(wire::QueryGround& request, wire::GroundAnswer& answer,

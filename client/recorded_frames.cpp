@@ -51,6 +51,8 @@ class RecordedFrames::Collector : public FrameAssembler {
     azimuths_.assign(static_cast<std::size_t>(frame().n_azimuth), {});
     times_ = {};
     times_.begin_utc_ns = header.utc_ns;
+    if (begin.has_scan()) times_.scan = std::make_shared<const wire::ScanPass>(begin.scan());
+    newest_ = nullptr;
     times_.bytes = size_of(header);
     return status;
   }
@@ -60,15 +62,24 @@ class RecordedFrames::Collector : public FrameAssembler {
     const Status status = FrameAssembler::on_block(header, block, values);
     if (!status.ok()) return status;
     times_.bytes += size_of(header);
-    if (times_.first_wedge_ns == 0) times_.first_wedge_ns = block.send_ns() - block.render_start_ns();
+    if (times_.first_wedge_ns == 0) {
+      times_.first_wedge_ns = block.send_ns() - block.render_start_ns();
+      // In a file they may be anything.
+      if (__builtin_sub_overflow(header.utc_ns, block.send_ns(), &times_.clock_offset_ns))
+        times_.clock_offset_ns = 0;
+    }
     // Nothing in it, or nothing that was looked at: not a place in the frame.
     const auto plane = wire::plane_from_number(block.plane());
     if (!plane || !(planes_ & wire::plane_bit(*plane)) || values.empty()) return status;
     for (std::size_t row = 0; row < block.n_azimuth(); ++row) {
       const std::size_t at = block.first_azimuth() + row;
       if (at >= azimuths_.size()) break;
-      const std::int64_t utc_ns = azimuths_[at].seen ? azimuths_[at].utc_ns : header.utc_ns;
-      azimuths_[at] = {true, block.wedge_index(), std::max(utc_ns, header.utc_ns)};
+      Azimuth& azimuth = azimuths_[at];
+      const std::int64_t utc_ns = azimuth.seen ? azimuth.utc_ns : header.utc_ns;
+      azimuth.seen = true;
+      azimuth.wedge = block.wedge_index();
+      azimuth.utc_ns = std::max(utc_ns, header.utc_ns);
+      if (!azimuth.block) azimuth.block = shared(block);
     }
     return status;
   }
@@ -94,7 +105,8 @@ class RecordedFrames::Collector : public FrameAssembler {
       if (!azimuths_[i].seen) azimuths_[i].utc_ns = whole.end_utc_ns;
       if (i == 0 || azimuths_[i].seen != azimuths_[i - 1].seen ||
           azimuths_[i].wedge != azimuths_[i - 1].wedge) {
-        whole.wedges.push_back({azimuths_[i].wedge, i, 0, azimuths_[i].utc_ns});
+        whole.wedges.push_back(
+            {azimuths_[i].wedge, i, 0, azimuths_[i].utc_ns, !azimuths_[i].seen, azimuths_[i].block});
       }
       RecordedWedge& wedge = whole.wedges.back();
       ++wedge.n_azimuth;
@@ -108,8 +120,15 @@ class RecordedFrames::Collector : public FrameAssembler {
   struct Azimuth {
     bool seen = false;
     std::uint32_t wedge = 0;
-    std::int64_t utc_ns = 0;  ///< of the last block with it
+    std::int64_t utc_ns = 0;                          ///< of the last block with it
+    std::shared_ptr<const wire::WedgeBlock> block{};  ///< the first with it
   };
+  // One for all azimuths of a wedge: its planes come one behind the other.
+  std::shared_ptr<const wire::WedgeBlock> shared(const wire::WedgeBlock& block) {
+    if (!newest_ || newest_->wedge_index() != block.wedge_index())
+      newest_ = std::make_shared<const wire::WedgeBlock>(block);
+    return newest_;
+  }
   bool is_mine(const wire::MessageHeader& header, std::uint64_t frame_id) const {
     return state() == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
   }
@@ -137,6 +156,7 @@ class RecordedFrames::Collector : public FrameAssembler {
   std::uint64_t frame_id_ = 0;
   RecordedFrame times_;
   std::vector<Azimuth> azimuths_;  ///< [n_azimuth]
+  std::shared_ptr<const wire::WedgeBlock> newest_;
 };
 
 // ---- All frames ----

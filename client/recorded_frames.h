@@ -9,6 +9,10 @@
 #include "client/frame_assembler.h"
 #include "client/recording_reader.h"
 
+namespace obliq::wire {
+class ScanPass;
+}
+
 namespace obliq::client {
 
 /// When a wedge was sent: its last block's time. Of azimuths that a scanning antenna missed: the frame's end.
@@ -17,6 +21,9 @@ struct RecordedWedge {
   std::uint32_t first_azimuth = 0;
   std::uint32_t n_azimuth = 0;
   std::int64_t utc_ns = 0;
+  bool missed = false;
+  /// Of its first block: pose, times by the server's monotonic clock. Null: missed.
+  std::shared_ptr<const wire::WedgeBlock> block{};
 };
 
 struct RecordedFrame {
@@ -26,6 +33,8 @@ struct RecordedFrame {
   std::int64_t first_wedge_ns = 0;    ///< from the start of rendering to the first block
   std::uint64_t bytes = 0;            ///< on the wire
   std::vector<RecordedWedge> wedges;  ///< in the order in which they came; none of a frame's window
+  std::shared_ptr<const wire::ScanPass> scan{};  ///< of a scanning antenna; null: all of the sector at once
+  std::int64_t clock_offset_ns = 0;  ///< UTC less the server's monotonic clock, by its first block
 };
 
 /// What a recording begins with.

@@ -88,6 +88,16 @@ Status RecordingReader::open(const std::string& path, std::unique_ptr<RecordingR
   return {};
 }
 
+void RecordingReader::seek(std::uint64_t offset) {
+  in_->clear();
+  in_->seekg(static_cast<std::streamoff>(offset));
+  begin_ = end_ = 0;
+  at_end_ = read_failed_ = false;
+  offset_ = offset;
+  view_ = {};
+  fault_ = {};
+}
+
 std::span<const std::byte> RecordingReader::window() const {
   return std::span(buffer_).subspan(begin_, end_ - begin_);
 }

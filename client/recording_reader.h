@@ -35,6 +35,10 @@ class RecordingReader {
   /// After `end`, `end` again.
   Found next();
 
+  /// Goes on from there, which need not be where a message begins: bytes before the first whole one are then
+  /// a damage.
+  void seek(std::uint64_t offset);
+
   /// Valid until next() is called again.
   const wire::MessageView& message() const { return view_; }
   /// Of message(), from the start of the file.

@@ -33,6 +33,7 @@ enum class ErrorNumber : std::uint32_t {
   over_limit = 109,            ///< the text names the limit
   window_outside_frame = 110,  ///< new settings of the radar leave no bin of a subscription's window
   replay_only = 125,           ///< the server replays a recording: nothing can be changed or rendered
+  not_a_replay = 126,          ///< SetReplay to a server whose radars are live
 };
 
 }  // namespace obliq::wire

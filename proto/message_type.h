@@ -28,6 +28,8 @@ enum class MessageType : std::uint16_t {
   set_state = 29,
   query_ground = 30,
   ground_answer = 31,
+  set_replay = 32,
+  replay_state = 33,
 
   frame_begin = 48,
   wedge_block = 49,

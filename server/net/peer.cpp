@@ -19,7 +19,7 @@ constexpr std::pair<MessageType, std::string_view> kNames[] = {
     {MessageType::set_settings, "SetSettings"}, {MessageType::set_state, "SetState"},
     {MessageType::set_pose, "SetPose"},         {MessageType::release_control, "ReleaseControl"},
     {MessageType::unsubscribe, "Unsubscribe"},  {MessageType::render_once, "RenderOnce"},
-    {MessageType::query_ground, "QueryGround"},
+    {MessageType::query_ground, "QueryGround"}, {MessageType::set_replay, "SetReplay"},
 };
 
 std::uint64_t bit(MessageType type) {

@@ -109,6 +109,8 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::set_pose, Role::controller);
     case MessageType::set_state:
       return answer(descriptor, &Requests::set_state, Role::controller);
+    case MessageType::set_replay:
+      return answer(descriptor, &Requests::set_replay, Role::controller);
     case MessageType::subscribe:
       return answer(descriptor, &Requests::subscribe);
     case MessageType::unsubscribe:

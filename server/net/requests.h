@@ -21,6 +21,7 @@ class ReleaseControl;
 class SetSettings;
 class SetPose;
 class SetState;
+class SetReplay;
 class Subscribe;
 class Unsubscribe;
 class RenderOnce;
@@ -74,6 +75,7 @@ class Requests {
   void set_settings(const wire::SetSettings& request);
   void set_pose(const wire::SetPose& request);
   void set_state(const wire::SetState& request);
+  void set_replay(const wire::SetReplay& request);
   void subscribe(const wire::Subscribe& request);
   void unsubscribe(const wire::Unsubscribe& request);
   void render_once(const wire::RenderOnce& request);

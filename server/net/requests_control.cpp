@@ -7,6 +7,7 @@
 #include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
+#include "server/rendering/replay_control.h"
 #include "server/security/security.h"
 #include "terrain/base/text.h"
 
@@ -73,6 +74,10 @@ void Requests::hello(const wire::Hello& request) {
   welcome.set_client_name(peer_.name);
   welcome.set_role(std::string(role_name(peer_.role)));
   peer_.send(MessageType::welcome, welcome);
+  if (room_.replay() == nullptr) return;
+  wire::ReplayState state;
+  room_.replay()->write_state(state);
+  peer_.send(MessageType::replay_state, state);
 }
 
 void Requests::heartbeat(const wire::Heartbeat& request) {
@@ -144,6 +149,19 @@ void Requests::set_state(const wire::SetState& request) {
   if (request.has_freeze()) wanted.freeze = request.freeze();
   room_.radars().flip(*radar, wanted, peer_.name);
   acknowledge(request.request_id(), radar->settings.current()->version);
+}
+
+void Requests::set_replay(const wire::SetReplay& request) {
+  if (room_.replay() == nullptr) {
+    return refuse(
+        request.request_id(), ErrorNumber::not_a_replay,
+        "this server's radars are live: pause, speed and seek are for a server that replays a recording "
+        "(obliq replay FILE --serve)");
+  }
+  const std::vector<FieldError> errors = room_.replay()->set(request);
+  if (!errors.empty())
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "replay refused", errors);
+  acknowledge(request.request_id());
 }
 
 }  // namespace obliq::net

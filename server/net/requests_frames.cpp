@@ -60,6 +60,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
   room_.radars().unsubscribe(*radar, peer_);
   room_.radars().watch(*radar, peer_, std::move(demanded));
   acknowledge(request.request_id(), radar->settings.current()->version);
+  room_.watchers_changed(true);
   if (!radar->faults.empty()) room_.radars().send_fault(*radar, peer_);
 }
 
@@ -71,6 +72,7 @@ void Requests::unsubscribe(const wire::Unsubscribe& request) {
                   "not subscribed to radar " + radar->name);
   }
   room_.radars().unsubscribe(*radar, peer_);
+  room_.watchers_changed(false);
   acknowledge(request.request_id());
 }
 

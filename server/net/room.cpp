@@ -10,6 +10,7 @@
 #include "server/control/settings_message.h"
 #include "server/log/service_log.h"
 #include "server/net/requests.h"
+#include "server/rendering/replay_control.h"
 #include "server/security/networks.h"
 #include "server/security/security.h"
 
@@ -31,9 +32,26 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
                .before_wedge = options_.before_wedge}),
       radars_(options_, radars, render_) {
   if (!options_.security) options_.security = std::make_shared<Security>();
+  if (replay() != nullptr) replay()->on_change([this] { post_([this] { tell_replay_state(); }); });
 }
 
-Room::~Room() { end(); }
+Room::~Room() {
+  end();
+  if (replay() != nullptr) replay()->on_change({});
+}
+
+void Room::watchers_changed(bool newcomer) {
+  if (replay() == nullptr) return;
+  const auto is_watched = [](const LiveRadar& radar) { return !radar.watchers.empty(); };
+  replay()->watched(std::ranges::any_of(radars_.all(), is_watched), newcomer);
+}
+
+void Room::tell_replay_state() {
+  wire::ReplayState state;
+  replay()->write_state(state);
+  for (const auto& peer : peers_)
+    if (peer->greeted) peer->send(MessageType::replay_state, state);
+}
 
 void Room::finish() {
   stopping_ = true;
@@ -99,6 +117,7 @@ void Room::enter(const std::shared_ptr<Peer>& peer) { peers_.push_back(peer); }
 
 void Room::leave(Peer& peer) {
   radars_.forget(peer);
+  watchers_changed(false);
   for (const OnceRequestPtr& request : peer.renders) request->stop.request_stop();
   peer.renders.clear();
   queries_.forget(peer.id);

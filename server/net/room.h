@@ -80,6 +80,10 @@ class Room : private RenderEvents {
   void query_ground(Peer& peer, std::uint64_t request_id, std::shared_ptr<const GroundQuestion> question);
   /// Of all clients' unfinished RenderOnce requests.
   FrameCost cost_queued() const;
+  /// Of a renderer that replays; null: none.
+  ReplayControl* replay() const { return renderer_.replay(); }
+  /// A client has begun to watch, or one has ended.
+  void watchers_changed(bool newcomer);
   /// What limit a live radar of such settings would exceed, watched with such planes.
   std::optional<OverLimit> over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const;
 
@@ -88,6 +92,7 @@ class Room : private RenderEvents {
   void answer_query(std::uint64_t client_id, std::uint64_t request_id, const GroundQuestion& question,
                     const GroundAnswers& answers, std::span<const std::byte> records);
   void finish_render(Peer& peer, std::uint32_t stream_id);
+  void tell_replay_state();
   void stopped_if_empty();
 
   void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;

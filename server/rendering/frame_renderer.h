@@ -13,9 +13,13 @@
 namespace obliq::wire {
 class FrameDescriptor;
 class FrameSummary;
+class ScanPass;
+class WedgeBlock;
 }  // namespace obliq::wire
 
 namespace obliq::net {
+
+class ReplayControl;  // server/rendering/replay_control.h
 
 class PlannedFrame {
  public:
@@ -32,6 +36,16 @@ class PlannedFrame {
   /// The same plan, nothing of it rendered, with the number and date of another pose of the same antenna.
   /// Null: it must be planned anew.
   virtual std::unique_ptr<PlannedFrame> again(const PoseSettings& /*pose*/) const { return nullptr; }
+
+  // Of a frame that was recorded, by this server's clock from now on:
+  /// The pass that it is; null: all of the sector at once.
+  virtual const wire::ScanPass* scan() const { return nullptr; }
+  /// What the wedge in hand says of itself, asked while on_wedge is called; null: what the frame says.
+  virtual const wire::WedgeBlock* dwell() const { return nullptr; }
+  /// Azimuth bins that its antenna missed.
+  virtual std::vector<AzimuthRange> missed() const { return {}; }
+  /// Why render() was false.
+  virtual std::string why_stopped() const { return "the server has stopped rendering this frame"; }
 };
 
 /// Called from several threads at once.
@@ -58,6 +72,8 @@ class FrameRenderer {
 
   /// Of a renderer that only replays: why no client may change anything or have a frame rendered. Else empty.
   virtual std::string fixed() const { return {}; }
+  /// The same renderer's controls; null: it replays nothing.
+  virtual ReplayControl* replay() const { return nullptr; }
   /// The planes that its frames have.
   virtual wire::PlaneSet planes() const { return wire::kEveryPlane; }
 };

@@ -3,6 +3,7 @@
 #include <exception>
 #include <utility>
 
+#include "proto/obliq.pb.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
 
@@ -57,6 +58,7 @@ bool LiveJob::begin() {
       frame->view = start->view;
       frame->generation = generation;
       frame->stop = start->stop;
+      if (const wire::ScanPass* scan = frame->plan->scan()) frame->encoder.set_scan(*scan);
       frame->send_begin(*start->view);
       frame_ = std::move(frame);
     } else if (plan.errors.empty()) {  // nothing new
@@ -79,11 +81,14 @@ bool LiveJob::go_on(Frame& frame) {
       if (frame.rendered.first_wedge_s == 0)
         frame.rendered.first_wedge_s = to_seconds(context_.now() - frame.begun);
       frame.stats.add(wedge);
+      if (const wire::WedgeBlock* dwell = frame.plan->dwell())
+        frame.encoder.set_dwell(dwell->pose(), dwell->pose_received_ns(), dwell->pose_stale(),
+                                dwell->beam_ns());
       frame.send(frame.encoder.wedge(wedge.index, wedge.bins));
     };
     for (; frame.part < frame.azimuths.size(); ++frame.part) {
       if (!frame.plan->render(frame.azimuths[frame.part], options)) {
-        frame.send_abort("the server has stopped rendering this frame");
+        frame.send_abort(frame.plan->why_stopped());
         return true;
       }
       if (frame.pause.begun) return false;
@@ -99,7 +104,7 @@ bool LiveJob::go_on(Frame& frame) {
 
 void LiveJob::end(Frame& frame) {
   frame.rendered.render_s = to_seconds(context_.now() - frame.begun);
-  frame.send_end();
+  frame.send_end(frame.plan->missed());
   // A pose that stays has no latency: its age grows and says nothing.
   const std::int64_t received_ns = frame.view->pose_received_ns;
   if (received_ns > shown_pose_ns_) {

@@ -59,6 +59,10 @@ const Message* example_of(MessageType type) {
       return &wire::Status::default_instance();
     case MessageType::set_state:
       return &wire::SetState::default_instance();
+    case MessageType::set_replay:
+      return &wire::SetReplay::default_instance();
+    case MessageType::replay_state:
+      return &wire::ReplayState::default_instance();
     case MessageType::query_ground:
       return &wire::QueryGround::default_instance();
     case MessageType::ground_answer:

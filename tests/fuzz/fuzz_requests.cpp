@@ -55,7 +55,7 @@ bool is_answered(MessageType type) {
       MessageType::list_radars,     MessageType::get_radar,    MessageType::claim_control,
       MessageType::release_control, MessageType::set_settings, MessageType::set_pose,
       MessageType::set_state,       MessageType::subscribe,    MessageType::unsubscribe,
-      MessageType::render_once,     MessageType::get_status};
+      MessageType::render_once,     MessageType::get_status,   MessageType::set_replay};
   return std::find(kAnswered.begin(), kAnswered.end(), type) != kAnswered.end();
 }
 

@@ -164,6 +164,12 @@ void write_requests() {
   write_seed("requests", "render", request(MessageType::render_once, once));
   write_seed("requests", "query",
              request(MessageType::query_ground, places) + request(MessageType::query_ground, ranges, true));
+  wire::SetReplay replay;
+  replay.set_request_id(8);
+  replay.set_paused(true);
+  replay.set_speed(2);
+  replay.set_seek_s(60);
+  write_seed("requests", "replay", request(MessageType::set_replay, replay));
   write_seed("requests", "ask",
              request(MessageType::list_radars, list) +
                  request(MessageType::get_radar, named<wire::GetRadar>("nose")) +

@@ -184,6 +184,10 @@ TypeFacts facts_of(MessageType type) {
       return {"QueryGround", true, false};
     case MessageType::ground_answer:
       return {"GroundAnswer", false, true};
+    case MessageType::set_replay:
+      return {"SetReplay", true, false};
+    case MessageType::replay_state:
+      return {"ReplayState", false, false};  // of a replay alone
     case MessageType::frame_begin:
       return {"FrameBegin", false, true};
     case MessageType::wedge_block:

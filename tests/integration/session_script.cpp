@@ -111,6 +111,7 @@ class Script {
     admin.ask(claim_control, kMain, error);
     controller.ask(claim_control, "radar: 'scan' force: true", ack);
     controller.ask(release_control, "radar: 'scan'", ack);
+    controller.ask(set_replay, "paused: true seek_s: 3", error);
     controller.ask(set_settings,
                    "radar: 'main' settings { frequency_ghz: 9.5 power_w: 100 gain_db: 30 speckle_seed: 7 "
                    "speckle: GROUND_SPECKLE plates: NEAREST_PLATES range_normalisation: true r_max_m: 5500 }",

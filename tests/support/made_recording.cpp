@@ -1,5 +1,9 @@
 #include "tests/support/made_recording.h"
 
+#include <cstring>
+#include <span>
+
+#include "proto/message_header.h"
 #include "proto/obliq.pb.h"
 #include "server/stream/frame_encoder.h"
 
@@ -17,7 +21,7 @@ double made_power(std::uint64_t frame_id, int azimuth, int range) {
 
 void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence, bool whole,
                const std::string& radar, std::uint32_t stream_id,
-               const std::vector<net::StreamChoice>& choices) {
+               const std::vector<net::StreamChoice>& choices, std::int64_t sim_time_ns) {
   net::FrameEncoder encoder({.stream_id = stream_id, .frame_id = frame_id, .choices = choices}, sequence);
   const auto add = [&](const net::BlockPtr& block) { recording.add(block->bytes, block->type, frame_id); };
   wire::FrameDescriptor descriptor;
@@ -25,6 +29,7 @@ void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& 
   descriptor.set_frame_id(frame_id);
   descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);
   descriptor.mutable_settings()->set_range_bins(kMadeRanges);
+  if (sim_time_ns != 0) descriptor.mutable_pose()->set_sim_time_ns(sim_time_ns);
   for (const auto& block : encoder.begin(descriptor)) add(block);
   for (int wedge = 0; wedge < (whole ? 2 : 1); ++wedge) {
     BinBlock bins(wedge * 8, wedge == 0 ? 8 : kMadeAzimuths - 8, kMadeRanges);
@@ -46,6 +51,32 @@ void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& 
   } else {
     add(encoder.abort("made to end"));
   }
+}
+
+void set_time(MadeRecording& recording, std::size_t message, std::int64_t utc_ns) {
+  const MadeMessage& at = recording.messages[message];
+  std::memcpy(recording.bytes.data() + at.begin + 32, &utc_ns, sizeof utc_ns);  // PROTOCOL.md, Header
+  const auto whole = std::as_bytes(std::span(recording.bytes)).subspan(at.begin, at.end - at.begin);
+  const std::uint32_t crc = wire::message_crc(whole.first(48), whole.subspan(48));
+  std::memcpy(recording.bytes.data() + at.begin + 40, &crc, sizeof crc);
+}
+
+MadeRecording timed_recording(int frames, std::int64_t step_ns) {
+  MadeRecording recording;
+  std::uint64_t sequence = 0;
+  for (int k = 0; k < frames; ++k) {
+    const std::size_t first = recording.messages.size();
+    const std::int64_t begin_ns = k * step_ns;
+    add_frame(recording, static_cast<std::uint64_t>(k + 1), sequence, true, "main", 1, {},
+              kMadeSimStart_ns + begin_ns);
+    // FrameBegin, four planes of each wedge, FrameEnd.
+    const std::size_t messages = recording.messages.size() - first;
+    for (std::size_t i = 0; i < messages; ++i) {
+      const std::int64_t part = i == 0 ? 0 : i + 1 == messages ? 99 : i < messages / 2 ? 33 : 66;
+      set_time(recording, first + i, kMadeStart_ns + begin_ns + part * step_ns / 100);
+    }
+  }
+  return recording;
 }
 
 MadeRecording made_recording() {

@@ -33,7 +33,17 @@ double made_power(std::uint64_t frame_id, int azimuth, int range);
 /// blocks are made; none: as floats, and all of them.
 void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence, bool whole = true,
                const std::string& radar = "main", std::uint32_t stream_id = 1,
-               const std::vector<net::StreamChoice>& choices = {});
+               const std::vector<net::StreamChoice>& choices = {}, std::int64_t sim_time_ns = 0);
+
+/// Gives a message another time in its header, and the checksum that belongs to it.
+void set_time(MadeRecording& recording, std::size_t message, std::int64_t utc_ns);
+
+/// Frames 1 to n, so far apart, the first at kMadeStart_ns: a frame's two wedges come after a third and two
+/// thirds of the time to the next, and its end just before that. The poses' own clock is at 1000 s when the
+/// first begins.
+constexpr std::int64_t kMadeStart_ns = 1'767'225'600'000'000'000;
+constexpr std::int64_t kMadeSimStart_ns = 1'000'000'000'000;
+MadeRecording timed_recording(int frames, std::int64_t step_ns);
 
 /// Welcome, frame 1, frame 2 (aborted), frame 3, frame 4.
 MadeRecording made_recording();

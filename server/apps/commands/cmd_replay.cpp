@@ -18,6 +18,7 @@
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "server/apps/replay/recorded_time.h"
 #include "server/apps/replay/replay_renderer.h"
 #include "server/control/parameter_reference.h"
 #include "server/control/settings_message.h"
@@ -43,16 +44,13 @@ struct ReplayArguments {
   PictureArguments picture;
   std::uint64_t frames = 0;
   bool loop = false;
+  bool hold = false;
   bool serve = false;
   std::string address = "127.0.0.1";
   std::uint16_t port = wire::kDefaultPort;
   std::optional<std::uint16_t> http_port;
   bool unprotected = false;
 };
-
-// Slower than a 100th or faster than a million times, a replay shows nothing.
-constexpr double kSlowestReplay = 0.01;
-constexpr double kFastestReplay = 1e6;
 
 double speed_of(const std::string& text) {
   if (text == "max") return std::numeric_limits<double>::infinity();
@@ -114,7 +112,7 @@ std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
 void show(const ReplayArguments& arguments, const client::RecordingStart& start, double speed) {
   std::optional<NewestFiles> files;
   if (!arguments.out.empty()) files.emplace(arguments.out, picture_options(arguments.picture));
-  ReplayClock clock(speed);
+  DueTimes times(speed);
   std::uint64_t shown = 0;
   bool enough = false;
   client::RecordingLosses losses;
@@ -127,7 +125,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
       found = frames.next(recorded);
       if (!frames.note().empty()) warn(frames.note());
       if (found != RecordedFrames::Found::frame) continue;
-      std::this_thread::sleep_until(clock.due(recorded.end_utc_ns));
+      std::this_thread::sleep_until(times.due(recorded.end_utc_ns));
       print_frame(recorded, start.utc_ns);
       if (files) {
         const BinBlock bins = take_bins(recorded.frame);
@@ -143,7 +141,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
                        frames.frames_of_others(), start.radar));
     }
     if (shown == before) break;  // nothing to loop over
-    clock.begin_again();
+    times.begin_again();
   } while (arguments.loop && !enough);
   if (shown == 0)
     throw InputError(fmt::format("{}: no frame of radar {} is whole, so nothing was replayed{}",
@@ -202,8 +200,8 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
   options.scene_name = start.descriptor->scene_name();
   const RadarConfig radar = radar_of(start, arguments.file);
   std::atomic<bool> ended = false;
-  const ReplayOptions replay{speed, arguments.loop};
-  const ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
+  const ReplayOptions replay{speed, arguments.loop, arguments.hold};
+  ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
   net::IoThread io;
   net::Server server(io.context(), renderer, {radar}, options,
                      net::ReservedPort(options.address, options.port));
@@ -220,6 +218,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
               wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
   std::fflush(stdout);
   while (!ended && !interrupted()) std::this_thread::sleep_for(kServingPause);
+  if (!ended) renderer.stop();
   server.stop();  // when clients have taken what waits for them
   io.join();
   report(renderer.losses(), arguments.file);
@@ -269,6 +268,10 @@ void add_replay(CLI::App& app) {
       "--serve", arguments->serve,
       "Serve the frames as obliqd would, from the first subscription on; ends with the recording");
   serve->excludes(frames)->excludes(out);
+  command
+      ->add_flag("--hold", arguments->hold,
+                 "With --serve: stand still at the end, so that clients can seek back, instead of ending")
+      ->needs(serve);
   command->add_option("--port", arguments->port, "With --serve; 0: any free one")
       ->needs(serve)
       ->type_name("N")

@@ -25,3 +25,4 @@ from .local import Daemon as local_daemon, local
 from .parameters import Pose, Settings
 from .planes import STATES, Window
 from .recording import Loss, Recording, open_recording as open
+from .replay import ReplayState

@@ -130,6 +130,7 @@ class Session:
     def __init__(self):
         self.outgoing = []
         self.welcome = None
+        self.replay_state = None  # the newest ReplayState and when it was sent
         self.lost = None  # the exception that ended the connection
         self.offset_ns = 0  # the server's clock is so much behind ours
         self.heard = time.monotonic()
@@ -188,6 +189,8 @@ class Session:
                 raise BadStream(error.reason, message.offset if error.offset is None else error.offset) from None
         elif kind == 4:
             self._feed_error(parsed)
+        elif kind == 33:
+            self.replay_state = parsed, message.header.utc_ns
         elif kind == 5 and parsed.answer_wanted:
             self._send(wire.Heartbeat(request_id=parsed.request_id))
         elif kind in (2, 3, 5, 17, 19, 28, 31):

@@ -20,6 +20,7 @@ from . import obliq_pb2 as wire
 from ._aio_connection import open_connection
 from .client import FIRST_PAUSE_S, LONGEST_PAUSE_S, PASSING
 from .errors import ConnectionLost, ObliqError, OverLimit, ServerStopping
+from .replay import AioReplay
 
 
 class connect:
@@ -71,6 +72,10 @@ class Server:
 
     def radar(self, name=None):
         return Radar(self, requests.radar_name(self.info.radars, name))
+
+    @property
+    def replay(self):
+        return AioReplay(self)
 
     async def status(self):
         return await self._run("call", wire.GetStatus())

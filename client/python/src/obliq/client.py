@@ -10,6 +10,7 @@ from . import ground
 from . import obliq_pb2 as wire
 from ._connection import Connection
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut
+from .replay import Replay
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 5.0
 # A loss, or why an attempt to connect again failed for now; other refusals are for good.
@@ -61,6 +62,11 @@ class Server:
     def radar(self, name=None):
         """A live radar: the only one, or the one of that name."""
         return Radar(self, requests.radar_name(self.info.radars, name))
+
+    @property
+    def replay(self):
+        """Pause, speed and place of a server that replays a recording (`obliq replay FILE --serve`)."""
+        return Replay(self)
 
     def status(self):
         """The message Status."""

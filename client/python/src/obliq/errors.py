@@ -127,7 +127,7 @@ class ReplayOnly(Refused):
 KINDS = {
     8: ServerFull, 9: ServerStopping, 11: Unauthorized, 12: Unauthorized, 14: ServerFull, 100: InvalidValue,
     101: UnknownRadar, 102: NotInControl, 103: NotInControl, 104: OverLimit, 105: OverLimit, 106: RenderFailed,
-    108: Unauthorized, 109: OverLimit, 125: ReplayOnly,
+    108: Unauthorized, 109: OverLimit, 125: ReplayOnly, 126: ReplayOnly,
 }
 
 ADVICE = {

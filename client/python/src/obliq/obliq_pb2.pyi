@@ -701,6 +701,32 @@ class RenderOnce(_message.Message):
     window: BinWindow
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ...) -> None: ...
 
+class ReplayState(_message.Message):
+    __slots__ = ["duration_s", "ended", "loop", "paused", "position_s", "radar", "running", "seeks", "sim_time_ns", "speed", "start_utc_ns"]
+    DURATION_S_FIELD_NUMBER: _ClassVar[int]
+    ENDED_FIELD_NUMBER: _ClassVar[int]
+    LOOP_FIELD_NUMBER: _ClassVar[int]
+    PAUSED_FIELD_NUMBER: _ClassVar[int]
+    POSITION_S_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RUNNING_FIELD_NUMBER: _ClassVar[int]
+    SEEKS_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    SPEED_FIELD_NUMBER: _ClassVar[int]
+    START_UTC_NS_FIELD_NUMBER: _ClassVar[int]
+    duration_s: float
+    ended: bool
+    loop: bool
+    paused: bool
+    position_s: float
+    radar: str
+    running: bool
+    seeks: int
+    sim_time_ns: int
+    speed: float
+    start_utc_ns: int
+    def __init__(self, radar: _Optional[str] = ..., start_utc_ns: _Optional[int] = ..., duration_s: _Optional[float] = ..., position_s: _Optional[float] = ..., speed: _Optional[float] = ..., paused: bool = ..., running: bool = ..., loop: bool = ..., ended: bool = ..., sim_time_ns: _Optional[int] = ..., seeks: _Optional[int] = ...) -> None: ...
+
 class ScanPass(_message.Message):
     __slots__ = ["begin_ns", "clockwise", "dwell_bins", "mode", "rate_deg_s"]
     BEGIN_NS_FIELD_NUMBER: _ClassVar[int]
@@ -724,6 +750,20 @@ class SetPose(_message.Message):
     radar: str
     request_id: int
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ...) -> None: ...
+
+class SetReplay(_message.Message):
+    __slots__ = ["paused", "request_id", "seek_s", "seek_sim_time_ns", "speed"]
+    PAUSED_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SEEK_SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    SEEK_S_FIELD_NUMBER: _ClassVar[int]
+    SPEED_FIELD_NUMBER: _ClassVar[int]
+    paused: bool
+    request_id: int
+    seek_s: float
+    seek_sim_time_ns: int
+    speed: float
+    def __init__(self, request_id: _Optional[int] = ..., paused: bool = ..., speed: _Optional[float] = ..., seek_s: _Optional[float] = ..., seek_sim_time_ns: _Optional[int] = ...) -> None: ...
 
 class SetSettings(_message.Message):
     __slots__ = ["radar", "request_id", "settings"]

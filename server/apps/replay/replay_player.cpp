@@ -1,0 +1,274 @@
+#include "server/apps/replay/replay_player.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "proto/obliq.pb.h"
+#include "server/apps/replay/replayed_frame.h"
+#include "server/control/key.h"
+#include "server/control/settings_message.h"
+
+namespace obliq {
+
+namespace {
+
+// The render thread is stopped between plans: it shall not wait for a frame for longer than this.
+constexpr std::chrono::milliseconds kLongestWait{100};
+// A shorter delay is caught up by leaving frames out; after a longer one, nothing could be shown meanwhile.
+constexpr double kMostLate_s = 2;
+
+}  // namespace
+
+ReplayPlayer::ReplayPlayer(std::string path, client::RecordingStart start, const ReplayOptions& options,
+                           std::function<void(const std::string&)> say, std::function<void()> ended)
+    : path_(std::move(path)),
+      start_(std::move(start)),
+      options_(options),
+      say_(std::move(say)),
+      ended_(std::move(ended)),
+      clock_(options.speed) {
+  const client::Status status = client::RecordingSearch::open(path_, start_.radar, search_);
+  if (!status.ok()) throw InputError(status.sentence());
+  duration_ns_ = from_start_ns(search_->end_utc_ns());
+}
+
+std::int64_t ReplayPlayer::from_start_ns(std::int64_t utc_ns) const {
+  std::int64_t ns = 0;
+  if (__builtin_sub_overflow(utc_ns, search_->first().utc_ns, &ns)) return 0;
+  return std::max<std::int64_t>(ns, 0);
+}
+
+client::RecordingLosses ReplayPlayer::losses() const {
+  const std::lock_guard lock(reading_);
+  return losses_;
+}
+
+bool ReplayPlayer::is_over() const {
+  const std::lock_guard lock(state_);
+  return over_;
+}
+
+// ---- Reading ----
+
+// The next whole frame, or nothing at the recording's end.
+std::optional<ReplayPlayer::Due> ReplayPlayer::read_frame() {
+  bool anything = false;  // a recording without a whole frame is not begun again for ever
+  for (;;) {
+    if (!frames_) {
+      std::unique_ptr<client::RecordingReader> reader;
+      if (const client::Status status = client::RecordingReader::open(path_, reader); !status.ok()) {
+        say_(status.sentence());
+        return std::nullopt;
+      }
+      frames_ = std::make_unique<client::RecordedFrames>(std::move(reader), start_.radar, start_.planes);
+    }
+    auto frame = std::make_shared<client::RecordedFrame>();
+    const auto found = frames_->next(*frame);
+    losses_ = client::more_of(losses_, frames_->losses());
+    if (!frames_->note().empty()) say_(frames_->note());
+    if (found == client::RecordedFrames::Found::frame) {
+      if (frame->frame.descriptor->has_window()) {
+        say_("a frame of a part of the bins is left out: whole frames only can be served");
+        continue;
+      }
+      const std::int64_t at_ns = time_.at(frame->begin_utc_ns);
+      return Due{std::move(frame), at_ns};
+    }
+    if (found == client::RecordedFrames::Found::note) continue;
+    if (!options_.loop || anything) return std::nullopt;
+    anything = true;
+    frames_.reset();
+    time_.begin_again();
+  }
+}
+
+// Before the frame of the place comes the one before it, so that a turning antenna's picture is whole.
+void ReplayPlayer::go_to(const Wish& wish) {
+  std::int64_t utc_ns = 0;
+  if (__builtin_add_overflow(search_->first().utc_ns, wish.at_ns, &utc_ns)) utc_ns = INT64_MAX;
+  auto found = search_->at_utc(utc_ns);
+  std::int64_t to_ns = wish.at_ns;
+  if (wish.sim_time_ns) {
+    found = search_->at_sim_time(*wish.sim_time_ns).value_or(found);
+    to_ns = from_start_ns(found.frame.utc_ns);
+  }
+  std::unique_ptr<client::RecordingReader> reader;
+  if (const client::Status status = client::RecordingReader::open(path_, reader); !status.ok())
+    return say_(status.sentence());
+  reader->seek(found.before.offset);
+  frames_ = std::make_unique<client::RecordedFrames>(std::move(reader), start_.radar, start_.planes);
+  time_.restart(from_start_ns(found.before.utc_ns));
+  keep_until_ns_ = to_ns;
+  next_ = read_frame();
+  const std::lock_guard lock(state_);
+  if (wish_) return;  // somewhere else by now
+  frame_at_ns_ = frame_place_ns_ = to_ns;
+  clock_.jump(to_ns);
+}
+
+ReplayPlayer::Due ReplayPlayer::take_newest() {
+  const std::int64_t now_ns = clock_.now_ns();
+  const bool leaves_out = std::isfinite(clock_.speed());
+  std::optional<Due> newest;
+  while (next_ && (!newest || (leaves_out && next_->at_ns <= now_ns && next_->at_ns > keep_until_ns_))) {
+    newest = std::exchange(next_, std::nullopt);
+    next_ = read_frame();
+  }
+  return std::move(*newest);
+}
+
+void ReplayPlayer::end() {
+  {
+    const std::lock_guard lock(state_);
+    if (wish_) return;
+    over_ = true;
+  }
+  tell();
+  if (!options_.hold) ended_();
+}
+
+net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
+  const std::lock_guard reading(reading_);
+  std::optional<Wish> wish;
+  {
+    const std::lock_guard lock(state_);
+    wish = std::exchange(wish_, std::nullopt);
+  }
+  if (wish) {
+    go_to(*wish);
+    tell();
+  }
+  const std::uint64_t jumps = clock_.jumps();
+  if (is_over()) {
+    (void)clock_.wait_until(INT64_MAX, jumps, {}, kLongestWait);
+    return {};
+  }
+  if (!next_) next_ = read_frame();
+  if (!next_) {
+    end();
+    return {};
+  }
+  if (clock_.wait_until(next_->at_ns, jumps, {}, kLongestWait) != PlaybackClock::Outcome::reached) return {};
+  const double late_s = 1e-9 * static_cast<double>(clock_.now_ns() - next_->at_ns) / clock_.speed();
+  if (late_s > kMostLate_s && next_->at_ns > keep_until_ns_) {
+    clock_.set_back(next_->at_ns);
+    tell();
+  }
+  const Due due = take_newest();
+  {
+    const std::lock_guard lock(state_);
+    if (wish_ || jumps != clock_.jumps()) return {};
+    frame_at_ns_ = due.at_ns;
+    frame_place_ns_ = from_start_ns(due.frame->begin_utc_ns);
+    const std::int64_t sim_time_ns = due.frame->frame.descriptor->pose().sim_time_ns();
+    frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
+  }
+  net::FrameRenderer::Plan plan;
+  RadarSettings as_recorded = settings->settings;
+  plan.errors = merge_message(due.frame->frame.descriptor->settings(), as_recorded);
+  if (!plan.errors.empty()) return plan;
+  as_recorded.scan_mode = ScanMode::frame;  // its beam has swept
+  plan.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{as_recorded, settings->version});
+  plan.frame = std::make_unique<ReplayedFrame>(due.frame, due.at_ns, clock_, jumps);
+  return plan;
+}
+
+void ReplayPlayer::stop() {
+  const std::lock_guard lock(state_);
+  over_ = true;
+  clock_.jump(clock_.now_ns());
+}
+
+// ---- Control ----
+
+void ReplayPlayer::wish_for(const Wish& wish) {
+  wish_ = wish;
+  over_ = false;
+  frame_at_ns_ = frame_place_ns_ = wish.at_ns;
+  clock_.jump(wish.at_ns);
+}
+
+// From the recording's start.
+std::int64_t ReplayPlayer::place_ns() const {
+  if (over_) return duration_ns_;
+  return std::clamp<std::int64_t>(frame_place_ns_ + clock_.now_ns() - frame_at_ns_, 0, duration_ns_);
+}
+
+std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
+  std::vector<FieldError> errors;
+  const bool speed_is_good = (wish.speed() >= kSlowestReplay && wish.speed() <= kFastestReplay) ||
+                             wish.speed() == std::numeric_limits<double>::infinity();
+  if (wish.has_speed() && !speed_is_good)
+    errors.push_back({"speed", toml_number(wish.speed()), "0.01 to 1000000, or infinity"});
+  const double duration_s = 1e-9 * static_cast<double>(duration_ns_);
+  if (wish.has_seek_s() && !(wish.seek_s() >= 0 && wish.seek_s() <= duration_s))
+    errors.push_back(
+        {"seek_s", toml_number(wish.seek_s()), fmt::format("0 to {} s, its length", duration_s)});
+  if (wish.has_seek_sim_time_ns() && wish.has_seek_s())
+    errors.push_back({"seek_sim_time_ns", "a time beside seek_s", "one of the two"});
+  if (wish.has_seek_sim_time_ns() && !search_->first().sim_time_ns)
+    errors.push_back({"seek_sim_time_ns", std::to_string(wish.seek_sim_time_ns()),
+                      "nothing: the poses of this recording have no sim_time_ns; seek_s"});
+  if (!errors.empty()) return errors;
+  {
+    const std::lock_guard lock(state_);
+    if (wish.has_paused()) clock_.set_paused(wish.paused());
+    if (wish.has_speed()) clock_.set_speed(wish.speed());
+    if (wish.has_seek_s() || wish.has_seek_sim_time_ns()) {
+      ++seeks_;
+      Wish place{place_ns()};
+      if (wish.has_seek_s()) place.at_ns = std::llround(wish.seek_s() * 1e9);
+      if (wish.has_seek_sim_time_ns()) place.sim_time_ns = wish.seek_sim_time_ns();
+      wish_for(place);
+    }
+  }
+  tell();
+  return {};
+}
+
+void ReplayPlayer::write_state(wire::ReplayState& state) const {
+  const std::lock_guard lock(state_);
+  state.set_radar(start_.radar);
+  state.set_start_utc_ns(search_->first().utc_ns);
+  state.set_duration_s(1e-9 * static_cast<double>(duration_ns_));
+  state.set_position_s(1e-9 * static_cast<double>(place_ns()));
+  state.set_speed(clock_.speed());
+  state.set_paused(clock_.is_paused());
+  state.set_running(clock_.runs() && !over_);
+  state.set_loop(options_.loop);
+  state.set_ended(over_);
+  state.set_seeks(seeks_);
+  if (frame_sim_time_ns_) state.set_sim_time_ns(*frame_sim_time_ns_);
+}
+
+void ReplayPlayer::watched(bool by_anyone, bool newcomer) {
+  {
+    const std::lock_guard lock(state_);
+    const bool ran = clock_.runs();
+    clock_.set_watched(by_anyone);
+    // Where time stands still, nothing would come until it flows again.
+    const bool shows_again = newcomer && !wish_ && (clock_.is_paused() || over_);
+    if (shows_again) wish_for({place_ns()});
+    if (ran == clock_.runs() && !shows_again) return;
+  }
+  tell();
+}
+
+void ReplayPlayer::on_change(std::function<void()> call) {
+  const std::lock_guard lock(state_);
+  changed_ = std::move(call);
+}
+
+void ReplayPlayer::tell() const {
+  std::function<void()> call;
+  {
+    const std::lock_guard lock(state_);
+    call = changed_;
+  }
+  if (call) call();
+}
+
+}  // namespace obliq

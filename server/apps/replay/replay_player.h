@@ -1,0 +1,102 @@
+#pragma once
+// What of a recording is shown when: reads it, keeps its clock, and goes where clients want to go.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "client/recorded_frames.h"
+#include "client/recording_search.h"
+#include "server/apps/replay/playback_clock.h"
+#include "server/apps/replay/recorded_time.h"
+#include "server/rendering/frame_renderer.h"
+#include "server/rendering/replay_control.h"
+
+namespace obliq {
+
+struct ReplayOptions {
+  double speed = 1;  ///< infinity: as fast as clients ask
+  bool loop = false;
+  bool hold = false;  ///< at its end it stands still instead of being over
+};
+
+/// Slower than a hundredth or faster than a million times, a replay shows nothing.
+constexpr double kSlowestReplay = 0.01;
+constexpr double kFastestReplay = 1e6;
+
+class ReplayPlayer : public net::ReplayControl {
+ public:
+  /// say: hears what is missing in the recording. ended: called once, after the last frame, unless it loops
+  /// or holds. Throws InputError.
+  ReplayPlayer(std::string path, client::RecordingStart start, const ReplayOptions& options,
+               std::function<void(const std::string&)> say, std::function<void()> ended);
+
+  const client::RecordingStart& start() const { return start_; }
+  /// What is missing in the recording, as far as it has been read.
+  client::RecordingLosses losses() const;
+
+  /// The next frame, when it is due; nothing new: waits a while. For one thread at a time.
+  net::FrameRenderer::Plan plan(const SettingsPtr& settings);
+
+  /// Hands out no more; a frame in hand ends at once, where it may wait for a long time.
+  void stop();
+
+  std::vector<FieldError> set(const wire::SetReplay& wish) override;
+  void write_state(wire::ReplayState& state) const override;
+  void watched(bool by_anyone, bool newcomer) override;
+  void on_change(std::function<void()> call) override;
+
+ private:
+  struct Due {
+    std::shared_ptr<client::RecordedFrame> frame;
+    std::int64_t at_ns = 0;  ///< by the clock
+  };
+  /// A place that is to be shown.
+  struct Wish {
+    std::int64_t at_ns = 0;  ///< from the recording's start
+    std::optional<std::int64_t> sim_time_ns{};
+  };
+
+  // With `reading_` held:
+  std::optional<Due> read_frame();
+  void go_to(const Wish& wish);
+  Due take_newest();
+  void end();
+
+  // With `state_` held:
+  void wish_for(const Wish& wish);
+  std::int64_t place_ns() const;
+
+  bool is_over() const;
+  void tell() const;
+  std::int64_t from_start_ns(std::int64_t utc_ns) const;
+
+  const std::string path_;
+  const client::RecordingStart start_;
+  const ReplayOptions options_;
+  const std::function<void(const std::string&)> say_;
+  const std::function<void()> ended_;
+  PlaybackClock clock_;
+  std::unique_ptr<client::RecordingSearch> search_;  ///< plan()'s, but for what never changes
+  std::int64_t duration_ns_ = 0;
+
+  mutable std::mutex reading_;  ///< guards what follows, up to the next comment of this kind
+  std::unique_ptr<client::RecordedFrames> frames_;
+  RecordedTime time_;
+  std::optional<Due> next_;
+  std::int64_t keep_until_ns_ = -1;  ///< frames up to that time are shown, however late: it went there
+  client::RecordingLosses losses_;
+
+  mutable std::mutex state_;  ///< guards what follows; held for moments only
+  std::optional<Wish> wish_;
+  bool over_ = false;
+  std::uint64_t seeks_ = 0;
+  std::int64_t frame_at_ns_ = 0;     ///< of the newest frame, by the clock
+  std::int64_t frame_place_ns_ = 0;  ///< and from the recording's start
+  std::optional<std::int64_t> frame_sim_time_ns_;
+  std::function<void()> changed_;
+};
+
+}  // namespace obliq
