@@ -153,10 +153,12 @@ std::optional<Refusal> to_binary(std::span<const std::byte> message, std::uint32
       google::protobuf::util::JsonStringToMessage({json.data(), json.size()}, descriptor.get(), {});
   if (!parsed.ok()) {
     // The lines after the first show where, with whatever the peer sent.
-    const std::string why(parsed.message().data(), parsed.message().size());
+    std::string why(parsed.message().data(), parsed.message().size());
+    why.resize(std::min(why.find('\n'), why.size()));
+    if (why.ends_with('.')) why.pop_back();
     return Refusal{ErrorNumber::bad_message,
-                   fmt::format("the JSON of {}: {}", descriptor->GetDescriptor()->name(),
-                               why.substr(0, why.find('\n')))};
+                   fmt::format("the JSON of {}: {}; allowed: the fields and values that obliq.proto has",
+                               descriptor->GetDescriptor()->name(), why)};
   }
   binary =
       wire::encode_message(header.type, addressing, *descriptor, payload.subspan(header.descriptor_length));

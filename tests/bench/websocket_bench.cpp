@@ -3,6 +3,7 @@
 // as JSON, by our writer and by protobuf's.
 //   websocket_bench [ROUNDS]
 #include <google/protobuf/util/json_util.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -93,6 +94,7 @@ void measure_json() {
 
 int main(int argc, char** argv) {
   const int rounds = std::clamp(argc > 1 ? std::atoi(argv[1]) : 3, 1, 1000);
+  spdlog::set_level(spdlog::level::err);
   net::ServerOptions options;
   options.max_rate_hz = 10000;
   RadarConfig radar;

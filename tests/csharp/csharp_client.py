@@ -76,7 +76,8 @@ def check(folder, programs):
         tcp = await_line(log, r"ready: main on (\S+)\n", daemon)
         web = await_line(log, r"in a browser: http://(\S+)/\n", daemon)
         wanted = ["welcome obliqd main controller", "frame 36 32", *sums_over_tcp(tcp), *EXPECTED,
-                  "obliq error 5: the JSON of SetPose: (pose) bering_deg: Cannot find field.", "ended by 5"]
+                  "obliq error 5: the JSON of SetPose: (pose) bering_deg: Cannot find field; allowed: the fields and values that "
+                  "obliq.proto has", "ended by 5"]
         ran = subprocess.run(["mono", probe, f"ws://{web}/stream", "main", TOKEN], capture_output=True, text=True, timeout=120)
         found = ran.stdout.splitlines()
         for number, (line, other) in enumerate(zip(found + [""] * len(wanted), wanted)):
