@@ -38,6 +38,7 @@ export class Bins {
     this.delay_ms = 40;
     this.hasStates = false;
     this.newest = null; // times of the newest row that was shown
+    this.passed = []; // since the last look: how long ago the beam stood in each row that was shown, ms
     this.scanRow = -1;
   }
 
@@ -214,6 +215,7 @@ export class Bins {
       this.#show(row, values, 1, { ...times, beam_ms: now_ms - beam_ms, at_ms: now_ms });
       this.seen_ms[row] = beam_ms;
       this.scanRow = row;
+      this.passed.push(now_ms - beam_ms);
     }
     if (due) this.held.splice(0, due);
   }

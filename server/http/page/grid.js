@@ -198,11 +198,14 @@ function antenna(ppi, c) {
   c.stroke();
 }
 
-/** A bar with the levels in dB, at the lower right. */
+/** A bar with the levels in dB, in the lower corner that the sector leaves free. */
 function legend(ppi, c) {
   const height = Math.min(132, ppi.height / 4);
   const width = 9;
-  const x = ppi.width - width - 8;
+  const { placement } = ppi.bins;
+  const middle_deg = placement.start_deg + (placement.azimuths * placement.width_deg) / 2 - ppi.view.up_deg;
+  const isLeft = !placement.isRound && Math.sin(middle_deg * DEGREE) > 0.3;
+  const x = isLeft ? 34 : ppi.width - width - 8;
   const y = ppi.height - height - 20;
   for (let k = 0; k < height; ++k) {
     const [r, g, b] = colourOf(ppi.look.palette, Math.round(255 * (1 - k / (height - 1))));

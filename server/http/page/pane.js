@@ -114,12 +114,14 @@ export class Pane {
     if (!isNew) return;
     if (!this.isSettled) this.level(now_ms);
     const { newest } = bins;
+    const passed = bins.passed.splice(0);
     if (newest && newest !== this.shownTimes) {
       this.shownTimes = newest;
-      const since_ms = performance.now() - newest.at_ms;
-      this.latency_ms = newest.pose_ms + since_ms;
-      this.beam_ms = bins.scan ? newest.beam_ms + (performance.now() - now_ms) : null;
-      this.app.meter.drew(this);
+      const done_ms = performance.now();
+      this.latency_ms = newest.pose_ms + done_ms - newest.at_ms;
+      this.beam_ms = bins.scan && passed.length ? passed[0] + done_ms - now_ms : null;
+      const latencies = bins.scan ? passed.map((ms) => ms + done_ms - now_ms) : [this.latency_ms];
+      this.app.meter.drew(this, latencies, bins.scan ? passed.length * bins.placement.width_deg : 0);
     }
     if (bins.frames !== this.drawnFrames) {
       this.drawnFrames = bins.frames;
@@ -137,7 +139,7 @@ export class Pane {
     const wanted = JSON.stringify([this.frustum, d.settings, d.pose, look.overlay]);
     if (wanted === this.rendered) return;
     this.rendered = wanted;
-    const settings = { ...d.settings, frustum: this.frustum };
+    const settings = { ...d.settings, frustum: this.frustum.toUpperCase() };
     this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
       planes: look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"] });
   }

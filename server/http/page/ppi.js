@@ -8,6 +8,7 @@ import { drawMarks } from "./marks.js";
 
 const MOST_PIXELS = 1440; // a side; above, the browser scales
 const MARGIN_PX = 34; // for the bearings around the picture
+const NARROW_PX = 500;
 const FRAME_MS = 1000 / 30;
 const MOST_ZOOM = 200;
 
@@ -127,9 +128,10 @@ export class Ppi {
     }
     const [picture] = this.canvases;
     const perCss = picture.width / this.width;
-    const margin = 2 * Math.min(MARGIN_PX, this.width / 12) * perCss;
-    const pixel_m = Math.max((right - left) / (picture.width - margin), (ahead - back) / (picture.height - margin), 1e-3);
-    return { pixel_m, right_m: (left + right) / 2, ahead_m: (back + ahead) / 2 };
+    const margin = 2 * Math.min(MARGIN_PX, this.width / 11) * perCss;
+    const above = this.width < NARROW_PX ? MARGIN_PX * perCss : 0; // for the choice of the radar
+    const pixel_m = Math.max((right - left) / (picture.width - margin), (ahead - back) / (picture.height - margin - above), 1e-3);
+    return { pixel_m, right_m: (left + right) / 2, ahead_m: (back + ahead + above * pixel_m) / 2 };
   }
 
   /** On the plane of this picture. */

@@ -57,23 +57,25 @@ export class Meter {
   constructor() {
     this.received = 0;
     this.drawn = 0;
-    /** Each latency in ms: from the beam where it scans, else from the pose. */
+    /** In ms: from the beam, of each azimuth, where it scans; else from the pose, of each picture. */
     this.latencies = [];
     this.drawTimes = [];
+    this.steps_deg = []; // by which the beam moved from picture to picture
     this.past = [{ at_ms: performance.now(), received: 0, drawn: 0 }];
     this.rates = { received: 0, drawn: 0 };
     this.drawn_ms = 0;
   }
 
   /** @param {import("./pane.js").Pane} pane whose new bins were drawn */
-  drew(pane) {
+  drew(pane, latencies_ms, step_deg) {
     if (pane !== pane.app.panes[0]) return;
     this.drawn_ms = performance.now();
-    this.#keep(this.latencies, pane.beam_ms ?? pane.latency_ms);
+    this.#keep(this.latencies, ...latencies_ms);
     this.#keep(this.drawTimes, pane.ppi.times.draw_ms);
+    this.#keep(this.steps_deg, step_deg);
   }
-  #keep(list, value) {
-    list.push(value);
+  #keep(list, ...values) {
+    list.push(...values);
     if (list.length >= 2 * KEPT) list.splice(0, KEPT);
   }
   frameDrawn(pane) {

@@ -97,7 +97,7 @@ export class Scope {
     for (let dB = Math.ceil(this.low / step) * step; dB <= this.high; dB += step) {
       c.moveTo(LEFT, y(dB));
       c.lineTo(width - 6, y(dB));
-      c.fillText(String(dB), LEFT - 5, y(dB));
+      if (y(dB) > 18) c.fillText(String(dB), LEFT - 5, y(dB)); // above stands the unit
     }
     const unit_m = UNIT_M[look.unit];
     const each = stepOf((placement.rMax_m - placement.r0_m) / unit_m, Math.max(2, Math.floor(width / 90)));

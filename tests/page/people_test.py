@@ -1,0 +1,200 @@
+"""The page and people: sizes without scroll bars, keys, the order of Tab, contrast, a silent console, nothing from elsewhere."""
+import base64
+import os
+import pathlib
+import unittest
+from urllib.parse import urlsplit
+
+import support
+
+SIZES = {"desk": (1366, 768, False), "phone": (390, 844, True)}
+SHOTS = os.environ.get("OBLIQ_SHOTS")  # a folder for pictures to look at
+# WCAG 2.1: relative luminance, and contrast as (light + 0.05) / (dark + 0.05).
+CONTRAST = """
+const parse = (text) => { const v = text.match(/[\\d.]+/g).map(Number); return v.length > 3 ? v : [...v, 1]; };
+const light = ([r, g, b]) => [r, g, b].map((c) => c / 255).map((c) => c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+  .reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
+const behind = (element) => {
+  for (let e = element; e; e = e.parentElement) {
+    const colour = parse(getComputedStyle(e).backgroundColor);
+    if (colour[3] > 0.7) return colour;
+  }
+  return [7, 11, 14, 1];
+};
+const bad = [];
+for (const element of document.querySelectorAll("body *")) {
+  const own = [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+  const box = element.getBoundingClientRect();
+  if (!own || !box.width || !box.height || element.disabled || element.closest("option, noscript")) continue;
+  const style = getComputedStyle(element);
+  if (style.visibility === "hidden") continue;
+  const [a, b] = [light(parse(style.color)), light(behind(element))].sort((x, y) => y - x);
+  const ratio = (a + 0.05) / (b + 0.05);
+  if (ratio < 4.5) bad.push(`${element.tagName}.${element.className}#${element.id} ${element.textContent.trim().slice(0, 20)} ${ratio.toFixed(2)}`);
+}
+return bad;
+"""
+
+
+class People(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = support.Daemon()
+        cls.page = support.Page()
+
+    def show(self, fragment="a=main", size="desk"):
+        self.page.size(*SIZES[size])
+        self.page.open(self.daemon.url, fragment)
+        self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
+
+    def test_sizes_without_scroll_bars(self):
+        for size, (width, height, _) in SIZES.items():
+            for panes in (1, 2):
+                for tab in ("view", "radar", "setup"):
+                    with self.subTest(size=size, panes=panes, tab=tab):
+                        self.show(f"a=main&overlay=1&panes={panes}&tab={tab}", size)
+                        self.page.await_script(f"obliq.panes.length === {panes} && obliq.panes[0].ppi.draws > 2", "the panes")
+                        over = self.page.script("""const s = document.scrollingElement;
+                            return [s.scrollWidth - s.clientWidth, s.scrollHeight - s.clientHeight];""")
+                        self.assertEqual(over, [0, 0])
+                        if panes == 1:
+                            inside = self.page.script("""const s = document.querySelector('aside > section:not([hidden])');
+                                return [s.scrollWidth - s.clientWidth, s.scrollHeight - s.clientHeight];""")
+                            self.assertEqual(inside, [0, 0], "the panel scrolls")
+                        pictures = self.page.script("return obliq.panes.map(({ ppi }) => Math.min(ppi.width, ppi.height))")
+                        if panes == 1:
+                            self.assertGreaterEqual(min(pictures), 0.6 * min(width, height))
+                        if SHOTS:
+                            self.page.shot(pathlib.Path(SHOTS) / f"{size}_{panes}_{tab}.png")
+
+    def test_keys(self):
+        self.show("a=main")
+        look = "obliq.look"
+        for key, before, after in (("c", f"{look}.palette === 'green'", f"{look}.palette === 'grey'"),
+                                   ("n", f"{look}.up === 'north'", f"{look}.up === 'bearing'"),
+                                   ("g", f"!{look}.slant", f"{look}.slant"), ("u", f"{look}.unit === 'km'", f"{look}.unit === 'NM'"),
+                                   ("o", f"!{look}.overlay", f"{look}.overlay"), ("r", f"{look}.rings", f"!{look}.rings"),
+                                   ("a", f"{look}.auto", f"!{look}.auto"), ("+", f"!{look}.window", f"{look}.window.zoom > 1"),
+                                   ("0", f"{look}.window", f"!{look}.window"), ("f", f"!{look}.hold", f"{look}.hold"),
+                                   ("p", "obliq.panes.length === 1", "obliq.panes.length === 2"),
+                                   ("d", "obliq.tab === 'view'", "obliq.tab === 'radar'"),
+                                   ("k", "!obliq.controls.isMine", "obliq.controls.isMine")):
+            with self.subTest(key=key):
+                self.assertTrue(self.page.script(f"return Boolean({before})"), before)
+                self.press(key)
+                self.page.await_script(f"Boolean({after})", f"what {key} does")
+        self.press("f")
+        self.press("ArrowRight")
+        self.page.await_script("obliq.panes[0].bins.placement.bearing_deg === 61", "an antenna turned by a degree")
+        self.press("ArrowLeft")
+        self.page.await_script("obliq.panes[0].bins.placement.bearing_deg === 60", "an antenna turned back")
+        self.press("k")
+        self.page.await_script("!obliq.controls.isMine", "control released")
+        self.press("ArrowRight")
+        self.page.await_script("obliq.look.cursor !== null", "a cursor")
+        self.press("1")
+        self.page.await_script("obliq.look.markers[0] !== null", "a marker")
+        self.press("Escape")
+        self.page.await_script("obliq.look.cursor === null && obliq.look.markers[0] === null", "neither")
+        self.press("?")
+        self.page.await_script("document.getElementById('help').open", "the list of keys")
+
+    def press(self, key):
+        self.page.script("""document.activeElement?.blur?.();
+            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
+
+    def test_settings_stay_in_the_fragment_and_come_back(self):
+        self.show("a=main")
+        for key in ("c", "n", "u"):
+            self.press(key)
+        fragment = self.page.script("return location.hash")
+        self.page.driver.refresh()
+        self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
+        self.assertEqual(self.page.script("return [obliq.look.palette, obliq.look.up, obliq.look.unit]"), ["grey", "bearing", "NM"])
+        self.assertEqual(self.page.script("return location.hash"), fragment)
+
+    def test_tab_reaches_every_control_in_the_order_of_the_page(self):
+        from selenium.webdriver.common.by import By
+        from selenium.webdriver.common.keys import Keys
+        self.show("a=main&tab=view")
+        wanted = self.page.script("""
+            document.activeElement?.blur();
+            window.focusable = [...document.querySelectorAll('button, select, input, [tabindex="0"]')]
+              .filter((e) => e.getBoundingClientRect().width && !e.disabled && e.tabIndex >= 0 && !e.closest('dialog:not([open])'));
+            return focusable.length;""")
+        self.assertGreater(wanted, 20)
+        body = self.page.driver.find_element(By.TAG_NAME, "body")
+        seen = []
+        for _ in range(wanted):
+            (body if not seen else self.page.driver.switch_to.active_element).send_keys(Keys.TAB)
+            seen.append(self.page.script("return focusable.indexOf(document.activeElement)"))
+            self.assertNotEqual(self.page.script("return getComputedStyle(document.activeElement).outlineStyle"), "none")
+        self.assertEqual(seen, list(range(wanted)))
+
+    def test_every_button_and_field_has_a_name_and_a_title(self):
+        self.show("a=main&tab=radar")
+        self.page.await_script("document.querySelector('#radar [data-key]')", "the form")
+        nameless = self.page.script("""return [...document.querySelectorAll('main button, main select, main input, header button')]
+            .filter((e) => !e.closest('nav') && !(e.title || e.closest('[title]')) || !(e.textContent.trim() || e.ariaLabel || e.closest('label')))
+            .map((e) => e.outerHTML.slice(0, 80))""")
+        self.assertEqual(nameless, [])
+
+    def test_contrast(self):
+        for tab in ("view", "radar", "setup"):
+            self.show(f"a=main&tab={tab}&overlay=1")
+            self.assertEqual(self.page.script(CONTRAST), [], f"texts with less than 4.5:1 in {tab}")
+
+    def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):
+        self.show("a=main&panes=2&b=frustum%20oblique&overlay=1")
+        self.page.await_script("obliq.panes[1].bins.frames > 0", "a frame of another frustum")
+        self.page.script("obliq.zoom(3, 300, 300); obliq.save()")
+        self.page.await_frame(3)
+        self.page.driver.get(self.daemon.url + "help")
+        self.assertIn("obliq", self.page.driver.title)
+        grave = [entry for entry in self.page.console() if entry["level"] == "SEVERE"]
+        self.assertEqual(grave, [])
+        own = urlsplit(self.daemon.url).netloc
+        foreign = {url for url in self.page.requested()
+                   if urlsplit(url).scheme not in ("about", "blob") and urlsplit(url).netloc != own}
+        self.assertEqual(foreign, set())
+
+    def test_a_png_has_legend_and_caption(self):
+        self.show("a=main")
+        size = self.page.script("""return import('./export.js').then(({ pictureOf, captionOf }) => {
+            const canvas = pictureOf(obliq);
+            return [canvas.width, canvas.height, canvas.toDataURL('image/png'), captionOf(obliq.panes[0], obliq).join(' ')];
+        })""")
+        self.assertTrue(base64.b64decode(size[2].split(",")[1]).startswith(b"\x89PNG"))
+        self.assertGreaterEqual(size[1], self.page.script("return obliq.panes[0].ppi.height") + 50)
+        for word in ("main", "33.00000° N", "bearing 060.0°", "km", "dB re W"):
+            self.assertIn(word, size[3])
+
+    def test_touch_zooms_pans_and_sets_the_cursor(self):
+        self.show("a=main", "phone")
+        cdp = self.page.driver.execute_cdp_cmd
+        cdp("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
+        self.addCleanup(cdp, "Emulation.setTouchEmulationEnabled", {"enabled": False})
+        x, y = self.page.script("const b = document.querySelector('.ppi').getBoundingClientRect(); return [b.x + 150, b.y + 150]")
+
+        def touch(kind, *points):
+            cdp("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [
+                {"x": px, "y": py, "id": k} for k, (px, py) in enumerate(points)]})
+        touch("touchStart", (x - 20, y), (x + 20, y))
+        for k in range(1, 6):
+            touch("touchMove", (x - 20 - 8 * k, y), (x + 20 + 8 * k, y))
+        touch("touchEnd")
+        self.page.await_script("obliq.look.window && obliq.look.window.zoom > 1.5", "a pinch that zooms")
+        before = self.page.script("return obliq.look.window.right_m")
+        touch("touchStart", (x, y))
+        for k in range(1, 6):
+            touch("touchMove", (x + 10 * k, y))
+        touch("touchEnd")
+        self.page.await_script(f"obliq.look.window.right_m < {before} - 1", "a drag that pans")
+        self.page.script("obliq.clearMarks()")
+        touch("touchStart", (x, y))
+        self.page.await_script("obliq.look.cursor !== null", "a long press that sets the cursor")
+        touch("touchEnd")
+
+
+if __name__ == "__main__":
+    unittest.main()
