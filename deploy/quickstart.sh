@@ -118,11 +118,14 @@ Done in $SECONDS s. The radar ground map:
   $out/symmetric/ground_map.png   the same view through an ordinary camera: look at the far half
 
 Try next:
-  # a daemon of your own, and a client that looks elsewhere
+  # a daemon of your own, its live picture and controls in a browser, and a client that looks elsewhere
   $programs/obliqd --config $scene &
   $programs/obliq get --wait 60 --set antenna.bearing_deg=20 --out out/mine
   # the same without a daemon; every parameter; the range steps of the frusta
   $programs/obliq render $scene --out out/render
   $programs/obliq parameters
   $programs/obliq frustum $scene
+
+Its radar, live, once $programs/obliqd --config $scene runs:
+  http://127.0.0.1:7480/
 TEXT
