@@ -149,12 +149,15 @@ class People(unittest.TestCase):
         self.page.await_script("obliq.panes[1].bins.frames > 0", "a frame of another frustum")
         self.page.script("obliq.zoom(3, 300, 300); obliq.save()")
         self.page.await_frame(3)
+        requested = set(self.page.requested())
+        self.assertGreater(len(requested), 15)
         self.page.driver.get(self.daemon.url + "help")
+        requested.update(self.page.requested())
         self.assertIn("obliq", self.page.driver.title)
         grave = [entry for entry in self.page.console() if entry["level"] == "SEVERE"]
         self.assertEqual(grave, [])
         own = urlsplit(self.daemon.url).netloc
-        foreign = {url for url in self.page.requested()
+        foreign = {url for url in requested
                    if urlsplit(url).scheme not in ("about", "blob") and urlsplit(url).netloc != own}
         self.assertEqual(foreign, set())
 

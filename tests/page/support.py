@@ -1,7 +1,6 @@
 """What the tests of the page share: a daemon that serves it, a browser without a screen, questions to the page."""
 import atexit
 import contextlib
-import json
 import os
 import pathlib
 import shutil
@@ -168,11 +167,11 @@ class Page:
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--js-flags=--expose-gc",
                      "--enable-precise-memory-info", f"--window-size={width},{height}"):
             options.add_argument(word)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        # Not "performance": its log has a copy of every message of the WebSocket, which holds up a fast stream.
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         # By name: Selenium would else look for a driver on the network.
         self.driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
         self.driver.set_script_timeout(PATIENCE_S)
-        self._requests = []
         self._console = []
         self.size(width, height, touch)
         atexit.register(self.close)
@@ -212,14 +211,8 @@ class Page:
         return self._console
 
     def requested(self):
-        """URLs of all requests so far."""
-        for entry in self.driver.get_log("performance"):
-            message = json.loads(entry["message"])["message"]
-            if message["method"] == "Network.requestWillBeSent":
-                self._requests.append(message["params"]["request"]["url"])
-            elif message["method"] == "Network.webSocketCreated":
-                self._requests.append(message["params"]["url"])
-        return self._requests
+        """URLs of what this page has loaded; what its policy forbids is in the console."""
+        return self.script("return [location.href, ...performance.getEntriesByType('resource').map(({ name }) => name)]")
 
     def close(self):
         with contextlib.suppress(Exception):

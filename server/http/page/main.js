@@ -14,6 +14,7 @@ import { turned } from "./placement.js";
 const FRUSTA = ["sweep", "oblique", "symmetric", "polar"];
 const POLL_MS = 1000;
 const WORDS_MS = 250;
+const TURN_MS = 2000;
 
 const $ = (id) => document.getElementById(id);
 
@@ -263,11 +264,13 @@ export class App {
     return this.controls.attempt(() => this.link.ask("SetPose", { radar: this.panes[0].radar, pose: { bearing_deg: rounded } }));
   }
   turn(by_deg) {
-    const info = this.panes[0].info;
+    const { info } = this.panes[0];
     if (!info) return;
-    const to = turned(number(info.pose?.bearing_deg) + by_deg);
-    info.pose.bearing_deg = to;
-    this.setBearing(to);
+    // What was asked for last counts until the server has had time to say it.
+    const now = performance.now();
+    const from = now - (this.turned?.at_ms ?? -Infinity) < TURN_MS ? this.turned.to : number(info.pose?.bearing_deg);
+    this.turned = { to: turned(from + by_deg), at_ms: now };
+    this.setBearing(this.turned.to);
   }
 
   // ---- What is shown
