@@ -271,7 +271,7 @@ TEST_F(RecordTest, PlanesThatWereNotRecordedAreNotServed) {
   ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok()) << replay.log();
   const client::Status refused = client.subscribe("main", 10);
   ASSERT_EQ(refused.fields.size(), 1u) << refused.text;
-  EXPECT_EQ(refused.fields[0].allowed, "iq, state");
+  EXPECT_EQ(refused.fields[0].allowed, "iq, state, video");
   const auto planes =
       static_cast<wire::PlaneSet>(wire::plane_bit(wire::Plane::iq) | wire::plane_bit(wire::Plane::state));
   client::FrameAssembler frames(planes);

@@ -16,6 +16,7 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
+#include "server/apps/commands/replay_track.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/replay/recorded_time.h"
@@ -44,6 +45,7 @@ struct ReplayArguments {
   PictureArguments picture;
   std::uint64_t frames = 0;
   bool loop = false;
+  std::string track;
   bool hold = false;
   bool serve = false;
   std::string address = "127.0.0.1";
@@ -227,6 +229,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
 void run(const ReplayArguments& arguments) {
   const double speed = speed_of(arguments.speed);
   client::RecordingStart start = start_of(arguments);
+  if (!arguments.track.empty()) return write_track(arguments.file, start.radar, arguments.track);
   if (start.planes == 0) warn("none of its frames has values");
   if (arguments.serve) {
     serve(arguments, std::move(start), speed);
@@ -262,12 +265,19 @@ void add_replay(CLI::App& app) {
   CLI::Option* out =
       command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
           ->type_name("DIR");
+  CLI::Option* track =
+      command
+          ->add_option(
+              "--track", arguments->track,
+              "Write where the antenna was, for `obliq fly`, and nothing else; -: to the standard output")
+          ->type_name("FILE.csv")
+          ->excludes(out);
   add_picture_arguments(*command, arguments->picture);
   command->add_flag("--loop", arguments->loop, "Begin again at the end");
   CLI::Option* serve = command->add_flag(
       "--serve", arguments->serve,
       "Serve the frames as obliqd would, from the first subscription on; ends with the recording");
-  serve->excludes(frames)->excludes(out);
+  serve->excludes(frames)->excludes(out)->excludes(track);
   command
       ->add_flag("--hold", arguments->hold,
                  "With --serve: stand still at the end, so that clients can seek back, instead of ending")

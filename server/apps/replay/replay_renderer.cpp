@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "proto/obliq.pb.h"
+
 namespace obliq {
 
 ReplayRenderer::ReplayRenderer(std::string path, client::RecordingStart start, const ReplayOptions& options,
@@ -12,6 +14,15 @@ ReplayRenderer::ReplayRenderer(std::string path, client::RecordingStart start, c
 std::string ReplayRenderer::fixed() const {
   return "this server replays a recording of radar " + player_->start().radar +
          ": it can be watched, not controlled, and renders nothing else";
+}
+
+wire::PlaneSet ReplayRenderer::planes() const {
+  const wire::PlaneSet recorded = player_->start().planes;
+  const wire::RadarSettings& settings = player_->start().descriptor->settings();
+  // Servers before the video plane name no span.
+  const bool follows = (recorded & wire::plane_bit(wire::Plane::iq)) != 0 && settings.video_looks() == 1 &&
+                       settings.video_span_db() > 0;
+  return follows ? static_cast<wire::PlaneSet>(recorded | wire::plane_bit(wire::Plane::video)) : recorded;
 }
 
 std::vector<FieldError> ReplayRenderer::place(const PoseSettings&) const {

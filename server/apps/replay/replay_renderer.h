@@ -24,7 +24,8 @@ class ReplayRenderer : public net::FrameRenderer {
     return player_->plan(settings);
   }
   std::string fixed() const override;
-  wire::PlaneSet planes() const override { return player_->start().planes; }
+  /// Those that were recorded, and video where it follows from I&Q.
+  wire::PlaneSet planes() const override;
   net::ReplayControl* replay() const override { return player_.get(); }
 
   void stop() { player_->stop(); }

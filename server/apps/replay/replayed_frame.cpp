@@ -7,6 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "proto/plane_coding.h"
 #include "server/apps/replay/recorded_time.h"
+#include "server/radar/receiver/video_coder.h"
 #include "server/stream/frame_encoder.h"
 
 namespace obliq {
@@ -129,8 +130,13 @@ bool ReplayedFrame::render(AzimuthRange azimuths, const RenderOptions& options) 
     wedge.bins.power_w = rows_of(frame.power_w);
     wedge.bins.count = rows_of(frame.count);
     wedge.bins.state = rows_of(frame.state);
-    if (options.video8 || options.video16)
+    if (!frame.video.empty() && (options.video8 || options.video16)) {
       add_video(rows_of(frame.video), frame.video_bits, options, wedge.bins);
+    } else if (options.video8 || options.video16) {
+      const VideoScale scale{frame.descriptor->video_floor_db(),
+                             frame.descriptor->settings().video_span_db()};
+      add_video_of_iq(scale, options.video8, options.video16, wedge.bins);
+    }
     take_dwell(recorded);
     options.on_wedge(std::move(wedge));
   }

@@ -8,6 +8,7 @@
 #include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise_kernels.h"
 #include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/video_coder.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/hash.h"
 
@@ -158,32 +159,21 @@ void Receiver::add_noise(std::uint64_t azimuth, Scratch& scratch) const {
 
 /// Of one look |I&Q|^2; of more a draw about the mean power that the receiver gives out.
 void Receiver::make_video(BinBlock& bins, const ReceivedPlanes& wanted) const {
-  const Kernels& kernels = widest_kernels();
+  if (looks_ == 1) return add_video_of_iq(video_, wanted.video8, wanted.video16, bins);
   const auto n_range = static_cast<std::size_t>(bins.n_range);
-  std::vector<double> power(n_range + Scratch::kSpare), looks(looks_ > 1 ? n_range + Scratch::kSpare : 0);
-  std::vector<std::int32_t> level(n_range + Scratch::kSpare);
-  const auto code = [&](std::size_t row, int bits, auto& plane) {
-    const double top = video_levels(bits) - 2;  // levels above the floor
-    kernels.video_levels({bins.n_range, power.data(), video_.floor_db, top / video_.span_db,
-                          static_cast<double>(video_levels(bits) - 1), level.data()});
-    plane.resize(bins.state.size());
-    std::transform(
-        level.begin(), level.begin() + bins.n_range, plane.begin() + static_cast<std::ptrdiff_t>(row),
-        [](std::int32_t l) { return static_cast<typename std::decay_t<decltype(plane)>::value_type>(l); });
-  };
+  VideoCoder coder(video_, n_range);
+  std::vector<double> looks(n_range + Scratch::kSpare);
+  if (wanted.video8) bins.video8.resize(bins.state.size());
+  if (wanted.video16) bins.video16.resize(bins.state.size());
   for (int a = 0; a < bins.n_azimuth; ++a) {
     const std::size_t row = static_cast<std::size_t>(a) * n_range;
-    if (looks_ == 1) {
-      for (std::size_t r = 0; r < n_range; ++r) power[r] = std::norm(std::complex<double>(bins.iq[row + r]));
-    } else {
-      const std::uint64_t azimuth = static_cast<std::uint64_t>(bins.first_azimuth + a);
-      kernels.mean_of_looks({mix64(key_), azimuth << 32, bins.n_range, looks_, looks.data()});
-      for (std::size_t r = 0; r < n_range; ++r)
-        power[r] = std::min((bins.power_w[row + r] + noise_out_w_[r]) * power_gain_[r] * looks[r],
-                            std::numeric_limits<double>::max());
-    }
-    if (wanted.video8) code(row, 8, bins.video8);
-    if (wanted.video16) code(row, 16, bins.video16);
+    const std::uint64_t azimuth = static_cast<std::uint64_t>(bins.first_azimuth + a);
+    widest_kernels().mean_of_looks({mix64(key_), azimuth << 32, bins.n_range, looks_, looks.data()});
+    for (std::size_t r = 0; r < n_range; ++r)
+      coder.power()[r] = std::min((bins.power_w[row + r] + noise_out_w_[r]) * power_gain_[r] * looks[r],
+                                  std::numeric_limits<double>::max());
+    if (wanted.video8) coder.code(row, bins.video8);
+    if (wanted.video16) coder.code(row, bins.video16);
   }
 }
 
