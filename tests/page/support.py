@@ -74,6 +74,12 @@ def free_ports(count):
     return ports
 
 
+def listens(port):
+    """Whether somebody answers on a port of this machine."""
+    with socket.socket() as tried:
+        return tried.connect_ex(("127.0.0.1", port)) == 0
+
+
 def await_that(question, what, patience_s=PATIENCE_S):
     """The first true answer; an AssertionError with `what` where none comes."""
     end = time.monotonic() + patience_s

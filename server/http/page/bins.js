@@ -3,7 +3,7 @@
 import { Placement } from "./placement.js";
 import { number } from "./messages.js";
 
-const MOST_HELD_MS = 120; // a scanning beam's azimuths wait at most this long for their turn
+const MOST_HELD_MS = 85; // a scanning beam's azimuths wait at most this long for their turn
 const MS = 1e-6; // of a nanosecond
 
 /**

@@ -28,6 +28,7 @@ export const KEYS = [
   ["T Z", "standby; freeze the radar"],
   ["D", "next tab"],
   ["Esc", "cursor and markers away"],
+  ["space , .", "of a recording: pause; a second back, on, with Ctrl ten"],
   ["?", "this list"],
 ];
 
@@ -36,6 +37,9 @@ export function listenKeys(app) {
   addEventListener("keydown", (event) => {
     if (event.target.closest?.("input, select, textarea, dialog[open]") || event.altKey || event.metaKey) return;
     if (event.target.closest?.("nav") && event.key.startsWith("Arrow")) return;
+    if (app.debrief.state && event.key === " " && event.target.closest?.("button")) return;
+    const step = { ",": -1, ".": 1 }[event.key];
+    if (app.debrief.state && step) return void app.debrief.step(step * (event.ctrlKey ? 10 : 1));
     const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (arrow) {
       const mine = app.controls.isMine && !event.shiftKey && arrow[0] !== 0;
@@ -62,6 +66,7 @@ function press(app, key) {
     k: () => !controls.claim.disabled && controls.toggleControl(),
     t: () => controls.isMine && controls.toggleState("transmit"), z: () => controls.isMine && controls.toggleState("freeze"),
     d: () => controls.tab({ view: "radar", radar: "setup", setup: "view" }[app.tab]),
+    " ": app.debrief.state ? () => app.debrief.togglePause() : null,
     Escape: () => app.clearMarks(), "?": () => app.showKeys(),
   }[key.length === 1 ? key.toLowerCase() : key];
   if (does) does();

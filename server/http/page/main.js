@@ -1,5 +1,6 @@
 // The page: it joins connection, pictures, controls and words.
 
+import { Debrief } from "./debrief.js";
 import { Display, readFragment, writeFragment } from "./controls.js";
 import { KEYS, listenKeys, listenPointer } from "./input.js";
 import { Link, Refused } from "./stream.js";
@@ -46,6 +47,7 @@ export class App {
     this.addPane(`radar ${kept.a}`);
     this.display = new Display(this);
     this.controls = new RadarControls(this);
+    this.debrief = new Debrief(this);
     listenKeys(this);
     this.#buttons();
     document.addEventListener("visibilitychange", () => this.subscribe());
@@ -153,6 +155,7 @@ export class App {
     document.body.classList.toggle("stale", !["live", "connecting"].includes(state.kind));
     document.body.dataset.link = state.kind;
     if (state.kind !== "live" && state.kind !== "silent") {
+      this.debrief?.forget();
       this.streams.clear();
       for (const pane of this.panes) {
         pane.info = pane.status = null;
@@ -212,6 +215,7 @@ export class App {
     if (type === "FrameBegin")
       this.streams.set(stream, number(body.request_id) ? { request: body.request_id } : { radar: body.frame.radar });
     const of = this.streams.get(stream);
+    if (type === "ReplayState") this.debrief.take(message);
     if (type === "Error") {
       if (number(body.number) === 102) this.controls.general.textContent = `Control was taken: ${body.text}`;
       else for (const pane of this.panes) if (!body.radar || pane.radar === body.radar) pane.says = body.text;
@@ -365,6 +369,7 @@ export class App {
   }
 
   tell() {
+    if (this.debrief?.state) this.debrief.show();
     this.said = sentences(this);
     const words = $("words");
     const text = this.said.map((sentence) => sentence.text).join(" ");

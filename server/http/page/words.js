@@ -12,6 +12,8 @@ export function sentences(app) {
   const link = linkSentence(app.link);
   if (link) return [link];
   const found = app.panes.flatMap((pane) => paneSentences(app, pane));
+  const replay = app.debrief?.state;
+  if (replay) found.unshift({ grave: 0, text: `A recording${replay.ended ? "; it has ended" : replay.paused ? "; paused" : ""}.` });
   if (app.look.hold) found.unshift({ grave: 1, text: "The picture is held; press F or Hold to go on.", banner: "HELD" });
   if (app.status?.window_error) found.push({ grave: 1, text: `Ground is missing: ${app.status.window_error}.` });
   if (app.status?.window_loading) found.push({ grave: 0, text: "The server is loading the next ground." });

@@ -1,0 +1,101 @@
+// The bar of a served recording: pause, speed, any place of it. What one station sets holds for all.
+
+import { number, utcNow_ms } from "./messages.js";
+import { refusalText } from "./form.js";
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4, 10, 60];
+const SEEK_MS = 120; // between places of a slider that is dragged
+const STEPS = 2000; // of the slider, over the recording
+
+const $ = (id) => document.getElementById(id);
+
+/** 75.25 is "1:15.2", 3675 "1:01:15.0". */
+function clockText(seconds) {
+  const tenths = Math.max(0, Math.floor(10 * seconds + 1e-6));
+  const [h, m] = [Math.floor(tenths / 36000), Math.floor(tenths / 600) % 60];
+  const s = ((tenths % 600) / 10).toFixed(1).padStart(4, "0");
+  return h ? `${h}:${String(m).padStart(2, "0")}:${s}` : `${m}:${s}`;
+}
+
+export class Debrief {
+  /** @param {import("./main.js").App} app */
+  constructor(app) {
+    this.app = app;
+    this.state = null; // ReplayState
+    this.sent_ms = 0; // when a place was last asked for
+    $("replay-speed").replaceChildren(...SPEEDS.map((speed) => new Option(`× ${speed}`, String(speed))));
+    $("replay-pause").onclick = () => this.togglePause();
+    $("replay-speed").onchange = () => this.#set({ speed: Number($("replay-speed").value) });
+    $("replay-place").oninput = () => this.#drag(false);
+    $("replay-place").onchange = () => this.#drag(true);
+  }
+
+  /** @param {import("./messages.js").Message} message ReplayState */
+  take({ body, utc_ms }) {
+    this.state = body;
+    this.utc_ms = utc_ms;
+    this.show();
+  }
+
+  forget() {
+    this.state = null;
+    this.show();
+  }
+
+  /** Seconds from the recording's beginning. */
+  get position_s() {
+    const { state } = this;
+    const since_s = state.running ? (utcNow_ms() + this.app.link.offset_ms - this.utc_ms) / 1000 : 0;
+    return Math.min(number(state.duration_s), number(state.position_s) + number(state.speed, 1) * Math.max(0, since_s));
+  }
+
+  togglePause() {
+    const { state } = this;
+    if (!state) return;
+    if (state.ended) this.#set({ seek_s: 0, paused: false });
+    else this.#set({ paused: !state.paused });
+  }
+
+  /** @param {number} by_s */
+  step(by_s) {
+    if (this.state) this.#set({ seek_s: Math.min(Math.max(0, this.position_s + by_s), number(this.state.duration_s)) });
+  }
+
+  #drag(isLast) {
+    this.isDragged = !isLast;
+    const now = performance.now();
+    this.show();
+    if (!isLast && now - this.sent_ms < SEEK_MS) return;
+    this.sent_ms = now;
+    this.#set({ seek_s: (Number($("replay-place").value) / STEPS) * number(this.state.duration_s) });
+  }
+
+  async #set(change) {
+    $("replay-refusal").textContent = "";
+    try {
+      await this.app.link.ask("SetReplay", change);
+    } catch (error) {
+      $("replay-refusal").textContent = refusalText(error);
+    }
+  }
+
+  show() {
+    const { state } = this;
+    $("replay").hidden = !state;
+    if (!state) return;
+    const duration_s = number(state.duration_s);
+    const place = $("replay-place");
+    const at_s = this.isDragged ? (Number(place.value) / STEPS) * duration_s : this.position_s;
+    const text = String(Math.round((STEPS * at_s) / Math.max(duration_s, 1e-3)));
+    if (!this.isDragged && place.value !== text) place.value = text;
+    const utc = new Date(Number(BigInt(state.start_utc_ns ?? 0) / 1000000n) + 1000 * at_s).toISOString();
+    $("replay-time").textContent = `${clockText(at_s)} / ${clockText(duration_s)}  ${utc.slice(11, 21)}Z`;
+    $("replay-time").title = `Place in the recording, its length, and the time of the recording: ${utc}`;
+    $("replay-pause").textContent = state.ended ? "again" : state.paused ? "play" : "pause";
+    const speed = String(number(state.speed, 1));
+    if (![...$("replay-speed").options].some(({ value }) => value === speed)) $("replay-speed").add(new Option(`× ${speed}`, speed));
+    if (document.activeElement !== $("replay-speed")) $("replay-speed").value = speed;
+    const role = this.app.link.welcome?.role;
+    for (const id of ["replay-pause", "replay-speed", "replay-place"]) $(id).disabled = role === "viewer";
+  }
+}
