@@ -214,6 +214,7 @@ export class Bins {
       const { row, values, beam_ms, times } = this.held[due++];
       this.#show(row, values, 1, { ...times, beam_ms: now_ms - beam_ms, at_ms: now_ms });
       this.seen_ms[row] = beam_ms;
+      if (beam_ms === -Infinity) continue; // missed
       this.scanRow = row;
       this.passed.push(now_ms - beam_ms);
     }
@@ -284,12 +285,21 @@ export class Bins {
   #miss(first, rows) {
     this.missed += rows;
     const { ranges } = this.placement;
-    this.video.fill(0, first * ranges, (first + rows) * ranges);
-    this.#levels(first, rows);
+    const values = new Uint8Array(ranges);
+    for (let row = first; row < first + rows; ++row) this.held.push({ row, values, beam_ms: -Infinity, times: this.newest });
+  }
+
+  /** Nothing that was seen holds any more. */
+  clear() {
+    for (const plane of [this.video, this.state, this.shown]) plane.fill(0);
+    this.seen_ms.fill(-Infinity);
+    this.changed.fill(1);
+    this.held = [];
   }
 
   abort() {
     this.next = null;
+    this.held = [];
   }
 
   /** Low and high end in dB of what `bins` show, 5th to 99.7th percentile, at least 10 dB, as in ground_map.png. */

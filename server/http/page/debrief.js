@@ -32,6 +32,8 @@ export class Debrief {
 
   /** @param {import("./messages.js").Message} message ReplayState */
   take({ body, utc_ms }) {
+    // What is shown belongs to the place before.
+    if (this.state && this.state.seeks !== body.seeks) for (const pane of this.app.panes) pane.bins.clear();
     this.state = body;
     this.utc_ms = utc_ms;
     this.show();
