@@ -1,5 +1,7 @@
 // The same bits for any number of threads, for parts of a frame, and for sectors and bin counts at the
 // edges of what is allowed.
+#include "tests/support/same_bits.h"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -10,17 +12,10 @@
 namespace obliq {
 namespace {
 
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
 void expect_same(const BinBlock& a, const BinBlock& b, const std::string& what) {
-  EXPECT_EQ(a.first_azimuth, b.first_azimuth) << what;
-  EXPECT_TRUE(same(a.iq, b.iq)) << what << ": iq";
-  EXPECT_TRUE(same(a.power_w, b.power_w)) << what << ": power";
-  EXPECT_TRUE(same(a.count, b.count)) << what << ": count";
-  EXPECT_TRUE(same(a.state, b.state)) << what << ": state";
+  SCOPED_TRACE(what);
+  EXPECT_EQ(a.first_azimuth, b.first_azimuth);
+  test::expect_same_bits(a, b);
 }
 
 void expect_same(const FrameStats& a, const FrameStats& b, const std::string& what) {
@@ -93,7 +88,7 @@ TEST_F(SameBits, ComeFromOneTwoAndEightThreadsForEveryFrustumAndSpeckle) {
       RadarSettings other = s;
       other.speckle_seed = 2;
       if (speckle == SpeckleKind::ground) {
-        EXPECT_FALSE(same(one.bins.iq, frame(other, 1).bins.iq)) << what;
+        EXPECT_FALSE(test::same_bits(one.bins.iq, frame(other, 1).bins.iq)) << what;
       }
     }
   }

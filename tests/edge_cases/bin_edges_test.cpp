@@ -15,6 +15,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/rays/ray_samples.h"
 #include "tests/support/made_worlds.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/samplings.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
@@ -127,14 +128,6 @@ TEST(HardBinEdges, RaysExactlyOnAnAzimuthEdgeAreCastOnceAndInTheBinThatBeginsThe
   }
 }
 
-/// Bit for bit.
-void expect_same(const Frame& a, const Frame& b) {
-  EXPECT_EQ(a.bins.power_w, b.bins.power_w);
-  EXPECT_EQ(a.bins.iq, b.bins.iq);
-  EXPECT_EQ(a.bins.count, b.bins.count);
-  EXPECT_EQ(a.bins.state, b.bins.state);
-}
-
 TEST(HardBinEdges, BearingsAWholeTurnApartAreOneBearing) {
   // To the bit: 360 degrees in radians has a sine of -2.4e-16, which would move rays along a grid line to its
   // other side.
@@ -148,7 +141,7 @@ TEST(HardBinEdges, BearingsAWholeTurnApartAreOneBearing) {
     for (const auto& [a, b] :
          {std::pair{0.0, 360.0}, {0.0, -360.0}, {180.0, -180.0}, {270.0, -90.0}, {10.5, -349.5}}) {
       SCOPED_TRACE(b);
-      expect_same(frame(a), frame(b));
+      test::expect_same_bits(frame(a).bins, frame(b).bins);
     }
   }
   EXPECT_EQ(std::sin(test::pose_over_origin(flat_scene()->world(), 1000, 360).bearing_world_rad), 0);

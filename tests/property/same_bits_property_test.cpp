@@ -6,21 +6,10 @@
 #include <cstring>
 
 #include "tests/property/trial.h"
+#include "tests/support/same_bits.h"
 
 namespace obliq {
 namespace {
-
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-void expect_same(const BinBlock& a, const BinBlock& b) {
-  EXPECT_TRUE(same(a.iq, b.iq));
-  EXPECT_TRUE(same(a.power_w, b.power_w));
-  EXPECT_TRUE(same(a.count, b.count));
-  EXPECT_TRUE(same(a.state, b.state));
-}
 
 class BitsOfEverySource : public testing::TestWithParam<test::NamedSource> {};
 
@@ -37,7 +26,7 @@ TEST_P(BitsOfEverySource, ComeFromAnyThreadsAndAnyAzimuths) {
     const Frame one = trial.frame(s, 1);
     for (const int threads : {2, 5}) {
       const Frame many = trial.frame(s, threads);
-      expect_same(one.bins, many.bins);
+      test::expect_same_bits(one.bins, many.bins);
       EXPECT_EQ(one.stats.samples, many.stats.samples);
       EXPECT_EQ(std::memcmp(&one.stats.covered_area_m2, &many.stats.covered_area_m2, sizeof(double)), 0);
     }
@@ -46,7 +35,7 @@ TEST_P(BitsOfEverySource, ComeFromAnyThreadsAndAnyAzimuths) {
     const int count = dice.integer(1, s.azimuth_bins - first);
     BinBlock expected(first, count, s.range_bins);
     copy_azimuths(one.bins, expected);
-    expect_same(expected, trial.frame(s, 2, {first, count}).bins);
+    test::expect_same_bits(expected, trial.frame(s, 2, {first, count}).bins);
     if (HasFailure()) break;
   }
   std::printf("    %d frames, %d of them of several wedges\n", frames, several_wedges);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "server/accuracy/bin_errors.h"
 #include "server/accuracy/truth_bins.h"
 #include "tests/property/trial.h"
 #include "tests/support/random_towns.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/sane_frames.h"
 
 namespace obliq {
@@ -146,18 +146,6 @@ TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
   }
 }
 
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-void expect_same(const BinBlock& a, const BinBlock& b) {
-  EXPECT_TRUE(same(a.iq, b.iq));
-  EXPECT_TRUE(same(a.power_w, b.power_w));
-  EXPECT_TRUE(same(a.count, b.count));
-  EXPECT_TRUE(same(a.state, b.state));
-}
-
 /// A frame in parts of a few batches.
 BinBlock paused_frame(const FramePlan& plan, int batches) {
   const RadarSettings& s = plan.settings();
@@ -185,14 +173,14 @@ TEST(RandomTowns, HaveTheSameBitsFromAnyThreadsAzimuthsAndPauses) {
     ++towns;
     several_wedges += wedge_count(s.azimuth_bins) > 1 ? 1 : 0;
     const Frame one = trial.frame(s, 1);
-    for (const int threads : {2, 8}) expect_same(one.bins, trial.frame(s, threads).bins);
-    expect_same(one.bins, paused_frame(*plan, 3));
+    for (const int threads : {2, 8}) test::expect_same_bits(one.bins, trial.frame(s, threads).bins);
+    test::expect_same_bits(one.bins, paused_frame(*plan, 3));
     test::Dice dice(seed);
     const int first = dice.integer(0, s.azimuth_bins - 1);
     const int count = dice.integer(1, s.azimuth_bins - first);
     BinBlock expected(first, count, s.range_bins);
     copy_azimuths(one.bins, expected);
-    expect_same(expected, trial.frame(s, 2, {first, count}).bins);
+    test::expect_same_bits(expected, trial.frame(s, 2, {first, count}).bins);
   }
   std::printf("    %d towns, %d of several wedges\n", towns, several_wedges);
   EXPECT_GE(towns, 800);

@@ -1,8 +1,10 @@
 #pragma once
 // Worlds made by hand: heights from a function, prisms from corners, an antenna at any world point. Flat
 // earth; no files.
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -45,6 +47,15 @@ inline void add_prism(World& world, const Ring& corners, double height_m, std::u
 inline Ring rectangle(double x_m, double z_m, double width_m, double length_m) {
   const double a = width_m / 2, b = length_m / 2;
   return {{x_m - a, z_m - b}, {x_m + a, z_m - b}, {x_m + a, z_m + b}, {x_m - a, z_m + b}};
+}
+
+/// Corners of an ellipse around the origin, of axes a and b.
+inline Ring ellipse(double a_m, double b_m, int corners) {
+  constexpr double kPi = std::numbers::pi;
+  Ring ring;
+  for (int k = 0; k < corners; ++k)
+    ring.emplace_back(a_m / 2 * std::cos(2 * kPi * k / corners), b_m / 2 * std::sin(2 * kPi * k / corners));
+  return ring;
 }
 
 /// An antenna at a world point, its sector centred on a world bearing.

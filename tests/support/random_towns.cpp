@@ -8,6 +8,7 @@
 #include "server/radar/profile/roofs.h"
 #include "terrain/base/constants.h"
 #include "terrain/buildings/footprints.h"
+#include "tests/support/made_worlds.h"
 
 namespace obliq::test {
 namespace {
@@ -101,13 +102,6 @@ Ring comb(double a, double b, int teeth) {
   return ring;
 }
 
-Ring around(double a, double b, int corners) {
-  Ring ring;
-  for (int k = 0; k < corners; ++k)
-    ring.emplace_back(a / 2 * std::cos(2 * kPi * k / corners), b / 2 * std::sin(2 * kPi * k / corners));
-  return ring;
-}
-
 constexpr const char* kHouseNames[] = {
     "L",     "U",      "comb",   "cross",  "courtyard", "row", "tower on podium",
     "round", "sliver", "needle", "copies", "hall",      "box"};
@@ -148,15 +142,15 @@ class Town {
         return;
       case 6:  // a tower on a podium
         stand({box(a, b)}, height);
-        return stand({around(0.4 * a, 0.4 * b, 4)}, 2 * height);
+        return stand({ellipse(0.4 * a, 0.4 * b, 4)}, 2 * height);
       case 7:
-        return stand({around(a, b, dice_.integer(3, 24))}, height);
+        return stand({ellipse(a, b, dice_.integer(3, 24))}, height);
       case 8:  // a sliver
         return stand({box(a, 0.05)}, height);
       case 9:  // a needle
         return stand({box(0.01, 0.01)}, height);
       case 10: {  // the same outline again, as from a second data set
-        const Ring ring = around(a, b, dice_.integer(4, 8));
+        const Ring ring = ellipse(a, b, dice_.integer(4, 8));
         stand({ring}, height);
         return stand({ring}, dice_.chance(0.5) ? height : height + 0.5);
       }

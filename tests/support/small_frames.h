@@ -1,9 +1,7 @@
 #pragma once
 // Frames that take milliseconds, over the hills of synthetic_spec, and whether two have the same bits.
-#include <cstring>
-#include <vector>
-
 #include "server/radar/settings.h"
+#include "tests/support/same_bits.h"
 
 namespace obliq::test {
 
@@ -18,11 +16,6 @@ inline RadarSettings small_frame(FrustumKind kind) {
   settings.r_min_m = 1500;
   settings.r_max_m = 6000;
   return settings;
-}
-
-template <typename T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 }  // namespace obliq::test

@@ -9,6 +9,7 @@
 #include "proto/obliq.pb.h"
 #include "server/rendering/scene_renderer.h"
 #include "terrain/base/stage_clock.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/small_settings.h"
 
 namespace obliq {
@@ -71,13 +72,7 @@ class FrameCache : public testing::Test {
 
   static void expect_same(const Result& a, const Result& b) {
     ASSERT_EQ(a.wedges.size(), b.wedges.size());
-    for (const auto& [index, wedge] : a.wedges) {
-      const Wedge& other = b.wedges.at(index);
-      EXPECT_EQ(wedge.bins.iq, other.bins.iq);
-      EXPECT_EQ(wedge.bins.power_w, other.bins.power_w);
-      EXPECT_EQ(wedge.bins.count, other.bins.count);
-      EXPECT_EQ(wedge.bins.state, other.bins.state);
-    }
+    for (const auto& [index, wedge] : a.wedges) test::expect_same_bits(wedge.bins, b.wedges.at(index).bins);
     EXPECT_EQ(a.stats.rays, b.stats.rays);
     EXPECT_EQ(a.stats.samples, b.stats.samples);
     EXPECT_EQ(a.seen, b.seen);

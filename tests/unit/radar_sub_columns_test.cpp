@@ -1,7 +1,6 @@
 // The sweep by sub-columns: the same bits whatever the instruction set, and pauses within a column.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <memory>
 #include <stop_token>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "server/radar/wedge_work.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_towns.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -38,11 +38,6 @@ BinBlock wedge_with(const FramePlan& plan, const FrameTables& tables, const Kern
   return bins;
 }
 
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
 TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
   std::uint64_t echoes = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -54,10 +49,8 @@ TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
     const BinBlock widest = wedge_with(*plan, tables, widest_kernels());
     for (const Kernels& kernels : all_kernels()) {
       const BinBlock bins = wedge_with(*plan, tables, kernels);
-      EXPECT_TRUE(same(bins.power_w, widest.power_w)) << kernels.name;
-      EXPECT_TRUE(same(bins.iq, widest.iq)) << kernels.name;
-      EXPECT_TRUE(same(bins.count, widest.count)) << kernels.name;
-      EXPECT_TRUE(same(bins.state, widest.state)) << kernels.name;
+      SCOPED_TRACE(kernels.name);
+      test::expect_same_bits(bins, widest);
     }
     for (const std::uint32_t n : widest.count) echoes += n;
   }

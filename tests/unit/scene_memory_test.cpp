@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "server/scene/embree_tracer.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -42,13 +43,6 @@ Frame frame_of(const std::shared_ptr<const Scene>& scene, FrustumKind kind, int 
   options.threads = threads;
   return render(scene, test::snapshot(settings), test::pose_over_origin(scene->world(), 2000),
                 {0, settings.azimuth_bins}, options);
-}
-
-void expect_same_bits(const Frame& a, const Frame& b) {
-  EXPECT_EQ(a.bins.iq, b.bins.iq);
-  EXPECT_EQ(a.bins.power_w, b.bins.power_w);
-  EXPECT_EQ(a.bins.count, b.bins.count);
-  EXPECT_EQ(a.bins.state, b.bins.state);
 }
 
 TEST(SceneMemory, APostTakesEightBytesForTheSweepAndThirtyTwoForRays) {
@@ -96,11 +90,11 @@ TEST(SceneMemory, FramesHaveTheSameBitsWhoeverBuildsTheTracer) {
   early->tracer();
   const Frame expected = frame_of(early, FrustumKind::oblique, 1);
   const auto late = std::make_shared<const Scene>(world, test::two_materials(), 0);
-  expect_same_bits(frame_of(late, FrustumKind::oblique, 4), expected);
+  test::expect_same_bits(frame_of(late, FrustumKind::oblique, 4).bins, expected.bins);
   const auto swept = std::make_shared<const Scene>(world, test::two_materials(), 0);
   const Frame before = frame_of(swept, FrustumKind::sweep, 2);
-  expect_same_bits(frame_of(swept, FrustumKind::oblique, 2), expected);
-  expect_same_bits(frame_of(swept, FrustumKind::sweep, 2), before);
+  test::expect_same_bits(frame_of(swept, FrustumKind::oblique, 2).bins, expected.bins);
+  test::expect_same_bits(frame_of(swept, FrustumKind::sweep, 2).bins, before.bins);
 }
 
 TEST(SceneMemory, SeveralRadarsAtOnceBuildOneTracer) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "proto/obliq.pb.h"
+#include "tests/support/same_bits.h"
 #include "tests/unit/encoder_fixture.h"
 
 namespace obliq::net {
@@ -15,13 +16,6 @@ struct Stream {
   FrameEncoder encoder{{.stream_id = 9, .frame_id = 4, .request_id = 3}, sequence};
 };
 
-void expect_same(const client::AssembledFrame& frame, const BinBlock& whole) {
-  EXPECT_EQ(frame.iq, whole.iq);
-  EXPECT_EQ(frame.power_w, whole.power_w);
-  EXPECT_EQ(frame.count, whole.count);
-  EXPECT_EQ(frame.state, whole.state);
-}
-
 TEST(FrameEncoder, WedgesInAnyOrderMakeTheWholeFrame) {
   Stream stream;
   FrameAssembler frames;
@@ -34,7 +28,7 @@ TEST(FrameEncoder, WedgesInAnyOrderMakeTheWholeFrame) {
   }
   ASSERT_TRUE(feed(frames, *stream.encoder.end({}, 0)).ok());
   EXPECT_EQ(frames.frame().request_id, 3u);
-  expect_same(frames.frame(), filled(0, 20, 32));
+  test::expect_same_bits(frames.frame(), filled(0, 20, 32));
 }
 
 TEST(FrameEncoder, ALargeWedgeTakesSeveralBlocksWithinTheLimit) {
@@ -52,7 +46,7 @@ TEST(FrameEncoder, ALargeWedgeTakesSeveralBlocksWithinTheLimit) {
     }
     EXPECT_GE(sequence, 7u) << "no plane but the state fits one block";
     ASSERT_TRUE(feed(frames, *stream.encoder.end({}, 0)).ok());
-    expect_same(frames.frame(), filled(0, 3, n_range));
+    test::expect_same_bits(frames.frame(), filled(0, 3, n_range));
   }
 }
 

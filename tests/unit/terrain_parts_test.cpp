@@ -63,11 +63,7 @@ TEST(ConvexParts, AnLIsTwoAndACourtyardFour) {
 
 TEST(ConvexParts, ARoundTowerOfManyCornersIsCutToThirtyTwo) {
   World world = flat();
-  Ring ring;
-  for (int k = 0; k < 1000; ++k)
-    ring.emplace_back(50 * std::cos(2 * std::numbers::pi * k / 1000),
-                      50 * std::sin(2 * std::numbers::pi * k / 1000));
-  stand(world, {{ring}});
+  stand(world, {{test::ellipse(100, 100, 1000)}});
   EXPECT_EQ(expect_all_whole(world), 1);
   // A thousand edges need at least 1000 / 30 parts, each of which has two edges or more within.
   EXPECT_LE(world.buildings.parts.size(), 100u);
