@@ -8,34 +8,36 @@
 #include "terrain/base/constants.h"
 
 namespace obliq {
-namespace {}  // namespace
-
 WorldFrame::WorldFrame(double origin_latitude_rad, double origin_longitude_rad, double radius_factor)
     : origin_latitude_rad_(origin_latitude_rad),
       origin_longitude_rad_(origin_longitude_rad),
       radius_factor_(radius_factor),
+      ellipsoid_(tangent_form(origin_latitude_rad)),
       tangent_(origin_latitude_rad / kDegree_rad, origin_longitude_rad / kDegree_rad, 0.0) {}
 
-double WorldFrame::ellipsoid_y_m(double x_m, double z_m) const {
+WorldFrame::TangentForm WorldFrame::tangent_form(double origin_latitude_rad) {
   // With p = (X, Y, Z) in earth-centred axes, rotated so that the origin's meridian is the X-Z plane, the
   // ellipsoid is X^2 + Y^2 + Z^2 / (1 - e^2) = a^2. The origin satisfies it, so with the offset
   // d = x east + y up + z north the constant term is 2 <p0, d> + <d, d> alone: no large numbers cancel.
   const double a = GeographicLib::Constants::WGS84_a();
   const double f = GeographicLib::Constants::WGS84_f();
   const double e2 = f * (2 - f);
-  const double sin_lat = std::sin(origin_latitude_rad_);
-  const double cos_lat = std::cos(origin_latitude_rad_);
-  const double normal_radius = a / std::sqrt(1 - e2 * sin_lat * sin_lat);
+  const double sin_lat = std::sin(origin_latitude_rad);
+  const double cos_lat = std::cos(origin_latitude_rad);
   const double weight = 1 / (1 - e2);
   // East is (0, 1, 0), north (-sin, 0, cos), up (cos, 0, sin); p0 = N (cos, 0, (1 - e2) sin).
   // <p0, east> = <p0, north> = 0 and <p0, up> = N, in the ellipsoid's own scalar product.
-  const double up_up = cos_lat * cos_lat + weight * sin_lat * sin_lat;
-  const double up_north = (weight - 1) * sin_lat * cos_lat;
-  const double north_north = sin_lat * sin_lat + weight * cos_lat * cos_lat;
-  const double half_b = normal_radius + up_north * z_m;
-  const double c = x_m * x_m + north_north * z_m * z_m;
-  // up_up y^2 + 2 half_b y + c = 0; the root near zero, in the form that does not cancel.
-  const double root = std::sqrt(std::fmax(0.0, half_b * half_b - up_up * c));
+  return {.normal_radius = a / std::sqrt(1 - e2 * sin_lat * sin_lat),
+          .up_up = cos_lat * cos_lat + weight * sin_lat * sin_lat,
+          .up_north = (weight - 1) * sin_lat * cos_lat,
+          .north_north = sin_lat * sin_lat + weight * cos_lat * cos_lat};
+}
+
+double WorldFrame::ellipsoid_y_m(double x_m, double z_m) const {
+  const double half_b = ellipsoid_.normal_radius + ellipsoid_.up_north * z_m;
+  const double c = x_m * x_m + ellipsoid_.north_north * z_m * z_m;
+  // The root near zero, in the form that does not cancel.
+  const double root = std::sqrt(std::fmax(0.0, half_b * half_b - ellipsoid_.up_up * c));
   return -c / (half_b + root);
 }
 

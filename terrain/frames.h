@@ -50,9 +50,17 @@ class WorldFrame {
   double radius_factor() const { return radius_factor_; }
 
  private:
+  /// The ellipsoid in the axes of the origin, metres:
+  /// up_up y^2 + 2 (normal_radius + up_north z) y + x^2 + north_north z^2 = 0.
+  struct TangentForm {
+    double normal_radius, up_up, up_north, north_north;
+  };
+  static TangentForm tangent_form(double origin_latitude_rad);
+
   double origin_latitude_rad_;
   double origin_longitude_rad_;
   double radius_factor_;
+  TangentForm ellipsoid_;
   GeographicLib::LocalCartesian tangent_;
 };
 
