@@ -149,6 +149,26 @@ class Batch(Folder):
         wanted = {key: value for key, value in self.whole().items() if key in {p["id"] for p in POSES[:10]} - {"p003", "p007"}}
         self.assert_whole("refused", wanted)
 
+    def test_a_pose_underground_is_named_by_its_line(self):
+        poses = [dict(POSES[0], height_m=-50.0), POSES[1]]
+        path = lines(self.folder, poses)
+        path.write_text("\n" + path.read_text())  # an empty line counts
+        done = subprocess.run([sys.executable, "-m", "obliq.batch", str(path), "--out", str(self.folder / "low"), "--server",
+                               self.server], capture_output=True, text=True, env=ENVIRONMENT)
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, "1 refused, .*poses.jsonl, line 2: .*m below the ground")
+        failed = [json.loads(line) for line in (self.folder / "low" / "failed.jsonl").read_text().splitlines()]
+        self.assertEqual([(line["id"], line["line"]) for line in failed], [("p000", 2)])
+
+    def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_rendered(self):
+        taken = self.folder / "taken"
+        taken.write_text("a file")
+        for out, words in ((taken, "taken: found a file; allowed: a folder"), (taken / "in it", "found a file"),
+                           ("/proc/self/set", "/proc/self/set: cannot be written")):  # root may write whatever modes say
+            with self.assertRaisesRegex(OSError, words):
+                obliq.batch(POSES, out, server=self.server)
+        self.assertEqual(taken.read_text(), "a file")
+
     def test_another_run_in_the_same_folder_is_refused_by_what_differs(self):
         self.run_batch("mine", POSES[:4])
         for options, name in ((dict(poses=POSES[:5]), "poses"), (dict(planes="iq"), "planes"),

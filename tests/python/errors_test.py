@@ -45,6 +45,14 @@ class Addresses(unittest.TestCase):
         with self.assertRaisesRegex(obliq.Untrusted, "TLS is not spoken there|closed during the TLS"):
             obliq.connect(support.shared_daemon(), tls=obliq.Tls())
 
+    def test_wrong_words_fail_before_anything_is_sent(self):
+        for words, said in (({"timeout": "x"}, "timeout: found 'x'; allowed: a number"), ({"name": None}, "name: found NoneType"),
+                            ({"tls": "cert.pem"}, "tls: found 'cert.pem'"), ({"token": 5}, "token: found int")):
+            with self.assertRaisesRegex(TypeError, said):
+                obliq.connect("127.0.0.1:1", **words)
+        with self.assertRaisesRegex(ValueError, "timeout: found 0"):
+            obliq.connect("127.0.0.1:1", timeout=0)
+
     def test_both_kinds_of_token_are_a_mistake(self):
         with self.assertRaises(TypeError):
             obliq.connect("127.0.0.1:1", token="a", token_file="b")

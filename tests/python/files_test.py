@@ -109,6 +109,13 @@ class Saved(Folder):
         self.assertEqual(path.read_bytes(), before)
         self.assertEqual([p.name for p in self.folder.iterdir()], ["f.npz"])
 
+    def test_a_place_that_cannot_be_written_is_named(self):
+        (self.folder / "taken").write_text("a file")
+        for path in (self.folder / "taken" / "f.npz", self.folder / "none" / "f.npz", "/proc/f.npz"):
+            with self.assertRaises(OSError) as caught:
+                self.frame.save(path)
+            self.assertEqual(caught.exception.filename, str(path))
+
     def test_missing_extras_are_named(self):
         code = ("import sys, runpy; sys.modules['xarray'] = None; import obliq\n"
                 "try: obliq.load(sys.argv[1]).to_xarray()\nexcept ImportError as error: print(error)")

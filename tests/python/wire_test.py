@@ -169,6 +169,10 @@ class Names(unittest.TestCase):
         for fields in (dict(r_max_m="5"), dict(azimuth_bins=2.5), dict(r_min_m=True), dict(range_normalisation="yes")):
             with self.assertRaises(TypeError, msg=str(fields)):
                 Settings.of(fields)
+        with self.assertRaisesRegex(TypeError, "got Pose; allowed: Settings or a dict"):
+            Settings.of(Pose.of(height_m=1.0))
+        with self.assertRaisesRegex(TypeError, "planes: found 5"):
+            planes.plane_names(5)
         for value in (float("nan"), float("inf"), 1e400):
             with self.assertRaises(ValueError):
                 Pose.of(height_m=value)
@@ -193,6 +197,8 @@ class Names(unittest.TestCase):
                 window.write(wire.BinWindow())
         with self.assertRaises(TypeError):
             Window(azimuth=3).write(wire.BinWindow())
+        with self.assertRaisesRegex(TypeError, "whole numbers"):
+            Window(azimuth=slice(0, 10, 2.5)).write(wire.BinWindow())
 
     def test_an_address_is_read_in_all_its_forms(self):
         from obliq._requests import parse_address
@@ -200,9 +206,12 @@ class Names(unittest.TestCase):
         for text, wanted in (("a:1", ("a", 1)), ("a", ("a", 7420)), (":5", ("127.0.0.1", 5)), ("7421", ("127.0.0.1", 7421)),
                              ("[::1]:7", ("::1", 7)), ("[::1]", ("::1", 7420)), ("::1", ("::1", 7420))):
             self.assertEqual(parse_address(text), wanted)
-        for text in ("a:b", "a:0", "a:70000", "[::1", "[::1]7"):
+        for text in ("a:b", "a:0", "a:70000", "[::1", "[::1]7", "http://a:7420", "http://a", "a:b:c"):
             with self.assertRaises(ValueError, msg=text):
                 parse_address(text)
+        for other in (None, 1.5, ("a", 1)):
+            with self.assertRaisesRegex(TypeError, "address: found"):
+                parse_address(other)
 
 
 class Generated(Folder):

@@ -103,23 +103,23 @@ class Protocol(asyncio.BufferedProtocol):
         self.stir()
 
 
-async def open_connection(host, port, tls, name, token, timeout):
-    address = f"{host}:{port}"
+async def open_connection(door):
+    address, tls = f"{door.host}:{door.port}", door.tls
     protocol = Protocol()
     try:
         await asyncio.wait_for(asyncio.get_running_loop().create_connection(
-            lambda: protocol, host, port, ssl=None if tls is None else tls.context(),
-            server_hostname=None if tls is None else host), timeout)
+            lambda: protocol, door.host, door.port, ssl=None if tls is None else tls.context(),
+            server_hostname=None if tls is None else door.host), door.timeout_s)
     except ssl.SSLError as error:
         raise untrusted(address, error) from error
     except asyncio.TimeoutError as error:
-        raise CannotConnect(f"{address}: nothing answered within {timeout:g} s") from error
+        raise CannotConnect(f"{address}: nothing answered within {door.timeout_s:g} s") from error
     except OSError as error:
         if tls is not None and isinstance(error, ConnectionError) and not isinstance(error, ConnectionRefusedError):
             raise Untrusted(f"{address}: the connection was closed during the TLS handshake: is it obliqd?") from error
         raise CannotConnect(f"{address}: {error}. Is obliqd running there?") from error
     try:
-        await protocol.run(protocol.session.hello(name, token, timeout))
+        await protocol.run(protocol.session.hello(door.name, door.token, door.timeout_s))
     except BaseException:
         protocol.close("the connection was closed")
         raise

@@ -13,6 +13,7 @@ import json
 import os
 import pathlib
 import sys
+import tempfile
 import threading
 import time
 import uuid
@@ -30,7 +31,7 @@ class Job:
     """All that a worker on another machine needs; run(number) does one shard."""
 
     out: str
-    poses: tuple  # (id, pose as dict, settings as dict)
+    poses: tuple  # (id, pose as dict, settings as dict, line)
     planes: tuple
     settings: dict
     shard_size: int
@@ -63,14 +64,14 @@ class Job:
             check_manifest(self, world_of(server, self))
             wanted = read_manifest(self.out)["world"]
             asked = ((Pose.of(pose), Settings.of({**self.settings, **its}))
-                     for number in numbers for _, pose, its in self._poses_of(number))
+                     for number in numbers for _, pose, its, _ in self._poses_of(number))
             results = server.render_many(asked, planes=self.planes, timeout=self.timeout, return_exceptions=True)
             for number in numbers:
                 frames = failed = 0
                 with contextlib.closing(PartWriter(self.out, number)) as part:
-                    for (its_id, _, _), result in zip(self._poses_of(number), results):
+                    for (its_id, _, _, line), result in zip(self._poses_of(number), results):
                         if isinstance(result, Exception):
-                            part.fail(its_id, result)
+                            part.fail(its_id, line, result)
                             failed += 1
                             continue
                         same_world(wanted, world_of_frame(result, server), its_id)
@@ -117,7 +118,7 @@ def stop_own_daemons():
 # ---- Poses ----
 
 def read_poses(given):
-    """[(id, pose, settings)] from a file of JSON lines or from dicts. ValueError names the line."""
+    """((id, pose, settings, line), ...) from a file of JSON lines or from dicts. ValueError names the line."""
     if isinstance(given, (str, os.PathLike)):
         name, rows = os.fspath(given), []
         with open(given, encoding="utf-8") as file:
@@ -155,8 +156,8 @@ def read_poses(given):
         lacking = [key for key in ("latitude_deg", "longitude_deg", "height_m") if getattr(pose, key) is None]
         if lacking:
             raise ValueError(f"{where}: lacks {', '.join(lacking)}")
-        found.append((its_id, pose.as_dict(), settings.as_dict()))
-    for number, (_, _, settings) in zip((number for number, _ in rows), found):
+        found.append((its_id, pose.as_dict(), settings.as_dict(), number))
+    for _, _, settings, number in found:
         for key in ("azimuth_bins", "range_bins"):
             if settings.get(key) != found[0][2].get(key):
                 raise ValueError(f"{name}, line {number}: {key}: found {settings.get(key)}; allowed: that of the first line, "
@@ -177,7 +178,7 @@ def world_of_frame(frame, server):
 
 def world_of(server, job):
     """Of a server: by the smallest frame of the first pose that it takes."""
-    for _, pose, settings in job.poses[:20]:
+    for _, pose, settings, _ in job.poses[:20]:
         tiny = Settings.of({**job.settings, **settings, "azimuth_bins": 1, "range_bins": 1, "pixel_columns": 1,
                             "pixel_rows": 1, "frustum": "sweep", "scan_mode": "frame"})
         for result in server.render_many([(Pose.of(pose), tiny)], planes="state", timeout=job.timeout,
@@ -197,8 +198,8 @@ def same_world(wanted, found, its_id):
 
 
 def manifest_of(job, world):
-    return {"format": FORMAT, "poses": len(job.poses), "poses_sha256": digest(job.poses), "shard_size": job.shard_size,
-            "planes": list(job.planes), "settings": job.settings, "world": world}
+    return {"format": FORMAT, "poses": len(job.poses), "poses_sha256": digest([pose[:3] for pose in job.poses]),
+            "shard_size": job.shard_size, "planes": list(job.planes), "settings": job.settings, "world": world}
 
 
 def read_manifest(out):
@@ -230,6 +231,18 @@ def check_manifest(job, world):
             raise ValueError(f"{path}: {key}: found {theirs!r}; this run has {value!r}. Choose another folder for another data set")
 
 
+def make_folder(out):
+    """A folder that can be written; modes say little to root, and nothing about a disk that is read-only."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except (FileExistsError, NotADirectoryError):
+        raise NotADirectoryError(f"{out}: found a file; allowed: a folder, new or of the same data set") from None
+    except OSError as error:
+        raise PermissionError(f"{out}: cannot be written: {error.strerror}") from None
+
+
 # ---- The whole run ----
 
 @dataclasses.dataclass(frozen=True)
@@ -239,6 +252,7 @@ class Done:
     parts: int  # that are there now, of all
     parts_wanted: int
     seconds: float
+    first_failed: dict | None = None  # its line of failed.jsonl
 
     @property
     def complete(self):
@@ -254,9 +268,7 @@ def prepare(poses, out, *, server=None, local=None, planes="iq state", settings=
     if shard_size < 1:
         raise ValueError(f"shard_size: found {shard_size}; allowed: from 1")
     out = pathlib.Path(out)
-    out.mkdir(parents=True, exist_ok=True)
-    if not os.access(out, os.W_OK):
-        raise PermissionError(f"{out}: cannot be written")
+    make_folder(out)
     sweep(out)
     job = Job(str(out.resolve()), read_poses(poses), plane_names(planes), {}, shard_size, server, token_file, ca_file, tls,
               None if local is None else str(pathlib.Path(local).resolve()), obliqd, local_settings or {}, timeout)
@@ -292,6 +304,8 @@ def batch(poses, out, *, executor=None, shard=None, progress=None, **options):
     began = time.monotonic()
     if shard is not None:
         _share(shard)
+    if executor is not None and not hasattr(executor, "submit"):
+        raise TypeError(f"executor: found {type(executor).__name__}; allowed: a concurrent.futures executor")
     try:
         job = prepare(poses, out, **options)
         if executor is not None:
@@ -308,7 +322,8 @@ def batch(poses, out, *, executor=None, shard=None, progress=None, **options):
     if not found.missing:
         write_whole(pathlib.Path(out) / "failed.jsonl", "".join(json.dumps(line) + "\n" for line in found.failed))
     wanted = found.parts_wanted
-    return Done(frames, len(found.failed), wanted - len(found.missing), wanted, time.monotonic() - began)
+    return Done(frames, len(found.failed), wanted - len(found.missing), wanted, time.monotonic() - began,
+                found.failed[0] if found.failed else None)
 
 
 def _results(job, numbers, executor):

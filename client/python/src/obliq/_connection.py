@@ -50,18 +50,18 @@ def open_socket(host, port, tls, timeout_s):
 class Connection:
     """A session and its socket. One thread at a time, one process."""
 
-    def __init__(self, host, port, tls, name, token, timeout_s):
+    def __init__(self, door):
         self._pid = os.getpid()
         self._lock = threading.Lock()
         self.session = Session()
         self._splitter = Splitter()
-        self.address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-        self._socket = open_socket(host, port, tls, timeout_s)
+        self.address = f"[{door.host}]:{door.port}" if ":" in door.host else f"{door.host}:{door.port}"
+        self._socket = open_socket(door.host, door.port, door.tls, door.timeout_s)
         try:
-            self.run(self.session.hello(name, token, timeout_s))
+            self.run(self.session.hello(door.name, door.token, door.timeout_s))
         except TimedOut:
             self.close()
-            raise TimedOut(f"{self.address}: something accepts connections there, but has sent nothing for {timeout_s} s: "
+            raise TimedOut(f"{self.address}: something accepts connections there, but has sent nothing for {door.timeout_s} s: "
                            "it is not obliqd, or too busy to answer") from None
         except BaseException:
             self.close()

@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 import dataclasses
+import ipaddress
 import os
 import ssl
 
 from . import obliq_pb2 as wire
-from ._fields import hint
+from ._fields import hint, number
 from ._session import Subscription
 from .errors import Fault, UnknownRadar
 from .parameters import Pose, Settings
@@ -80,8 +81,36 @@ class Accepted:
                         ack.coverage if ack.HasField("coverage") else None)
 
 
+@dataclasses.dataclass(frozen=True)
+class Door:
+    """Where to connect and as whom, checked before anything is sent."""
+
+    host: str
+    port: int
+    tls: Tls | None
+    name: str
+    token: str
+    timeout_s: float
+
+    @staticmethod
+    def of(address, token, token_file, tls, name, timeout):
+        host, port = parse_address(address)
+        if tls is True:
+            tls = Tls()
+        if not isinstance(tls, (Tls, type(None))) and tls is not False:
+            raise TypeError(f"tls: found {tls!r}; allowed: obliq.Tls(ca_file=...), True, or None for a connection without")
+        for what, text in (("name", name), ("token", token)):
+            if not isinstance(text, str) and (what == "name" or text is not None):
+                raise TypeError(f"{what}: found {type(text).__name__}; allowed: a text")
+        if not number("timeout", timeout) > 0:
+            raise ValueError(f"timeout: found {timeout!r}; allowed: seconds above 0")
+        return Door(host, port, tls or None, name, read_token(token, token_file), timeout)
+
+
 def parse_address(address):
     """HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT as (host, port)."""
+    if not isinstance(address, (str, int)) or isinstance(address, bool):
+        raise TypeError(f"address: found {address!r}; allowed: a text such as 127.0.0.1:7420")
     text = str(address).strip()
     if text.startswith("["):
         host, closed, rest = text[1:].partition("]")
@@ -92,7 +121,12 @@ def parse_address(address):
         host, port = "", text
     else:
         host, _, port = text.partition(":")
-    if not (port == "" or (port.isdigit() and 0 < int(port) < 65536)) or "?" in host:
+    if ":" in host:
+        try:
+            ipaddress.IPv6Address(host)
+        except ValueError:
+            port = "?"
+    if not (port == "" or (port.isdigit() and 0 < int(port) < 65536)) or "/" in host:
         raise ValueError(f"address: found {address!r}; allowed: HOST:PORT, HOST, :PORT, PORT, [IPv6]:PORT")
     return host or "127.0.0.1", int(port) if port else DEFAULT_PORT
 
@@ -131,7 +165,7 @@ def render_request(settings, pose, planes, encoding, compress, window, radar):
 
 
 def subscription(radar, rate_hz, planes, encoding, compress, window, lossless, by_wedge, copy):
-    request = wire.Subscribe(radar=radar, rate_hz=float(rate_hz), lossless=lossless)
+    request = wire.Subscribe(radar=radar, rate_hz=float(number("rate_hz", rate_hz)), lossless=bool(lossless))
     names = write_choice(request, planes, encoding, compress, window)
     return Subscription(request, names, by_wedge, copy)
 
@@ -159,4 +193,4 @@ def settings_request(radar, settings, fields):
 
 def stream_timeout(timeout_s, rate_hz):
     """At low rates a frame may take longer than any fixed time."""
-    return None if timeout_s is None else max(timeout_s, 3 / max(rate_hz, 1e-9))
+    return None if timeout_s is None else max(number("timeout", timeout_s), 3 / max(rate_hz, 1e-9))

@@ -85,14 +85,15 @@ class PartWriter:
             file, kind, shape = self._arrays[name]
             if values.shape != shape or values.dtype != kind:
                 raise ValueError(f"{its_id}: {name} has shape {values.shape}; the frames before have {shape}")
-            values.tofile(file)
+            file.write(memoryview(values).cast("B"))
         self._lines.append({"id": its_id, "sha256": frame.sha256(), "utc_ns": int(frame.utc.astype("i8")),
                             "descriptor": told(frame.descriptor), "summary": told(frame.summary)})
 
-    def fail(self, its_id, error):
+    def fail(self, its_id, line, error):
         faults = [{"field": fault.field, "argument": fault.argument, "found": fault.found, "allowed": fault.allowed}
                   for fault in getattr(error, "faults", ())]
-        self._failed.append({"id": its_id, "number": getattr(error, "number", 0), "text": str(error), "faults": faults})
+        self._failed.append({"id": its_id, "line": line, "number": getattr(error, "number", 0), "text": str(error),
+                             "faults": faults})
 
     def finish(self):
         """Gives the part its name. Where another worker has done so before, that one stays."""
@@ -136,7 +137,7 @@ class Dataset:
         self.folder = pathlib.Path(folder)
         try:
             self.manifest = json.loads((self.folder / MANIFEST).read_text())
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             raise FileNotFoundError(f"{folder}: no data set: it has no {MANIFEST}") from None
         except ValueError as error:
             raise ValueError(f"{self.folder / MANIFEST}: {error}") from None
@@ -152,6 +153,10 @@ class Dataset:
                 self.failed += _lines(part / "failed.jsonl")
         self._ids = {line["id"]: at for at, (_, _, line) in enumerate(self._rows)}
         self._maps = {}
+
+    def __repr__(self):
+        left = f", {len(self.missing)} of {self.parts_wanted} parts missing" if self.missing else ""
+        return f"<obliq.Dataset {self.folder}: {len(self)} frames{left}>"
 
     @property
     def parts_wanted(self):

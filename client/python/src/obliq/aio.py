@@ -27,9 +27,8 @@ class connect:
     """As obliq.connect: `async with connect(...) as server`, or `server = await connect(...)`."""
 
     def __init__(self, address="127.0.0.1:7420", *, token=None, token_file=None, tls=None, name="python", timeout=5.0):
-        host, port = requests.parse_address(address)
-        token = requests.read_token(token, token_file)
-        self._server = Server(lambda: open_connection(host, port, tls, name, token, timeout))
+        door = requests.Door.of(address, token, token_file, tls, name, timeout)
+        self._server = Server(lambda: open_connection(door))
 
     def __await__(self):
         return self._server._start().__await__()

@@ -70,8 +70,11 @@ def main(words=None):
     except (ObliqError, OSError, TypeError, ValueError, concurrent.futures.BrokenExecutor) as error:
         print(f"obliq.batch: {error}", file=sys.stderr)
         return 1
+    refused = ""
+    if (first := done.first_failed) is not None:
+        refused = f"; {done.failed} refused, as failed.jsonl says: {given.poses}, line {first['line']}: {first['text']}"
     print(f"obliq.batch: {done.frames} frames in {done.seconds:.1f} s; {done.parts} of {done.parts_wanted} parts are there"
-          + (f"; {done.failed} poses were refused: failed.jsonl" if done.failed else ""), file=sys.stderr)
+          + refused, file=sys.stderr)
     return 2 if done.failed else 0
 
 

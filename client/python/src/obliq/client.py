@@ -20,9 +20,8 @@ PASSING = (ConnectionLost, ServerStopping, CannotConnect, ServerFull, TimedOut)
 def connect(address="127.0.0.1:7420", *, token=None, token_file=None, tls=None, name="python", timeout=5.0):
     """A connection to obliqd: HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT. `timeout` in seconds for connecting and for
     the first answer. name: shown to others while this client holds control."""
-    host, port = requests.parse_address(address)
-    token = requests.read_token(token, token_file)
-    return Server(lambda: Connection(host, port, tls, name, token, timeout))
+    door = requests.Door.of(address, token, token_file, tls, name, timeout)
+    return Server(lambda: Connection(door))
 
 
 class Server:

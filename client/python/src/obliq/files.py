@@ -22,6 +22,10 @@ def whole(path):
     path = pathlib.Path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
     try:
+        part.touch()
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from None
+    try:
         yield part
         os.replace(part, path)
     finally:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pathlib
 import re
@@ -26,6 +27,13 @@ def find_obliqd(program):
     return os.fspath(found)
 
 
+def toml(value):
+    """A value as --set takes it."""
+    if isinstance(value, (bool, list, tuple)):
+        return json.dumps(value)
+    return value
+
+
 class Daemon:
     """obliqd with a scene, on any free port of this machine. It ends with this object or with this process, even where
     that is killed: a keeper between them watches a pipe."""
@@ -38,7 +46,7 @@ class Daemon:
                  "--set", "server.address=127.0.0.1", "--set", "server.tokens=", "--set", "server.tls_certificate=", "--set",
                  "server.tls_key="]
         for key, value in (settings or {}).items():
-            words += ["--set", f"{key}={value}"]
+            words += ["--set", f"{key}={toml(value)}"]
         self._log = tempfile.NamedTemporaryFile(prefix="obliqd-", suffix=".log")
         keeper = pathlib.Path(__file__).with_name("_keeper.py")
         # A group of its own: Ctrl-C in a notebook is not for the daemon.
