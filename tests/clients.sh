@@ -112,7 +112,7 @@ PY
 
 # One frame for those that read files.
 frame_files() {
-  mkdir -p "$work/frame"
+  rm -rf "$work/frame" && mkdir "$work/frame"
   on_daemon "$work/env-all/bin/python" - "$work/frame" <<'PY'
 import os, pathlib, sys, obliq
 folder = pathlib.Path(sys.argv[1])

@@ -44,6 +44,22 @@ void run(const std::string& command) {
   ASSERT_EQ(std::system((command + " >/dev/null").c_str()), 0) << command;
 }
 
+/// The first of the programs that this needs and that is not there; empty: all are.
+std::string missing_program() {
+  for (const char* name : {"gdal_viewshed", "gdallocationinfo", "gdal_translate", "gdalwarp"})
+    if (std::system((std::string("command -v ") + name + " >/dev/null 2>&1").c_str()) != 0) return name;
+  return {};
+}
+
+/// Skips by name where another program is missing.
+class Viewshed : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const std::string name = missing_program(); !name.empty())
+      GTEST_SKIP() << "no " << name << " in PATH: gdal-bin has it (deploy/install-deps.sh)";
+  }
+};
+
 /// gdal_viewshed's answer, [north to south][west to east], 1 where visible. `dem` lies on plane_of(s), its
 /// middle pixel's middle at (0, 0).
 std::vector<std::uint8_t> gdal_answer(const test::Folder& folder, const std::string& dem, const Survey& s) {
@@ -193,15 +209,15 @@ void compare_dem(const char* name, const Survey& s) {
   compare(gdal, query_answer(std::move(world), s), s);
 }
 
-TEST(Viewshed, OfTheSanGabrielMountainsAgreesWithGdalViewshed) {
+TEST_F(Viewshed, OfTheSanGabrielMountainsAgreesWithGdalViewshed) {
   compare_dem("la_nasadem_30m/NASADEM_HGT_n34w119.tif", {-118.15, 34.3, 2200, 30, 400});
 }
 
-TEST(Viewshed, OfLargoCanyonAgreesWithGdalViewshed) {
+TEST_F(Viewshed, OfLargoCanyonAgreesWithGdalViewshed) {
   compare_dem("nm_ned13_10m/USGS_NED_13_n37w108_Clipped.tif", {-107.585, 36.4, 2350, 10, 600});
 }
 
-TEST(Viewshed, OfHillsAgreesWithGdalViewshed) {
+TEST_F(Viewshed, OfHillsAgreesWithGdalViewshed) {
   const Survey s{-99.5, 33, 900, 40, 300};
   const test::Folder folder;
   WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 18000, s.cell_m);

@@ -2,6 +2,7 @@
 
 Samples are those of the azimuth bins one after the other, each a row of range bins; an annotation names each row.
 """
+import pathlib
 import sys
 
 import obliq
@@ -22,6 +23,7 @@ def main(source, out):
     for row, azimuth in enumerate(frame.azimuth_deg):
         meta.add_annotation(row * frame.shape[1], frame.shape[1], metadata={SigMFFile.LABEL_KEY: f"{azimuth % 360:.3f} deg"})
     meta.validate()
+    pathlib.Path(out + ".sigmf-meta").unlink(missing_ok=True)  # tofile() overwrites nothing
     meta.tofile(out + ".sigmf-meta")
 
 
