@@ -128,12 +128,17 @@ class Saved(Folder):
 class Places(Folder):
     """places() against the pixels of ground_map.tif, which another program has placed."""
 
-    def check(self, text):
+    def check(self, text, planes=None):
         """The share of bins whose centre lies in a pixel with their own value."""
         with support.daemon(text) as address:
-            run(OBLIQ, "get", "--server", address, "--radar", "main", "--out", self.folder)
+            run(OBLIQ, "get", "--server", address, "--radar", "main", "--out", self.folder, *(
+                ["--planes", planes] if planes else []))
+            told = json.loads((self.folder / "frame.json").read_text())
             with obliq.connect(address) as server:
-                frame = server.radar("main").frame()
+                # The frame that was got, noise and all, where it has any.
+                radar = server.radar("main")
+                settings = radar.settings.replace(noise_frame=int(told.get("noise_counter", 0)), scan_mode="frame")
+                frame = server.render(settings, radar.pose, planes=planes, radar="main")
         run(GDAL_TRANSLATE, "-q", "-of", "ENVI", "-b", "1", self.folder / "ground_map.tif", self.folder / "map.bin")
         about = json.loads(run("/usr/bin/gdalinfo", "-json", self.folder / "ground_map.tif"))
         width, height = about["size"]
@@ -161,6 +166,19 @@ class Places(Folder):
         }.items():
             with self.subTest(name):
                 self.assertGreater(self.check(text), 0.9)
+
+    @unittest.skipUnless(os.path.exists(GDAL_TRANSLATE), "gdal-bin is not installed")
+    def test_maps_of_what_a_receiver_gives_out_are_those_of_obliq_get(self):
+        text = support.SCENE + """
+[beam]
+pattern = "gaussian"
+width_deg = 5.0
+[receiver]
+noise = true
+"""
+        for planes in (None, "video"):
+            with self.subTest(planes):
+                self.assertGreater(self.check(text, planes), 0.9)
 
     @unittest.skipUnless(os.path.exists(GDAL_TRANSLATE), "gdal-bin is not installed")
     def test_also_far_from_the_scenes_origin(self):

@@ -100,11 +100,11 @@ class Frame:
 
     @property
     def unit(self):
-        return self.descriptor.unit if not self.descriptor.settings.range_normalisation else "sqrt(W) m^2"
+        return "sqrt(W) m^2" if self.descriptor.settings.range_normalisation else self.descriptor.unit
 
     @property
     def power_unit(self):
-        return "W m^4" if self.descriptor.settings.range_normalisation else "W"
+        return self.descriptor.power_unit or ("W m^4" if self.descriptor.settings.range_normalisation else "W")
 
     # Where its bins lie.
 

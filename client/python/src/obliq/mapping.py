@@ -148,24 +148,36 @@ def _between(values, strip, width):
     return (1 - u) * left + u * right
 
 
+def is_ideal(frame):
+    """No receiver has added anything to the echoes or changed their law in range: a bin without a sample has no value, and a
+    picture may make up for the range. As in `obliq get`."""
+    s = frame.settings
+    sharp = s.beam_pattern in (None, "off") and s.beam_elevation in (None, "off") and s.pulse_kind in (None, "off")
+    return sharp and not (s.noise or s.stc_range_m or s.adc_bits or s.rain_mm_h)
+
+
 def levels(frame):
-    """dB of |iq|, or of power where there is no iq; NO_VALUE where that is 0. [azimuth, range], float32."""
+    """dB of |iq|, or of power where there is no iq, or of the video; NO_VALUE where that is 0. [azimuth, range], float32."""
     if frame.iq is not None:
         power = frame.iq.real.astype("f8")**2 + frame.iq.imag.astype("f8")**2
     elif frame.power is not None:
         power = frame.power
-    elif frame.video is not None:  # of a log scale already
-        return np.where(frame.video > 0, frame.video, NO_VALUE).astype("f4")
+    elif frame.video is not None:
+        steps = np.iinfo(frame.video.dtype).max - 1
+        span_db, floor_db = frame.descriptor.settings.video_span_db, frame.descriptor.video_floor_db
+        return np.where(frame.video > 0, floor_db + (frame.video.astype("f8") - 1) * span_db / steps, NO_VALUE).astype("f4")
     else:
         raise ValueError("the frame has neither iq, power nor video: nothing to draw")
     there = (power >= np.finfo("f8").tiny) & np.isfinite(power)
+    if frame.count is not None and is_ideal(frame):
+        there &= frame.count > 0
     return np.where(there, 10 * np.log10(np.where(there, power, 1)), NO_VALUE).astype("f4")
 
 
 def level_name(frame):
     if frame.iq is not None:
         return f"magnitude, dB re {frame.unit}"
-    return f"power, dB re {frame.power_unit}" if frame.power is not None else "video"
+    return f"{'video' if frame.power is None else 'power'}, dB re {frame.power_unit}"
 
 
 def levels_on(frame, grid):

@@ -23,8 +23,10 @@ def scale_of(level):
 
 
 def compensated(level, frame):
-    """With r^2, so that near and far ground of one kind look alike, unless the frame has that already."""
-    if frame.descriptor.settings.range_normalisation or (frame.iq is None and frame.power is None):
+    """With r^2, so that near and far ground of one kind look alike, unless the frame has that already, or its bins are
+    more than echoes. As `obliq get`."""
+    of_video = frame.iq is None and frame.power is None
+    if frame.descriptor.settings.range_normalisation or of_video or not mapping.is_ideal(frame):
         return level, ""
     there = level != mapping.NO_VALUE
     return np.where(there, level + (40 * np.log10(frame.range_m)).astype("f4"), level), " + 40 log r"

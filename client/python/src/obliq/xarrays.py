@@ -7,7 +7,8 @@ from .errors import BadStream
 from .planes import STATES
 
 LONG_NAMES = {"iq": "complex amplitude", "power": "mean power, before speckle", "count": "samples",
-              "state": "why a bin has a sample, or none", "video": "video"}
+              "state": "why a bin has a sample, or none",
+              "video": "log video: 0 at and below video_floor_db, the largest value setting_video_span_db above it"}
 
 
 def need(call, module, extra):
@@ -36,7 +37,8 @@ def attributes(frame, server=None):
     found = {"Conventions": "CF-1.11", "radar": frame.radar, "scene": d.scene_name, "frame_id": frame.frame_id,
              "settings_version": d.settings_version, "wavelength_m": d.wavelength_m, "phase_sign": d.phase_sign,
              "frequency_hz": d.settings.frequency_ghz * 1e9, "radius_factor": d.radius_factor,
-             "map_reference_height_m": d.map_reference_height_m, "warnings": "\n".join(frame.warnings)}
+             "map_reference_height_m": d.map_reference_height_m, "noise_power_w": d.noise_power_w,
+             "noise_counter": d.noise_counter, "adc_step": d.adc_step, "video_floor_db": d.video_floor_db, "warnings": "\n".join(frame.warnings)}
     if server is not None:
         found["server_version"] = server.version
     if frame.summary is not None:
