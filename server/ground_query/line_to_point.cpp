@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -26,12 +27,15 @@ struct Line {
   glm::dvec3 point_m;
   double length_m;
   SinCos bearing{0, 1};
+  double per_x = HUGE_VAL, per_z = 1;  ///< ground distance per metre of x and z
 
   Line(const HeightGrid& of, const glm::dvec3& antenna, const glm::dvec3& point)
       : grid(of), antenna_m(antenna), point_m(point) {
     const double x = point.x - antenna.x, z = point.z - antenna.z;
     length_m = std::sqrt(x * x + z * z);
     if (length_m > 0) bearing = {x / length_m, z / length_m};
+    per_x = 1 / bearing.sin;
+    per_z = 1 / bearing.cos;
   }
 
   GroundWalk walk(double from_m, double to_m) const {
@@ -43,7 +47,6 @@ struct Line {
   template <class Visit>
   bool inwards(const SurfaceBounds::Level& level, double from_m, double to_m, const Visit& visit) const {
     const double square_m = level.cells * grid.cell_m;
-    const double per_x = 1 / bearing.sin, per_z = 1 / bearing.cos;
     int i = tile_of(antenna_m.x + to_m * bearing.sin, grid.x0_m, square_m, level.nx);
     int j = tile_of(antenna_m.z + to_m * bearing.cos, grid.z0_m, square_m, level.nz);
     for (double far = to_m; far > from_m && i >= 0 && j >= 0 && i < level.nx && j < level.nz;) {
@@ -64,27 +67,41 @@ struct Line {
   }
 };
 
-/// Raises an obstacle by ground and roofs, square by square.
+/// Raises an obstacle by ground and roofs, square by square, so that most squares need no look: inwards where
+/// all lies under the antenna, since far ground then stands higher than near ground; else first where
+/// something may stand highest.
 class Look {
  public:
   Look(const Scene& scene, const SurfaceBounds& bounds, const Line& line)
-      : scene_(scene), bounds_(bounds), line_(line), ground_(ground_view(line.grid, line.antenna_m)) {}
+      : scene_(scene),
+        bounds_(bounds),
+        line_(line),
+        ground_(ground_view(line.grid, line.antenna_m)),
+        from_above_(bounds.highest_m() <= line.antenna_m.y) {}
 
   const Obstacle& highest() const { return highest_; }
 
   void look(std::size_t level_number, double from_m, double to_m) {
     const SurfaceBounds::Level& level = bounds_.levels()[level_number];
+    const std::size_t first = squares_.size();
     line_.inwards(level, from_m, to_m, [&](int i, int j, double near, double far) {
       const auto top = static_cast<double>(level.highest_m[level.index(i, j)]) - line_.antenna_m.y;
       if (!may_rise(top, near, far)) return true;
-      if (level_number > 0) {
-        look(level_number - 1, near, far);
+      if (from_above_) {
+        look_at_square(level_number, i, j, near, far);
       } else {
-        look_at_ground(level.whole[level.index(i, j)] != 0, near, far);
-        look_at_roofs(i, j, near, far);
+        squares_.push_back({i, j, near, far, top, top / (top > 0 ? near : far)});
       }
       return true;
     });
+    const std::size_t end = squares_.size();
+    std::sort(squares_.begin() + static_cast<std::ptrdiff_t>(first), squares_.end(),
+              [](const Square& a, const Square& b) { return a.slope > b.slope; });
+    for (std::size_t k = first; k < end; ++k) {
+      const Square s = squares_[k];
+      if (may_rise(s.top, s.near, s.far)) look_at_square(level_number, s.i, s.j, s.near, s.far);
+    }
+    squares_.resize(first);
   }
 
   /// The far end need not lie on an edge of the mesh.
@@ -102,6 +119,20 @@ class Look {
   static bool enough() { return false; }
 
  private:
+  struct Square {
+    int i, j;
+    double near, far;
+    double top;    ///< over the antenna
+    double slope;  ///< none of it stands at a greater elevation
+  };
+
+  void look_at_square(std::size_t level_number, int i, int j, double near, double far) {
+    if (level_number > 0) return look(level_number - 1, near, far);
+    const SurfaceBounds::Level& level = bounds_.levels().front();
+    look_at_ground(level.whole[level.index(i, j)] != 0, near, far);
+    look_at_roofs(i, j, near, far);
+  }
+
   /// Whether anything no higher than `top` between two distances may stand above what was found.
   bool may_rise(double top, double near, double far) const {
     return std::isfinite(top) && !hides(top > 0 ? near : far, top);
@@ -109,7 +140,10 @@ class Look {
   bool hides(double d, double h) const { return h * highest_.d_m < highest_.h_m * d; }
 
   void raise(double d, double h, bool building) {
-    if (d > 0 && !hides(d, h)) highest_ = {d, h, building};
+    // Of two at one elevation the nearer counts.
+    const bool higher = h * highest_.d_m > highest_.h_m * d;
+    if (d > 0 && (higher || highest_.d_m == 0 || (!hides(d, h) && d <= highest_.d_m)))
+      highest_ = {d, h, building};
   }
 
   void look_at_ground(bool whole, double near, double far) {
@@ -152,7 +186,9 @@ class Look {
   const SurfaceBounds& bounds_;
   const Line& line_;
   const GroundView ground_;
+  const bool from_above_;
   Obstacle highest_;
+  std::vector<Square> squares_;  ///< in hand, of all levels, where they are sorted
   std::vector<RoofSpan> spans_;
 };
 

@@ -16,8 +16,7 @@ struct Obstacle {
 };
 
 /// Exactly what a march over every cell and roof would have found, for the price of a look at the squares in
-/// which something may stand higher than what has been found. Inwards: seen from above, far ground stands
-/// higher than near ground.
+/// which something may stand higher than what has been found. Of several at one elevation the nearest.
 Obstacle highest_before(const Scene& scene, const SurfaceBounds& bounds, const glm::dvec3& antenna_m,
                         const glm::dvec3& point_m);
 

@@ -47,6 +47,7 @@ SurfaceBounds::SurfaceBounds(const Scene& scene) {
   whole_ = fine.whole();
   add_roofs(scene.world());
   while (levels_.back().highest_m.size() > kFewSquares) levels_.push_back(larger_of(levels_.back()));
+  highest_m_ = static_cast<double>(std::ranges::max(levels_.back().highest_m));
 }
 
 void SurfaceBounds::add_roofs(const World& world) {

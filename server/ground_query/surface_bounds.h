@@ -32,6 +32,8 @@ class SurfaceBounds {
     return roof_m_.empty() ? -HUGE_VAL : static_cast<double>(roof_m_[levels_.front().index(i, j)]);
   }
   bool whole() const { return whole_; }
+  /// World y over which nothing stands.
+  double highest_m() const { return highest_m_; }
 
  private:
   void add_roofs(const World& world);
@@ -39,6 +41,7 @@ class SurfaceBounds {
   std::vector<Level> levels_;
   std::vector<float> roof_m_;  ///< as of level 0; none without buildings
   bool whole_ = true;
+  double highest_m_ = 0;
 };
 
 }  // namespace obliq

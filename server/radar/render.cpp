@@ -83,7 +83,6 @@ bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may
   write_bins(work);
   work.sweep.reset();
   if (states) find_states(work.plan, *work.visibility, work.wedge);
-  measure_coverage(work.plan, work.wedge);
   return true;
 }
 

@@ -90,7 +90,7 @@ class WedgeThreads {
         if (options_.before_wedge) options_.before_wedge(index);
         begin_wedge(work, index, begun_.rows ? nullptr : options_.observer);
       }
-      if (!render_wedge(work, options_.states, may_go_on)) {
+      if (!render_wedge(work, wants_states(work.wedge.index), may_go_on)) {
         if (!stopped()) paused_ = true;
         return;
       }
@@ -98,9 +98,18 @@ class WedgeThreads {
         take_sharp(std::move(work.wedge));
         sum_what_is_ready(work);
       } else {
+        measure_coverage(plan_, work.wedge);
         deliver(std::move(work.wedge));
       }
     }
+  }
+
+  /// A beam looks at ground on either side, whose states nobody asks for; in a scan the next dwell may.
+  bool wants_states(int index) const {
+    if (!options_.states || !begun_.rows || options_.sharp) return options_.states;
+    const EchoPlan& echo = *plan_.echo();
+    const int first = index * kWedgeAzimuthBins - echo.first_azimuth;
+    return first + kWedgeAzimuthBins > 0 && first < echo.n_azimuth * echo.azimuth_parts;
   }
 
   /// A sharp wedge of the dwell before.

@@ -56,8 +56,8 @@ void measure_coverage(const FramePlan& plan, Wedge& wedge);
 /// Takes wedge `index` in hand.
 void begin_wedge(WedgeWork& work, int index, HitObserver* observer);
 
-/// The pipeline. True: work.wedge is finished. False: may_go_on() said no after a batch, and the next call
-/// goes on from there.
+/// The pipeline, without the area (measure_coverage). True: work.wedge is finished. False: may_go_on() said
+/// no after a batch, and the next call goes on from there.
 bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may_go_on);
 
 }  // namespace obliq

@@ -75,15 +75,28 @@ Job::Time OnceJob::date(Time now) {
   std::erase_if(queue_, [this](const auto& frame) {
     return frame->request->stop.stop_requested() || (context_.finishing && !frame->plan);
   });
-  const bool ready = std::ranges::any_of(queue_, [this](const auto& frame) { return has_room(*frame); });
+  const bool ready =
+      std::ranges::any_of(first_of_clients(), [this](const auto& first) { return has_room(*first.second); });
   return ready ? now : Time::max();
+}
+
+/// By client, its oldest request. With the mutex held.
+std::map<std::uint64_t, std::shared_ptr<OnceJob::Frame>> OnceJob::first_of_clients() const {
+  std::map<std::uint64_t, std::shared_ptr<Frame>> first;
+  for (const auto& frame : queue_) first.emplace(frame->request->client_id, frame);
+  return first;
 }
 
 std::shared_ptr<OnceJob::Frame> OnceJob::next_with_room() {
   const std::lock_guard lock(mutex_);
-  for (std::size_t looks = 0; looks < queue_.size(); ++looks) {
-    const auto& frame = queue_[turn_++ % queue_.size()];
-    if (has_room(*frame)) return frame;
+  const auto first = first_of_clients();
+  // The next client after the one before, round and round.
+  auto next = first.upper_bound(last_client_);
+  for (std::size_t looks = 0; looks < first.size(); ++looks, ++next) {
+    if (next == first.end()) next = first.begin();
+    if (!has_room(*next->second)) continue;
+    last_client_ = next->first;
+    return next->second;
   }
   return nullptr;
 }

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -8,8 +10,9 @@
 
 namespace obliq::net {
 
-/// Renders the frames of all RenderOnce requests, a slice of one after a slice of the other. The next slice
-/// of a frame waits until its client has taken enough of it.
+/// Renders the frames of all RenderOnce requests. Clients take turns, slice by slice; a client's frames come
+/// one after the other, in the order of its requests. The next slice of a frame waits until its client has
+/// taken enough of it.
 class OnceJob : public Job {
  public:
   explicit OnceJob(const RenderContext& context);
@@ -26,6 +29,7 @@ class OnceJob : public Job {
 
  private:
   struct Frame;
+  std::map<std::uint64_t, std::shared_ptr<Frame>> first_of_clients() const;
   std::shared_ptr<Frame> next_with_room();
   bool has_room(const Frame& frame) const;
   /// Renders a slice; true: there is more to come.
@@ -37,7 +41,7 @@ class OnceJob : public Job {
   const RenderContext& context_;
   mutable std::mutex mutex_;  ///< guards the queue; the frames in it are the render thread's alone
   std::deque<std::shared_ptr<Frame>> queue_;
-  std::size_t turn_ = 0;  ///< where the round begins
+  std::uint64_t last_client_ = 0;  ///< whose turn was the last
 };
 
 }  // namespace obliq::net

@@ -67,9 +67,12 @@ BlockPtr Outbox::pop() {
     control_.pop_front();
     return block;
   }
-  // One block from each queue in turn, so that a large frame does not keep the others waiting.
+  // One block from each queue in turn, so that a large frame does not keep the others waiting; but of the
+  // frames that were asked for once, the oldest alone: they come one after the other.
+  const auto oldest_once = std::ranges::find(queues_, QueuePolicy::once, &FrameQueue::policy);
   for (std::size_t i = 0; i < queues_.size(); ++i) {
     const std::size_t at = (next_queue_ + i) % queues_.size();
+    if (queues_[at].policy() == QueuePolicy::once && &queues_[at] != &*oldest_once) continue;
     BlockPtr block = queues_[at].pop();
     if (!block) continue;
     next_queue_ = at + 1;

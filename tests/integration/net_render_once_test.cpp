@@ -82,7 +82,6 @@ TEST(RenderOnce, TooManyRendersAreRefusedByTheLimitsName) {
   EXPECT_EQ(status.number, number(ErrorNumber::too_many_renders));
   EXPECT_NE(status.text.find("max_renders_queued is 2"), std::string::npos);
   gate.open();
-  /// The two frames may interleave: only their ends are counted.
   struct Ends : client::FrameHandler {
     int count = 0;
     client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
@@ -93,6 +92,48 @@ TEST(RenderOnce, TooManyRendersAreRefusedByTheLimitsName) {
   client.set_handler(&ends);
   while (ends.count < 2) ASSERT_TRUE(client.receive(kLong).ok());
   EXPECT_TRUE(client.render_once(request).ok()) << "room again";
+}
+
+/// Requests in the order in which their frames begin and end.
+struct Order : client::FrameHandler {
+  std::vector<std::uint64_t> begun, ended;
+  client::Status on_begin(const wire::MessageHeader&, const wire::FrameBegin& begin) override {
+    begun.push_back(begin.request_id());
+    EXPECT_EQ(begun.size(), ended.size() + 1) << "one frame after the other";
+    return {};
+  }
+  client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
+    ended.push_back(begun.back());
+    return {};
+  }
+};
+
+TEST(RenderOnce, AClientsFramesComeOneAfterTheOtherInTheOrderOfItsRequests) {
+  for (const std::size_t slice_bytes : {std::size_t{1}, std::size_t{1} << 20}) {
+    Gate gate;
+    gate.close();
+    net::ServerOptions options = small_options();
+    options.slice_bytes = slice_bytes;
+    options.before_wedge = [&](int) { gate.pass(); };
+    const TestServer server(options);
+    client::Client client = connect(server), other = connect(server);
+    Order order, others;
+    client.set_handler(&order);
+    other.set_handler(&others);
+    std::vector<std::uint64_t> asked, asked_by_other;
+    wire::RenderOnce request = once_request();
+    for (int k = 0; k < 4; ++k) {
+      ASSERT_TRUE(client.render_once(request).ok());
+      asked.push_back(request.request_id());
+      ASSERT_TRUE(other.render_once(request).ok());
+      asked_by_other.push_back(request.request_id());
+    }
+    gate.open();
+    while (order.ended.size() < asked.size()) ASSERT_TRUE(client.receive(kLong).ok());
+    while (others.ended.size() < asked_by_other.size()) ASSERT_TRUE(other.receive(kLong).ok());
+    EXPECT_EQ(order.ended, asked);
+    EXPECT_EQ(others.ended, asked_by_other);
+  }
 }
 
 TEST(RenderOnce, ALargerFrameThanAllowedIsRefused) {

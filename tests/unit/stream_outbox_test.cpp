@@ -166,6 +166,18 @@ TEST(Outbox, ARenderOnceQueueKeepsEverythingCountsItsBytesAndVanishes) {
   EXPECT_FALSE(outbox.has_queue(kStream));
 }
 
+TEST(Outbox, FramesThatWereAskedForOnceComeOneAfterTheOtherAndTakeTurnsWithStreams) {
+  Outbox outbox(2, kPlenty);
+  outbox.open_live_queue(kStream, {});
+  for (const std::uint32_t stream : {2u, 3u})
+    outbox.open_once_queue(stream, stream, {}, std::make_shared<std::atomic<std::size_t>>(0));
+  push_frame(outbox, 3, 3);  // before the older one has a block
+  EXPECT_TRUE(drain(outbox).empty());
+  push_frame(outbox, 2, 2);
+  push_frame(outbox, 1);
+  EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{11, 21, 12, 22, 13, 23, 14, 24, 31, 32, 33, 34}));
+}
+
 TEST(Outbox, GivesItsBytesBackWhenItGoes) {
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);
   {
