@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "server/net/io_thread.h"
-#include "server/net/transport.h"
+#include "server/net/socket_transport.h"
 #include "server/security/networks.h"
 
 namespace obliq::test {
@@ -39,7 +39,7 @@ bool look(bool dual_stack, int& send_bytes, std::string& host) {
   const int accepted = ::accept(listener, nullptr, nullptr);
   {
     net::IoThread io;
-    const net::Transport transport(io.context(), accepted, dual_stack, nullptr);
+    const net::SocketTransport transport(io.context(), accepted, dual_stack, nullptr);
     host = transport.host();
     socklen_t length = sizeof send_bytes;
     EXPECT_EQ(::getsockopt(accepted, SOL_SOCKET, SO_SNDBUF, &send_bytes, &length), 0);
