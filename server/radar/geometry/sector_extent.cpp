@@ -33,8 +33,7 @@ class SectorScan {
         cos_half_(std::cos(sector.width_rad / 2)) {}
 
   SectorExtent run() {
-    for (int tj = 0; tj < tiles_.tiles_z(); ++tj)
-      for (int ti = 0; ti < tiles_.tiles_x(); ++ti) visit_tile(tiles_, ti, tj);
+    visit_tiles(tiles_, {0, tiles_.tiles_x(), 0, tiles_.tiles_z()});
     visit_buildings();
     // Roofs alone in the swath, their ground too far or too near: the walls' feet bound them.
     if (bottom_ > top_ && top_ >= base_)
@@ -130,6 +129,28 @@ class SectorScan {
     raise(x_m, y_m, z_m);
   }
 
+  struct Tiles {
+    int i0, i1, j0, j1;
+  };
+
+  /// Those far ahead first: seen from above they stand highest, and most of the others need no look.
+  void visit_tiles(const TileBounds& tiles, const Tiles& all) {
+    const bool north = sector_.ahead_m(sector_.antenna_m.x, sector_.antenna_m.z + 1) > 0;
+    const bool east = sector_.ahead_m(sector_.antenna_m.x + 1, sector_.antenna_m.z) > 0;
+    for (int j = all.j0; j < all.j1; ++j)
+      for (int i = all.i0; i < all.i1; ++i)
+        visit_tile(tiles, east ? all.i1 - 1 - (i - all.i0) : i, north ? all.j1 - 1 - (j - all.j0) : j);
+  }
+
+  /// Whether a circle lies beyond the swath or beside the sector by distances alone; false says nothing.
+  bool is_far_off(double x_m, double z_m, double radius_m, double spare_m) const {
+    const double right = sector_.right_m(x_m, z_m), ahead = sector_.ahead_m(x_m, z_m);
+    const double reach = sector_.r_max_m + spare_m + radius_m;
+    if (right * right + ahead * ahead > reach * reach) return true;
+    return sector_.width_rad <= kPi && (right * cos_half_ - ahead * sin_half_ > radius_m ||
+                                        -right * cos_half_ - ahead * sin_half_ > radius_m);
+  }
+
   void visit_tile(const TileBounds& tiles, int ti, int tj) {
     const TileBounds::Tile& tile = tiles.tile(ti, tj);
     if (!(tile.lowest_m <= tile.highest_m)) return;
@@ -147,6 +168,7 @@ class SectorScan {
     // to spare.
     const bool large = &tiles == &tiles_;
     const double spare = large ? 0 : margin_m_;
+    if (is_far_off(x, z, radius + spare, spare)) return;
     const Overlap kind = overlap(x, z, radius + spare, lowest, highest, spare);
     if (kind == Overlap::none) return;
     if (large) take_middle((i0 + i1) / 2, (j0 + j1) / 2);
@@ -160,9 +182,8 @@ class SectorScan {
     }
     if (large) {
       constexpr int kFine = TileBounds::kCells / TileBounds::kFineCells;
-      for (int fj = tj * kFine; fj < std::min(fine_tiles_.tiles_z(), (tj + 1) * kFine); ++fj)
-        for (int fi = ti * kFine; fi < std::min(fine_tiles_.tiles_x(), (ti + 1) * kFine); ++fi)
-          visit_tile(fine_tiles_, fi, fj);
+      visit_tiles(fine_tiles_, {ti * kFine, std::min(fine_tiles_.tiles_x(), (ti + 1) * kFine), tj * kFine,
+                                std::min(fine_tiles_.tiles_z(), (tj + 1) * kFine)});
       return;
     }
     for (int j = j0; j <= j1; ++j) {
