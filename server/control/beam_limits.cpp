@@ -1,11 +1,13 @@
 #include "server/control/beam_limits.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "server/control/key.h"
 #include "server/radar/beam/pattern_cuts.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
+#include "terrain/base/constants.h"
 
 namespace obliq {
 namespace {
@@ -29,13 +31,29 @@ void check_width(const RadarSettings& s, std::vector<FieldError>& errors) {
     errors.push_back({"beam.width_deg",
                       toml_number(s.beam.width_deg) + " with radar.sector_deg = " + toml_number(s.sector_deg),
                       "at most half the sector"});
+  const bool of_file = s.beam.pattern == BeamPattern::file;
   if (const int parts = azimuth_sub_bins(s); parts > kMostSubBins)
     errors.push_back(
-        {"beam.width_deg", toml_number(s.beam.width_deg) + with_bins("bins.azimuth", s.azimuth_bins),
+        {of_file ? "beam.file" : "beam.width_deg",
+         (of_file ? "a beam of " + toml_number(std::round(1e5 * narrowest_beam_rad(s) / kDegree_rad) / 1e5) +
+                        " degrees"
+                  : toml_number(s.beam.width_deg)) +
+             with_bins("bins.azimuth", s.azimuth_bins),
          "a beam of at least " + toml_number(2.0 / kMostSubBins) + " azimuth bins; bins.azimuth = " +
              std::to_string(
                  static_cast<int>(std::ceil(s.azimuth_bins * static_cast<double>(parts) / kMostSubBins))) +
              " would do"});
+}
+
+/// nbar >= 2 A^2 + 1/2 with cosh(pi A) the sidelobes' voltage ratio: with fewer the lobes stay above the
+/// level that is asked for (Taylor 1955).
+void check_taylor(const std::string& section, double sidelobe_db, int nbar, std::vector<FieldError>& errors) {
+  const double a = std::acosh(std::pow(10, sidelobe_db / 20)) / std::numbers::pi;
+  const int least = static_cast<int>(std::ceil(2 * a * a + 0.5 - 0.02));
+  if (nbar >= least) return;
+  errors.push_back({section + ".nbar",
+                    std::to_string(nbar) + " with " + section + ".sidelobe_db = " + toml_number(sidelobe_db),
+                    "at least " + std::to_string(least) + " for sidelobes that low"});
 }
 
 void check_pulse(const RadarSettings& s, std::vector<FieldError>& errors) {
@@ -45,6 +63,21 @@ void check_pulse(const RadarSettings& s, std::vector<FieldError>& errors) {
                       "at most as many as bins.range"});
   const double bin_m = (s.r_max_m - s.r_min_m) / s.range_bins;
   const bool rectangular = s.pulse.kind == PulseKind::rectangular;
+  const PointResponse response(s);
+  if (!rectangular && s.pulse.bandwidth_mhz > 0 && s.pulse.bandwidth_mhz * s.pulse.length_us < 1)
+    errors.push_back(
+        {"pulse.bandwidth_mhz",
+         toml_number(s.pulse.bandwidth_mhz) + " with pulse.length_us = " + toml_number(s.pulse.length_us),
+         "at least 1 / pulse.length_us: a compressed pulse is no shorter than it was sent"});
+  if (rectangular && response.resolution_m() > s.r_max_m - s.r_min_m) {
+    errors.push_back({"pulse.length_us", toml_number(s.pulse.length_us),
+                      "at most " +
+                          toml_number(std::floor(100 * s.pulse.length_us * (s.r_max_m - s.r_min_m) /
+                                                 response.resolution_m()) /
+                                      100) +
+                          ", as long as the swath"});
+    return;
+  }
   if (range_sub_bins(s) > kMostSubBins)
     errors.push_back(
         {rectangular ? "pulse.length_us" : "pulse.bandwidth_mhz",
@@ -69,6 +102,9 @@ void check_beam(const RadarSettings& s, std::vector<FieldError>& errors) {
   if (!errors.empty()) return;
   check_file(s, errors);
   if (s.beam.pattern != BeamPattern::off && errors.empty()) check_width(s, errors);
+  if (s.beam.pattern == BeamPattern::taylor) check_taylor("beam", s.beam.sidelobe_db, s.beam.nbar, errors);
+  if (s.pulse.kind == PulseKind::compressed && s.pulse.window == PulseWindow::taylor)
+    check_taylor("pulse", s.pulse.sidelobe_db, s.pulse.nbar, errors);
   if (s.pulse.kind != PulseKind::off) check_pulse(s, errors);
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/explain/explanation.h"
+#include "server/explain/radar_powers.h"
 #include "server/explain/table.h"
 #include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
@@ -186,7 +187,9 @@ class Experiment {
     own.range_normalisation = false;
     own.power_w = 1;
     own.gain_db = 0;
-    result_.radar = radar_rows(input_.settings, air_view(*loaded.own), power_w_);
+    result_.radar = radar_rows(
+        input_.settings, air_view(*loaded.own),
+        measure_radar_powers({loaded.scene, loaded.pose, input_.radar, wedges_, input_.threads}, own));
     result_.frustum_noise = power_change(power_w_, power(*plan(loaded, own)), ranges_);
   }
 

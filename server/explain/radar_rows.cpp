@@ -20,6 +20,8 @@ constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 constexpr double kNoticeable_db = 0.1;
 constexpr double kClearOfNoise_db = 16.3;
 constexpr double kNoticeableShare = 0.01;
+constexpr double kMostDrowned = 0.9;
+constexpr int kNothing_db = -99;
 
 /// Of the lit bins of the near, middle and far third of the swath.
 using Thirds = std::array<double, 3>;
@@ -29,7 +31,10 @@ double range_of(const RadarSettings& s, std::size_t bin) {
 }
 
 std::string thirds_text(const Thirds& db) {
-  const auto one = [](double value) { return std::isfinite(value) ? fmt::format("{:.0f}", value) : "-"; };
+  const auto one = [](double value) -> std::string {
+    if (!std::isfinite(value)) return "-";
+    return value < kNothing_db ? fmt::format("under {}", kNothing_db) : fmt::format("{:.0f}", value);
+  };
   return fmt::format("{}, {}, {} dB", one(db[0]), one(db[1]), one(db[2]));
 }
 
@@ -71,6 +76,17 @@ Thirds less(Thirds a, double b) {
   return a;
 }
 
+/// What a part of the radar does to the mean power of the bins.
+RadarRow part_row(const std::string& name, const std::string& what, const PowerChange& without) {
+  const bool counts = without.percentile95_db > kNoticeable_db || without.appeared > kNoticeableShare;
+  return {name,
+          fmt::format(
+              "without {} the bins' mean power changes by {:.1f} dB in the median, more than {:.1f} dB in "
+              "a twentieth of them, {:+.1f} dB in all. {}",
+              what, without.median_db, without.percentile95_db, without.total_db(),
+              counts ? "It is needed." : "It may be left out.")};
+}
+
 RadarRow noise_row(const RadarSettings& settings, const Echoes& echoes) {
   RadarSettings with = settings;
   with.receiver.noise = true;
@@ -92,15 +108,19 @@ RadarRow noise_row(const RadarSettings& settings, const Echoes& echoes) {
       100 * drowned);
   if (one_w > 0)
     text += fmt::format(
-        ". With {} look{} {:.1f} m^2 can be detected at r_max (Albersheim, Pd 0.9, Pfa 1e-6, ratio {:.1f} "
+        ". With {} look{} {} m^2 on the boresight can be detected at r_max (Albersheim, Pd 0.9, Pfa 1e-6, "
+        "ratio {:.1f} "
         "dB)",
-        looks, looks == 1 ? "" : "s", ratio_of_db(detectable_snr_db(looks)) * noise_w / one_w,
-        detectable_snr_db(looks));
+        looks, looks == 1 ? "" : "s",
+        short_number(ratio_of_db(detectable_snr_db(looks)) * noise_w / one_w, 2), detectable_snr_db(looks));
   text += touched > kNoticeableShare ? fmt::format(
                                            ". It is needed: it changes {:.0f} % of the lit bins by more "
                                            "than {} dB, and all shadows.",
                                            100 * touched, kNoticeable_db)
                                      : ". It may be left out of the lit bins; shadows need it.";
+  if (drowned > kMostDrowned)
+    text +=
+        " Hardly any ground is above the noise: look at antenna.tilt_deg, radar.power_w and radar.gain_db.";
   return {"noise", text};
 }
 
@@ -161,10 +181,18 @@ double detectable_snr_db(int looks) {
 }
 
 std::vector<RadarRow> radar_rows(const RadarSettings& settings, const AirView& air,
-                                 const std::vector<double>& power_w) {
-  const Echoes echoes(settings, air, power_w);
-  return {noise_row(settings, echoes), stc_row(settings, echoes), rain_row(settings, air, echoes),
-          gas_row(settings), video_row(settings)};
+                                 const RadarPowers& powers) {
+  const Echoes echoes(settings, air, powers.own_w);
+  std::vector<RadarRow> rows;
+  if (powers.without_beam) rows.push_back(part_row("beam", "the beam", *powers.without_beam));
+  if (powers.without_elevation)
+    rows.push_back(part_row("elevation", "its pattern in elevation", *powers.without_elevation));
+  if (powers.without_pulse) rows.push_back(part_row("pulse", "the pulse", *powers.without_pulse));
+  for (RadarRow& row :
+       std::vector<RadarRow>{noise_row(settings, echoes), stc_row(settings, echoes),
+                             rain_row(settings, air, echoes), gas_row(settings), video_row(settings)})
+    rows.push_back(std::move(row));
+  return rows;
 }
 
 }  // namespace obliq

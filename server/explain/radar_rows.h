@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "server/explain/radar_powers.h"
 #include "server/radar/receiver/weather.h"
 
 namespace obliq {
@@ -12,10 +13,9 @@ struct RadarRow {
   std::string text;
 };
 
-/// Noise, STC, rain, gas and video. `power_w`: [azimuth][range_bins] of a radar of 1 W and 0 dBi without
-/// losses.
+/// Beam, elevation, pulse, noise, STC, rain, gas and video.
 std::vector<RadarRow> radar_rows(const RadarSettings& settings, const AirView& air,
-                                 const std::vector<double>& power_w);
+                                 const RadarPowers& powers);
 
 /// Signal-to-noise ratio of one pulse, in dB, at which a steady target is found with probability 0.9 at a
 /// false alarm probability of 1e-6 when so many looks are integrated: Albersheim's equation (Proc. IEEE 69,

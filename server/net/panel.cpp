@@ -103,6 +103,8 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     if (over) errors.push_back(over->field);
   }
   if (errors.empty() && new_pose) errors = room_.renderer().place(config.pose);
+  if (errors.empty() && (new_settings || config.pose.tilt_deg != radar.pose.tilt_deg))
+    errors = room_.renderer().faults(config.settings, config.pose);
   if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over), {}};
 
   // Nothing is left that can be refused.

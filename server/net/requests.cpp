@@ -189,8 +189,11 @@ void Requests::set_settings(const wire::SetSettings& request) {
     std::vector<FieldError> errors = merge_message(request.settings(), candidate);
     if (!errors.empty() || !validate(candidate).empty()) return errors;
     over = room_.over_live_limit(candidate, wire::kAllPlanes);
-    if (over) errors.push_back(over->field);
-    return errors;
+    if (over) {
+      errors.push_back(over->field);
+      return errors;
+    }
+    return room_.renderer().faults(candidate, radar->poses->at(monotonic_ns()).pose);
   });
   if (over) return refuse(request.request_id(), *over);
   if (!outcome.published) {
@@ -208,6 +211,8 @@ void Requests::set_pose(const wire::SetPose& request) {
   std::vector<FieldError> errors = merge_message(request.pose(), pose);
   append(errors, validate(pose));
   if (errors.empty()) errors = room_.renderer().place(pose);
+  if (errors.empty() && pose.tilt_deg != radar->pose.tilt_deg)
+    errors = room_.renderer().faults(radar->settings.current()->settings, pose);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
   room_.radars().move(*radar, pose, request.pose().has_sim_time_ns());

@@ -87,6 +87,9 @@ void Requests::render_once(const wire::RenderOnce& request) {
   PoseSettings pose;
   std::vector<FieldError> errors = missing_position(request.pose());
   append(errors, merge_message(request.settings(), settings));
+  // Tables come from the scene file: those of the radar that the frame is to be like.
+  if (const LiveRadar* like = room_.radars().find(request.radar()))
+    settings.beam.file = like->settings.current()->settings.beam.file;
   append(errors, merge_message(request.pose(), pose));
   append(errors, validate(settings));
   append(errors, validate(pose));
@@ -97,6 +100,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
   if (errors.empty()) errors = room_.renderer().place(pose);
+  if (errors.empty()) errors = room_.renderer().faults(settings, pose);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
 

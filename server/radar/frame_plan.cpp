@@ -104,9 +104,7 @@ std::string degrees_text(double degrees) {
 }
 
 /// A cosecant squared begins half a width below the nose, which must be below the horizon.
-void check_elevation(const FramePlan& plan, std::vector<FieldError>& errors) {
-  const BeamSettings& beam = plan.settings().beam;
-  const double tilt_deg = plan.antenna_gain().tilt_rad() * 180 / kPi;
+void check_elevation(const BeamSettings& beam, double tilt_deg, std::vector<FieldError>& errors) {
   if (beam.elevation == ElevationPattern::cosecant && tilt_deg >= beam.elevation_width_deg / 2)
     errors.push_back(
         {"antenna.tilt_deg", degrees_text(tilt_deg) + " with beam.elevation = \"cosecant\"",
@@ -176,10 +174,9 @@ class FramePlanner {
   PlanResult traced(const SettingsSnapshot& snapshot, const Pose& pose, bool adds_voltages) const;
   /// One whose bins are made from those of a sharp frame.
   PlanResult summed(const SettingsSnapshot& snapshot) const;
-
- private:
   EchoPlace place(const RadarSettings& settings) const;
 
+ private:
   std::shared_ptr<const Scene> scene_;
   const Pose& pose_;
 };
@@ -220,6 +217,18 @@ PlanResult FramePlanner::summed(const SettingsSnapshot& snapshot) const {
   return result;
 }
 
+std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
+                                    const Pose& pose) {
+  std::vector<FieldError> errors;
+  // An automatic tilt looks at the ground.
+  if (!pose.settings.tilt_auto) check_elevation(settings.beam, pose.settings.tilt_deg, errors);
+  if (needs_echo_plan(settings)) {
+    const EchoPlace place = FramePlanner(std::move(scene), pose).place(settings);
+    (void)plan_echo(settings, place, errors);
+  }
+  return errors;
+}
+
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {
   const FramePlanner planner(std::move(scene), pose);
   return needs_echo_plan(snapshot->settings) ? planner.summed(*snapshot)
@@ -232,7 +241,7 @@ PlanResult FramePlanner::traced(const SettingsSnapshot& snapshot, const Pose& po
   auto plan = std::make_shared<FramePlan>(scene_, snapshot, pose);
   plan->adds_voltages_ = adds_voltages;
   check_frustum(*plan, result.errors);
-  check_elevation(*plan, result.errors);
+  check_elevation(plan->settings().beam, plan->antenna_gain().tilt_rad() * 180 / kPi, result.errors);
   if (!result.errors.empty()) return result;
   const RadarSettings& settings = plan->settings();
   if (plan->extent_.any) {

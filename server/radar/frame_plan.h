@@ -29,6 +29,10 @@ struct PlanResult {
 };
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const Pose& pose);
 
+/// Why beam and pulse do not go with this sector or pose: what plan_frame() would say of them, at once.
+std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
+                                    const Pose& pose);
+
 /// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings and are not
 /// marched as vertical planes.
 bool needs_tracer(const Scene& scene, FrustumKind frustum);

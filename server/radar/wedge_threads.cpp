@@ -148,7 +148,7 @@ class WedgeThreads {
 
   /// States and area of an output wedge, which its sharp ones know of themselves alone.
   void describe(Wedge& wedge) const {
-    count_states(wedge);
+    if (options_.states) count_states(wedge);
     wedge.stats.sector_area_m2 = wedge.stats.covered_area_m2 = 0;
     measure_coverage(plan_, wedge);
   }

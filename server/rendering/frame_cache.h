@@ -21,6 +21,9 @@ class FrameCache : public FrameRenderer {
   ~FrameCache() override;
 
   std::vector<FieldError> place(const PoseSettings& pose) const override { return renderer_.place(pose); }
+  std::vector<FieldError> faults(const RadarSettings& settings, const PoseSettings& pose) const override {
+    return renderer_.faults(settings, pose);
+  }
   std::uint64_t generation() const override { return renderer_.generation(); }
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
   Plan plan_again(const PlannedFrame& frame, const SettingsPtr& settings,

@@ -56,6 +56,9 @@ class FrameRenderer {
   /// Why an antenna cannot be at this pose; empty: it can. Fast.
   virtual std::vector<FieldError> place(const PoseSettings& pose) const = 0;
 
+  /// Why a frame of these settings from this pose could not be planned, as far as that is seen at once.
+  virtual std::vector<FieldError> faults(const RadarSettings&, const PoseSettings&) const { return {}; }
+
   struct Plan {
     std::unique_ptr<PlannedFrame> frame;  ///< null when there are errors
     std::vector<FieldError> errors;

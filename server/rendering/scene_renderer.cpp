@@ -87,6 +87,13 @@ std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
   return errors;
 }
 
+std::vector<FieldError> SceneRenderer::faults(const RadarSettings& settings, const PoseSettings& pose) const {
+  const auto here = scene();
+  std::vector<FieldError> errors;
+  const auto placed = place_antenna(here->world(), pose, errors);
+  return placed ? beam_faults(here, settings, *placed) : errors;
+}
+
 FrameRenderer::Plan SceneRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
   return plan_in(scene(), settings, pose, nullptr);
 }

@@ -69,8 +69,7 @@ double level_ground_a_rad(const RadarSettings& s, int bin) {
 }
 
 TEST(BeamSums, LevelGroundHasThePowerOfTheEquivalentBeamwidth) {
-  // theta_eq on the horizon; on the ground 1 / cos(e) wider. One kernel serves 16 range bins, 320 m: over
-  // them cos(e) changes by 0.4 % at 4 km, hence the mean over a tile.
+  // theta_eq on the horizon; on the ground 1 / cos(e) wider, in each range bin, though one kernel serves 16.
   for (const auto& [pattern, in_widths] :
        {std::pair{BeamPattern::gaussian, std::sqrt(kPi / (8 * std::numbers::ln2))},
         {BeamPattern::uniform, 2.0 / 3 / 0.88589}}) {
@@ -79,12 +78,12 @@ TEST(BeamSums, LevelGroundHasThePowerOfTheEquivalentBeamwidth) {
     const Frame frame = rendered(s);
     const double equivalent_rad = 0.6 * kPi / 180 * in_widths;
     for (const int tile : {0, 3, 11}) {
-      const double middle_m = 4000 + (tile + 0.5) * 320;
-      const double cosine = std::sqrt(1 - std::pow(kHeight_m / middle_m, 2));
-      for (int r = tile * 16; r < tile * 16 + 16; ++r)
+      for (int r = tile * 16; r < tile * 16 + 16; ++r) {
+        const double cosine = std::sqrt(1 - std::pow(kHeight_m / (4000 + (r + 0.5) * 20), 2));
         for (const int a : {0, 40, 79})
           EXPECT_NEAR(power_of(frame, a, r) / (level_ground_a_rad(s, r) * equivalent_rad / cosine), 1, 1.5e-4)
               << "range bin " << r << " azimuth " << a;
+      }
     }
   }
 }
@@ -300,6 +299,7 @@ TEST(BeamSums, ACirclesPowerIsTheSharpOnesTimesTheSumOfTheSquaredGains) {
     }
     for (const float g2 : plan.tiles[static_cast<std::size_t>(r / EchoPlan::kTile)].power)
       gains += double{g2};
+    gains *= std::pow(plan.amplitude[static_cast<std::size_t>(r + plan.first_range)], 2);
     ASSERT_GT(before, 0);
     EXPECT_NEAR(after / before / gains, 1, 1e-6) << r;
     // The sum itself: theta_eq over the bins' half degree, 1 / cos(e) wider within the tile's 320 m.

@@ -6,7 +6,9 @@
 #include <thread>
 
 #include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
 #include "server/radar/air_view.h"
+#include "server/radar/beam/pattern_cuts.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/rendering/demand.h"
@@ -32,6 +34,9 @@ RadarConfig noisy_radar() {
   radar.settings.receiver.gain_db = 6;
   radar.settings.atmosphere.rain_mm_h = 20;
   radar.pose = settings_over_origin(1400, 0);
+  auto table = std::make_shared<PatternCuts>();
+  table->azimuth = {{-0.2, 0, 0.2}, {-30, 0, -30}};
+  radar.settings.beam.file = table;  // and no pattern that takes it
   return radar;
 }
 
@@ -176,6 +181,38 @@ TEST_F(ReceiverStream, VideoOfSeveralLooksNeedsNoIq) {
   EXPECT_FALSE(net::needed_planes(video, settings).iq);
   settings.video.looks = 1;
   EXPECT_TRUE(net::needed_planes(video, settings).iq);
+}
+
+TEST_F(ReceiverStream, ATableOfThePatternServesAFrameThatIsAskedFor) {
+  wire::RenderOnce request;
+  request.set_radar("main");
+  request.mutable_settings()->set_beam_pattern(wire::FILE_BEAM);
+  write_message(radar_.pose, *request.mutable_pose());
+  EXPECT_TRUE(client_.render_once(request).ok());
+  request.set_radar("another");
+  EXPECT_FALSE(client_.render_once(request).ok()) << "it has no table";
+}
+
+TEST_F(ReceiverStream, WhatNoFrameCouldComeOfIsRefusedAtOnce) {
+  ASSERT_TRUE(client_.claim_control("main").ok());
+  wire::RadarSettings settings;
+  settings.set_beam_pattern(wire::GAUSSIAN_BEAM);
+  settings.set_beam_width_deg(30);
+  settings.set_sector_deg(331.7);
+  wire::Ack ack;
+  const client::Status closed = client_.set_settings("main", settings, ack);
+  ASSERT_EQ(closed.fields.size(), 1u) << closed.sentence();
+  EXPECT_EQ(closed.fields[0].field, "bins.azimuth");
+  settings.set_sector_deg(90);
+  settings.set_beam_elevation(wire::COSECANT_ELEVATION);
+  ASSERT_TRUE(client_.set_settings("main", settings, ack).ok());
+  wire::Pose pose;
+  pose.set_tilt_deg(20);
+  const client::Status up = client_.set_pose("main", pose, ack);
+  ASSERT_EQ(up.fields.size(), 1u) << up.sentence();
+  EXPECT_EQ(up.fields[0].field, "antenna.tilt_deg");
+  pose.set_tilt_deg(-2);
+  EXPECT_TRUE(client_.set_pose("main", pose, ack).ok());
 }
 
 TEST_F(ReceiverStream, OtherBitsAreRefused) {

@@ -79,6 +79,16 @@ TEST_F(BeamInASceneFile, PulsesThatDoNotFitTheirBinsAreRefusedWithWhatWouldDo) {
   EXPECT_SAYS(complaint(head + "kind = \"compressed\"\nbandwidth_mhz = 10\n"), "bins.range = 278 would do");
   EXPECT_SAYS(complaint(head + "kind = \"rectangular\"\nlength_us = 100\n"),
               "pulse.extent_bins: found 16 with pulse.length_us = 100.0; allowed: at least 46");
+  EXPECT_SAYS(complaint(head + "kind = \"rectangular\"\nlength_us = 1000\n"),
+              "pulse.length_us: found 1000.0; allowed: at most 222.15, as long as the swath");
+  EXPECT_SAYS(
+      complaint(head + "kind = \"compressed\"\nbandwidth_mhz = 0.4\nlength_us = 2\n"),
+      "pulse.bandwidth_mhz: found 0.4 with pulse.length_us = 2.0; allowed: at least 1 / pulse.length_us");
+  // 2 A^2 + 1/2, cosh(pi A) = 1000: 12.2 (Taylor 1955).
+  EXPECT_SAYS(complaint(head + "kind = \"compressed\"\nwindow = \"taylor\"\nsidelobe_db = 60\nnbar = 12\n"),
+              "pulse.nbar: found 12 with pulse.sidelobe_db = 60.0; allowed: at least 13");
+  EXPECT_EQ(complaint(head + "kind = \"compressed\"\nwindow = \"taylor\"\nsidelobe_db = 60\nnbar = 13\n"),
+            "accepted");
   for (const char* key : {"length_us", "bandwidth_mhz", "sidelobe_db"})
     EXPECT_SAYS(complaint(head + key + " = nan\n"), "found nan");
 }

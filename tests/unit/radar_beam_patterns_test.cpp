@@ -138,6 +138,12 @@ std::string complaint(const std::string& content) {
   return {};
 }
 
+TEST(PatternCuts, OfASpreadsheetMayBeginWithItsMark) {
+  EXPECT_EQ(complaint("\xEF\xBB\xBF"
+                      "cut,angle_deg,gain_db\nazimuth,-5,-30\nazimuth,0,0\nazimuth,5,-30\n"),
+            "");
+}
+
 TEST(PatternCuts, ThatCannotBeAnAntennaAreRefusedWithTheirLine) {
   const std::string head = "cut,angle_deg,gain_db\n";
   for (const auto& [content, part] : std::initializer_list<std::pair<std::string, std::string>>{
@@ -148,6 +154,10 @@ TEST(PatternCuts, ThatCannotBeAnAntennaAreRefusedWithTheirLine) {
            {head + "azimuth,0,0,0\n", ":2"},
            {head + "side,0,0\n", "azimuth or elevation"},
            {head + "azimuth,nan,0\n", "-180 to 180"},
+           // Ratios, losses, a table that is cut off.
+           {head + "azimuth,-5,0.001\nazimuth,0,1\nazimuth,5,0.001\n", "only 0.999 dB below its peak"},
+           {head + "azimuth,-5,30\nazimuth,0,0\nazimuth,5,30\n", "30 dB below its peak at angle 0"},
+           {head + "azimuth,-5,-30\nazimuth,0,0\nazimuth,5,-1\n", "only 1 dB below its peak where it ends"},
            {head + "azimuth,0,inf\n", "-300 to 100"},
            {head + "azimuth,0,1e999\n", "-300 to 100"},
            {head + "azimuth,3600,0\n", "-180 to 180"},

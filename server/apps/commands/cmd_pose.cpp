@@ -24,7 +24,7 @@ struct PoseArguments {
 constexpr std::pair<const char*, const char*> kShortcuts[] = {
     {"--latitude", "antenna.latitude_deg"}, {"--longitude", "antenna.longitude_deg"},
     {"--height", "antenna.height_m"},       {"--height-reference", "antenna.height_reference"},
-    {"--bearing", "antenna.bearing_deg"},
+    {"--bearing", "antenna.bearing_deg"},   {"--tilt", "antenna.tilt_deg"},
 };
 
 std::string why_not_a_pose(const Parameter& parameter) {

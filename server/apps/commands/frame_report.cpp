@@ -57,13 +57,16 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
 std::string milliseconds_text(double seconds) { return fmt::format("{:.0f} ms", 1000 * seconds); }
 
 std::string pose_text(const wire::Pose& pose) {
-  return fmt::format("{:.7f} {}, {:.7f} {}, {:.2f} m above {}, bearing {:.3f} degrees",
+  const std::string tilt = pose.tilt_auto()       ? ", tilt automatic"
+                           : pose.tilt_deg() == 0 ? ""
+                                                  : fmt::format(", tilt {:.3g} degrees", pose.tilt_deg());
+  return fmt::format("{:.7f} {}, {:.7f} {}, {:.2f} m above {}, bearing {:.3f} degrees{}",
                      std::abs(pose.latitude_deg()), pose.latitude_deg() < 0 ? 'S' : 'N',
                      std::abs(pose.longitude_deg()), pose.longitude_deg() < 0 ? 'W' : 'E', pose.height_m(),
                      pose.height_reference() == wire::GROUND      ? "ground"
                      : pose.height_reference() == wire::ELLIPSOID ? "ellipsoid"
                                                                   : "datum",
-                     pose.bearing_deg());
+                     pose.bearing_deg(), tilt);
 }
 
 void WarningChanges::tell(std::vector<std::string> now, const std::string& where) {

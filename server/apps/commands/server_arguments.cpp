@@ -30,6 +30,14 @@ constexpr client::Timeout kGreeted{2000};
 constexpr int kMostTokenLines = 100;
 constexpr std::size_t kLongestTokenBytes = 256;
 
+/// A number that may be left to the server, and the switch for that.
+struct Automatic {
+  std::string_view key;
+  std::string_view flag;
+};
+constexpr Automatic kAutomatic[] = {{"video.floor_db", "video.floor_auto"},
+                                    {"antenna.tilt_deg", "antenna.tilt_auto"}};
+
 /// Whether trying again may help. A server that answers, if only with a refusal, is there.
 bool may_come_up(client::Outcome outcome) {
   return outcome == client::Outcome::cannot_connect || outcome == client::Outcome::timed_out ||
@@ -45,6 +53,8 @@ std::string why_no_parameter(const std::string& name) {
     const bool of_radar = key.group == KeyGroup::radar || key.group == KeyGroup::short_form;
     (of_radar ? names : of_scene).push_back(key.name);
   }
+  if (name == "beam.file" || name == "scan.bars")
+    return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(
                "belongs to the scene, which obliqd reads when it starts and at SIGHUP; allowed: a "
@@ -195,6 +205,20 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       if (key == "frustum.pixel_rows") of_rows = nullptr;
       set_parameter(key, value, rules, radar, complaints);
     };
+    // What may be "auto", as in a scene file: a number ends it.
+    if (const auto automatic = std::ranges::find(kAutomatic, name, &Automatic::key);
+        automatic != std::end(kAutomatic)) {
+      const auto* text = std::get_if<std::string>(&node.value);
+      const bool is_auto = text != nullptr && *text == "auto";
+      ConfigNode decided = node;
+      decided.value = is_auto;
+      if (!is_auto) set(name, node);
+      const bool has_word = std::ranges::any_of(flags, [&](const std::string& other) {
+        return other.starts_with(std::string(automatic->flag) + "=");
+      });
+      if (is_auto || !has_word) set(std::string(automatic->flag), decided);
+      continue;
+    }
     // The short forms, as in a scene file.
     if (name == "frustum.pixels") {
       const bool pair = node.kind == ConfigNode::Kind::array && node.items.size() == 2;

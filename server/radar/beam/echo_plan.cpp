@@ -103,10 +103,25 @@ struct Planner {
       plan.gate_voltage.push_back(static_cast<float>(x));
       plan.gate_power.push_back(static_cast<float>(x * x));
     }
-    if (s.pulse.kind == PulseKind::off || !s.pulse.eclipse) return;
-    for (int m = 0; m < plan.sharp.range_bins; ++m)
-      plan.amplitude.push_back(static_cast<float>(
-          std::min(1.0, (plan.sharp.r_min_m + (m + 0.5) * sharp_range_m) / response.half_pulse_m())));
+    const bool eclipses = s.pulse.kind != PulseKind::off && s.pulse.eclipse;
+    if (!eclipses && s.beam.pattern == BeamPattern::off) return;
+    for (int m = 0; m < plan.sharp.range_bins; ++m) {
+      const double range_m = plan.sharp.r_min_m + (m + 0.5) * sharp_range_m;
+      const double eclipsed = eclipses ? std::min(1.0, range_m / response.half_pulse_m()) : 1;
+      plan.amplitude.push_back(static_cast<float>(eclipsed * within_tile(m)));
+    }
+  }
+
+  double tile_middle_m(int tile) const {
+    return plan.sharp.r_min_m + (tile + 0.5) * EchoPlan::kTile * sharp_range_m;
+  }
+
+  /// A tile has one kernel, but the beam on the ground becomes narrower within it, as 1 / cos(e): so that
+  /// level ground has no steps between tiles.
+  double within_tile(int m) const {
+    if (s.beam.pattern == BeamPattern::off) return 1;
+    const double range_m = plan.sharp.r_min_m + (m + 0.5) * sharp_range_m;
+    return std::sqrt(cos_elevation(tile_middle_m(m / EchoPlan::kTile)) / cos_elevation(range_m));
   }
 
   bool widen_sector(std::vector<FieldError>& errors) {
@@ -143,8 +158,8 @@ struct Planner {
     }
     plan.first_tap = -reach;
     plan.n_taps = 2 * reach + plan.azimuth_parts;
-    for (int first = 0; first < plan.sharp.range_bins; first += EchoPlan::kTile)
-      plan.tiles.push_back(weights(plan.sharp.r_min_m + (first + EchoPlan::kTile / 2) * sharp_range_m));
+    for (int tile = 0; tile * EchoPlan::kTile < plan.sharp.range_bins; ++tile)
+      plan.tiles.push_back(weights(tile_middle_m(tile)));
     return true;
   }
 

@@ -50,7 +50,8 @@ struct EchoPlan {
   /// Of sharp range bins first_range + first_gate_tap + j from an output bin's first.
   int first_gate_tap = 0;
   std::vector<float> gate_voltage, gate_power;
-  /// [sharp.range_bins] what the sharp bins are multiplied by: eclipsing. Empty: 1.
+  /// [sharp.range_bins] what the sharp bins are multiplied by: eclipsing, the beam's width within its tile.
+  /// Empty: 1.
   std::vector<float> amplitude;
   /// Gate m's phase with speckle "none": -4 pi r / lambda.
   double wavelength_m = 0;

@@ -1,5 +1,7 @@
 #include "server/radar/beam/pattern_cuts.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -8,14 +10,23 @@
 #include <string_view>
 
 #include "terrain/base/errors.h"
+#include "terrain/base/files.h"
 
 namespace obliq {
 namespace {
 
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::size_t kMostRows = 100'000;
 constexpr std::size_t kLongestLine = 200;
 /// A table that steps over half its own beam says nothing about it.
 constexpr std::size_t kLeastRows = 3;
+
+/// Beyond these a table is of losses, of ratios, or cut off.
+constexpr double kMostOffBoresight_db = 6;
+constexpr double kLeastEdge_db = 10;
+constexpr double kAllRound_rad = 355 * std::numbers::pi / 180;
+
+std::string decibels(double db) { return fmt::format("{:.3g}", db); }
 
 /// The file and the line that is being read.
 struct Place {
@@ -77,6 +88,16 @@ void normalise(const Place& end, const std::string& name, PatternCut& cut) {
            "angles from the boresight, on both sides of it");
   const double peak = *std::ranges::max_element(cut.gain_db);
   for (double& gain : cut.gain_db) gain -= peak;
+  const double ahead_db = 10 * std::log10(cut.gain(0));
+  if (ahead_db < -kMostOffBoresight_db)
+    refuse(end, "a cut " + name + " that is " + decibels(-ahead_db) + " dB below its peak at angle 0",
+           "gains, not losses, with the peak on the boresight or at most " + decibels(kMostOffBoresight_db) +
+               " dB above it");
+  const bool all_round = cut.angle_rad.back() - cut.angle_rad.front() >= kAllRound_rad;
+  const double edge_db = std::max(cut.gain_db.front(), cut.gain_db.back());
+  if (!all_round && edge_db > -kLeastEdge_db)
+    refuse(end, "a cut " + name + " that is only " + decibels(-edge_db) + " dB below its peak where it ends",
+           "dB, not ratios, and angles as far as at least " + decibels(kLeastEdge_db) + " dB below the peak");
 }
 
 }  // namespace
@@ -100,9 +121,12 @@ double PatternCut::extent_rad(double edge) const {
 }
 
 PatternCuts read_pattern_cuts(const std::filesystem::path& file) {
+  refuse_endless_file(file.string() + ": beam.file", file.string());
   std::ifstream stream(file, std::ios::binary);
   Place at{file, 0};
-  if (!stream) throw InputError(file.string() + ": beam.file: cannot be read; allowed: a readable file");
+  std::error_code none;
+  if (!stream || std::filesystem::is_directory(file, none))
+    throw InputError(file.string() + ": beam.file: cannot be read; allowed: a readable file");
   PatternCuts cuts;
   cuts.path = file;
   std::string line;
@@ -117,6 +141,7 @@ PatternCuts read_pattern_cuts(const std::filesystem::path& file) {
     if (++at.line > kMostRows) refuse(at, "more rows", "at most " + std::to_string(kMostRows));
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (at.line == 1) {
+      if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());  // of spreadsheets
       if (line != "cut,angle_deg,gain_db") refuse(at, shown(line), "the heading cut,angle_deg,gain_db");
     } else if (!line.empty()) {
       take_row(at, line, cuts);
