@@ -76,9 +76,10 @@ class Saved(Folder):
     def test_plots_are_drawn_into_axes_and_refuse_unknown_kinds(self):
         from matplotlib.figure import Figure
 
-        for kind in ("ppi", "bscan"):
+        for kind, aspect in (("ppi", 1), ("bscan", "auto")):  # a map is to scale; degrees and km have none in common
             axes = Figure().add_subplot()
             self.assertIs(self.frame.plot(kind, axes, (-20, 30)), axes)
+            self.assertEqual(axes.get_aspect(), aspect)
         with self.assertRaisesRegex(ValueError, "'ppi', 'bscan'"):
             self.frame.plot("polar")
 

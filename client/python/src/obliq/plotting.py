@@ -50,13 +50,13 @@ def plot(frame, kind="ppi", ax=None, range_db=None):
         level = np.where(inside, level.ravel()[bins], mapping.NO_VALUE)
         state = np.where(inside, state.ravel()[bins], mapping.OUTSIDE) if state is not None else None
         extent = [edge / 1000 for edge in grid.extent]
-        ax.set(xlabel="east of the antenna, km", ylabel="north of the antenna, km", aspect="equal")
+        ax.set(xlabel="east of the antenna, km", ylabel="north of the antenna, km")
     else:
         start, width, r0, spacing = mapping.sector(frame)
         level, state = level.T[::-1], None if state is None else state.T[::-1]
         inside = np.ones(level.shape, bool)
         extent = [start, start + width * frame.shape[0], r0 / 1000, (r0 + spacing * frame.shape[1]) / 1000]
-        ax.set(xlabel="bearing, degrees", ylabel="slant range, km", aspect="auto")
+        ax.set(xlabel="bearing, degrees", ylabel="slant range, km")
     low, high = range_db or scale_of(level)
     there = level != mapping.NO_VALUE
     grey = np.clip((level - low) / (high - low), 0, 1)
@@ -66,7 +66,8 @@ def plot(frame, kind="ppi", ax=None, range_db=None):
         where = ~there & inside & (state == number if state is not None else number == 3)
         picture[where, :3] = colour
     picture[~inside] = (1, 1, 1, 0)
-    image = ax.imshow(picture, extent=extent, interpolation="nearest", origin="upper")
+    aspect = "equal" if kind == "ppi" else "auto"
+    image = ax.imshow(picture, extent=extent, interpolation="nearest", origin="upper", aspect=aspect)
     ax.set_title(f"{frame.radar}, frame {frame.frame_id}, bearing {frame.pose.bearing_deg:g} degrees")
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
