@@ -146,9 +146,9 @@ def fly(address, stop):
                 stop.wait(1 / POSES_HZ)
 
 
-def scanning(scene, seconds):
-    path = SCENES / f"{scene}.toml"
-    daemon, page = support.Daemon(path), support.Page()
+def scanning(scene, seconds, text=None):
+    """Heap before and after in MB, passes drawn. text: a scene instead of a shipped one."""
+    daemon, page = support.Daemon(text or SCENES / f"{scene}.toml"), support.Page()
     page.open(daemon.url)
     page.await_script("globalThis.obliq && obliq.panes[0].bins.scanRow >= 0", "a beam")
     stop = threading.Event()
@@ -174,7 +174,9 @@ def scanning(scene, seconds):
         row("  step of the picture", f"{part(steps, .5):.2f} deg, 99 % {part(steps, .99):.2f} deg, most {max(steps):.2f} deg; "
             f"beam {width:g} deg")
         row("  draws", f"{len(draws) / passed:.1f} a second, {part(draws, .5):.1f} ms, 99 % {part(draws, .99):.1f} ms")
-        row("  heap", f"{heap:.1f} MB, {passed:.0f} s later {heap_mb(page):.1f} MB")
+        later = heap_mb(page)
+        row("  heap", f"{heap:.1f} MB, {passed:.0f} s later {later:.1f} MB")
+        return heap, later, frames
     finally:
         stop.set()
         pilot.join()
