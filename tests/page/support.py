@@ -17,7 +17,7 @@ os.environ.setdefault("OBLIQ_CACHE_DIR", "")
 
 BIN = pathlib.Path(os.environ.get("OBLIQ_BIN", ROOT / "build" / "release" / "bin"))
 OBLIQ, OBLIQD = str(BIN / "obliq"), str(BIN / "obliqd")
-PATIENCE_S = 60  # of a test on a busy machine; a figure that matters is printed
+PATIENCE_S = 100  # of a test on a busy machine; a figure that matters is printed
 
 # The second radar stands 25 km away, so that the scene's origin is far from both.
 SCENE = """

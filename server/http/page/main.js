@@ -379,6 +379,7 @@ export class App {
     for (const pane of this.panes) {
       const own = this.said.find(({ banner, pane: of }) => banner && (!of || of === pane));
       pane.say(own?.banner ?? "");
+      pane.element.classList.toggle("standby", Boolean(pane.info?.transmit_off));
     }
   }
 
