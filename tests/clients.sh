@@ -46,7 +46,8 @@ environment() {
 # with_wheel NAME PACKAGE...: the same with the wheel built now.
 with_wheel() {
   environment "$@" || return
-  "$work/env-$1/bin/pip" install -q --no-deps --force-reinstall "$work"/wheel/obliq-*.whl
+  "$work/env-$1/bin/pip" install -q --no-deps --force-reinstall "$work"/wheel/obliq-*.whl &&
+    touch "$work/env-$1/installed"
 }
 
 # A daemon over the hills of the tests, and poses for it.
@@ -293,7 +294,9 @@ esac
 }
 mkdir -p "$work"
 [ $# -gt 0 ] || set -- wheel oldest notebook sigmf gdal octave opendis dask ray kubernetes cat240
-if [ "$1" != wheel ] && [ ! -x "$work/env-all/bin/python" ]; then set -- wheel "$@"; fi
+# The others stand on the wheel: it is that of the sources.
+stale() { [ ! -x "$work/env-all/bin/python" ] || [ -n "$(find client/python/src -name '*.py' -newer "$work/env-all/installed" | head -1)" ]; }
+if [ "$1" != wheel ] && stale; then set -- wheel "$@"; fi
 for name in "$@"; do
   declare -F "check_$name" >/dev/null || {
     echo "unknown check '$name'"
