@@ -105,6 +105,13 @@ class Readings(unittest.TestCase):
             control.set(noise=False)
         self.page.await_script("obliq.panes[0].bins.mayCompensate", "an ideal map")
 
+    def test_a_frustum_that_is_refused_is_said_and_another_is_shown(self):
+        self.show("a=round&panes=2&b=frustum%20symmetric")
+        self.page.await_words("No picture through the symmetric frustum")
+        self.page.script("obliq.choose(obliq.panes[1], 'frustum oblique')")
+        self.page.await_script("obliq.panes[1].bins.frames > 0 && (obliq.panes[1].bins.descriptor.settings.frustum ?? 'OBLIQUE') === 'OBLIQUE'",
+                               "a frame through the oblique frustum")
+
     def test_a_refusal_stands_beside_its_field(self):
         self.show("a=main&tab=radar")
         self.page.await_script("document.querySelector('#radar [data-key]')", "the form")

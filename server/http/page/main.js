@@ -217,7 +217,9 @@ export class App {
     const of = this.streams.get(stream);
     if (type === "ReplayState") this.debrief.take(message);
     if (type === "Error") {
-      if (number(body.number) === 102) this.controls.general.textContent = `Control was taken: ${body.text}`;
+      const asked = this.panes.find(({ pending }) => pending && pending === body.request_id);
+      if (asked) asked.refused(new Refused(body));
+      else if (number(body.number) === 102) this.controls.general.textContent = `Control was taken: ${body.text}`;
       else for (const pane of this.panes) if (!body.radar || pane.radar === body.radar) pane.says = body.text;
       this.poll();
       return;

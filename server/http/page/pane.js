@@ -3,6 +3,7 @@
 import { Bins } from "./bins.js";
 import { Ppi } from "./ppi.js";
 import { Scope } from "./scope.js";
+import { refusalText } from "./form.js";
 import { number, utcNow_ms } from "./messages.js";
 
 const AUTO_MS = 1000; // between looks at the levels
@@ -142,6 +143,12 @@ export class Pane {
     const settings = { ...d.settings, frustum: this.frustum.toUpperCase() };
     this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
       planes: look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"] });
+  }
+
+  /** The server renders no such frame. */
+  refused(error) {
+    this.pending = "";
+    this.says = `No picture through the ${this.frustum} frustum: ${refusalText(error)}.`;
   }
 
   /** A sentence on the picture itself; nothing: none. */
