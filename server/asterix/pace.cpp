@@ -28,4 +28,15 @@ Pace::Clock::duration FramePeriod::next(Pace::Clock::time_point now) {
   return period;
 }
 
+Pace::Clock::duration DwellPeriod::next(Pace::Clock::time_point now, Pace::Clock::duration beam) {
+  constexpr double kMost = 10;     // a pause is no slow beam
+  constexpr double kNewest = 0.2;  // of the mean: dwells that come bunched do not count as fast ones
+  if (newest_ != Pace::Clock::time_point{} && beam.count() > 0) {
+    const double part = std::chrono::duration<double>(now - newest_) / std::chrono::duration<double>(beam);
+    part_ += kNewest * (std::min(part, kMost) - part_);
+  }
+  newest_ = now;
+  return from_seconds(std::min(part_, 1.0) * to_seconds(beam));
+}
+
 }  // namespace obliq::asterix

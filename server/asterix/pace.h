@@ -39,4 +39,16 @@ class FramePeriod {
   Pace::Clock::time_point newest_{};
 };
 
+/// How far apart the dwells of a scanning antenna come: as the beam moves; closer together, where a replay is
+/// faster than the antenna was. For one thread at a time.
+class DwellPeriod {
+ public:
+  /// Azimuth bins have come for which the beam took so long.
+  Pace::Clock::duration next(Pace::Clock::time_point now, Pace::Clock::duration beam);
+
+ private:
+  double part_ = 1;  ///< of the beam's time, a mean over the last dwells
+  Pace::Clock::time_point newest_{};
+};
+
 }  // namespace obliq::asterix

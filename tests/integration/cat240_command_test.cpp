@@ -190,6 +190,35 @@ TEST_F(Cat240Command, ThePassesOfAScanningAntennaComeInTheOrderOfTheBeam) {
   EXPECT_GE(down, 7);
 }
 
+TEST_F(Cat240Command, TheRecordedPassesOfAScanningAntennaAreSentAgain) {
+  const std::string scene = folder.write(
+      "scene.toml",
+      text_of(SmallScene{.server = "[scan]\nmode = \"sector\"\nrate_deg_s = 240.0\ndwell_bins = 8\n"}));
+  const std::string file = folder / "passes.obliq";
+  {
+    const Daemon daemon({"--config", scene}, folder.path());
+    ASSERT_EQ(run_program(
+                  OBLIQ_PROGRAM,
+                  {"record", "--server", daemon.address(), "--out", file, "--frames", "4", "--planes", "iq"},
+                  folder.path())
+                  .code,
+              0);
+  }
+  Running replay({"replay", file, "--serve", "--loop", "--port", "0"}, folder / "replay.log");
+  const Outcome outcome = cat240({replay.await(" on "), "--to", receiver.to, "--frames", "4"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  int up = 0, down = 0;
+  std::optional<Message> before;
+  for (const Message& got : receiver.all()) {
+    if (got.summary) continue;
+    if (before && got.start_az == before->end_az) ++up;
+    if (before && got.end_az == before->start_az) ++down;
+    before = got;
+  }
+  EXPECT_GE(up, 7) << "a pass to the right";
+  EXPECT_GE(down, 7) << "and one back";
+}
+
 TEST_F(Cat240Command, NewGeometryIsToldByANewSummary) {
   const std::string scene = folder.write("scene.toml", text_of(SmallScene{}));
   const Daemon daemon({"--config", scene}, folder.path());

@@ -55,6 +55,30 @@ TEST(Cat240Pace, ThePeriodIsThatOfTheFramesAndNotOfOnePause) {
   EXPECT_EQ(period.next(now += 1ms), 100ms) << "never closer than was asked for";
 }
 
+TEST(Cat240Pace, DwellsOfAReplayThatIsFasterThanTheAntennaWasDoNotPileUp) {
+  Pace pace;
+  DwellPeriod dwells;
+  Clock::time_point now{10s};
+  for (int dwell = 0; dwell < 1000; ++dwell) {  // ten times as fast
+    now += 4ms;
+    const auto times = pace.spread(now, 8, dwells.next(now, 40ms));
+    EXPECT_LT(times.at(0) - now, 200ms) << dwell;
+  }
+  EXPECT_NEAR(std::chrono::duration<double>(dwells.next(now + 4ms, 40ms)).count(), 0.004, 1e-4);
+}
+
+TEST(Cat240Pace, DwellsThatComeBunchedAreSpreadAsTheBeamMoves) {
+  Pace pace;
+  DwellPeriod dwells;
+  Clock::time_point now{10s};
+  for (int dwell = 0; dwell < 100; ++dwell) {
+    now += dwell % 5 == 0 ? 196ms : 1ms;  // five every 200 ms
+    const auto times = pace.spread(now, 8, dwells.next(now, 40ms));
+    EXPECT_GT(times.step, 500us) << dwell;
+    EXPECT_LT(times.at(0) - now, 250ms);
+  }
+}
+
 /// A socket of the loopback that receives.
 class Receiver {
  public:

@@ -115,7 +115,7 @@ class Feed {
     }
     radials_ += group.rows.size();
     const auto now = Clock::now();
-    const auto period = group.beam_s > 0 ? from_seconds(group.beam_s) : period_.next(now);
+    const auto period = group.beam_s > 0 ? dwells_.next(now, from_seconds(group.beam_s)) : period_.next(now);
     const auto times = pace_.spread(now, messages.size(), period);
     sender_.queue(std::move(messages), times, group.beam_utc_ns);
   }
@@ -176,6 +176,7 @@ class Feed {
   Clock::time_point told_at_ = Clock::now() - kTroublePause;
   asterix::Pace pace_;
   asterix::FramePeriod period_;
+  asterix::DwellPeriod dwells_;
   asterix::PacedSender sender_;
 };
 
