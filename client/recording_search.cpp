@@ -81,6 +81,7 @@ std::optional<RecordedPlace> RecordingSearch::place_at(std::uint64_t offset,
       !wire::parse_descriptor(descriptor, begin) || begin.frame().radar() != radar_)
     return std::nullopt;
   RecordedPlace place{offset, header.utc_ns};
+  place.is_pass = begin.has_scan();
   const wire::Pose& pose = begin.frame().pose();
   // A pose that never had one has 0 (its settings' default).
   if (pose.sim_time_ns() != 0) place.sim_time_ns = pose.sim_time_ns();

@@ -16,6 +16,7 @@ struct RecordedPlace {
   std::uint64_t offset = 0;
   std::int64_t utc_ns = 0;                    ///< when the server encoded it
   std::optional<std::int64_t> sim_time_ns{};  ///< of its pose
+  bool is_pass = false;                       ///< of a scanning antenna
 };
 
 /// Times that rise through the file are taken for granted; where the server's clock was set while it

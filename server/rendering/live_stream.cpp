@@ -15,6 +15,8 @@ constexpr auto kNever = LiveStream::Time::max();
 constexpr std::chrono::milliseconds kReminder{20};
 /// What could not be rendered is looked at again this often: pose or scene may have changed.
 constexpr std::chrono::milliseconds kFaultLook{50};
+/// Of recorded passes, which have their own times: faster than any antenna turns.
+constexpr double kPassRate_hz = 1000;
 
 }  // namespace
 
@@ -36,6 +38,7 @@ void LiveStream::set_demand(std::vector<Demand> demands) {
   const std::lock_guard lock(mutex_);
   double rate_hz = 0;
   for (Demand& demand : demands) {
+    if (context_.renderer.has_passes()) demand.rate_hz = kPassRate_hz;
     rate_hz = std::max(rate_hz, demand.rate_hz);
     const auto same = std::ranges::find(demands_, demand.watch_id, &Demand::watch_id);
     if (same != demands_.end()) demand.due = same->due;

@@ -2,9 +2,11 @@
 """CAT 240 on the loopback into a receiver with the default buffer: what is lost, by the sender's count and the receiver's.
 
   tests/bench/cat240.py [--seconds 60] [--rate 10] [--azimuths 1024] [--cells 1024] [--bits 8] [--buffer OCTETS]
+      [--realtime]
 
-A standing radar, obliqd, `obliq cat240` and the receiver on this machine. Exit code 1 where something was lost. --buffer: of the
-receiver, for machines that do other things meanwhile; the default is net.core.rmem_default.
+A standing radar, obliqd, `obliq cat240` and the receiver on this machine. Exit code 1 where something was lost. The default
+buffer (net.core.rmem_default) holds some nine milliseconds: on a machine that does other things meanwhile a receiver that is not
+scheduled for longer loses what the sender paced well. --buffer: a larger one. --realtime: the receiver goes before all others (root).
 """
 import argparse
 import multiprocessing
@@ -40,8 +42,10 @@ kind = "sweep"
 """
 SILENCE_S = 3  # after so long the sender has ended
 
-def receive(receiver, answer):
+def receive(receiver, answer, realtime):
     """Counts video messages and the gaps in their numbers until none comes."""
+    if realtime:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
     receiver.settimeout(60)
     space = bytearray(65536)
     messages = octets = lost = late = 0
@@ -76,6 +80,7 @@ def main():
     options.add_argument("--cells", type=int, default=1024)
     options.add_argument("--bits", type=int, choices=(8, 16), default=8)
     options.add_argument("--buffer", type=int)
+    options.add_argument("--realtime", action="store_true")
     given = options.parse_args()
     frames = round(given.seconds * given.rate)
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -83,7 +88,7 @@ def main():
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, given.buffer)
     receiver.bind(("127.0.0.1", 0))
     answer = multiprocessing.Queue()
-    process = multiprocessing.Process(target=receive, args=(receiver, answer))
+    process = multiprocessing.Process(target=receive, args=(receiver, answer, given.realtime))
     with daemon(SCENE.format(azimuths=given.azimuths, cells=given.cells)) as address:
 
         process.start()

@@ -188,7 +188,8 @@ TEST_F(ReplayControl, AtTheEndItHoldsAndASeekGoesBack) {
   ASSERT_TRUE(station.until([&] { return station.client.replay_state()->ended(); }));
   EXPECT_NEAR(station.state_of_replay().position_s(), station.state_of_replay().duration_s(), 1e-9);
   EXPECT_FALSE(station.state_of_replay().running());
-  ASSERT_TRUE(station.until([&] { return station.seen.size() == 20; }));
+  // Frames of a slow client are left out, the newest is not.
+  ASSERT_TRUE(station.until([&] { return !station.seen.empty() && station.seen.back() == 20; }));
   ASSERT_TRUE(station.pause(true).ok());
   ASSERT_TRUE(station.seek(0.55).ok());
   ASSERT_TRUE(station.until([&] { return station.sim_time_ns == kMadeSimStart_ns + 5 * kStep_ns; }));

@@ -34,6 +34,7 @@ class ReplayPlayer : public net::ReplayControl {
                std::function<void(const std::string&)> say, std::function<void()> ended);
 
   const client::RecordingStart& start() const { return start_; }
+  bool has_passes() const { return search_->first().is_pass; }
   /// What is missing in the recording, as far as it has been read.
   client::RecordingLosses losses() const;
 

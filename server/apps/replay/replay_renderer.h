@@ -26,6 +26,7 @@ class ReplayRenderer : public net::FrameRenderer {
   std::string fixed() const override;
   /// Those that were recorded, and video where it follows from I&Q.
   wire::PlaneSet planes() const override;
+  bool has_passes() const override { return player_->has_passes(); }
   net::ReplayControl* replay() const override { return player_.get(); }
 
   void stop() { player_->stop(); }

@@ -97,7 +97,7 @@ bool ReplayedFrame::wait_until(std::int64_t utc_ns, const std::stop_token& stop)
 
 void ReplayedFrame::take_dwell(const client::RecordedWedge& recorded) const {
   dwell_.reset();
-  if (!recorded.block) return;
+  if (!recorded.block || !recorded.block->has_pose()) return;
   const wire::WedgeBlock& block = *recorded.block;
   const std::int64_t now_ns = net::monotonic_ns();
   dwell_ = std::make_unique<wire::WedgeBlock>();
