@@ -45,7 +45,15 @@ class Station : public client::FrameAssembler {
     (void)take();
     return status;
   }
-  void subscribe() { ASSERT_TRUE(client.subscribe("main", 100, wire::plane_bit(wire::Plane::power)).ok()); }
+  /// Without losses, so that what is expected comes however busy the machine is.
+  void subscribe() {
+    wire::Subscribe request;
+    request.set_radar("main");
+    request.set_rate_hz(100);
+    request.add_planes(wire::POWER);
+    request.set_lossless(true);
+    ASSERT_TRUE(client.subscribe(request).ok());
+  }
   const wire::ReplayState& state_of_replay() const { return *client.replay_state(); }
   /// Receives until that is so.
   template <typename Condition>
