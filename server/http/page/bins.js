@@ -3,7 +3,7 @@
 import { Placement } from "./placement.js";
 import { number } from "./messages.js";
 
-const MOST_HELD_MS = 85; // a scanning beam's azimuths wait at most this long for their turn
+const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long for their turn
 const MS = 1e-6; // of a nanosecond
 
 /**
@@ -265,6 +265,7 @@ export class Bins {
   /** @param {any} body of FrameEnd @returns {boolean} whether bins now lie elsewhere */
   end(body) {
     this.summary = body.summary ?? null;
+    this.render_ms = 1000 * number(body.render_s);
     ++this.frames;
     for (const span of body.missed ?? []) this.#miss(number(span.first_azimuth), number(span.n_azimuth));
     if (!this.next) return false;

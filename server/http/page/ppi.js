@@ -10,6 +10,7 @@ const MOST_PIXELS = 1440; // a side; above, the browser scales
 const MARGIN_PX = 34; // for the bearings around the picture
 const NARROW_PX = 500;
 const FRAME_MS = 1000 / 30;
+const EARLY_MS = 4; // a browser's tick may come so much before its time
 const MOST_ZOOM = 200;
 
 /**
@@ -51,7 +52,7 @@ export class Ppi {
     this.width = this.height = 0; // CSS pixels
     this.view = { width: 1, height: 1, pixel_m: 1, right_m: 0, ahead_m: 0, up_deg: 0, slant: false };
     this.image = null;
-    this.drawn_ms = 0;
+    this.due_ms = 0; // the next picture, not before
     this.draws = 0;
     this.times = { draw_ms: 0, table_ms: 0 };
     this.handle = false; // whether the centre bearing can be dragged
@@ -209,13 +210,13 @@ export class Ppi {
    */
   draw(now_ms) {
     if (!this.bins.placement || !this.image) return false;
-    if (now_ms - this.drawn_ms < this.#pause_ms() - 4) return false;
+    if (now_ms < this.due_ms - EARLY_MS) return false;
     this.bins.advance(now_ms);
     const began = performance.now();
     if (this.needs.table) this.#rebuild(began);
     const rows = this.#drawRows(now_ms);
     if (rows) {
-      this.drawn_ms = now_ms;
+      this.due_ms = Math.max(this.due_ms + this.#pause_ms(), now_ms); // a late picture does not put off the next
       ++this.draws;
       this.times.draw_ms = performance.now() - began;
     }
