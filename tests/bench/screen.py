@@ -200,7 +200,7 @@ def picture(path):
 
 def film(path, seconds=10, rate=10):
     """A turning radar for the README, from screenshots; needs ffmpeg."""
-    daemon, page = support.Daemon(SCENES / "x_band_circular.toml"), support.Page(900, 620)
+    daemon, page = support.Daemon(SCENES / "x_band_circular.toml"), support.Page(960, 700)
     page.open(daemon.url)
     page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "passes")
     with tempfile.TemporaryDirectory() as folder:
@@ -214,7 +214,7 @@ def film(path, seconds=10, rate=10):
         ends = [*times[1:], seconds]
         listing.write_text("".join(f"file '{k:05d}.png'\nduration {end - at:.4f}\n" for k, (at, end) in enumerate(zip(times, ends))))
         subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-f", "concat", "-i", str(listing), "-vf",
-                        f"fps={rate},split[a][b];[a]palettegen=max_colors=96[p];[b][p]paletteuse=dither=none", str(path)], check=True)
+                        f"crop={960 - 290}:666:0:34,scale=500:-1:flags=area,fps={rate},split[a][b];[a]palettegen=max_colors=48[p];[b][p]paletteuse=dither=none", str(path)], check=True)
     row("film", f"{path}, {os.path.getsize(path) / 1e6:.1f} MB, {len(times) / seconds:.1f} pictures a second")
     page.close()
     daemon.close()
