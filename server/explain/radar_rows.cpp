@@ -126,7 +126,11 @@ RadarRow noise_row(const RadarSettings& settings, const Echoes& echoes) {
 
 RadarRow stc_row(const RadarSettings& s, const Echoes& echoes) {
   const Thirds db = echoes.median_db();
-  std::string text = fmt::format("echoes fall by {:.0f} dB from the near to the far third", db[0] - db[2]);
+  const double fall_db = db[0] - db[2];
+  const std::string text =
+      std::isfinite(fall_db)
+          ? fmt::format("echoes fall by {:.0f} dB from the near to the far third", fall_db)
+          : std::string("no echo in the near or the far third of the swath, so that no fall is known");
   if (s.receiver.stc_range_m > 0)
     return {"STC", fmt::format("on: gain {:.1f} dB at r_min, full from {} km on; {}.",
                                stc_gain_db(s.receiver, s.r_min_m),
@@ -148,7 +152,8 @@ RadarRow rain_row(const RadarSettings& settings, const AirView& air, const Echoe
   Thirds ratio = echoes.median_db();
   for (std::size_t k = 0; k < 3; ++k)
     ratio[k] = db_of_ratio(std::max(rain_w[(2 * k + 1) * rain_w.size() / 6], 1e-300)) - ratio[k];
-  const bool counts = lost_db > kNoticeable_db || *std::ranges::max_element(ratio) > -kClearOfNoise_db;
+  const bool counts = lost_db > kNoticeable_db ||
+                      std::ranges::any_of(ratio, [](double db) { return db > -kClearOfNoise_db; });
   return {"rain",
           fmt::format("{}: {} mm/h take {:.1f} dB there and back at r_max; their own echo against the "
                       "ground's, near, middle, far: {}. {}",

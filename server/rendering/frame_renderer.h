@@ -75,7 +75,8 @@ class FrameRenderer {
 
   /// Of a renderer that only replays: why no client may change anything or have a frame rendered. Else empty.
   virtual std::string fixed() const { return {}; }
-  /// Of such a one: its frames are the passes of a scanning antenna, which all watchers get, whatever their rate.
+  /// Of such a one: its frames are the passes of a scanning antenna, which all watchers get, whatever their
+  /// rate.
   virtual bool has_passes() const { return false; }
   /// The same renderer's controls; null: it replays nothing.
   virtual ReplayControl* replay() const { return nullptr; }
