@@ -30,7 +30,7 @@ class DaemonTest : public testing::Test {
   std::string scene = folder.write("scene.toml", kScene);
 };
 
-void expect_same_files(const std::filesystem::path& one, const std::filesystem::path& other) {
+void expect_same_files(const std::filesystem::path& one, const std::filesystem::path& other, int files = 7) {
   int compared = 0;
   for (const auto& entry : std::filesystem::directory_iterator(one)) {
     const std::string name = entry.path().filename();
@@ -38,7 +38,7 @@ void expect_same_files(const std::filesystem::path& one, const std::filesystem::
     EXPECT_TRUE(text_of(entry.path()) == text_of(other / name)) << name << " differs";
     ++compared;
   }
-  EXPECT_EQ(compared, 7) << "bins, power, count, state, frame.json, ground_map.png and .tif";
+  EXPECT_EQ(compared, files) << "bins, power, count, state, frame.json, ground_map.png and .tif";
 }
 
 /// ", N of M buildings seen".
@@ -77,6 +77,27 @@ TEST_F(DaemonTest, GetWritesTheFilesOfRenderBitForBit) {
     EXPECT_EQ(last_part(got.out), last_part(rendered.out));
     // Both warn in the same words; render's other lines are about its loading.
     EXPECT_EQ(warnings_of(got.err), warnings_of(rendered.err));
+  }
+}
+
+TEST_F(DaemonTest, VideoOfGetAndRenderIsTheSame) {
+  const Daemon daemon({"--config", scene}, folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  const std::vector<std::string> radar = {
+      "--radar",           "main", "--set", "receiver.noise=true", "--set", "receiver.noise_frame=7", "--set",
+      "radar.power_w=50e3"};
+  for (const std::string bits : {"8", "16"}) {
+    std::vector<std::string> get = {
+        "get", daemon.address(), "--planes",    "iq,power,count,state,video", "--video-bits",
+        bits,  "--out",          folder / "got"};
+    std::vector<std::string> render = {"render", scene, "--video-bits", bits, "--out", folder / "rendered"};
+    get.insert(get.end(), radar.begin(), radar.end());
+    render.insert(render.end(), radar.begin(), radar.end());
+    const Outcome got = obliq(get);
+    ASSERT_EQ(got.code, 0) << got.err;
+    const Outcome rendered = obliq(render);
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    expect_same_files(folder / "rendered", folder / "got", 8);
   }
 }
 

@@ -31,6 +31,7 @@ struct RenderArguments {
   std::string radar;
   std::string out;
   bool samples = false;
+  int video_bits = 0;  ///< 0: no video
   PictureArguments picture;
   bool profile = false;
   int threads = 0;
@@ -106,6 +107,8 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   options.threads = threads;
   options.receiver = &receiver;
   options.observer = textures.get();
+  options.video8 = arguments.video_bits == 8;
+  options.video16 = arguments.video_bits == 16;
   options.draw = frame_draw(radar.name, receiver.counter());
   options.on_wedge = [&](Wedge&& wedge) {
     copy_azimuths(wedge.bins, frame.bins);
@@ -150,6 +153,10 @@ void add_render(CLI::App& app) {
       ->type_name("NAME");
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
+  command
+      ->add_option("--video-bits", arguments->video_bits,
+                   "Also write video.npy, the plane video, of so many bits a bin")
+      ->check(CLI::IsMember({8, 16}));
   add_picture_arguments(*command, arguments->picture);
   command->add_flag("--profile", arguments->profile,
                     "Report where the time of loading and of a frame goes, on stderr and in timing.json; "
