@@ -3,13 +3,14 @@
 #include <cmath>
 #include <limits>
 
+#include "terrain/base/wavelength.h"
+
 namespace obliq::asterix {
 namespace {
 
-constexpr double kLight_m_s = 299'792'458.0;  // SI
-constexpr double kTurnUnits = 65536;          // I240/041: least significant bit 360 / 2^16 degrees
+constexpr double kTurnUnits = 65536;  // I240/041: least significant bit 360 / 2^16 degrees
 // There and back: a cell of d metres lasts 2 d / c.
-constexpr double kFemtosecondsPerMetre = 2e15 / kLight_m_s;
+constexpr double kFemtosecondsPerMetre = 2e15 / kSpeedOfLight_m_s;
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include "server/radar/echo/scattering.h"
 #include "terrain/base/constants.h"
 #include "terrain/base/text.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 
@@ -121,7 +122,7 @@ std::string wall_threshold(const SceneFacts& f) {
 }
 
 std::string material_threshold(const Comparison& c, const SceneFacts& f) {
-  const ScatteringTable table(f.materials, 299792458.0 / (f.settings.frequency_ghz * 1e9));
+  const ScatteringTable table(f.materials, wavelength_at(f.settings.frequency_ghz));
   const double near = depression_rad(std::max(0.0, f.height_m), f.settings.r_min_m);
   const double far = depression_rad(std::max(0.0, f.height_m), f.settings.r_max_m);
   for (const std::uint8_t id : {c.material, std::uint8_t{0}})

@@ -11,11 +11,11 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/receiver/video.h"
 #include "terrain/base/text.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 /// Noise 16 dB below an echo changes its mean power by 0.1 dB.
 constexpr double kNoticeable_db = 0.1;
 constexpr double kClearOfNoise_db = 16.3;
@@ -95,9 +95,8 @@ RadarRow noise_row(const RadarSettings& settings, const Echoes& echoes) {
   const double drowned = echoes.share_below(noise_db);
   const double touched = echoes.share_below(noise_db + kClearOfNoise_db);
   const int looks = settings.video.looks;
-  const double one_w =
-      echo_power_w(settings.power_w, settings.gain_db, kSpeedOfLight_m_s / (settings.frequency_ghz * 1e9),
-                   settings.receiver.loss_db, 1, settings.r_max_m);
+  const double one_w = echo_power_w(settings.power_w, settings.gain_db, wavelength_at(settings.frequency_ghz),
+                                    settings.receiver.loss_db, 1, settings.r_max_m);
   std::string text = fmt::format(
       "{}: {:.1f} dBW = k T_s B, T_s {:.0f} K, B {} MHz. Clutter to noise, median of the lit bins in the "
       "near, "

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "terrain/base/wavelength.h"
+
 namespace obliq::modbus {
 namespace {
 
 /// Speed of light over 1 GHz, m. SI Brochure, 9th edition, 2019: c = 299,792,458 m/s.
-constexpr double kWavelengthOfGigahertz_m = 0.299792458;
+constexpr double kWavelengthOfGigahertz_m = kSpeedOfLight_m_s / 1e9;
 
 std::vector<std::uint16_t> split(std::uint64_t bits, int n) {
   std::vector<std::uint16_t> words;

@@ -9,12 +9,12 @@
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 
 BinGrid bin_grid(const RadarSettings& settings) {
   BinGrid bins;
@@ -122,7 +122,7 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot&
       box_(pose.antenna.m.y - extent_.bottom_y_m, extent_.top_y_m - extent_.bottom_y_m, sector_.r_min_m,
            sector_.r_max_m, sector_.width_rad),
       bins_(bin_grid(snapshot_.settings)),
-      wavelength_m_(kSpeedOfLight_m_s / (snapshot_.settings.frequency_ghz * 1e9)),
+      wavelength_m_(wavelength_at(snapshot_.settings.frequency_ghz)),
       buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m(),
                                                           snapshot_.settings.frustum != FrustumKind::sweep)),
       seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())),

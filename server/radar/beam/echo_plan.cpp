@@ -8,13 +8,13 @@
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
 #include "terrain/base/text.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
-constexpr double kFarthest_m = 500e3;              // radar.r_max_m's limit
+constexpr double kFarthest_m = 500e3;  // radar.r_max_m's limit
 /// On the ground a beam is at most so many times as wide as on the horizon: what lies steeper than 60 degrees
 /// below is seen by most of its azimuths anyway.
 constexpr double kLeastCosine = 0.5;
@@ -55,7 +55,7 @@ struct Planner {
     plan.range_parts = std::min(range_sub_bins(s), kMostSubBins);
     plan.speckle = resolved_speckle(s);
     plan.range_normalisation = s.range_normalisation && !has_receiver(s);
-    plan.wavelength_m = kSpeedOfLight_m_s / (s.frequency_ghz * 1e9);
+    plan.wavelength_m = wavelength_at(s.frequency_ghz);
     const double gain = std::pow(10, s.gain_db / 10);
     plan.power_scale = s.power_w * gain * gain;
     width_rad = s.sector_deg * kPi / 180 / s.azimuth_bins / plan.azimuth_parts;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "terrain/base/wavelength.h"
+
 namespace obliq {
 namespace {
-
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 
 Taper taper_of(const RadarSettings& s) {
   switch (s.pulse.window) {

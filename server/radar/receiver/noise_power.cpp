@@ -5,12 +5,12 @@
 #include "server/radar/beam/antenna_gain.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/receiver/decibel.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kBoltzmann_j_k = 1.380649e-23;    // exact, SI
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
+constexpr double kBoltzmann_j_k = 1.380649e-23;  // exact, SI
 
 }  // namespace
 

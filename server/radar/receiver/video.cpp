@@ -7,11 +7,11 @@
 
 #include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise_power.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 /// Of the ground that the scale is made for (Long; Nathanson: woods, farmland), and how much weaker echoes
 /// are to be seen.
 constexpr double kGamma_db = -15;
@@ -22,7 +22,7 @@ constexpr double kLowestFloor_db = -400;
 }  // namespace
 
 double level_ground_power_w(const RadarSettings& s, double gamma_db, double slant_range_m, double height_m) {
-  const double wavelength_m = kSpeedOfLight_m_s / (s.frequency_ghz * 1e9);
+  const double wavelength_m = wavelength_at(s.frequency_ghz);
   const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
   const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
   const double cross_section_m2 = ratio_of_db(gamma_db) * width_rad * height_m * spacing_m;

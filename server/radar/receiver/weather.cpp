@@ -10,11 +10,10 @@
 #include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/gas_lines.h"
 #include "server/radar/receiver/noise_power.h"
+#include "terrain/base/wavelength.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kSpeedOfLight_m_s = 299792458.0;  // exact, SI
 
 /// sum a exp(-((x - b) / c)^2) + m x + n, x = log10(f / GHz): P.838-3, equations 2 and 3, Tables 1 to 4.
 struct RainCurve {
@@ -165,7 +164,7 @@ double path_power_factor(double loss_db_km, double slant_range_m) {
 
 std::vector<double> rain_echo_power_w(const RadarSettings& s, const AirView& air) {
   if (!(s.atmosphere.rain_mm_h > 0)) return {};
-  const double wavelength_m = kSpeedOfLight_m_s / (s.frequency_ghz * 1e9);
+  const double wavelength_m = wavelength_at(s.frequency_ghz);
   const double eta = rain_reflectivity_m2_m3(s.atmosphere.rain_mm_h, wavelength_m);
   const double width_rad = s.beam.pattern == BeamPattern::off
                                ? s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins
