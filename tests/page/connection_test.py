@@ -44,6 +44,9 @@ class Connection(unittest.TestCase):
         took = self.seconds_until(f"!{STALE} && obliq.meter.drawn > {before} + 1", "a live picture")
         print(f"  live again {took:.2f} s after the daemon was ready")
         self.assertFalse(self.page.script(f"return {GREY}"))
+        # The browser itself notes each request that is refused, as grave; the page adds nothing to that.
+        grave = [entry for entry in self.page.console() if entry["level"] == "SEVERE"]
+        self.assertEqual([entry for entry in grave if entry["source"] != "network"], [])
 
     def test_a_daemon_that_is_silent(self):
         daemon = self.daemon()
@@ -78,12 +81,22 @@ class Connection(unittest.TestCase):
         self.page.await_words("This server wants a token.")
         self.page.await_script("document.getElementById('ask').open", "the question for it")
         give = "document.getElementById('token').value = arguments[0]; document.querySelector('#ask button').click()"
+        # Esc leaves the question; a button asks it again.
+        from selenium.webdriver.common.keys import Keys
+        again = "!document.getElementById('again').hidden && document.getElementById('again').click()"
+        for _ in range(2):
+            self.page.driver.switch_to.active_element.send_keys(Keys.ESCAPE)
+            self.page.await_script("!document.getElementById('ask').open", "a dialog that is left")
+            self.page.script(again)
+            self.page.await_script("document.getElementById('ask').open", "the question again")
         self.page.script(give, "not-a-token-of-this-server")
         self.page.await_words("does not accept this token")
         self.page.script(give, watch)
         self.page.await_script("obliq.meter.drawn > 1", "frames")
         self.assertEqual(self.page.script("return document.getElementById('role').textContent"), "viewer")
         self.assertTrue(self.page.script("return document.getElementById('claim').disabled"))
+        self.assertIn("may watch", self.page.script("return document.getElementById('claim').title"))
+        self.assertTrue(self.page.script("return document.getElementById('again').hidden"))
         self.assertNotIn(watch, self.page.script("return location.href"))
         self.assertNotIn(watch, daemon.log())
         # It stays in the tab.
@@ -108,6 +121,7 @@ class Connection(unittest.TestCase):
             self.page.await_script("!obliq.controls.isMine && document.querySelector('#radar [data-key]').hidden", "a closed form")
             self.page.await_script("document.querySelector('#radar > .refusal').textContent.includes('instructor')", "who took it")
             self.page.await_script("document.querySelector('.holder').textContent.includes('instructor')", "who holds it")
+            self.assertIn("instructor", self.page.words())
 
     def test_standby_and_freeze_are_said(self):
         daemon = self.daemon()

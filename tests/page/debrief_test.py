@@ -38,6 +38,11 @@ class Debrief(unittest.TestCase):
             page.await_script("globalThis.obliq?.debrief?.state && obliq.panes[0].bins.scanRow >= 0", "a recording that runs")
         self.assertFalse(self.page.script("return document.getElementById('replay').hidden"))
         self.assertTrue(self.page.script("return obliq.panes[0].bins.scan !== null"), "a pass of a scanning antenna")
+        for button in ("claim", "two"):  # nothing to set, nothing else to see
+            self.assertTrue(self.page.script(f"return document.getElementById('{button}').disabled"), button)
+            self.assertIn("recording", self.page.script(f"return document.getElementById('{button}').title"))
+        self.page.script("obliq.setPanes(2)")
+        self.assertEqual(self.page.script("return obliq.panes.length"), 1)
         self.page.script("document.getElementById('replay-pause').click()")
         self.both("obliq.debrief.state.paused", "a pause")
         self.page.await_words("A recording; paused.")

@@ -145,6 +145,7 @@ class People(unittest.TestCase):
             self.assertEqual(self.page.script(CONTRAST), [], f"texts with less than 4.5:1 in {tab}")
 
     def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):
+        """Of a server that is ready: one that is away or loads refuses requests, which the browser itself notes (connection_test)."""
         self.show("a=main&panes=2&b=frustum%20oblique&overlay=1")
         self.page.await_script("obliq.panes[1].bins.frames > 0", "a frame of another frustum")
         self.page.script("obliq.zoom(3, 300, 300); obliq.save()")

@@ -29,7 +29,7 @@ export function readFragment() {
 export function writeFragment(settings) {
   const words = new URLSearchParams();
   for (const [key, value] of Object.entries(settings))
-    if (value !== DEFAULTS[key] && key in DEFAULTS) words.set(key, typeof value === "boolean" ? (value ? "1" : "0") : String(value));
+    if (value !== undefined && value !== DEFAULTS[key] && key in DEFAULTS) words.set(key, typeof value === "boolean" ? (value ? "1" : "0") : String(value));
   const text = words.toString();
   if (text !== location.hash.slice(1)) history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);
 }

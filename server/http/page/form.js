@@ -18,6 +18,14 @@ const nameOf = ({ key, unit }) => {
   return (unit && tail.endsWith(suffix) ? tail.slice(0, -suffix.length) : tail).replaceAll("_", " ");
 };
 
+/** What is wrong with a number as it was typed; nothing: it may be sent. */
+function fault({ type, limits, allowed, unit }, text) {
+  const value = text.trim() === "" ? NaN : Number(text);
+  const isWrong = !Number.isFinite(value) || (type === "integer" && !Number.isInteger(value)) ||
+    value < limits.at_least || value > limits.at_most || value <= limits.above || value >= limits.below;
+  return isWrong ? `found ${text.trim() ? `${text} ${unit}`.trim() : "no number"}; allowed: ${allowed}` : "";
+}
+
 /** The enumerator of a word: that of the current value with the word in place of its own. */
 function enumerator(word, words, current) {
   const was = words.find((w) => current === w.toUpperCase() || current.startsWith(`${w.toUpperCase()}_`));
@@ -100,16 +108,13 @@ export class Field {
 
   async #changed() {
     const { type, limits } = this.parameter;
-    let value;
-    if (type === "boolean") value = this.input.checked;
-    else if (type === "choice") value = enumerator(this.input.value, limits.one_of, String(this.current ?? ""));
-    else value = this.input.value.trim() === "" ? NaN : type === "integer" ? this.input.value : Number(this.input.value);
-    this.refuse("");
-    if (Number.isNaN(value)) {
-      this.refuse(`allowed: ${this.parameter.allowed}`);
-      return;
-    }
-    await this.send(this.parameter, value);
+    const text = this.input.value;
+    if (type === "boolean") return this.send(this.parameter, this.input.checked);
+    if (type === "choice") return text && this.send(this.parameter, enumerator(text, limits.one_of, String(this.current ?? "")));
+    this.refuse(fault(this.parameter, text));
+    if (this.refusal.textContent) return;
+    // 64 bits go as text, which is exact.
+    await this.send(this.parameter, type === "integer" && /^-?\d+$/.test(text) ? text : Number(text));
   }
 
   refuse(text) {

@@ -13,9 +13,11 @@ import { sentences } from "./words.js";
 import { turned } from "./placement.js";
 
 const FRUSTA = ["sweep", "oblique", "symmetric", "polar"];
+const HALF_TURN_DEG = 180; // a symmetric frustum sees less
 const POLL_MS = 1000;
 const WORDS_MS = 250;
 const TURN_MS = 2000;
+const NEWS_MS = 12000;
 
 const $ = (id) => document.getElementById(id);
 
@@ -68,12 +70,30 @@ export class App {
       return row;
     }));
     $("ask").onclose = () => {
-      if (!$("token").value) return;
+      if ($("ask").returnValue !== "ok" || !$("token").value) return;
       this.link.token = $("token").value;
       $("token").value = "";
       this.link.open();
     };
+    $("again").onclick = () => this.again();
+    $("words").onclick = () => $("words").classList.toggle("all");
+    $("words").onkeydown = ({ key }) => key === "Enter" && $("words").click();
     addEventListener("hashchange", () => location.reload());
+  }
+
+  /** What helps a page that does not come back by itself, or not yet. */
+  again() {
+    const { kind } = this.link.state;
+    if (kind === "token") this.askToken();
+    else if (kind === "refused") location.reload();
+    else this.link.open();
+  }
+
+  askToken() {
+    const { text } = this.link.state;
+    $("ask-text").textContent = text ? `The server does not accept this one: ${text}` : "This server wants a token.";
+    $("ask").returnValue = "";
+    if (!$("ask").open) $("ask").showModal();
   }
 
   showKeys() {
@@ -110,8 +130,10 @@ export class App {
   }
 
   setPanes(count) {
+    const other = this.otherSource();
+    if (count > this.panes.length && !other) return;
     while (this.panes.length > count) this.panes.pop().remove();
-    if (this.panes.length < count) this.addPane(this.kept.b || this.otherSource());
+    if (this.panes.length < count) this.addPane(other);
     $("panes").dataset.count = String(this.panes.length);
     this.fillSources();
     this.subscribe();
@@ -120,9 +142,19 @@ export class App {
     this.keep();
   }
 
+  /** What the second picture shows unasked; nothing: there is no other. */
   otherSource() {
-    const other = (this.link.welcome?.radars ?? []).find((radar) => radar !== this.panes[0].radar);
-    return other ? `radar ${other}` : "frustum symmetric";
+    const radars = this.link.welcome?.radars ?? [];
+    const [kind, name] = this.kept.b.split(/ (.*)/);
+    if (kind === "radar" ? radars.includes(name) : FRUSTA.includes(name) && !this.debrief?.state) return this.kept.b;
+    const other = radars.find((radar) => radar !== this.panes[0].radar);
+    if (other) return `radar ${other}`;
+    const own = String(this.panes[0].info?.settings?.frustum ?? "").toLowerCase();
+    const allowed = this.isWide ? ["polar", "sweep"] : ["oblique", "symmetric"];
+    return this.debrief?.state ? "" : `frustum ${allowed.find((one) => one !== own)}`;
+  }
+  get isWide() {
+    return number(this.panes[0].info?.settings?.sector_deg) >= HALF_TURN_DEG;
   }
 
   /** @param {Pane} pane */
@@ -142,11 +174,17 @@ export class App {
     for (const pane of this.panes) {
       const isFirst = pane === this.panes[0];
       const options = radars.map((radar) => new Option(radar, `radar ${radar}`));
-      if (!isFirst) options.push(...FRUSTA.map((kind) => new Option(`same view, ${kind}`, `frustum ${kind}`)));
+      // A recording renders nothing. One that was chosen stays, and what the server says of it.
+      const kinds = FRUSTA.filter((kind) => !this.debrief?.state && (kind !== "symmetric" || !this.isWide || kind === pane.frustum));
+      if (!isFirst) options.push(...kinds.map((kind) => new Option(`same view, ${kind}`, `frustum ${kind}`)));
       pane.pick.replaceChildren(...options);
       if (!options.some(({ value }) => value === pane.source)) pane.source = isFirst ? `radar ${radars[0] ?? ""}` : this.otherSource();
       pane.pick.value = pane.source;
     }
+    if (this.panes[1]?.source === "") this.setPanes(1);
+    const isAlone = this.panes.length === 1 && !this.otherSource();
+    $("two").disabled = isAlone;
+    $("two").title = isAlone ? "This recording has one radar, and renders nothing else" : "One picture or two (P)";
   }
 
   // ---- The connection
@@ -164,18 +202,16 @@ export class App {
         pane.bins.held = [];
       }
     }
-    const ask = $("ask");
-    if (state.kind === "token") {
-      $("ask-text").textContent = state.text ? `The server does not accept this one: ${state.text}` : "This server wants a token.";
-      if (!ask.open) ask.showModal();
-    } else if (ask.open && state.kind === "live") {
-      ask.close();
-    }
+    if (state.kind === "token") this.askToken();
+    else if (state.kind === "live") $("ask").close();
+    const again = { token: "enter a token", refused: "load again", lost: "connect now" }[state.kind];
+    $("again").hidden = !again;
+    if (again) $("again").textContent = again;
     this.controls?.show();
     this.tell();
   }
 
-  welcomed(welcome) {
+  async welcomed(welcome) {
     $("scene").textContent = [welcome.scene_name, welcome.server_version].filter(Boolean).join(" · ");
     $("scene").title = `Scene and version of ${welcome.server_name ?? "the server"}`;
     document.title = `obliq · ${welcome.scene_name ?? ""}`;
@@ -183,10 +219,10 @@ export class App {
     $("role").title = { viewer: "You may watch", controller: "You may set a radar that nobody else controls",
       admin: "You may set any radar" }[welcome.role] ?? "";
     this.fillSources();
-    if (this.kept.panes === 2 && this.panes.length === 1) this.setPanes(2);
     this.subscribed = new Set();
     this.subscribe();
-    this.poll();
+    await this.poll(); // what there is to see beside it follows from the first radar
+    if (this.kept.panes === 2 && this.panes.length === 1) this.setPanes(2);
   }
 
   /** Asks for what the panes show; for nothing while the page is hidden. */
@@ -215,11 +251,15 @@ export class App {
     if (type === "FrameBegin")
       this.streams.set(stream, number(body.request_id) ? { request: body.request_id } : { radar: body.frame.radar });
     const of = this.streams.get(stream);
-    if (type === "ReplayState") this.debrief.take(message);
+    if (type === "ReplayState") {
+      const isFirst = !this.debrief.state;
+      this.debrief.take(message);
+      if (isFirst) this.fillSources();
+    }
     if (type === "Error") {
       const asked = this.panes.find(({ pending }) => pending && pending === body.request_id);
       if (asked) asked.refused(new Refused(body));
-      else if (number(body.number) === 102) this.controls.general.textContent = `Control was taken: ${body.text}`;
+      else if (number(body.number) === 102) this.tellNews(this.controls.general.textContent = `Control was taken: ${body.text}`);
       else for (const pane of this.panes) if (!body.radar || pane.radar === body.radar) pane.says = body.text;
       this.poll();
       return;
@@ -235,6 +275,12 @@ export class App {
     if (of?.request && (type === "FrameEnd" || type === "FrameAbort")) this.streams.delete(stream);
   }
 
+  /** Said for some seconds, whatever the page shows. */
+  tellNews(text) {
+    this.news = { text, until_ms: performance.now() + NEWS_MS };
+    this.tell();
+  }
+
   async poll() {
     const { link } = this;
     if (!link.isLive || document.hidden) return;
@@ -248,6 +294,8 @@ export class App {
         pane.info = info;
         pane.status = (this.status.radars ?? []).find((r) => r.radar === radar) ?? null;
       }
+      if (this.filledFor !== this.isWide) this.fillSources();
+      this.filledFor = this.isWide;
     } catch (error) {
       if (error instanceof Refused && error.number === 101) this.fillSources();
     }
@@ -377,9 +425,10 @@ export class App {
     const text = this.said.map((sentence) => sentence.text).join(" ");
     if (words.textContent !== text) words.textContent = text;
     words.title = text;
+    words.tabIndex = words.scrollHeight > words.clientHeight + 1 || words.classList.contains("all") ? 0 : -1; // opened by a click
     words.dataset.grave = String(this.said[0]?.grave ?? 0);
     for (const pane of this.panes) {
-      const own = this.said.find(({ banner, pane: of }) => banner && (!of || of === pane));
+      const own = this.said.find(({ banner, panes }) => banner && (panes?.includes(pane) ?? true));
       pane.say(own?.banner ?? "");
       pane.element.classList.toggle("standby", Boolean(pane.info?.transmit_off));
     }

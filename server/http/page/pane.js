@@ -54,6 +54,7 @@ export class Pane {
 
   clear() {
     this.isSettled = false;
+    this.awaits = true; // its first picture
     this.pending = this.rendered = "";
   }
 
@@ -64,6 +65,7 @@ export class Pane {
       this.app.setScale(this);
       if (bins.begin(body)) ppi.refresh();
       this.says = null;
+      this.awaits = false;
       this.describe();
     } else if (type === "WedgeBlock") {
       const now_ms = performance.now();

@@ -12,13 +12,16 @@ const QUICK = [["antenna.bearing_deg"], ["antenna.tilt_deg"], ["antenna.tilt_aut
   ["receiver.gain_db"], ["receiver.stc_range_m", "STC range"], ["receiver.stc_db", "STC depth"], ["scan.rate_deg_s", "scan rate"],
   ["atmosphere.rain_mm_h"], ["frustum.kind", "frustum"]];
 
+// Of a pose's journey rather than of the antenna: nothing for a form.
+const UNSEEN = ["antenna.sim_time_ns", "antenna.pose_id", "antenna.valid_s", "antenna.geoid_undulation_m"];
+
 const $ = (id) => document.getElementById(id);
 const TABS = ["view", "radar", "setup"];
 
 function make(tag, text, title) {
   const element = document.createElement(tag);
   element.textContent = text;
-  if (title) element.title = title;
+  if (title) element.title = element.dataset.title = title;
   return element;
 }
 
@@ -106,7 +109,7 @@ export class RadarControls {
 
   /** @param {import("./form.js").Parameter[]} table of /parameters.json */
   use(table) {
-    this.table = table.filter(({ message_field }) => message_field);
+    this.table = table.filter(({ message_field, key }) => message_field && !UNSEEN.includes(key));
     this.quick.replaceChildren();
     this.fields = [];
     for (const [key, name] of QUICK) {
@@ -189,15 +192,21 @@ export class RadarControls {
   show() {
     const { info, app } = this;
     const role = app.link.welcome?.role ?? "";
-    const mayControl = app.link.isLive && Boolean(this.radar) && (role === "controller" || role === "admin");
     const holder = info?.controller ?? "";
-    this.holder.textContent = !info ? "" : info.controlled_by_you ? "this page" : holder || "nobody";
+    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : info.controlled_by_you ? "this page" : holder || "nobody";
     this.holder.title = this.holder.textContent;
-    this.claim.textContent = this.isMine ? "release" : holder ? "take over" : "take control";
-    this.claim.disabled = !mayControl || (Boolean(holder) && !this.isMine && role !== "admin");
-    this.claim.classList.toggle("call", mayControl && !this.isMine);
     const mine = this.isMine;
-    for (const button of [this.transmit, this.freeze, ...this.scales]) button.disabled = !mine;
+    const why = app.debrief?.state ? "A recording is as it was: nothing of its radars can be set"
+      : role === "viewer" ? "You may watch; to set a radar takes a token of a controller"
+      : holder && !mine && role !== "admin" ? `${holder} has control; only an admin may take over` : "";
+    this.claim.textContent = mine ? "release" : holder ? "take over" : "take control";
+    this.claim.disabled = !app.link.isLive || !this.radar || Boolean(why);
+    this.claim.title = why || "Only one client at a time sets a radar (K)";
+    this.claim.classList.toggle("call", !this.claim.disabled && !mine);
+    for (const button of [this.transmit, this.freeze, ...this.scales]) {
+      button.disabled = !mine;
+      button.title = mine ? button.dataset.title : why || "Take control first (K)";
+    }
     this.transmit.textContent = info?.transmit_off ? "transmit" : "standby";
     this.transmit.setAttribute("aria-pressed", String(Boolean(info?.transmit_off)));
     this.freeze.setAttribute("aria-pressed", String(Boolean(info?.frozen)));

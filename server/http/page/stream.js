@@ -138,7 +138,7 @@ export class Link {
       const welcome = await this.ask("Hello", { major: 1, minor: 1, client_name: "page", ...(token && { token }) });
       if (this.socket !== socket) return;
       this.welcome = welcome;
-      this.pause_ms = FIRST_PAUSE_MS;
+      this.greeted_ms = performance.now();
       this.#say("live");
       this.heard.welcome(welcome);
     } catch (error) {
@@ -148,12 +148,13 @@ export class Link {
 
   /** Errors that end the connection; the others answer a request or are news. */
   #refuse(error) {
-    this.#drop();
+    const wasLive = this.welcome !== null;
+    this.#drop(error.message);
     if (error.number === 11) {
       const had = this.token !== "";
       this.token = "";
       this.#say("token", had ? error.message : "");
-    } else if (error.number === 2 || error.number === 5) {
+    } else if (error.number === 2 || (error.number === 5 && !wasLive)) {
       this.#say("refused", error.message);
     } else {
       this.#later("lost", error.message);
@@ -203,6 +204,7 @@ export class Link {
   #watch() {
     if (this.socket?.readyState !== WebSocket.OPEN || !this.welcome) return;
     const now = performance.now();
+    if (now - this.greeted_ms > GIVE_UP_MS) this.pause_ms = FIRST_PAUSE_MS; // a connection that lasts
     if (!this.beat || now - this.beat.sent_ms > 4 * BEAT_MS) {
       if (!this.beat && now - (this.beaten_ms ?? 0) < BEAT_MS) return;
       this.beaten_ms = now;
@@ -227,7 +229,8 @@ export class Link {
     this.retry = setTimeout(() => this.open(), pause);
   }
 
-  #drop() {
+  /** @param {string} [why] in the server's words */
+  #drop(why = "the connection was lost") {
     const socket = this.socket;
     this.socket = null;
     this.welcome = null;
@@ -236,7 +239,7 @@ export class Link {
     socket?.close();
     for (const { reject, limit } of this.waiting.values()) {
       clearTimeout(limit);
-      reject(new Error("the connection was lost"));
+      reject(new Error(why));
     }
     this.waiting.clear();
   }

@@ -2,7 +2,7 @@
 
 import { number } from "./messages.js";
 
-/** @typedef {{grave: 0|1|2, text: string, banner?: string}} Sentence 2: the picture is not live */
+/** @typedef {{grave: 0|1|2, text: string, banner?: string, panes?: import("./pane.js").Pane[]}} Sentence 2: the picture is not live; without panes: of all */
 
 /**
  * @param {import("./main.js").App} app
@@ -15,10 +15,25 @@ export function sentences(app) {
   const replay = app.debrief?.state;
   if (replay) found.unshift({ grave: 0, text: `A recording${replay.ended ? "; it has ended" : replay.paused ? "; paused" : ""}.` });
   if (app.look.hold) found.unshift({ grave: 1, text: "The picture is held; press F or Hold to go on.", banner: "HELD" });
+  if (performance.now() < app.news?.until_ms) found.unshift({ grave: 1, text: app.news.text });
   if (app.status?.window_error) found.push({ grave: 1, text: `Ground is missing: ${app.status.window_error}.` });
   if (app.status?.window_loading) found.push({ grave: 0, text: "The server is loading the next ground." });
-  const seen = new Set();
-  return found.filter(({ text }) => !seen.has(text) && seen.add(text)).sort((a, b) => b.grave - a.grave);
+  return joined(found).sort((a, b) => b.grave - a.grave);
+}
+
+/** One sentence for what several panes say, with the names of their radars in front. */
+function joined(found) {
+  const said = new Map();
+  for (const { name, ...sentence } of found) {
+    const before = said.get(sentence.text);
+    if (before) {
+      before.names.add(name);
+      before.panes.push(...(sentence.panes ?? []));
+    } else {
+      said.set(sentence.text, { ...sentence, names: new Set([name]) });
+    }
+  }
+  return [...said.values()].map(({ names, text, ...more }) => ({ ...more, text: [[...names].filter(Boolean).join(", "), text].filter(Boolean).join(": ") }));
 }
 
 /** @param {import("./stream.js").Link} link */
@@ -34,7 +49,7 @@ function linkSentence({ state }) {
     case "silent":
       return { grave: 2, text: "The server is silent; the picture is old.", banner: "NO ANSWER" };
     case "lost":
-      return { grave: 2, text: `No connection to the server${because}.${again}`, banner: "NO CONNECTION" };
+      return { grave: 2, text: `${state.text ? "The server ended the connection" : "No connection to the server"}${because}.${again}`, banner: "NO CONNECTION" };
     case "token":
       return state.text
         ? { grave: 2, text: `The server does not accept this token: ${plain(state.text)}.`, banner: "WRONG TOKEN" }
@@ -55,10 +70,12 @@ function loadingBanner(text) {
 
 function paneSentences(app, pane) {
   const { info, status, bins } = pane;
-  const name = app.panes.length > 1 && pane.radar ? `${pane.radar}: ` : "";
+  const name = app.panes.length > 1 ? pane.radar : "";
   const found = [];
-  const say = (grave, text, banner) => found.push({ grave, text: name + text, banner, pane });
-  if (pane.says) say(1, pane.says);
+  const say = (grave, text, banner) => found.push({ grave, text, name, banner, panes: [pane] });
+  if (pane.says) say(1, pane.says, pane.awaits || pane.frustum ? `NO PICTURE\n${pane.says}` : undefined);
+  else if (pane.awaits && !app.look.hold && !info?.transmit_off && !info?.fault)
+    say(0, `Waiting for the first picture of ${pane.radar || `the ${pane.frustum} frustum`}.`, "WAITING");
   if (info?.transmit_off) say(1, "Standby: the transmitter is off.", "STANDBY");
   if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "FROZEN");
   if (info?.fault) say(2, `The radar cannot render: ${plain(info.fault)}.`, "FAULT");

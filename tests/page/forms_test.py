@@ -1,0 +1,117 @@
+"""The page's forms and words: numbers that no radar takes, what a second picture shows, what is said and where."""
+import unittest
+
+import support
+
+ONE_RADAR = support.SCENE[:support.SCENE.index("[[radar]]")] + """
+[[radar]]
+name = "round"
+sector_deg = 360.0
+r_min_m = 3500.0
+r_max_m = 15000.0
+"""
+
+
+class Forms(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = support.Daemon()
+        cls.page = support.Page()
+
+    def show(self, fragment="a=main", url=None):
+        self.page.open(url or self.daemon.url, fragment)
+        self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
+
+    def take_control(self):
+        self.page.await_script("!document.getElementById('claim').disabled", "control to take")
+        self.page.script("if (!obliq.controls.isMine) document.getElementById('claim').click()")
+        self.page.await_script("obliq.controls.isMine && document.querySelector('#setup [data-key]')", "the form")
+
+    def test_a_mistyped_number_is_refused_beside_its_field(self):
+        self.show("a=main&tab=setup")
+        self.take_control()
+        for key, section, typed, allowed in (("bins.azimuth", "bins", "1.5", "integer 1 to 8192"), ("bins.azimuth", "bins", "4294967295", "8192"),
+                                             ("bins.azimuth", "bins", "1e12", "8192"), ("bins.azimuth", "bins", "", "8192"),
+                                             ("radar.sector_deg", "radar", "0", "above 0"), ("radar.sector_deg", "radar", "361", "360")):
+            with self.subTest(key=key, typed=typed):
+                refusal = self.page.script("""
+                    obliq.controls.section.value = arguments[0];
+                    obliq.controls.section.onchange();
+                    const field = document.querySelector(`#setup [data-key="${arguments[1]}"]`);
+                    window.asked = obliq.link.sequence;
+                    field.value = arguments[2];
+                    field.dispatchEvent(new Event('change'));
+                    window.sent = obliq.link.sequence - window.asked;
+                    return field.closest('.field').querySelector('.refusal').textContent;""", section, key, typed)
+                self.assertIn(allowed, refusal)
+                self.assertIn(f"found {typed}" if typed else "no number", refusal)
+                self.assertEqual(self.page.script("return sent"), 0, "requests")
+        self.page.script("const f = document.querySelector('#setup [data-key=\"radar.sector_deg\"]'); f.value = '50'; f.dispatchEvent(new Event('change'))")
+        self.page.await_script("obliq.panes[0].info.settings.sector_deg === 50", "a value that is allowed")
+        self.assertTrue(self.page.script("return obliq.link.isLive && obliq.controls.isMine"))
+
+    def test_a_session_that_ends_by_an_error_is_said_and_begun_anew(self):
+        self.show()
+        why = self.page.driver.execute_async_script("""const done = arguments[arguments.length - 1];
+            obliq.link.ask('SetPose', { radar: 'main', nonsense: 1 }).catch((error) => setTimeout(() => done([error.message, document.getElementById('words').textContent])));""")
+        self.assertIn("nonsense", why[0])
+        self.assertIn("nonsense", why[1])
+        self.page.await_script("obliq.link.isLive", "the connection again")
+        self.page.await_frame(1)
+
+    def test_the_second_picture_is_one_that_the_radar_allows(self):
+        daemon = support.Daemon(ONE_RADAR)
+        self.addCleanup(daemon.close)
+        self.show("", daemon.url)
+        self.page.await_script("obliq.panes[0].info", "the radar")
+        self.page.script("document.getElementById('two').click()")
+        self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture")
+        self.assertEqual(self.page.script("return obliq.panes[1].source"), "frustum polar")
+        self.assertNotIn("frustum symmetric", self.page.script("return [...obliq.panes[1].pick.options].map(({ value }) => value)"))
+        self.show("panes=2", daemon.url)
+        self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture of a bookmark")
+        self.page.script("obliq.choose(obliq.panes[1], 'frustum symmetric')")
+        banner = "obliq.panes[{}].banner"
+        self.page.await_script(f"{banner.format(1)}.textContent.includes('symmetric') && !{banner.format(1)}.hidden", "a refusal in its picture")
+        self.assertTrue(self.page.script(f"return {banner.format(0)}.hidden"))
+
+    def test_an_address_has_what_was_chosen_and_no_more(self):
+        self.show("")
+        self.page.script("document.getElementById('tab-radar').click()")
+        self.assertEqual(self.page.script("return location.hash"), "#tab=radar")
+        self.page.script("document.getElementById('tab-view').click()")
+        self.assertEqual(self.page.script("return location.hash"), "")
+
+    def test_a_picture_that_has_not_come_is_waited_for(self):
+        self.show()
+        self.page.script("window.take = obliq.take; obliq.take = () => {}; obliq.choose(obliq.panes[0], 'radar wide')")
+        self.page.await_words("Waiting for the first picture of wide.")
+        self.assertFalse(self.page.script("return obliq.panes[0].banner.hidden"))
+        self.page.script("obliq.take = window.take")
+        self.page.await_script("obliq.panes[0].banner.hidden && !document.getElementById('words').textContent.includes('Waiting')", "the picture")
+
+    def test_what_two_radars_have_in_common_is_said_once(self):
+        self.show("a=main&panes=2&b=radar%20wide")
+        self.page.await_script("obliq.panes[1]?.info && obliq.panes[1].bins.frames", "two pictures")
+        self.page.size(390, 844, True)
+        self.addCleanup(self.page.size, 1366, 768)
+        text, one, all_lines, closed = self.page.script("""
+            const words = document.getElementById('words');
+            for (const { info } of obliq.panes) Object.assign(info, { pose_stale: true, frozen: true, fault: 'that '.repeat(20) });
+            obliq.tell();
+            const cut = () => words.scrollHeight - words.clientHeight;
+            const one = [cut(), words.tabIndex];
+            words.click();
+            const open = cut();
+            words.click();
+            return [words.textContent, one, open, cut()];""")
+        self.assertEqual(text.count("stale"), 1, text)
+        self.assertIn("main, wide: The pose is stale", text)
+        self.assertGreater(one[0], 0)
+        self.assertEqual(one[1], 0, "reached by Tab")
+        self.assertLessEqual(all_lines, 1)
+        self.assertEqual(closed, one[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
