@@ -29,6 +29,8 @@ InputError not_a_target(const std::string& text, const std::string& found) {
 
 sockaddr_in address_of(const std::string& text) {
   const std::size_t colon = text.rfind(':');
+  // Neither an IPv4 address nor a name has a colon of its own; "[::1]:8600" and "::1" have.
+  if (colon != text.find(':')) throw not_a_target(text, " (an IPv6 address: CAT 240 is sent over IPv4 only)");
   std::uint16_t port = 0;
   const char* const end = text.data() + text.size();
   if (colon == 0 || colon == std::string::npos) throw not_a_target(text, "");

@@ -17,6 +17,9 @@ namespace obliq::net {
 
 class Security;
 
+/// Of a subscription: a frame in a quarter of an hour. Much lower rates would overflow the clock.
+inline constexpr double kLeastRate_hz = 0.001;
+
 /// What the network side of a server may be told. Times in seconds.
 struct ServerOptions : ServerLimits, StreamConfig {
   std::string address = "127.0.0.1";
@@ -27,7 +30,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
 
   std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, every client is admin
 
-  double max_rate_hz = 100;
+  double max_rate_hz = 100;  ///< of a subscription
   /// Bytes of live frames that wait for one client; a begun frame that would exceed them is aborted.
   std::size_t queue_bytes = std::size_t{256} << 20;
   /// A RenderOnce frame is rendered in slices of about this many bytes, the next one when the client has

@@ -20,9 +20,6 @@ namespace {
 /// RenderOnce names no radar of ours; the name is only echoed.
 constexpr std::size_t kMaxEchoedName = 256;
 
-/// Of a subscription: a frame in a quarter of an hour. Much lower rates would overflow the clock.
-constexpr double kLeastRate_hz = 0.001;
-
 }  // namespace
 
 void Requests::subscribe(const wire::Subscribe& request) {

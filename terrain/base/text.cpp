@@ -21,6 +21,10 @@ std::string short_number(double value, int digits) {
 
 std::string percent_text(double fraction) { return short_number(100 * fraction) + " %"; }
 
+std::string counted(std::uint64_t number, const std::string& thing) {
+  return fmt::format("{} {}{}", number, thing, number == 1 ? "" : "s");
+}
+
 std::string metres_text(double value_m) { return fmt::format("{:.2f} m", value_m); }
 
 std::string duration_text(double seconds) {

@@ -1,5 +1,6 @@
 #pragma once
 // Numbers as readers want them, and text of strangers made fit to show.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ std::string percent_text(double fraction);
 std::string metres_text(double value_m);
 /// "45 s", "12 min", rounded up.
 std::string duration_text(double seconds);
+
+/// "1 frame", "2 frames".
+std::string counted(std::uint64_t number, const std::string& thing);
 
 /// With spaces for line breaks.
 std::string one_line(std::string text);

@@ -289,6 +289,32 @@ TEST_F(Cat240Command, CellsThatAreTooLongAreRefusedByName) {
   EXPECT_EQ(cat240({daemon.address(), "--to", receiver.to, "--frames", "1"}).code, 0);
 }
 
+TEST_F(Cat240Command, ARateThatTheServerRefusesIsRefusedBeforeAnythingIsSaidToBeSent) {
+  const Daemon daemon({"--config", folder.write("scene.toml", text_of(SmallScene{}))}, folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  client::Client client;
+  ASSERT_TRUE(client.connect(*client::parse_endpoint(daemon.address())).ok());
+  const double most_hz = client.welcome().limits().max_rate_hz();
+  for (const double rate_hz : {most_hz * 1.001, 9999.0}) {
+    const Outcome outcome =
+        cat240({daemon.address(), "--to", receiver.to, "--rate", std::to_string(rate_hz)});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.out, "") << "nothing is sent";
+    EXPECT_NE(outcome.err.find("allowed: a number from 0.001 to 100 ("), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(most_hz, 100) << "what the server takes, and what the command says";
+}
+
+TEST_F(Cat240Command, OneFrameIsCountedInTheSingular) {
+  const Daemon daemon({"--config", folder.write("scene.toml", text_of(SmallScene{}))}, folder.path());
+  ASSERT_NE(daemon.address(), "") << daemon.log();
+  const Outcome outcome = cat240({daemon.address(), "--to", receiver.to, "--frames", "1"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find(": 1 frame, 36 radials, 37 datagrams sent, 0 could not be sent\n"),
+            std::string::npos)
+      << outcome.out;
+}
+
 TEST_F(Cat240Command, AReplayWithoutVideoIsRefusedWithThePlanesThatItHas) {
   const std::string scene = folder.write("scene.toml", text_of(SmallScene{}));
   const std::string file = folder / "state.obliq";
@@ -304,6 +330,7 @@ TEST_F(Cat240Command, AReplayWithoutVideoIsRefusedWithThePlanesThatItHas) {
   Running replay({"replay", file, "--serve", "--loop", "--port", "0"}, folder / "replay.log");
   const Outcome outcome = cat240({replay.await(" on "), "--to", receiver.to});
   EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.out, "") << "nothing is sent";
   EXPECT_NE(outcome.err.find("video"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("allowed: state"), std::string::npos) << outcome.err;
 }

@@ -17,7 +17,7 @@ struct NumberOption {
 const std::string kFrames = "a whole number from 0 to 1000000000000";
 const std::string kSeconds = "a whole number from 0 to 86400";
 const std::string kThreads = "a whole number from 0 to 1024";
-const std::string kRate = "a number from 0.001 to 10000";
+const std::string kRate = "a number from 0.001 to 100";
 
 const std::vector<NumberOption> kOptions = {
     {"get", "--wait", kSeconds},
@@ -31,7 +31,8 @@ const std::vector<NumberOption> kOptions = {
     {"record", "--reconnect", kSeconds},
     {"replay", "--frames", kFrames},
     {"replay", "--port", "a whole number from 0 to 65535"},
-    {"replay", "--speed", "0.01 to 1000000, or max", false},
+    {"replay", "--speed", "0.01 to 1000000 recorded seconds in a second, or max", false},
+    {"cat240", "--rate", kRate, false},
     {"render", "--threads", kThreads},
     {"explain", "--threads", kThreads},
     {"frontier", "--threads", kThreads},
@@ -51,6 +52,7 @@ std::vector<std::string> line_of(const std::string& command, const std::string& 
                                  const std::string& value) {
   std::vector<std::string> words = {command, option + "=" + value};
   if (command == "get" || command == "record") words.insert(words.end(), {"--out", "out"});
+  if (command == "cat240") words.insert(words.end(), {"--to", "127.0.0.1:8600"});
   if (command == "health") words.insert(words.end(), {"--config", "none.toml"});
   if (command == "replay" || command == "render" || command == "explain" || command == "frontier") {
     words.emplace_back("none");

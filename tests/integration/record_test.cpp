@@ -117,7 +117,9 @@ TEST_F(RecordTest, WhatIsWrongWithARecordingIsSaidInALine) {
   EXPECT_NE(outcome.err.find("missing.obliq: cannot be read: No such file"), std::string::npos)
       << outcome.err;
   outcome = obliq({"replay", file, "--speed", "0"});
-  EXPECT_NE(outcome.err.find("--speed: found \"0\"; allowed: 0.01 to 1000000, or max"), std::string::npos)
+  EXPECT_NE(
+      outcome.err.find("--speed: found \"0\"; allowed: 0.01 to 1000000 recorded seconds in a second, or max"),
+      std::string::npos)
       << outcome.err;
   outcome = obliq({"replay", file, "--serve", "--address", "0.0.0.0"});
   EXPECT_EQ(outcome.code, 1);

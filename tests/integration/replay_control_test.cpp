@@ -213,7 +213,8 @@ TEST_F(ReplayControl, BadWishesAreRefusedWithWhatIsAllowedAndChangeNothing) {
     std::function<void(wire::SetReplay&)> fill;
     std::string field, allowed;
   } cases[] = {
-      {[](wire::SetReplay& r) { r.set_speed(0); }, "speed", "0.01 to 1000000, or infinity"},
+      {[](wire::SetReplay& r) { r.set_speed(0); }, "speed",
+       "0.01 to 1000000 recorded seconds in a second, or infinity (without waiting)"},
       {[](wire::SetReplay& r) { r.set_speed(-1); }, "speed", "0.01 to"},
       {[](wire::SetReplay& r) { r.set_speed(std::nan("")); }, "speed", "0.01 to"},
       {[](wire::SetReplay& r) { r.set_seek_s(-0.1); }, "seek_s", "0 to 59.999 s, its length"},

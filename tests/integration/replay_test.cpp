@@ -315,7 +315,7 @@ TEST_F(RecordTest, FramesThatAreLostAreCountedAndReplayedAroundWithAnExitCodeOfT
   const std::string cut = folder.write("cut.obliq", made(2).substr(0, made(2).size() - 1));
   outcome = obliq({"replay", cut, "--speed", "max"});
   EXPECT_EQ(outcome.code, 0) << "a recorder that was killed loses its last frame and no other";
-  EXPECT_NE(outcome.out.find("1 frames, "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1 frame, "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find(", the end is cut\n"), std::string::npos) << outcome.out;
 
   const Outcome help = obliq({"replay", "--help"});

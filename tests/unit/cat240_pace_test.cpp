@@ -142,6 +142,16 @@ TEST(Cat240Sender, BadAddressesAreRefusedWithWhatIsAllowed) {
       EXPECT_NE(std::string(error.what()).find("allowed: HOST:PORT"), std::string::npos) << error.what();
     }
   }
+  for (const char* to : {"[::1]:8600", "::1:8600", "::1", "fe80::1%eth0:8600"}) {
+    try {
+      UdpTarget target({.to = to});
+      FAIL() << to;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("an IPv6 address: CAT 240 is sent over IPv4 only"),
+                std::string::npos)
+          << error.what();
+    }
+  }
   for (const char* interface : {"lo", "203.0.113.7", "1.2.3"}) {
     try {
       UdpTarget target({.to = "239.192.24.1:8600", .interface = interface});

@@ -18,6 +18,7 @@
 #include "server/asterix/radials.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/seconds.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -134,8 +135,8 @@ class Feed {
   }
   std::string text(std::uint64_t frames) const {
     const asterix::SenderCounts counts = sender_.counts();
-    return fmt::format("{} frames, {} radials, {} datagrams sent, {} could not be sent", frames, radials_,
-                       counts.sent, counts.not_sent);
+    return fmt::format("{}, {}, {} sent, {} could not be sent", counted(frames, "frame"),
+                       counted(radials_, "radial"), counted(counts.sent, "datagram"), counts.not_sent);
   }
 
  private:
@@ -159,8 +160,8 @@ class Feed {
   void tell_trouble(Clock::time_point now) {
     const asterix::SenderCounts counts = sender_.counts();
     if (counts.not_sent == told_ || now - told_at_ < kTroublePause) return;
-    std::fprintf(stderr, "warning: %llu datagrams could not be sent: %s\n",
-                 static_cast<unsigned long long>(counts.not_sent - told_), std::strerror(counts.error));
+    std::fprintf(stderr, "warning: %s could not be sent: %s\n",
+                 counted(counts.not_sent - told_, "datagram").c_str(), std::strerror(counts.error));
     told_ = counts.not_sent;
     told_at_ = now;
   }
@@ -180,17 +181,15 @@ class Feed {
   asterix::PacedSender sender_;
 };
 
-void print_start(const Cat240Arguments& arguments, const asterix::UdpTarget& target,
-                 const std::string& radar) {
+std::string start_text(const Cat240Arguments& arguments, const asterix::UdpTarget& target,
+                       const std::string& radar) {
   const std::string way =
       target.is_multicast() ? fmt::format("multicast, TTL {}", arguments.udp.ttl) : "unicast";
-  std::printf(
-      "%s: sends ASTERIX CAT 240, edition 1.3, to %s (%s), levels of %d bits, SAC %d, SIC %d, a summary "
-      "every %g s\n"
+  return fmt::format(
+      "{}: sends ASTERIX CAT 240, edition 1.3, to {} ({}), levels of {} bits, SAC {}, SIC {}, a summary "
+      "every {} s\n"
       "UDP is not protected: anyone in the network can read this video, and forge it\n",
-      radar.c_str(), target.text().c_str(), way.c_str(), arguments.bits, arguments.sac, arguments.sic,
-      arguments.summary_s);
-  std::fflush(stdout);
+      radar, target.text(), way, arguments.bits, arguments.sac, arguments.sic, arguments.summary_s);
 }
 
 void run(Cat240Arguments& arguments) {
@@ -206,7 +205,7 @@ void run(Cat240Arguments& arguments) {
   const wire::RadarSettings& settings = info.settings();
   refuse_long_cells((settings.r_max_m() - settings.r_min_m()) / settings.range_bins(), radar);
 
-  print_start(arguments, target, radar);
+  const std::string start = start_text(arguments, target, radar);
   Feed feed(arguments, std::move(target));
   asterix::Radials radials({[&feed](const wire::FrameDescriptor& frame) { return feed.begin(frame); },
                             [&feed](const asterix::RadialGroup& group) { feed.take(group); }});
@@ -217,6 +216,8 @@ void run(Cat240Arguments& arguments) {
   request.add_planes(wire::VIDEO);
   request.set_video_bits(static_cast<std::uint32_t>(arguments.bits));
   require(client.subscribe(request));
+  std::fputs(start.c_str(), stdout);  // only now that nothing is refused
+  std::fflush(stdout);
   while (!interrupted() && (arguments.frames == 0 || radials.whole_frames() < arguments.frames)) {
     const client::Status status = client.receive(kPatience);
     feed.look_at_the_clock();

@@ -17,6 +17,7 @@
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "terrain/base/seconds.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -87,7 +88,7 @@ class Recorder {
 
   bool finished() const { return most_frames_ != 0 && frames_ >= most_frames_; }
   std::string text(Clock::time_point start) const {
-    return fmt::format("{} frames, {} left out on the way, {:.1f} MB, {:.1f} s", frames_, skipped_,
+    return fmt::format("{}, {} left out on the way, {:.1f} MB, {:.1f} s", counted(frames_, "frame"), skipped_,
                        static_cast<double>(writer_.bytes()) * 1e-6, seconds_since(start));
   }
 

@@ -31,6 +31,7 @@
 #include "server/security/networks.h"
 #include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -59,7 +60,7 @@ double speed_of(const std::string& text) {
   double speed = 0;
   if (CLI::detail::lexical_cast(text, speed) && speed >= kSlowestReplay && speed <= kFastestReplay)
     return speed;
-  throw InputError("--speed: found \"" + text + "\"; allowed: 0.01 to 1000000, or max");
+  throw InputError("--speed: found \"" + text + "\"; allowed: " + replay_speeds() + ", or max");
 }
 
 void warn(const std::string& note) { std::fprintf(stderr, "warning: %s\n", note.c_str()); }
@@ -102,8 +103,8 @@ void print_frame(const client::RecordedFrame& recorded, std::int64_t start_ns) {
 /// What the file held, in a line: also that nothing is missing is said.
 std::string end_line(const RecordedFrames& frames, std::uint64_t shown) {
   const client::RecordingReader& reader = frames.reader();
-  std::string line =
-      fmt::format("{} frames, {} whole messages, {} bytes", shown, reader.messages(), reader.offset());
+  std::string line = fmt::format("{}, {} whole messages, {} bytes", counted(shown, "frame"),
+                                 reader.messages(), reader.offset());
   if (frames.aborted() > 0) line += fmt::format(", {} aborted", frames.aborted());
   if (frames.losses().any()) line += ", " + frames.losses().text();
   if (frames.cut()) line += ", the end is cut";

@@ -8,13 +8,12 @@
 #include <string>
 #include <system_error>
 
+#include "server/net/options.h"
+
 namespace obliq {
 namespace {
 
 constexpr std::uint64_t kMostCounted = 1'000'000'000'000;
-// The least that a server takes (`Subscribe.rate_hz`), and more than any can give.
-constexpr double kLeastRate_hz = 0.001;
-constexpr double kMostRate_hz = 10000;
 
 std::string text_of(double value) { return fmt::format("{:.10g}", value); }
 
@@ -47,6 +46,6 @@ CLI::Validator number_from(double least, double most) {
 }
 
 CLI::Validator a_count() { return whole_number_from(0, kMostCounted); }
-CLI::Validator a_rate() { return number_from(kLeastRate_hz, kMostRate_hz); }
+CLI::Validator a_rate() { return number_from(net::kLeastRate_hz, net::ServerOptions{}.max_rate_hz); }
 
 }  // namespace obliq

@@ -14,7 +14,7 @@ CLI::Validator number_from(double least, double most);
 
 /// Of frames or samplings, where 0 is without end.
 CLI::Validator a_count();
-/// Frames a second: what a server may be asked for; it has a limit of its own.
+/// Frames a second: what a server may be asked for.
 CLI::Validator a_rate();
 
 }  // namespace obliq

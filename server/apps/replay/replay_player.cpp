@@ -197,12 +197,17 @@ std::int64_t ReplayPlayer::place_ns() const {
   return std::clamp<std::int64_t>(frame_place_ns_ + clock_.now_ns() - frame_at_ns_, 0, duration_ns_);
 }
 
+std::string replay_speeds() {
+  return fmt::format("{:.10g} to {:.10g} recorded seconds in a second", kSlowestReplay, kFastestReplay);
+}
+
 std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
   std::vector<FieldError> errors;
   const bool speed_is_good = (wish.speed() >= kSlowestReplay && wish.speed() <= kFastestReplay) ||
                              wish.speed() == std::numeric_limits<double>::infinity();
   if (wish.has_speed() && !speed_is_good)
-    errors.push_back({"speed", toml_number(wish.speed()), "0.01 to 1000000, or infinity"});
+    errors.push_back(
+        {"speed", toml_number(wish.speed()), replay_speeds() + ", or infinity (without waiting)"});
   const double duration_s = 1e-9 * static_cast<double>(duration_ns_);
   if (wish.has_seek_s() && !(wish.seek_s() >= 0 && wish.seek_s() <= duration_s))
     errors.push_back(

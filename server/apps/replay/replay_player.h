@@ -25,6 +25,8 @@ struct ReplayOptions {
 /// Slower than a hundredth or faster than a million times, a replay shows nothing.
 constexpr double kSlowestReplay = 0.01;
 constexpr double kFastestReplay = 1e6;
+/// What is said to be allowed, before the word for infinity.
+std::string replay_speeds();
 
 class ReplayPlayer : public net::ReplayControl {
  public:

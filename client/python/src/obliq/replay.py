@@ -66,7 +66,7 @@ class Replay:
         self._server._run("call", wire.SetReplay(paused=False))
 
     def set_speed(self, factor):
-        """Recorded seconds in a second: 0.01 to 1e6, or infinity."""
+        """Recorded seconds in a second: 0.01 to 1000000, or math.inf: without waiting."""
         self._server._run("call", wire.SetReplay(speed=factor))
 
     def seek(self, position_s=None, *, sim_time_ns=None):
