@@ -92,7 +92,7 @@ std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthR
   return std::make_unique<RaySamples>(plan, range, observer, profile);
 }
 
-void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
+void begin_wedge(WedgeWork& work, int index, double far_m, HitObserver* observer) {
   const int bin = index * kWedgeAzimuthBins;
   const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
   const StageProbe probe(Stage::bin);
@@ -105,7 +105,7 @@ void begin_wedge(WedgeWork& work, int index, HitObserver* observer) {
   work.visibility.emplace(work.plan, range, !echoes);
   if (echoes) {
     work.cells.restart(range.first);
-    work.sweep = std::make_unique<SweepEchoes>(work.plan, range, work.cells);
+    work.sweep = std::make_unique<SweepEchoes>(work.plan, range, work.cells, far_m);
   } else {
     work.echo.restart(range);
     work.source = make_sample_source(work.plan, range, observer, &*work.visibility);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -24,12 +25,16 @@ class BegunWedges {
       : tables(plan.traced()), next(first_wedge), end(end_wedge), work(static_cast<std::size_t>(threads)) {
     if (plan.echo() == nullptr) return;
     rows.emplace(*plan.echo(), first_wedge, end_wedge);
+    outputs = {
+        first_wedge * kWedgeAzimuthBins,
+        std::min(end_wedge * kWedgeAzimuthBins, plan.echo()->n_azimuth) - first_wedge * kWedgeAzimuthBins};
     next = 0;
     end = rows->n_sharp();
   }
 
   const FrameTables tables;
   std::optional<EchoRows> rows;  // of a frame that is made from sharp wedges
+  AzimuthRange outputs{};        // that are made of them
   // Wedges to render: their own numbers, or places in the order of `rows`.
   std::atomic<int> next;
   int end;
@@ -88,7 +93,7 @@ class WedgeThreads {
         const int index = begun_.rows ? begun_.rows->sharp_wedge(place) : place;
         if (begun_.rows && take_kept(index)) continue;
         if (options_.before_wedge) options_.before_wedge(index);
-        begin_wedge(work, index, begun_.rows ? nullptr : options_.observer);
+        begin_wedge(work, index, far_m(index), begun_.rows ? nullptr : options_.observer);
       }
       if (!render_wedge(work, wants_states(work.wedge.index), may_go_on)) {
         if (!stopped()) paused_ = true;
@@ -110,6 +115,15 @@ class WedgeThreads {
     const EchoPlan& echo = *plan_.echo();
     const int first = index * kWedgeAzimuthBins - echo.first_azimuth;
     return first + kWedgeAzimuthBins > 0 && first < echo.n_azimuth * echo.azimuth_parts;
+  }
+
+  /// How far a wedge must see. A beam that looks steeply down is wider on the ground, so that of the outer
+  /// sharp wedges only what is near counts. A scan's next dwell looks at them again: there only those beside
+  /// the whole sector see less.
+  double far_m(int index) const {
+    if (!begun_.rows) return std::numeric_limits<double>::infinity();
+    const EchoPlan& echo = *plan_.echo();
+    return needed_range_m(echo, index, options_.sharp ? AzimuthRange{0, echo.n_azimuth} : begun_.outputs);
   }
 
   /// A sharp wedge of the dwell before.

@@ -53,8 +53,8 @@ void count_states(Wedge& wedge);
 /// Ground area of a wedge's azimuth bins, added to its counts.
 void measure_coverage(const FramePlan& plan, Wedge& wedge);
 
-/// Takes wedge `index` in hand.
-void begin_wedge(WedgeWork& work, int index, HitObserver* observer);
+/// Takes wedge `index` in hand. Its bins beyond far_m may stay dark.
+void begin_wedge(WedgeWork& work, int index, double far_m, HitObserver* observer);
 
 /// The pipeline, without the area (measure_coverage). True: work.wedge is finished. False: may_go_on() said
 /// no after a batch, and the next call goes on from there.

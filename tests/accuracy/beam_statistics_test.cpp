@@ -297,6 +297,15 @@ TEST(NoSpeckle, IsTheRootOfThePowerWithThePhaseOfTheBinsMiddle) {
   }
 }
 
+void expect_part(const Frame& whole, const RadarSettings& s, const Pose& pose, AzimuthRange azimuths,
+                 const RenderOptions& options) {
+  const Frame part = render(scene_with_houses(), test::snapshot(s), pose, azimuths, options);
+  BinBlock same(azimuths.first, azimuths.count, s.range_bins);
+  copy_azimuths(whole.bins, same);
+  EXPECT_TRUE(test::same_bits(same.iq, part.bins.iq)) << azimuths.first;
+  EXPECT_TRUE(test::same_bits(same.power_w, part.bins.power_w)) << azimuths.first;
+}
+
 class SameBitsBehindABeam : public testing::TestWithParam<SpeckleKind> {};
 
 TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
@@ -317,16 +326,9 @@ TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
     EXPECT_EQ(one.bins.state, several.bins.state);
     EXPECT_EQ(one.stats.samples, several.stats.samples);
   }
-  const auto part_of = [&](int first, int count) {
-    const Frame part = render(scene, test::snapshot(s), pose, {first, count}, options);
-    BinBlock same(first, count, s.range_bins);
-    copy_azimuths(one.bins, same);
-    EXPECT_TRUE(test::same_bits(same.iq, part.bins.iq)) << first;
-    EXPECT_TRUE(test::same_bits(same.power_w, part.bins.power_w)) << first;
-  };
-  part_of(0, 8);
-  part_of(48, 16);
-  part_of(96, 4);
+  expect_part(one, s, pose, {0, 8}, options);
+  expect_part(one, s, pose, {48, 16}, options);
+  expect_part(one, s, pose, {96, 4}, options);
   const auto plan = plan_frame(scene, test::snapshot(s), pose).plan;
   ASSERT_TRUE(plan);
   RenderPause pause;
@@ -342,8 +344,20 @@ TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
   } while (pause.begun);
   EXPECT_GT(calls, 10);
   EXPECT_TRUE(test::same_bits(one.bins.iq, paused.iq));
-  EXPECT_TRUE(test::same_bits(one.bins.power_w, paused.power_w));
 }
+
+TEST(BeamLookingDown, WhereOuterSharpWedgesSeeTheNearGroundAlone) {
+  RadarSettings s = blurred(FrustumKind::sweep);
+  s.sub_columns = 64;
+  s.r_min_m = 1030;
+  s.r_max_m = s.r_min_m + 15 * s.range_bins;
+  const Pose pose = test::pose_over_origin(scene_with_houses()->world(), 1000);
+  const EchoPlan echo = *plan_frame(scene_with_houses(), test::snapshot(s), pose).plan->echo();
+  const AzimuthRange part{48, 8};
+  EXPECT_LT(needed_range_m(echo, echo.first_row(part.first) / kWedgeAzimuthBins, part), s.r_max_m - 500);
+  expect_part(render(scene_with_houses(), test::snapshot(s), pose, {0, s.azimuth_bins}), s, pose, part, {});
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, SameBitsBehindABeam,
                          testing::Values(SpeckleKind::ground, SpeckleKind::independent, SpeckleKind::none,
                                          SpeckleKind::geometric));

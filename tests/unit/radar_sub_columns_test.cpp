@@ -29,7 +29,7 @@ BinBlock wedge_with(const FramePlan& plan, const FrameTables& tables, const Kern
   const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
   EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true, kernels);
   cells.restart(0);
-  SweepEchoes sweep(plan, range, cells, kernels);
+  SweepEchoes sweep(plan, range, cells, std::numeric_limits<double>::infinity(), kernels);
   FrameStats stats;
   while (sweep.step(stats)) {
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "server/radar/beam/patterns.h"
@@ -215,6 +216,24 @@ std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace
   if (!planner.widen_sector(errors)) return std::nullopt;
   planner.widen_pixels();
   return std::move(planner.plan);
+}
+
+double needed_range_m(const EchoPlan& plan, int sharp_wedge, AzimuthRange outputs) {
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  if (plan.wraps) return kEverywhere;
+  const int first = sharp_wedge * kWedgeAzimuthBins;
+  const int from = plan.first_row(outputs.first);
+  const int to = plan.first_row(outputs.first + outputs.count - 1);
+  std::size_t needed = plan.tiles.size();
+  for (; needed > 0; --needed) {
+    const AzimuthWeights& tile = plan.tiles[needed - 1];
+    if (first < to + tile.first + static_cast<int>(tile.voltage.size()) &&
+        first + kWedgeAzimuthBins > from + tile.first)
+      break;
+  }
+  if (needed == plan.tiles.size()) return kEverywhere;
+  const double sharp_m = (plan.sharp.r_max_m - plan.sharp.r_min_m) / plan.sharp.range_bins;
+  return plan.sharp.r_min_m + static_cast<double>(needed + 1) * EchoPlan::kTile * sharp_m;
 }
 
 }  // namespace obliq

@@ -64,6 +64,10 @@ struct EchoPlan {
 /// Whether the bins of these settings are made from sharp ones.
 inline bool needs_echo_plan(const RadarSettings& s) { return blurs(s) || draws_speckle(s); }
 
+/// The range up to which a sharp wedge counts for some output bins, a few bins more for scatterers that lie
+/// across an edge; without end where all of it may.
+double needed_range_m(const EchoPlan& plan, int sharp_wedge, AzimuthRange outputs);
+
 /// Of settings that need one. Nothing, with a reason, where the sector leaves no room.
 std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace& place,
                                   std::vector<FieldError>& errors);

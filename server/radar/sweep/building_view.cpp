@@ -33,9 +33,10 @@ double lowest_slope_in_swath(const FramePlan& plan) {
   return lowest_m / std::sqrt((r_min_m - lowest_m) * (r_min_m + lowest_m));
 }
 
-BuildingView::BuildingView(const FramePlan& plan, const Kernels& kernels)
+BuildingView::BuildingView(const FramePlan& plan, double far_m, const Kernels& kernels)
     : plan_(plan),
       kernels_(kernels),
+      far_m_(far_m),
       planes_(sweep_columns_per_bin(plan.settings())),
       lowest_slope_(lowest_slope_in_swath(plan)) {
   const BinGrid& bins = plan.bins();
@@ -52,7 +53,7 @@ BuildingView::BuildingView(const FramePlan& plan, const Kernels& kernels)
   NodeProfiles& nodes = columns_.nodes;
   nodes.planes = planes_;
   nodes.node_m = as_float(node_m);
-  nodes.n_nodes = static_cast<int>(plan.building_reach_m() / node_m) + 8;
+  nodes.n_nodes = static_cast<int>(far_m_ / node_m) + 8;
   nodes.stride = (nodes.n_nodes + 31) / 16 * 16;
   const std::size_t n = static_cast<std::size_t>(nodes.stride) * static_cast<std::size_t>(planes_);
   for (std::vector<float>* values : {&horizon_, &clearance_, &range_bin_, &hidden_}) values->resize(n);
@@ -206,7 +207,7 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
   const double roof_m = static_cast<double>(of.roof_y_m) - plan_.sector().antenna_m.y;
   const double top_slope = roof_m / (1.001 * static_cast<double>(far_m));
   const std::size_t n = corners_.size() - first;
-  if (n < 3 || static_cast<double>(near_m) > plan_.building_reach_m() || !(to > -half_) || !(from < half_) ||
+  if (n < 3 || static_cast<double>(near_m) > far_m_ || !(to > -half_) || !(from < half_) ||
       (roof_m < 0 && top_slope < lowest_slope_)) {
     corners_.resize(first);
     return;

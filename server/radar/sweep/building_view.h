@@ -21,7 +21,8 @@ class BuildingView {
   /// The most parts that a step looks at.
   static constexpr int kMostParts = 512;
 
-  explicit BuildingView(const FramePlan& plan, const Kernels& kernels);
+  /// far_m: buildings that begin beyond it are left out.
+  BuildingView(const FramePlan& plan, double far_m, const Kernels& kernels);
 
   /// Begins with another azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool start(int azimuth_bin, int profile);
@@ -65,6 +66,7 @@ class BuildingView {
 
   const FramePlan& plan_;
   const Kernels& kernels_;
+  double far_m_;
   int planes_;
   int least_n_;
   int most_n_;

@@ -22,6 +22,9 @@ constexpr double kFinest_m = 1;
 constexpr double kNearest_m = 100;
 constexpr double kNearestHeights = 8;
 
+/// What lies beyond the last range that matters may have its scatterers before it: so many cells.
+constexpr double kMoreCells = 4;
+
 bool has_flat_plates(const Scene& scene) {
   return std::ranges::any_of(scene.materials(), [](const Material& material) {
     return material.model == ScatteringModel::flat_plate;
@@ -81,13 +84,15 @@ bool SubColumnBins::all_of(AzimuthRange range) const {
   return std::all_of(first, first + range.count, [](bool suffices) { return suffices; });
 }
 
-SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells, const Kernels& kernels)
+SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells, double far_m,
+                         const Kernels& kernels)
     : plan_(plan),
       kernels_(kernels),
       range_(range),
+      far_m_(std::min(far_m + kMoreCells * plan.scene().world().grid.cell_m, plan.sector().r_max_m)),
       cells_(cells),
       planes_(plan.extent().any ? sweep_columns_per_bin(plan.settings()) : 0),
-      view_(plan, kernels) {
+      view_(plan, far_m_ + plan.building_reach_m() - plan.sector().r_max_m, kernels) {
   const World& world = plan.scene().world();
   cut_ = {plan.bins(),
           cells.table(),
@@ -160,7 +165,7 @@ void SweepEchoes::start_plane(int half) {
   const GroundWidths widths{&plane_width_rad_, &kInfinity};
   SightProfiles& profiles = profiles_[half];
   profiles = {};
-  profiles.last_start_m = plan_.sector().r_max_m;
+  profiles.last_start_m = far_m_;
   for (std::size_t lane = 0; lane < SightProfiles::kLanes; ++lane) {
     profiles.end_m[lane] = -1;
     if (static_cast<int>(lane) >= range_.count) continue;

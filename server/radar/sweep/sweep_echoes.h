@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
@@ -22,8 +23,9 @@ class SubColumnBins {
 /// ground along the bins' planes, those that stand at the same place in their bins side by side.
 class SweepEchoes {
  public:
-  /// kernels: for tests that compare instruction sets.
+  /// Nothing that lies beyond far_m need be seen. kernels: for tests that compare instruction sets.
   SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells,
+              double far_m = std::numeric_limits<double>::infinity(),
               const Kernels& kernels = widest_kernels());
 
   /// Goes on for as long as a batch of samples would take; false when nothing is left.
@@ -39,6 +41,7 @@ class SweepEchoes {
   const FramePlan& plan_;
   const Kernels& kernels_;
   AzimuthRange range_;
+  double far_m_;
   EchoCells& cells_;
   int planes_;  // a bin; none where no ground is known
   BuildingView view_;
