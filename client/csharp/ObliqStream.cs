@@ -1,12 +1,13 @@
 // A client of obliqd in one file, without packages: for .NET, Mono and Unity (2021 or later). The stream over a
-// WebSocket, subprotocol obliq.v1.json, as proto/PROTOCOL.md, "WebSocket", has it.
+// WebSocket, subprotocol obliq.v1.json, as proto/PROTOCOL.md, "WebSocket", has it. One file, though a long one: it is
+// copied into projects.
 //
 //   var radar = await ObliqStream.ConnectAsync("ws://127.0.0.1:7480/stream");
 //   await radar.SubscribeAsync("main", 30, "VIDEO");
-//   ... in every turn of the loop:  if (radar.TryTakeFrame(out var frame)) texture.LoadRawTextureData(frame.Video);
+//   ... in every turn of the loop:  while (radar.TryTakeDwell(out var dwell)) picture = dwell.Picture.Video;
 //
 // Requests may come from any thread; each task ends when the server has answered, with an ObliqException when it
-// refused. Frames wait for whoever takes them, the newest only.
+// refused. What arrives waits for whoever takes it: of whole frames the newest, of dwells two turns of the antenna.
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
@@ -81,15 +82,40 @@ namespace Obliq
         [DataMember] public double map_reference_height_m, wavelength_m, video_floor_db;
     }
 
+    /// <summary>How a turning radar's beam moves in one pass: "SECTOR_SCAN" or "CIRCULAR_SCAN".</summary>
     [Serializable, DataContract]
-    internal sealed class FrameBegin { [DataMember] public FrameDescriptor frame; }
+    public sealed class ScanPass
+    {
+        [DataMember] public string mode, begin_ns;
+        [DataMember] public bool clockwise;
+        [DataMember] public double rate_deg_s;
+        [DataMember] public int dwell_bins;
+    }
+
+    [Serializable, DataContract]
+    internal sealed class FrameBegin
+    {
+        [DataMember] public string request_id;
+        [DataMember] public FrameDescriptor frame;
+        [DataMember] public ScanPass scan;
+    }
 
     [Serializable, DataContract]
     internal sealed class WedgeBlock
     {
-        [DataMember] public string plane;  // absent: IQ, as every enum's first
+        [DataMember] public string plane, beam_ns;  // plane absent: IQ, as every enum's first
         [DataMember] public int first_azimuth, n_azimuth, first_range, n_range;
+        [DataMember] public Pose pose;
     }
+
+    [Serializable, DataContract]
+    internal sealed class AzimuthSpan { [DataMember] public int first_azimuth, n_azimuth; }
+
+    [Serializable, DataContract]
+    internal sealed class FrameEnd { [DataMember] public AzimuthSpan[] missed; }
+
+    [Serializable, DataContract]
+    internal sealed class FrameAbort { [DataMember] public string reason; }
 
     [Serializable, DataContract]
     internal sealed class Heartbeat { [DataMember] public string request_id; [DataMember] public bool answer_wanted; }
@@ -124,29 +150,92 @@ namespace Obliq
         }
     }
 
-    /// <summary>A whole frame. Azimuth is the slow index, range the fast one: bin (a, r) is at [a * RangeBins + r].</summary>
+    /// <summary>Bins of a radar. Azimuth is the slow index, range the fast one: bin (a, r) is at [a * RangeBins + r].</summary>
     public sealed class Frame
     {
         public FrameDescriptor Descriptor;
+        public ScanPass Scan;  ///< of a turning radar, whose pass this is; null: all azimuths at once
         public int AzimuthBins { get { return Descriptor.settings.azimuth_bins; } }
         public int RangeBins { get { return Descriptor.settings.range_bins; } }
         public byte[] Video;  ///< 0: nothing; else 1 + 254 (dB - video_floor_db) / video_span_db; null when not asked for
         public byte[] State;  ///< 0 not sampled, 1 sampled, 2 shadow, 3 no surface, 4 no ground at this range
         public float[] Iq;    ///< real and imaginary parts in turn
+        /// <summary>True bearing of each azimuth's left edge as it was seen: where the antenna itself turns, a pass's differ from
+        /// azimuth_start_deg + a azimuth_width_deg. NaN: not seen yet.</summary>
+        public double[] Bearings_deg;
+        internal string Request;  // of a RenderOnce
+        internal uint Stream;
+
+        internal Array Plane(string name)
+        {
+            int bins = AzimuthBins * RangeBins;
+            if (name == "VIDEO") return Video ?? (Video = new byte[bins]);
+            if (name == "STATE") return State ?? (State = new byte[bins]);
+            return name == "IQ" ? Iq ?? (Iq = new float[2 * bins]) : null;
+        }
+        internal List<string> Planes()
+        {
+            var planes = new List<string>();
+            if (Video != null) planes.Add("VIDEO");
+            if (State != null) planes.Add("STATE");
+            if (Iq != null) planes.Add("IQ");
+            return planes;
+        }
+        internal void Seen(int first, int count, Pose pose)
+        {
+            double start_deg = Descriptor.azimuth_start_deg + (pose == null ? 0 : pose.bearing_deg - Descriptor.pose.bearing_deg);
+            for (int a = first; a < first + count; ++a) Bearings_deg[a] = start_deg + a * Descriptor.azimuth_width_deg;
+        }
+
+        // A pass begins with what the one before it has shown.
+        internal void ContinueFrom(Frame before)
+        {
+            FrameDescriptor d = Descriptor, b = before.Descriptor;
+            if (before.Stream != Stream || before.AzimuthBins != AzimuthBins || before.RangeBins != RangeBins ||
+                b.azimuth_width_deg != d.azimuth_width_deg || b.range_start_m != d.range_start_m ||
+                b.range_spacing_m != d.range_spacing_m || b.video_floor_db != d.video_floor_db ||
+                b.settings.video_span_db != d.settings.video_span_db) return;
+            Video = before.Video == null ? null : (byte[])before.Video.Clone();
+            State = before.State == null ? null : (byte[])before.State.Clone();
+            Iq = before.Iq == null ? null : (float[])before.Iq.Clone();
+            Bearings_deg = (double[])before.Bearings_deg.Clone();
+        }
+    }
+
+    /// <summary>Azimuths that have just come: a turning radar's, or all of a whole frame.</summary>
+    public sealed class Dwell
+    {
+        public Frame Picture;  ///< has these rows already; ahead of the beam are the rows of the pass before
+        public string Plane;   ///< "VIDEO", "IQ" or "STATE"
+        public int FirstAzimuth, AzimuthCount;
+        public Pose Pose;      ///< the antenna's, when the beam stood there
+        public long BeamNs;    ///< when that was, by the server's monotonic clock; 0: the radar does not turn
     }
 
     /// <summary>The JSON of a request. Only what is added is sent: with proto3's optional fields 0 is a value.</summary>
     public sealed class Fields
     {
+        // The integers among the fields of RadarSettings and of Pose, as obliq.proto has them.
+        private static readonly string[] Int32s = {
+            "pixel_columns", "pixel_rows", "azimuth_bins", "range_bins", "scan_dwell_bins", "sub_columns", "beam_nbar",
+            "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks" };
+        private static readonly string[] Int64s = { "speckle_seed", "noise_seed", "sim_time_ns" };
+        private static readonly string[] Uint64s = { "noise_frame", "pose_id" };
         private readonly StringBuilder text_ = new StringBuilder("{");
-        public Fields Add(string name, string value) { return value == null ? this : Put(name, Quoted(value)); }
+
+        // An integer that is none, or is too great for its field, is refused here, with an ObliqException.
+        public Fields Add(string name, string value) { return value == null ? this : Put(name, Quoted(Checked(name, value, true))); }
         public Fields Add(string name, bool value) { return Put(name, value ? "true" : "false"); }
-        public Fields Add(string name, long value) { return Put(name, value.ToString(CultureInfo.InvariantCulture)); }
+        public Fields Add(string name, long value)
+        {
+            return Put(name, Checked(name, value.ToString(CultureInfo.InvariantCulture), true));
+        }
         public Fields Add(string name, double value)
         {
             bool odd = double.IsNaN(value) || double.IsInfinity(value);
-            var text = value.ToString("R", CultureInfo.InvariantCulture);
-            return Put(name, odd ? Quoted(text.Replace("\u221E", "Infinity")) : text);
+            var text = value.ToString("R", CultureInfo.InvariantCulture).Replace("\u221E", "Infinity");
+            text = Checked(name, text, value == Math.Floor(value));
+            return Put(name, odd ? Quoted(text) : text);
         }
         public Fields Add(string name, Fields value) { return Put(name, value.ToString()); }
         public Fields Add(string name, IEnumerable<string> values)
@@ -156,6 +245,20 @@ namespace Obliq
             return Put(name, "[" + string.Join(",", quoted.ToArray()) + "]");
         }
         public override string ToString() { return text_ + "}"; }
+
+        private static string Checked(string name, string text, bool isWhole)
+        {
+            decimal least, most, whole;
+            if (Array.IndexOf(Int32s, name) >= 0) { least = int.MinValue; most = int.MaxValue; }
+            else if (Array.IndexOf(Int64s, name) >= 0) { least = long.MinValue; most = long.MaxValue; }
+            else if (Array.IndexOf(Uint64s, name) >= 0) { least = 0; most = ulong.MaxValue; }
+            else return text;
+            isWhole &= decimal.TryParse(text, NumberStyles.Float, CultureInfo.InvariantCulture, out whole);
+            if (isWhole && whole == decimal.Truncate(whole) && whole >= least && whole <= most)
+                return whole.ToString("0", CultureInfo.InvariantCulture);  // 1E+15 as well
+            var allowed = string.Format(CultureInfo.InvariantCulture, "a whole number from {0} to {1}", least, most);
+            throw new ObliqException(100, "not sent", new[] { new FieldFault { field = name, found = text, allowed = allowed } });
+        }
 
         private Fields Put(string name, string json)
         {
@@ -179,16 +282,25 @@ namespace Obliq
         private enum Type : ushort
         {
             Hello = 1, Welcome = 2, Ack = 3, Error = 4, Heartbeat = 5, GetRadar = 18, RadarInfo = 19, ClaimControl = 20,
-            ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, SetState = 29,
+            ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, RenderOnce = 26, SetState = 29,
             FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51
         }
 
         private readonly ClientWebSocket socket_ = new ClientWebSocket();
         private readonly CancellationTokenSource closing_ = new CancellationTokenSource();
         private readonly SemaphoreSlim sending_ = new SemaphoreSlim(1, 1);
-        private readonly ConcurrentDictionary<string, TaskCompletionSource<string>> waiting_ =
-            new ConcurrentDictionary<string, TaskCompletionSource<string>>();
-        private readonly Dictionary<uint, Frame> begun_ = new Dictionary<uint, Frame>();  // by stream_id
+        // By request: a string, the answer's JSON; a Frame that a RenderOnce waits for.
+        private sealed class Answer : TaskCompletionSource<object>
+        {
+            public readonly Type Asked;
+            public Answer(Type asked) : base(TaskCreationOptions.RunContinuationsAsynchronously) { Asked = asked; }
+        }
+        private sealed class DwellQueue : Queue<Dwell> { public int Rows; }
+
+        private readonly ConcurrentDictionary<string, Answer> waiting_ = new ConcurrentDictionary<string, Answer>();
+        private readonly Dictionary<uint, Frame> begun_ = new Dictionary<uint, Frame>();        // by stream_id
+        private readonly Dictionary<string, Frame> passes_ = new Dictionary<string, Frame>();  // by radar: the newest pass
+        private readonly Dictionary<string, DwellQueue> dwells_ = new Dictionary<string, DwellQueue>();  // by radar; locked
         private long requests_;
         private Frame newest_;
         private volatile ObliqException end_;
@@ -210,7 +322,7 @@ namespace Obliq
             await stream.socket_.ConnectAsync(new Uri(url), stream.closing_.Token).ConfigureAwait(false);
             _ = Task.Run(() => stream.ReadAsync());
             var hello = new Fields().Add("major", 1L).Add("minor", 1L).Add("client_name", name).Add("token", token);
-            stream.Welcome = Json<Welcome>(await stream.AskAsync(Type.Hello, hello).ConfigureAwait(false));
+            stream.Welcome = Json<Welcome>((string)await stream.AskAsync(Type.Hello, hello).ConfigureAwait(false));
             return stream;
         }
 
@@ -218,7 +330,7 @@ namespace Obliq
 
         public async Task<RadarInfo> GetRadarAsync(string radar)
         {
-            return Json<RadarInfo>(await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false));
+            return Json<RadarInfo>((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false));
         }
         /// <param name="planes">"VIDEO", "IQ", "STATE".</param>
         public Task<Ack> SubscribeAsync(string radar, double rateHz, params string[] planes)
@@ -241,8 +353,40 @@ namespace Obliq
         {
             return AckAsync(Type.SetSettings, new Fields().Add("radar", radar).Add("settings", settings));
         }
-        /// <summary>The newest whole frame that has not been taken.</summary>
+        /// <summary>Switches a radar as its operator does; null leaves a switch as it is.</summary>
+        /// <param name="transmit">false: nothing is rendered.</param>
+        /// <param name="freeze">true: frames keep the pose and the settings of this moment.</param>
+        public Task<Ack> SetStateAsync(string radar, bool? transmit = null, bool? freeze = null)
+        {
+            var state = new Fields().Add("radar", radar);
+            if (transmit != null) state.Add("transmit", transmit.Value);
+            if (freeze != null) state.Add("freeze", freeze.Value);
+            return AckAsync(Type.SetState, state);
+        }
+        /// <summary>One frame for this client alone, of no live radar: its name is only echoed.</summary>
+        /// <param name="pose">At least latitude_deg, longitude_deg and height_m.</param>
+        /// <param name="settings">What is not in it has its default, not a live radar's value.</param>
+        public async Task<Frame> RenderOnceAsync(string radar, Fields pose, Fields settings, params string[] planes)
+        {
+            return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("pose", pose)
+                .Add("settings", settings ?? new Fields()).Add("planes", planes)).ConfigureAwait(false);
+        }
+        /// <summary>The newest whole frame that has not been taken; of a turning radar a whole pass.</summary>
         public bool TryTakeFrame(out Frame frame) { return (frame = Interlocked.Exchange(ref newest_, null)) != null; }
+        /// <summary>The oldest rows that have not been taken. What is older than two turns has been overwritten and is left out.</summary>
+        public bool TryTakeDwell(out Dwell dwell)
+        {
+            lock (dwells_)
+                foreach (var queue in dwells_.Values)
+                    if (queue.Count > 0)
+                    {
+                        dwell = queue.Dequeue();
+                        queue.Rows -= dwell.AzimuthCount;
+                        return true;
+                    }
+            dwell = null;
+            return false;
+        }
 
         public void Dispose()
         {
@@ -252,13 +396,13 @@ namespace Obliq
 
         private async Task<Ack> AckAsync(Type type, Fields fields)
         {
-            return Json<Ack>(await AskAsync(type, fields).ConfigureAwait(false));
+            return Json<Ack>((string)await AskAsync(type, fields).ConfigureAwait(false));
         }
 
-        private async Task<string> AskAsync(Type type, Fields fields)
+        private async Task<object> AskAsync(Type type, Fields fields)
         {
             var id = Interlocked.Increment(ref requests_).ToString(CultureInfo.InvariantCulture);
-            var answer = new TaskCompletionSource<string>(TaskCreationOptions.RunContinuationsAsynchronously);
+            var answer = new Answer(type);
             waiting_[id] = answer;
             if (end_ != null) throw end_;
             await SendAsync(type, fields.Add("request_id", id)).ConfigureAwait(false);
@@ -329,16 +473,21 @@ namespace Obliq
             switch (type)
             {
                 case Type.FrameBegin:
-                    begun_[stream] = new Frame { Descriptor = Json<FrameBegin>(json).frame };
+                    begun_[stream] = Begin(Json<FrameBegin>(json), stream);
                     break;
                 case Type.WedgeBlock:
                     if (begun_.TryGetValue(stream, out frame)) Put(frame, Json<WedgeBlock>(json), bytes, plane, length - plane);
                     break;
                 case Type.FrameEnd:
-                    if (begun_.TryGetValue(stream, out frame)) Interlocked.Exchange(ref newest_, frame);
+                    if (begun_.TryGetValue(stream, out frame)) Complete(frame, Json<FrameEnd>(json));
                     begun_.Remove(stream);
                     break;
                 case Type.FrameAbort:
+                    if (begun_.TryGetValue(stream, out frame))
+                    {
+                        var aborted = new ObliqException(106, "aborted: " + Json<FrameAbort>(json).reason, null);
+                        Finish(frame.Request, answer => answer.TrySetException(aborted));
+                    }
                     begun_.Remove(stream);
                     break;
                 case Type.Heartbeat:
@@ -350,7 +499,10 @@ namespace Obliq
                     Refuse(Json<ErrorMessage>(json));
                     break;
                 default:
-                    Finish(Json<Ack>(json).request_id, answer => answer.TrySetResult(json));
+                    Answer asked;
+                    var request = Json<Ack>(json).request_id;
+                    if (request != null && waiting_.TryGetValue(request, out asked) && asked.Asked == Type.RenderOnce) break;
+                    Finish(request, answer => answer.TrySetResult(json));
                     break;
             }
         }
@@ -364,27 +516,79 @@ namespace Obliq
             else if (Noticed != null) Noticed(refusal);
         }
 
-        private void Finish(string request, Action<TaskCompletionSource<string>> how)
+        private void Finish(string request, Action<Answer> how)
         {
-            TaskCompletionSource<string> answer;
+            Answer answer;
             if (request != null && waiting_.TryRemove(request, out answer)) how(answer);
         }
 
-        private static void Put(Frame frame, WedgeBlock block, byte[] bytes, int from, int count)
+        // ---- Frames ----
+
+        private Frame Begin(FrameBegin begin, uint stream)
         {
-            int bins = frame.AzimuthBins * frame.RangeBins;
-            if (block.plane == "VIDEO") Copy(frame.Video ?? (frame.Video = new byte[bins]), 1, frame, block, bytes, from, count);
-            if (block.plane == "STATE") Copy(frame.State ?? (frame.State = new byte[bins]), 1, frame, block, bytes, from, count);
-            if (string.IsNullOrEmpty(block.plane)) Copy(frame.Iq ?? (frame.Iq = new float[2 * bins]), 8, frame, block, bytes, from, count);
+            // JsonUtility makes empty objects of absent ones.
+            var scan = begin.scan == null || string.IsNullOrEmpty(begin.scan.mode) ? null : begin.scan;
+            var frame = new Frame { Descriptor = begin.frame, Scan = scan, Request = begin.request_id, Stream = stream };
+            frame.Bearings_deg = new double[frame.AzimuthBins];
+            for (int a = 0; a < frame.AzimuthBins; ++a) frame.Bearings_deg[a] = double.NaN;
+            if (scan == null) frame.Seen(0, frame.AzimuthBins, frame.Descriptor.pose);
+            if (scan == null) return frame;
+            Frame before;
+            if (passes_.TryGetValue(begin.frame.radar, out before)) frame.ContinueFrom(before);
+            return passes_[begin.frame.radar] = frame;
         }
 
-        private static void Copy(Array to, int binBytes, Frame frame, WedgeBlock block, byte[] bytes, int from, int count)
+        private void Put(Frame frame, WedgeBlock block, byte[] bytes, int from, int count)
         {
-            int row = block.n_range * binBytes;
+            var name = string.IsNullOrEmpty(block.plane) ? "IQ" : block.plane;
+            var to = frame.Plane(name);
+            if (to == null) return;
+            int binBytes = name == "IQ" ? 8 : 1, row = block.n_range * binBytes;
             if (count != block.n_azimuth * row) throw new IOException("a block that has not the bytes of its bins");
             for (int a = 0; a < block.n_azimuth; ++a)
                 Buffer.BlockCopy(bytes, from + a * row, to,
                                  ((block.first_azimuth + a) * frame.RangeBins + block.first_range) * binBytes, row);
+            if (frame.Scan == null) return;
+            frame.Seen(block.first_azimuth, block.n_azimuth, block.pose);
+            long beam_ns;
+            long.TryParse(block.beam_ns, NumberStyles.Integer, CultureInfo.InvariantCulture, out beam_ns);
+            Tell(frame, name, block.first_azimuth, block.n_azimuth, block.pose, beam_ns);
+        }
+
+        private void Complete(Frame frame, FrameEnd end)
+        {
+            if (!string.IsNullOrEmpty(frame.Request) && frame.Request != "0")
+            {
+                Finish(frame.Request, answer => answer.TrySetResult(frame));
+                return;
+            }
+            foreach (var name in frame.Planes())
+            {
+                if (frame.Scan == null) Tell(frame, name, 0, frame.AzimuthBins, frame.Descriptor.pose, 0);
+                foreach (var span in end.missed ?? new AzimuthSpan[0])  // what was not looked at holds no echo
+                {
+                    int row = frame.Plane(name).Length / frame.AzimuthBins;
+                    frame.Seen(span.first_azimuth, span.n_azimuth, frame.Descriptor.pose);
+                    Array.Clear(frame.Plane(name), span.first_azimuth * row, span.n_azimuth * row);
+                    Tell(frame, name, span.first_azimuth, span.n_azimuth, frame.Descriptor.pose, 0);
+                }
+            }
+            Interlocked.Exchange(ref newest_, frame);
+        }
+
+        private void Tell(Frame frame, string plane, int first, int count, Pose pose, long beam_ns)
+        {
+            var dwell = new Dwell { Picture = frame, Plane = plane, FirstAzimuth = first, AzimuthCount = count, Pose = pose, BeamNs = beam_ns };
+            lock (dwells_)
+            {
+                DwellQueue queue;
+                if (!dwells_.TryGetValue(frame.Descriptor.radar, out queue)) queue = dwells_[frame.Descriptor.radar] = new DwellQueue();
+                queue.Enqueue(dwell);
+                queue.Rows += count;
+                // A beam that goes to and fro passes every azimuth in two turns.
+                int most = 2 * frame.AzimuthBins * frame.Planes().Count;
+                while (queue.Rows > most && queue.Count > 1) queue.Rows -= queue.Dequeue().AzimuthCount;
+            }
         }
 
         private static T Json<T>(string text)

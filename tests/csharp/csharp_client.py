@@ -1,5 +1,5 @@
 """ObliqStream.cs, compiled by mcs and run by mono, against a daemon: its first frame has the bytes that the Python client
-gets over TCP, a pose with bearing 0 is applied, refusals are printed with their fields.
+gets over TCP, a pose with bearing 0 is applied, refusals are printed with their fields; a radar that turns is shown as it turns.
 
   csharp_client.py --bin DIR       exit code 77 where mcs or mono is missing
 """
@@ -8,38 +8,54 @@ import hashlib
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import obliq
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+PLACE = (33.0, -99.5, 1500.0)
 SCENE = """
 [terrain]
 synthetic = "ridge"
 [antenna]
-latitude_deg = 33.0
-longitude_deg = -99.5
-height_m = 1500.0
+latitude_deg = %s
+longitude_deg = %s
+height_m = %s
 bearing_deg = 20.0
 [radar]
-sector_deg = 60.0
+sector_deg = SECTOR
 r_min_m = 2000.0
 r_max_m = 5000.0
 [bins]
-azimuth = 36
+azimuth = AZIMUTHS
 range = 32
 [server]
 port = 0
 tokens = "tokens"
 [http]
 port = 0
+""" % PLACE
+# 9 dwells in four seconds.
+SCAN = """[scan]
+mode = "circular"
+rate_deg_s = 90.0
+dwell_bins = 8
 """
 TOKEN = "controller-token-0123456789"
 # A bearing that is not 0 at first; a field that 64-bit numbers lose in a double; what SetSettings changed.
-EXPECTED = ["refused 103", "bearing 0 pose_id 9007199254740993 mine True", "settings 2 6000", "obliq error 100: pose refused",
+WHOLE32, WHOLE64 = ("a whole number from %d to %d" % (-2**bits, 2**bits - 1) for bits in (31, 63))
+NOT_SENT = [("azimuth_bins", "1.5", WHOLE32), ("range_bins", "4294967295", WHOLE32), ("range_bins", "1000000000000", WHOLE32),
+            ("speckle_seed", "NaN", WHOLE64), ("noise_frame", "-1", "a whole number from 0 to 18446744073709551615"),
+            ("pixel_rows", "12x", WHOLE32), ("adc_bits", "1E-40", WHOLE32)]
+# Two frames of 36 azimuths and three planes.
+EXPECTED = ["rows kept for late takers 216", "refused 103", "bearing 0 pose_id 9007199254740993 mine True", "settings 2 6000",
+            *(line for fault in NOT_SENT for line in ("obliq error 100: not sent", "  %s: found %s; allowed: %s" % fault)),
+            "integers 40 2500 True", "obliq error 100: pose refused",
             "  antenna.latitude_deg: found 95.0; allowed: number -90 to 90 deg",
             "  antenna.bearing_deg: found nan; allowed: number -360 to 360 deg"]
 
@@ -61,35 +77,118 @@ def sums_over_tcp(address):
         return [f"{name} {hashlib.sha256(getattr(frame, name).tobytes()).hexdigest()}" for name in ("video", "iq", "state")]
 
 
-def check(folder, programs):
-    probe = folder / "Probe.exe"
-    subprocess.run(["mcs", "-warnaserror", f"-out:{probe}", "-r:System.Runtime.Serialization.dll", "-r:System.Core.dll",
-                    ROOT / "client/csharp/ObliqStream.cs", ROOT / "tests/csharp/Probe.cs"], check=True)
-    (folder / "scene.toml").write_text(SCENE)
-    tokens = folder / "tokens"
-    tokens.write_text(f"controller {TOKEN}\n")
-    tokens.chmod(0o600)
-    log = folder / "obliqd.log"
+def turning_over_tcp(address):
+    latitude_deg, longitude_deg, height_m = PLACE
+    with obliq.connect(address, token=TOKEN) as server:
+        frame = server.render({"frustum": "sweep", "pixel_columns": 144, "pixel_rows": 64, "sector_deg": 360.0,
+                               "r_min_m": 2000.0, "r_max_m": 5000.0, "azimuth_bins": 72, "range_bins": 32},
+                              {"latitude_deg": latitude_deg, "longitude_deg": longitude_deg, "height_m": height_m, "bearing_deg": 20.0},
+                              planes="video state", radar="main")
+        return [f"{name} {hashlib.sha256(getattr(frame, name).tobytes()).hexdigest()}" for name in ("video", "state")]
+
+
+def check_integers():
+    """The fields that ObliqStream.cs knows as integers are those of obliq.proto."""
+    proto = (ROOT / "proto/obliq.proto").read_text()
+    code = (ROOT / "client/csharp/ObliqStream.cs").read_text()
+    bodies = "".join(re.search(rf"^message {name} {{(.*?)^}}", proto, re.M | re.S).group(1) for name in ("RadarSettings", "Pose"))
+    for kind in ("int32", "int64", "uint64", "uint32"):
+        wanted = set(re.findall(rf"optional {kind} (\w+) =", bodies))
+        listed = re.search(rf"{kind.capitalize()}s = {{(.*?)}};", code, re.S)
+        known = set(re.findall(r'"(\w+)"', listed.group(1))) if listed else set()
+        if known != wanted:
+            sys.exit(f"csharp_client: {kind}: ObliqStream.cs alone has {known - wanted}; obliq.proto alone has {wanted - known}")
+
+
+def check_readme(folder):
+    """The blocks of the README compile, and ObliqStream.cs does as Unity has it."""
+    first, unity = re.findall(r"^```csharp\n(.*?)^```", (ROOT / "client/csharp/README.md").read_text(), re.M | re.S)
+    (folder / "First.cs").write_text(first.replace("using Obliq;", "using Obliq; static class First { static void Use(byte[] rows, int first, int n) { }"
+                                                   " static async System.Threading.Tasks.Task Run() {") + "}}\n")
+    (folder / "Component.cs").write_text("using Obliq; using UnityEngine;\n" + unity)
+    compile_csharp(folder / "First.dll", "-target:library", ROOT / "client/csharp/ObliqStream.cs", folder / "First.cs")
+    compile_csharp(folder / "Component.dll", "-target:library", "-d:UNITY_5_3_OR_NEWER", ROOT / "client/csharp/ObliqStream.cs",
+                   ROOT / "tests/csharp/Unity.cs", folder / "Component.cs")
+
+
+def compile_csharp(out, *arguments):
+    subprocess.run(["mcs", "-warnaserror", f"-out:{out}", "-r:System.Runtime.Serialization.dll", "-r:System.Core.dll", *arguments], check=True)
+
+
+def start(folder, programs, name, scene):
+    (folder / f"{name}.toml").write_text(scene)
+    log = folder / f"{name}.log"
     with log.open("w") as out:
-        daemon = subprocess.Popen([programs / "obliqd", folder / "scene.toml"], stdout=out, stderr=out, stdin=subprocess.DEVNULL)
+        daemon = subprocess.Popen([programs / "obliqd", folder / f"{name}.toml"], stdout=out, stderr=out, stdin=subprocess.DEVNULL)
     try:
         tcp = await_line(log, r"ready: main on (\S+)\n", daemon)
         web = await_line(log, r"in a browser: http://(\S+)/\n", daemon)
+    except BaseException:
+        stop(daemon)
+        raise
+    return daemon, tcp, f"ws://{web}/stream"
+
+
+def stop(daemon):
+    daemon.send_signal(signal.SIGCONT)
+    daemon.terminate()
+    daemon.wait()
+
+
+def compare(found, wanted, more):
+    for number, (line, other) in enumerate(zip(found + [""] * len(wanted), wanted)):
+        if line != other:
+            sys.exit(f"csharp_client: line {number}: found {line!r}; expected {other!r}\n" + "\n".join(found) + more)
+
+
+def check_turning(folder, programs, probe):
+    scene = SCENE.replace("SECTOR", "360.0").replace("AZIMUTHS", "72") + SCAN
+    daemon, tcp, web = start(folder, programs, "turning", scene)
+    try:
+        wanted = ["once 72 32 whole", *turning_over_tcp(tcp), "refused 100 longitude_deg,height_m",
+                  "first pass: 0 as before, 18 empty of 18 CIRCULAR_SCAN", "0 rows unlike those of the whole frame", "the pass is whole",
+                  "next pass: 18 as before, 0 empty of 18", "bearings: as seen", "stop", "missed: some, told all",
+                  "frozen True silent False", "frozen False silent True", "silent False"]
+        with subprocess.Popen(["mono", probe, web, "main", TOKEN, "turning", *map(str, PLACE)], stdin=subprocess.PIPE, text=True,
+                              stdout=subprocess.PIPE) as asking:
+            late = threading.Timer(240, asking.kill)
+            late.start()
+            found = []
+            for line in asking.stdout:
+                found.append(line.rstrip("\n"))
+                if found[-1] == "stop":  # long enough for the server to skip dwells: more than a quarter of a second
+                    daemon.send_signal(signal.SIGSTOP)
+                    time.sleep(1)
+                    daemon.send_signal(signal.SIGCONT)
+                    print(file=asking.stdin, flush=True)
+            late.cancel()
+        compare(found, wanted, "")
+    finally:
+        stop(daemon)
+
+
+def check(folder, programs):
+    check_integers()
+    check_readme(folder)
+    probe = folder / "Probe.exe"
+    compile_csharp(probe, *(ROOT / name for name in ("client/csharp/ObliqStream.cs", "tests/csharp/Probe.cs", "tests/csharp/Turning.cs")))
+    tokens = folder / "tokens"
+    tokens.write_text(f"controller {TOKEN}\n")
+    tokens.chmod(0o600)
+    daemon, tcp, web = start(folder, programs, "scene", SCENE.replace("SECTOR", "60.0").replace("AZIMUTHS", "36"))
+    try:
         wanted = ["welcome obliqd main controller", "frame 36 32", *sums_over_tcp(tcp), *EXPECTED,
                   "obliq error 5: the JSON of SetPose: (pose) bering_deg: Cannot find field; allowed: the fields and values that "
                   "obliq.proto has", "ended by 5"]
-        ran = subprocess.run(["mono", probe, f"ws://{web}/stream", "main", TOKEN], capture_output=True, text=True, timeout=120)
-        found = ran.stdout.splitlines()
-        for number, (line, other) in enumerate(zip(found + [""] * len(wanted), wanted)):
-            if line != other:
-                sys.exit(f"csharp_client: line {number}: found {line!r}; expected {other!r}\n{ran.stdout}{ran.stderr}")
-        stranger = subprocess.run(["mono", probe, f"ws://{web}/stream", "main", "another-token-0123456789"], capture_output=True,
+        ran = subprocess.run(["mono", probe, web, "main", TOKEN], capture_output=True, text=True, timeout=120)
+        compare(ran.stdout.splitlines(), wanted, ran.stderr)
+        stranger = subprocess.run(["mono", probe, web, "main", "another-token-0123456789"], capture_output=True,
                                   text=True, timeout=120)
         if stranger.returncode != 1 or "obliq error 11: " not in stranger.stdout:
             sys.exit(f"csharp_client: with a wrong token: {stranger.stdout}{stranger.stderr}")
     finally:
-        daemon.terminate()
-        daemon.wait()
+        stop(daemon)
+    check_turning(folder, programs, probe)
 
 
 def main():
