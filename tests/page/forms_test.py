@@ -75,6 +75,32 @@ class Forms(unittest.TestCase):
         self.page.await_script(f"{banner.format(1)}.textContent.includes('symmetric') && !{banner.format(1)}.hidden", "a refusal in its picture")
         self.assertTrue(self.page.script(f"return {banner.format(0)}.hidden"))
 
+    def test_a_range_scale_has_rings_in_its_unit_and_a_way_back(self):
+        self.show("a=round&tab=radar")
+        self.take_control()
+        self.addCleanup(self.page.script, "obliq.controls.isMine && obliq.controls.toggleControl()")
+        rings = "obliq.panes[0].ppi.ringStep"
+        for button, unit, reach in (("scale-10", "NM", 10), ("scale-20", "NM", 20), ("scale-own", "km", 15)):
+            with self.subTest(button=button):
+                self.page.script("document.getElementById(arguments[0]).click()", button)
+                self.page.await_script(f"{rings}.unit === '{unit}' && {rings}.last * {rings}.step > 0.75 * {reach} && {rings}.last * {rings}.step < 1.001 * {reach}",
+                                       "rings of the scale")
+                self.assertIn(self.page.script(f"return {rings}.last - {rings}.first + 1"), (4, 5, 6))
+                self.assertEqual(self.page.script("return document.getElementById(arguments[0]).ariaPressed", button), "true")
+
+    def test_every_range_has_four_to_six_rings(self):
+        few = self.page.driver.execute_async_script("""const done = arguments[1];
+            import(arguments[0] + 'grid.js').then(({ ringSteps }) => {
+              const wrong = [];
+              for (let far = 0.02; far < 900; far *= 1.007)
+                for (const near of [0, 0.1 * far, 0.37 * far, 0.8 * far, 0.99 * far]) {
+                  const { step, first, last } = ringSteps(near, far);
+                  if (last - first < 3 || last - first > 5 || first * step < near - 1e-9 || last * step > far + 1e-9) wrong.push([near, far, step]);
+                }
+              done(wrong);
+            });""", self.daemon.url)
+        self.assertEqual(few, [])
+
     def test_an_address_has_what_was_chosen_and_no_more(self):
         self.show("")
         self.page.script("document.getElementById('tab-radar').click()")

@@ -11,7 +11,9 @@ const TEXT = "#b4cec8";
 const HALO = "rgba(7, 11, 14, 0.8)";
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 const RING_STEP_DEG = 20; // between places of a ring that are worked out: it is a circle to a millionth
-const MOST_RINGS = 7;
+const FEWEST_RINGS = 4;
+const MOST_RINGS = 6;
+const RING_STEPS = [1, 2, 5, 2.5, 4, 3, 1.5, 8, 6]; // times a power of ten, the roundest first
 
 /** Words that can be read on any picture. */
 function write(c, text, x, y) {
@@ -29,9 +31,13 @@ export function stepOf(span, most) {
   return power * [1, 2, 5, 10].find((k) => span / (power * k) <= most);
 }
 
-/** @param {number} value @param {number} step the label of a ring: no more digits than its step has */
-function label(value, step) {
-  return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+/** The roundest step that gives four to six rings from one range to another, with the first and last multiple of it. */
+export function ringSteps(near, far) {
+  const power = 10 ** Math.floor(Math.log10((far - near) / (MOST_RINGS + 1)));
+  const rings = RING_STEPS.flatMap((k) => [k * power, 10 * k * power]).map((step) => (
+    { step, first: Math.max(1, Math.ceil(near / step - 1e-9)), last: Math.floor(far / step + 1e-9) }));
+  const count = ({ first, last }) => last - first + 1;
+  return rings.find((one) => count(one) >= FEWEST_RINGS && count(one) <= MOST_RINGS) ?? rings[0];
 }
 
 /** @param {import("./ppi.js").Ppi} ppi */
@@ -79,7 +85,7 @@ function ringOf(ppi, slant_m, sector_deg) {
   };
 }
 
-/** Of the ranges that the picture shows: a step, and the first and last multiple of it. */
+/** Of the ranges that the picture shows. */
 function ringRange(ppi) {
   const { placement } = ppi.bins;
   const unit_m = UNIT_M[ppi.look.unit];
@@ -90,9 +96,7 @@ function ringRange(ppi) {
   const [ax, ay] = ppi.toScreen(0, 0);
   const holdsAntenna = ax > 0 && ay > 0 && ax < ppi.width && ay < ppi.height;
   const near = Math.max(placement.r0_m, holdsAntenna ? 0 : 0.8 * nearest(ppi));
-  const span = Math.min(far - (holdsAntenna ? 0 : near), far);
-  const step = stepOf(span / unit_m, MOST_RINGS);
-  return { step, unit_m, first: Math.ceil(near / unit_m / step - 1e-9), last: Math.floor(far / unit_m / step + 1e-9) };
+  return { unit_m, ...ringSteps(near / unit_m, far / unit_m) };
 }
 
 /** The picture's nearest place to an antenna that is off it. */
@@ -110,7 +114,9 @@ function rings(ppi, c, sector_deg) {
   const { step, unit_m, first, last } = ringRange(ppi);
   ppi.ringStep = { step, first, last, unit: ppi.look.unit };
   const drawn = [];
-  for (let n = Math.max(1, first); n <= last; ++n) drawn.push([n * step * unit_m, true, label(n * step, step)]);
+  const places = []; // of labels
+  for (let n = last; n >= first; --n)
+    drawn.push([n * step * unit_m, true, `${+(n * step).toPrecision(6)}${n === last ? ` ${ppi.look.unit}` : ""}`]);
   drawn.push([placement.rMax_m, false, ""]);
   if (placement.r0_m > 0) drawn.push([placement.r0_m, false, ""]);
   for (const [slant_m, isRing, text] of drawn) {
@@ -120,13 +126,11 @@ function rings(ppi, c, sector_deg) {
     c.beginPath();
     for (let k = 0; k <= steps; ++k) c.lineTo(...ppi.toScreen(...ring(k / steps)));
     c.stroke();
-    if (text) ringLabel(ppi, c, ring, `${text}${isLast(slant_m, last, step, unit_m) ? " " + ppi.look.unit : ""}`);
+    if (text) ringLabel(ppi, c, ring, text, places);
   }
 }
 
-const isLast = (slant_m, last, step, unit_m) => Math.abs(slant_m - last * step * unit_m) < 1;
-
-function ringLabel(ppi, c, ring, text) {
+function ringLabel(ppi, c, ring, text, places) {
   const { isRound } = ppi.bins.placement;
   const part = isRound ? turned(ppi.view.up_deg + 95 - ppi.bins.placement.start_deg) / 360 : 1;
   let [x, y] = ppi.toScreen(...ring(part));
@@ -138,7 +142,10 @@ function ringLabel(ppi, c, ring, text) {
   }
   const width = c.measureText(text).width;
   const rightwards = x >= x0;
-  write(c, text, isRound ? x - width - 2 : rightwards ? x - 3 : x - width + 3, y);
+  x = isRound ? x - width - 2 : rightwards ? x - 3 : x - width + 3;
+  if (places.some((p) => x < p.end + 4 && p.x < x + width + 4 && Math.abs(p.y - y) < 12)) return; // no room beside its neighbour
+  places.push({ x, y, end: x + width });
+  write(c, text, x, y);
 }
 
 /** Bearings around the sector, or at the picture's border where that is nearer. */

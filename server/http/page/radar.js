@@ -16,6 +16,7 @@ const QUICK = [["antenna.bearing_deg"], ["antenna.tilt_deg"], ["antenna.tilt_aut
 const UNSEEN = ["antenna.sim_time_ns", "antenna.pose_id", "antenna.valid_s", "antenna.geoid_undulation_m"];
 
 const $ = (id) => document.getElementById(id);
+const isSame = (a_m, b_m) => Math.abs(a_m - b_m) < 20;
 const TABS = ["view", "radar", "setup"];
 
 function make(tag, text, title) {
@@ -91,7 +92,10 @@ export class RadarControls {
     });
     const unit = make("span", "NM");
     unit.className = "unit";
-    row("Range", choice(...this.scales), unit);
+    this.own = make("button", "", "The range that this radar had at first");
+    this.own.id = "scale-own";
+    this.own.onclick = () => this.scale(this.own_m / NM_M);
+    row("Range", choice(...this.scales), unit, this.own);
     this.general = make("p", "");
     this.general.className = "refusal";
     this.general.setAttribute("role", "alert");
@@ -179,14 +183,28 @@ export class RadarControls {
     return this.attempt(() => this.app.link.ask("SetState", { radar: this.radar, ...off }));
   }
 
+  /** Rings are in the unit of the scale. */
   scale(scale_NM) {
-    return this.attempt(() => this.app.set("RadarSettings.r_max_m", scale_NM * NM_M));
+    return this.attempt(async () => {
+      await this.app.set("RadarSettings.r_max_m", scale_NM * NM_M);
+      this.app.display.set({ unit: SCALES_NM.includes(scale_NM) ? "NM" : "km" });
+    });
   }
 
   nextScale(by) {
     const now = number(this.info?.settings?.r_max_m) / NM_M;
-    const found = by > 0 ? SCALES_NM.find((s) => s > now + 0.01) : SCALES_NM.findLast((s) => s < now - 0.01);
+    const scales = [...SCALES_NM, ...(this.own_m ? [this.own_m / NM_M] : [])].sort((a, b) => a - b);
+    const found = by > 0 ? scales.find((s) => s > now + 0.01) : scales.findLast((s) => s < now - 0.01);
     return found && this.scale(found);
+  }
+
+  /** The range that this page saw first of a radar, where no scale has it; it stays in the tab. */
+  get own_m() {
+    const now_m = number(this.info?.settings?.r_max_m);
+    const key = `obliq.range ${this.app.link.welcome?.scene_name} ${this.radar}`;
+    if (now_m && !sessionStorage.getItem(key)) sessionStorage.setItem(key, String(now_m));
+    const own_m = Number(sessionStorage.getItem(key));
+    return SCALES_NM.some((scale) => isSame(own_m, scale * NM_M)) ? 0 : own_m;
   }
 
   show() {
@@ -203,16 +221,18 @@ export class RadarControls {
     this.claim.disabled = !app.link.isLive || !this.radar || Boolean(why);
     this.claim.title = why || "Only one client at a time sets a radar (K)";
     this.claim.classList.toggle("call", !this.claim.disabled && !mine);
-    for (const button of [this.transmit, this.freeze, ...this.scales]) {
+    for (const button of [this.transmit, this.freeze, ...this.scales, this.own]) {
       button.disabled = !mine;
       button.title = mine ? button.dataset.title : why || "Take control first (K)";
     }
     this.transmit.textContent = info?.transmit_off ? "transmit" : "standby";
     this.transmit.setAttribute("aria-pressed", String(Boolean(info?.transmit_off)));
     this.freeze.setAttribute("aria-pressed", String(Boolean(info?.frozen)));
-    const now_NM = number(info?.settings?.r_max_m) / NM_M;
-    for (const [k, button] of this.scales.entries())
-      button.setAttribute("aria-pressed", String(Math.abs(now_NM - SCALES_NM[k]) < 0.01));
+    const { own_m } = this;
+    this.own.hidden = !own_m;
+    this.own.textContent = `${+(own_m / 1000).toFixed(1)} km`;
+    for (const [button, range_m] of [[this.own, own_m], ...this.scales.map((button, k) => [button, SCALES_NM[k] * NM_M])])
+      button.setAttribute("aria-pressed", String(isSame(number(info?.settings?.r_max_m), range_m)));
     if (info) for (const field of this.fields) field.show(info, mine);
     for (const pane of app.panes) {
       const had = pane.ppi.handle;
