@@ -61,9 +61,13 @@ class People(unittest.TestCase):
                             inside = self.page.script("""const s = document.querySelector('aside > section:not([hidden])');
                                 return [s.scrollWidth - s.clientWidth, s.scrollHeight - s.clientHeight];""")
                             self.assertEqual(inside, [0, 0], "the panel scrolls")
-                        pictures = self.page.script("return obliq.panes.map(({ ppi }) => Math.min(ppi.width, ppi.height))")
-                        if panes == 1:
-                            self.assertGreaterEqual(min(pictures), 0.6 * min(width, height))
+                        pictures = self.page.script("""return obliq.panes.map(({ ppi, bins: { placement } }) => {
+                              const edge = [0, 0.5, 1].map((k) => placement.start_deg + k * placement.azimuths * placement.width_deg);
+                              const places = [[0, 0], ...edge.map((bearing) => ppi.placed(bearing, placement.rMax_m))].map((p) => ppi.toScreen(...p));
+                              return Math.max(...[0, 1].map((k) => Math.max(...places.map((p) => p[k])) - Math.min(...places.map((p) => p[k]))));
+                            })""")
+                        self.assertGreaterEqual(min(pictures), 0.6 * min(width, height), "the sector's greater side")
+                        self.assertGreater(self.page.script("return obliq.panes[0].scope.canvas.clientHeight"), 40, "the A-scope")
                         if SHOTS:
                             self.page.shot(pathlib.Path(SHOTS) / f"{size}_{panes}_{tab}.png")
 

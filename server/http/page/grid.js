@@ -226,6 +226,6 @@ function legend(ppi, c) {
   c.textAlign = "right";
   for (let dB = Math.ceil(low_dB / step) * step; dB <= low_dB + span_dB + 1e-9; dB += step)
     write(c, String(dB), x - 4, y + height * (1 - (dB - low_dB) / span_dB));
-  write(c, "dB", x + width, y - 9);
+  write(c, "dB", x + width, y - 13);
   c.textAlign = "left";
 }

@@ -176,7 +176,7 @@ export class App {
       const options = radars.map((radar) => new Option(radar, `radar ${radar}`));
       // A recording renders nothing. One that was chosen stays, and what the server says of it.
       const kinds = FRUSTA.filter((kind) => !this.debrief?.state && (kind !== "symmetric" || !this.isWide || kind === pane.frustum));
-      if (!isFirst) options.push(...kinds.map((kind) => new Option(`same view, ${kind}`, `frustum ${kind}`)));
+      if (!isFirst) options.push(...kinds.map((kind) => new Option(`${kind}, same view`, `frustum ${kind}`)));
       pane.pick.replaceChildren(...options);
       if (!options.some(({ value }) => value === pane.source)) pane.source = isFirst ? `radar ${radars[0] ?? ""}` : this.otherSource();
       pane.pick.value = pane.source;

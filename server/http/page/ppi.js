@@ -8,7 +8,7 @@ import { drawMarks } from "./marks.js";
 
 const MOST_PIXELS = 1440; // a side; above, the browser scales
 const MARGIN_PX = 34; // for the bearings around the picture
-const NARROW_PX = 500;
+const MARGIN_ABOVE_PX = 28; // their words are wider than high
 const FRAME_MS = 1000 / 30;
 const EARLY_MS = 4; // a browser's tick may come so much before its time
 const MOST_ZOOM = 200;
@@ -130,9 +130,9 @@ export class Ppi {
     const [picture] = this.canvases;
     const perCss = picture.width / this.width;
     const margin = 2 * Math.min(MARGIN_PX, this.width / 11) * perCss;
-    const above = this.width < NARROW_PX ? MARGIN_PX * perCss : 0; // for the choice of the radar
-    const pixel_m = Math.max((right - left) / (picture.width - margin), (ahead - back) / (picture.height - margin - above), 1e-3);
-    return { pixel_m, right_m: (left + right) / 2, ahead_m: (back + ahead + above * pixel_m) / 2 };
+    const above = 2 * MARGIN_ABOVE_PX * perCss;
+    const pixel_m = Math.max((right - left) / (picture.width - margin), (ahead - back) / (picture.height - above), 1e-3);
+    return { pixel_m, right_m: (left + right) / 2, ahead_m: (back + ahead) / 2 };
   }
 
   /** On the plane of this picture. */
