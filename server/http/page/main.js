@@ -9,11 +9,10 @@ import { Pane } from "./pane.js";
 import { RadarControls } from "./radar.js";
 import { number } from "./messages.js";
 import { savePicture } from "./export.js";
+import { fillSources, isWide, otherSource } from "./sources.js";
 import { sentences } from "./words.js";
 import { turned } from "./placement.js";
 
-const FRUSTA = ["sweep", "oblique", "symmetric", "polar"];
-const HALF_TURN_DEG = 180; // a symmetric frustum sees less
 const POLL_MS = 1000;
 const WORDS_MS = 250;
 const TURN_MS = 2000;
@@ -130,7 +129,7 @@ export class App {
   }
 
   setPanes(count) {
-    const other = this.otherSource();
+    const other = otherSource(this);
     if (count > this.panes.length && !other) return;
     while (this.panes.length > count) this.panes.pop().remove();
     if (this.panes.length < count) this.addPane(other);
@@ -140,21 +139,6 @@ export class App {
     this.poll();
     this.display.show();
     this.keep();
-  }
-
-  /** What the second picture shows unasked; nothing: there is no other. */
-  otherSource() {
-    const radars = this.link.welcome?.radars ?? [];
-    const [kind, name] = this.kept.b.split(/ (.*)/);
-    if (kind === "radar" ? radars.includes(name) : FRUSTA.includes(name) && !this.debrief?.state) return this.kept.b;
-    const other = radars.find((radar) => radar !== this.panes[0].radar);
-    if (other) return `radar ${other}`;
-    const own = String(this.panes[0].info?.settings?.frustum ?? "").toLowerCase();
-    const allowed = this.isWide ? ["polar", "sweep"] : ["oblique", "symmetric"];
-    return this.debrief?.state ? "" : `frustum ${allowed.find((one) => one !== own)}`;
-  }
-  get isWide() {
-    return number(this.panes[0].info?.settings?.sector_deg) >= HALF_TURN_DEG;
   }
 
   /** @param {Pane} pane */
@@ -170,21 +154,7 @@ export class App {
   }
 
   fillSources() {
-    const radars = this.link.welcome?.radars ?? [];
-    for (const pane of this.panes) {
-      const isFirst = pane === this.panes[0];
-      const options = radars.map((radar) => new Option(radar, `radar ${radar}`));
-      // A recording renders nothing. One that was chosen stays, and what the server says of it.
-      const kinds = FRUSTA.filter((kind) => !this.debrief?.state && (kind !== "symmetric" || !this.isWide || kind === pane.frustum));
-      if (!isFirst) options.push(...kinds.map((kind) => new Option(`${kind}, same view`, `frustum ${kind}`)));
-      pane.pick.replaceChildren(...options);
-      if (!options.some(({ value }) => value === pane.source)) pane.source = isFirst ? `radar ${radars[0] ?? ""}` : this.otherSource();
-      pane.pick.value = pane.source;
-    }
-    if (this.panes[1]?.source === "") this.setPanes(1);
-    const isAlone = this.panes.length === 1 && !this.otherSource();
-    $("two").disabled = isAlone;
-    $("two").title = isAlone ? "This recording has one radar, and renders nothing else" : "One picture or two (P)";
+    fillSources(this);
   }
 
   // ---- The connection
@@ -294,8 +264,8 @@ export class App {
         pane.info = info;
         pane.status = (this.status.radars ?? []).find((r) => r.radar === radar) ?? null;
       }
-      if (this.filledFor !== this.isWide) this.fillSources();
-      this.filledFor = this.isWide;
+      if (this.filledFor !== isWide(this)) this.fillSources();
+      this.filledFor = isWide(this);
     } catch (error) {
       if (error instanceof Refused && error.number === 101) this.fillSources();
     }
