@@ -70,7 +70,7 @@ function loadingBanner(text) {
 
 function paneSentences(app, pane) {
   const { info, status, bins } = pane;
-  const name = app.panes.length > 1 ? pane.radar : "";
+  const name = new Set(app.panes.map(({ radar }) => radar).filter(Boolean)).size > 1 ? pane.radar : "";
   const found = [];
   const say = (grave, text, banner) => found.push({ grave, text, name, banner, panes: [pane] });
   if (pane.says) say(1, pane.says, pane.awaits || pane.frustum ? `NO PICTURE\n${pane.says}` : undefined);
