@@ -1,11 +1,20 @@
 # Turns the files of the page into a C++ source:
 #   cmake -D "FILES=a.html;b.js" -D OUT=page_bytes.cpp -P embed_page.cmake
+# Scripts and styles are served without indentation and without the comments that stand in lines of their own.
 set(arrays "")
 set(rows "")
 set(number 0)
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME)
-  file(READ ${file} hex HEX)
+  if(name MATCHES "\\.(js|css)$")
+    file(READ ${file} text)
+    string(REGEX REPLACE "\n[ \t]+" "\n" text "\n${text}")
+    string(REGEX REPLACE "\n/\\*([^*]|\\*+[^*/])*\\*+/" "" text "${text}")
+    string(REGEX REPLACE "\n//[^\n]*" "" text "${text}")
+    string(HEX "${text}" hex)
+  else()
+    file(READ ${file} hex HEX)
+  endif()
   string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
   string(REPEAT "0x..," 20 line)
   string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")

@@ -177,6 +177,40 @@ class People(unittest.TestCase):
         for word in ("main", "33.00000° N", "bearing 060.0°", "km", "dB re W"):
             self.assertIn(word, size[3])
 
+    def test_a_held_picture_takes_palette_and_zoom_and_keeps_its_time(self):
+        self.show("a=scan&auto=0&low=-140&span=80")
+        self.page.await_script("obliq.panes[0].bins.frames > 2", "passes")
+        self.press("f")
+        state = """const { ppi, bins } = obliq.panes[0], { data } = ppi.image; let s = 0;
+            data.forEach((v, k) => { s = (s + v * (1 + k % 97)) % 1e9; });
+            return import('./export.js').then(({ captionOf }) => [s, bins.seen_ms.join(), captionOf(obliq.panes[0], obliq)[0]])"""
+        sums = [self.page.script(state)]
+        for key in ("c", "+"):
+            self.press(key)
+            self.page.await_script("!obliq.panes[0].ppi.needs.table && !obliq.panes[0].ppi.needs.all", f"the picture after {key}", 10)
+            sums.append(self.page.script(state))
+            self.assertNotEqual(sums[-1][0], sums[-2][0], f"the picture after {key}")
+        self.page.script("window.then = Date.now()")
+        self.page.await_script("Date.now() - then > 2000", "two seconds")
+        sums.append(self.page.script(state))
+        self.assertEqual(sums[-1][0], sums[-2][0], "a held picture")
+        self.assertEqual({sums[0][1:][0]}, {s[1] for s in sums}, "when its azimuths were seen")
+        self.assertEqual({sums[0][2]}, {s[2] for s in sums}, "its time")
+
+    def test_a_view_rendered_once_does_not_fade(self):
+        self.show("a=scan&panes=2&b=frustum%20oblique&glow=1")
+        self.page.await_script("obliq.panes[1].bins.frames > 0", "a frame of another frustum")
+        self.page.script("window.then = performance.now()")
+        self.page.await_script("performance.now() - then > 2500", "more than twice the afterglow")
+        self.page.script("obliq.change({ palette: 'grey' })")
+        self.page.await_script("!obliq.panes[1].ppi.needs.all", "a picture")
+        oldest = "return Math.max(...obliq.panes[arguments[0]].ppi.ages)"
+        self.assertEqual(self.page.script(oldest, 1), 0, "whole frames have no beam")
+        self.assertGreater(self.page.script(oldest, 0), 3, "echoes of a beam fade")
+        caption = self.page.script("return import('./export.js').then(({ captionOf }) => captionOf(obliq.panes[1], obliq)[0])")
+        self.assertIn("rendered once", caption)
+        self.assertNotIn("undefined", caption)
+
     def test_touch_zooms_pans_and_sets_the_cursor(self):
         self.show("a=main", "phone")
         cdp = self.page.driver.execute_cdp_cmd

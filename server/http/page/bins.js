@@ -25,7 +25,7 @@ export class Bins {
     this.video = new Uint8Array(0); // [azimuth, range], as sent
     this.state = new Uint8Array(0);
     this.shown = new Uint8ClampedArray(0); // levels
-    this.seen_ms = new Float64Array(0); // [azimuth] performance.now() of its arrival; -Infinity: never
+    this.seen_ms = new Float64Array(0); // [azimuth] when it was seen, by ageClock_ms(); -Infinity: never
     this.changed = new Uint8Array(0); // [azimuth]
     /** @type {Scale} */
     this.scale = { low_dB: -80, span_dB: 50, compensated: false };
@@ -40,6 +40,13 @@ export class Bins {
     this.newest = null; // times of the newest row that was shown
     this.passed = []; // since the last look: how long ago the beam stood in each row that was shown, ms
     this.scanRow = -1;
+    this.isRecorded = false;
+    this.swept_ms = 0; // of a recording: for how long the beam has swept so far
+  }
+
+  /** What ages are counted by: of a recording the beam's own way, which pauses, speeds and seeks leave as it is. */
+  ageClock_ms(now_ms) {
+    return this.isRecorded ? this.swept_ms : now_ms;
   }
 
   get floor_dB() {
@@ -150,7 +157,8 @@ export class Bins {
   /**
    * @param {any} body of WedgeBlock
    * @param {Uint8Array} plane
-   * @param {{now_ms: number, age_ms: (clock_ns: any) => number}} clock age_ms: since a reading of the server's clock
+   * @param {{now_ms: number, utc_ms: number, age_ms: (clock_ns: any) => number}} clock utc_ms: of what is seen;
+   *   age_ms: since a reading of the server's clock
    */
   block(body, plane, clock) {
     const { placement } = this.next ?? this;
@@ -161,7 +169,8 @@ export class Bins {
       this.#copyPart(this.next ?? this, body, plane);
       return;
     }
-    const times = { pose_ms: clock.age_ms(body.pose_received_ns), beam_ms: clock.age_ms(body.beam_ns), at_ms: clock.now_ms };
+    const times = { pose_ms: clock.age_ms(body.pose_received_ns), beam_ms: clock.age_ms(body.beam_ns), at_ms: clock.now_ms,
+      utc_ms: clock.utc_ms };
     if (this.next) {
       this.next[body.plane === "VIDEO" ? "video" : "state"].set(plane, first * placement.ranges);
       this.next.times = times;
@@ -203,7 +212,7 @@ export class Bins {
       const late_ms = times.at_ms - beam_ms;
       // As late as the latest azimuth of late, so that the beam moves evenly.
       this.delay_ms = Math.min(Math.max(this.delay_ms - 0.02, late_ms), MOST_HELD_MS);
-      this.held.push({ row: to, values: plane.subarray(row * ranges, (row + 1) * ranges), beam_ms, times });
+      this.held.push({ row: to, values: plane.subarray(row * ranges, (row + 1) * ranges), beam_ms, row_ms, times });
     }
   }
 
@@ -211,10 +220,11 @@ export class Bins {
   advance(now_ms) {
     let due = 0;
     while (due < this.held.length && this.held[due].beam_ms + this.delay_ms <= now_ms) {
-      const { row, values, beam_ms, times } = this.held[due++];
+      const { row, values, beam_ms, row_ms, times } = this.held[due++];
       this.#show(row, values, 1, { ...times, beam_ms: now_ms - beam_ms, at_ms: now_ms });
       this.seen_ms[row] = beam_ms;
       if (beam_ms === -Infinity) continue; // missed
+      if (this.isRecorded) this.seen_ms[row] = this.swept_ms += Math.abs(row_ms);
       this.scanRow = row;
       this.passed.push(now_ms - beam_ms);
     }

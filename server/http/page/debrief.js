@@ -23,6 +23,8 @@ export class Debrief {
     this.app = app;
     this.state = null; // ReplayState
     this.sent_ms = 0; // when a place was last asked for
+    this.asked_s = null; // shown until the replay has gone there
+    this.unanswered = 0;
     $("replay-speed").replaceChildren(...SPEEDS.map((speed) => new Option(`× ${speed}`, String(speed))));
     $("replay-pause").onclick = () => this.togglePause();
     $("replay-speed").onchange = () => this.#set({ speed: Number($("replay-speed").value) });
@@ -36,11 +38,12 @@ export class Debrief {
     if (this.state && this.state.seeks !== body.seeks) for (const pane of this.app.panes) pane.bins.clear();
     this.state = body;
     this.utc_ms = utc_ms;
+    if (!this.isDragged && !this.unanswered) this.asked_s = null;
     this.show();
   }
 
   forget() {
-    this.state = null;
+    this.state = this.asked_s = null;
     this.show();
   }
 
@@ -49,6 +52,11 @@ export class Debrief {
     const { state } = this;
     const since_s = state.running ? (utcNow_ms() + this.app.link.offset_ms - this.utc_ms) / 1000 : 0;
     return Math.min(number(state.duration_s), number(state.position_s) + number(state.speed, 1) * Math.max(0, since_s));
+  }
+
+  /** Of a moment of the recording. */
+  utcAt_ms(at_s) {
+    return Number(BigInt(this.state.start_utc_ns ?? 0) / 1000000n) + 1000 * at_s;
   }
 
   togglePause() {
@@ -65,20 +73,25 @@ export class Debrief {
 
   #drag(isLast) {
     this.isDragged = !isLast;
+    this.asked_s = (Number($("replay-place").value) / STEPS) * number(this.state.duration_s);
     const now = performance.now();
     this.show();
     if (!isLast && now - this.sent_ms < SEEK_MS) return;
     this.sent_ms = now;
-    this.#set({ seek_s: (Number($("replay-place").value) / STEPS) * number(this.state.duration_s) });
+    this.#set({ seek_s: this.asked_s });
   }
 
   async #set(change) {
-    $("replay-refusal").textContent = "";
+    this.refusal = "";
+    ++this.unanswered;
     try {
       await this.app.link.ask("SetReplay", change);
     } catch (error) {
-      $("replay-refusal").textContent = refusalText(error);
+      this.refusal = refusalText(error);
+      this.asked_s = null;
     }
+    --this.unanswered;
+    this.show();
   }
 
   show() {
@@ -87,17 +100,20 @@ export class Debrief {
     if (!state) return;
     const duration_s = number(state.duration_s);
     const place = $("replay-place");
-    const at_s = this.isDragged ? (Number(place.value) / STEPS) * duration_s : this.position_s;
+    const at_s = this.asked_s ?? this.position_s;
     const text = String(Math.round((STEPS * at_s) / Math.max(duration_s, 1e-3)));
-    if (!this.isDragged && place.value !== text) place.value = text;
-    const utc = new Date(Number(BigInt(state.start_utc_ns ?? 0) / 1000000n) + 1000 * at_s).toISOString();
+    if (place.value !== text) place.value = text;
+    const utc = new Date(this.utcAt_ms(at_s)).toISOString();
     $("replay-time").textContent = `${clockText(at_s)} / ${clockText(duration_s)}  ${utc.slice(11, 21)}Z`;
     $("replay-time").title = `Place in the recording, its length, and the time of the recording: ${utc}`;
     $("replay-pause").textContent = state.ended ? "again" : state.paused ? "play" : "pause";
     const speed = String(number(state.speed, 1));
     if (![...$("replay-speed").options].some(({ value }) => value === speed)) $("replay-speed").add(new Option(`× ${speed}`, speed));
     if (document.activeElement !== $("replay-speed")) $("replay-speed").value = speed;
-    const role = this.app.link.welcome?.role;
-    for (const id of ["replay-pause", "replay-speed", "replay-place"]) $(id).disabled = role === "viewer";
+    const isViewer = this.app.link.welcome?.role === "viewer";
+    for (const id of ["replay-pause", "replay-speed", "replay-place"]) $(id).disabled = isViewer;
+    $("replay").title = isViewer ? "Steering the replay needs a token of the role controller" : "";
+    $("replay-refusal").classList.toggle("dim", isViewer);
+    $("replay-refusal").textContent = isViewer ? "viewers only watch" : this.refusal ?? "";
   }
 }

@@ -6,6 +6,8 @@ import { number } from "./messages.js";
 const LINE_PX = 18;
 const FONT = '12px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
+const timeText = ({ bins }) => `${new Date(bins.newest?.utc_ms ?? 0).toISOString().slice(0, 19)}Z`;
+
 /** What a caption says of a pane. */
 export function captionOf(pane, app) {
   const { descriptor: d, placement, scale } = pane.bins;
@@ -15,12 +17,12 @@ export function captionOf(pane, app) {
   const compensated = scale.compensated && pane.bins.mayCompensate ? " with r²" : "";
   return [
     `${link.welcome?.scene_name ?? d.scene_name} · ${pane.pick.selectedOptions[0]?.text ?? d.radar} · ` +
-      `${new Date(Date.now() + link.offset_ms).toISOString().slice(0, 19)}Z · frame ${d.frame_id}`,
+      `${timeText(pane)} · ${pane.frustum ? "rendered once" : `frame ${d.frame_id ?? 0}`}`,
     `${signed(number(pose.latitude_deg), "N", "S")} ${signed(number(pose.longitude_deg), "E", "W")}, ` +
       `${number(pose.height_m).toFixed(0)} m, bearing ${bearingText(number(pose.bearing_deg))} · ` +
       `${distanceText(placement.r0_m, look.unit)} to ${distanceText(placement.rMax_m, look.unit)}`,
     `video ${scale.low_dB.toFixed(0)} to ${(scale.low_dB + scale.span_dB).toFixed(0)} dB re ${d.power_unit}${compensated} · ` +
-      `${look.slant ? "slant range" : "ground range"}, ${look.up} up · ${look.palette}`,
+      `${pane.ppi.isSlant ? "slant range" : "ground range"}, ${look.up} up · ${look.palette}`,
   ];
 }
 
@@ -56,11 +58,12 @@ export function pictureOf(app) {
 
 /** @param {import("./main.js").App} app */
 export function savePicture(app) {
-  if (!app.panes.some(({ bins }) => bins.descriptor)) return;
+  const shown = app.panes.find(({ bins }) => bins.descriptor);
+  if (!shown) return;
   pictureOf(app).toBlob((blob) => {
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
-    link.download = `obliq_${app.panes[0].radar}_${new Date().toISOString().slice(0, 19).replaceAll(":", "")}Z.png`;
+    link.download = `obliq_${app.panes[0].radar}_${timeText(shown).replaceAll(":", "")}.png`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   }, "image/png");

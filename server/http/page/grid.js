@@ -6,6 +6,7 @@ import { DEGREE, turned } from "./placement.js";
 
 export const UNIT_M = { km: 1000, NM: 1852 };
 const LINE = "rgba(150, 210, 196, 0.40)";
+const SHADE = "rgba(7, 11, 14, 0.45)";
 const EDGE = "rgba(132, 196, 180, 0.55)";
 const TEXT = "#b4cec8";
 const HALO = "rgba(7, 11, 14, 0.8)";
@@ -92,7 +93,7 @@ function ringRange(ppi) {
   const { view } = ppi;
   const corners = [[0, 0], [view.width, 0], [0, view.height], [view.width, view.height]];
   const distances = corners.map(([x, y]) => Math.hypot(...onPlane(view, x, y)));
-  const far = Math.min(placement.rMax_m, 1.05 * Math.max(...distances) + placement.y_m);
+  const far = Math.min(placement.rMax_m, 1.05 * Math.max(...distances) + (ppi.isSlant ? 0 : placement.y_m));
   const [ax, ay] = ppi.toScreen(0, 0);
   const holdsAntenna = ax > 0 && ay > 0 && ax < ppi.width && ay < ppi.height;
   const near = Math.max(placement.r0_m, holdsAntenna ? 0 : 0.8 * nearest(ppi));
@@ -122,10 +123,12 @@ function rings(ppi, c, sector_deg) {
   for (const [slant_m, isRing, text] of drawn) {
     const ring = ringOf(ppi, slant_m, sector_deg);
     const steps = Math.max(24, Math.ceil(sector_deg));
-    c.strokeStyle = isRing ? LINE : EDGE;
     c.beginPath();
     for (let k = 0; k <= steps; ++k) c.lineTo(...ppi.toScreen(...ring(k / steps)));
-    c.stroke();
+    for (const [colour, width] of [[SHADE, 3], [isRing ? LINE : EDGE, 1]]) { // also on bright ground
+      [c.strokeStyle, c.lineWidth] = [colour, width];
+      c.stroke();
+    }
     if (text) ringLabel(ppi, c, ring, text, places);
   }
 }
@@ -226,6 +229,6 @@ function legend(ppi, c) {
   c.textAlign = "right";
   for (let dB = Math.ceil(low_dB / step) * step; dB <= low_dB + span_dB + 1e-9; dB += step)
     write(c, String(dB), x - 4, y + height * (1 - (dB - low_dB) / span_dB));
-  write(c, "dB", x + width, y - 13);
+  write(c, ppi.bins.scale.compensated && ppi.bins.mayCompensate ? "dB r²" : "dB", x + width, y - 13);
   c.textAlign = "left";
 }

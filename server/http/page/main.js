@@ -164,6 +164,7 @@ export class App {
     document.body.dataset.link = state.kind;
     if (state.kind !== "live" && state.kind !== "silent") {
       this.debrief?.forget();
+      $("role").textContent = "";
       this.streams.clear();
       for (const pane of this.panes) {
         pane.info = pane.status = null;
@@ -270,7 +271,6 @@ export class App {
       if (error instanceof Refused && error.number === 101) this.fillSources();
     }
     this.controls.show();
-    this.meter.show(this);
     this.tell();
   }
 
@@ -390,6 +390,7 @@ export class App {
 
   tell() {
     if (this.debrief?.state) this.debrief.show();
+    this.meter.show(this);
     this.said = sentences(this);
     const words = $("words");
     const text = this.said.map((sentence) => sentence.text).join(" ");

@@ -38,8 +38,8 @@ export const STATE_COLOURS = /** @type {Colour[]} */ ([
   [176, 40, 128], // not sampled
   [0, 0, 0], // sampled: its level
   [26, 52, 104], // shadow
-  [92, 62, 20], // no known ground
-  [14, 34, 40], // all ground is farther away
+  [112, 18, 44], // no known ground
+  [48, 66, 74], // all ground is farther away
 ]);
 export const STATE_WORDS = ["not sampled", "sampled", "shadow", "no known ground", "nearer than any ground"];
 

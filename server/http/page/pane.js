@@ -63,6 +63,7 @@ export class Pane {
     const { bins, ppi } = this;
     if (type === "FrameBegin") {
       this.app.setScale(this);
+      bins.isRecorded = Boolean(this.app.debrief.state);
       if (bins.begin(body)) ppi.refresh();
       this.says = null;
       this.awaits = false;
@@ -73,7 +74,8 @@ export class Pane {
       const past_ms = utcNow_ms() + this.app.link.offset_ms - utc_ms;
       const sent_ns = number(body.send_ns);
       const age_ms = (clock_ns) => (clock_ns === undefined ? 0 : past_ms + (sent_ns - number(clock_ns)) * 1e-6);
-      bins.block(body, plane, { now_ms, age_ms });
+      const { debrief } = this.app;
+      bins.block(body, plane, { now_ms, age_ms, utc_ms: debrief.state ? debrief.utcAt_ms(debrief.position_s) : utc_ms });
     } else if (type === "FrameEnd") {
       if (bins.end(body)) ppi.refresh();
       this.level(performance.now());
@@ -106,15 +108,15 @@ export class Pane {
 
   /** @param {number} now_ms */
   draw(now_ms) {
-    if (!this.app.link.isLive || this.app.look.hold) {
-      if (!this.ppi.needs.grid && !this.ppi.needs.marks && !this.ppi.needs.table) return;
-      now_ms = this.held_ms ?? now_ms; // ages stand still
-    } else {
-      this.held_ms = now_ms;
-    }
-    const { bins } = this;
-    const isNew = this.ppi.draw(now_ms);
-    if (!isNew) return;
+    const { bins, ppi } = this;
+    const { cursor, hold } = this.app.look;
+    const isHeld = !this.app.link.isLive || hold;
+    if (isHeld && !ppi.needs.grid && !ppi.needs.marks && !ppi.needs.table) return;
+    if (!isHeld) this.held_ms = now_ms;
+    const hadMarks = ppi.needs.marks;
+    const isNew = ppi.draw(now_ms, isHeld ? this.held_ms ?? now_ms : null);
+    if (isNew || (hadMarks && !ppi.needs.marks)) this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));
+    if (!isNew || isHeld) return;
     if (!this.isSettled) this.level(now_ms);
     const { newest } = bins;
     const passed = bins.passed.splice(0);
@@ -130,8 +132,6 @@ export class Pane {
       this.drawnFrames = bins.frames;
       this.app.meter.frameDrawn(this);
     }
-    const { cursor } = this.app.look;
-    this.scope.draw(bins, this.app.look, cursor && this.ppi.read(cursor));
   }
 
   /** Asks for this pane's own frame where the first pane shows something new. */

@@ -189,6 +189,14 @@ export class Placement {
     return inverse(this.latitude_deg, this.longitude_deg, latitude_deg, longitude_deg);
   }
 
+  /** Whether the farthest bins meet ground: not of an antenna too high, or too far from the scene's origin. */
+  get hasGround() {
+    return [this.start_deg, this.bearing_deg].every((bearing_deg) => {
+      const { slant_m } = this.seen(...this.place(bearing_deg, this.rMax_m));
+      return Math.abs(slant_m - this.rMax_m) < 0.01 * this.rMax_m;
+    });
+  }
+
   /** Azimuth bin of a bearing, range bin of a slant range; -1 where there is none. */
   bin(bearing_deg, slant_m) {
     let row = Math.floor(turned(bearing_deg - this.start_deg) / this.width_deg);

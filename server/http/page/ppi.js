@@ -99,7 +99,8 @@ export class Ppi {
     const { placement } = this.bins;
     const [picture] = this.canvases;
     const up_deg = this.look.up === "bearing" ? placement.bearing_deg : 0;
-    const base = { width: picture.width, height: picture.height, up_deg, slant: this.look.slant };
+    this.isSlant = this.look.slant || !placement.hasGround;
+    const base = { width: picture.width, height: picture.height, up_deg, slant: this.isSlant };
     const fit = this.#fit(up_deg);
     const chosen = this.look.window;
     if (!chosen) return { ...base, ...fit };
@@ -137,7 +138,7 @@ export class Ppi {
 
   /** On the plane of this picture. */
   placed(bearing_deg, slant_m) {
-    if (!this.look.slant) return this.bins.placement.place(bearing_deg, slant_m);
+    if (!this.isSlant) return this.bins.placement.place(bearing_deg, slant_m);
     return [slant_m * Math.sin(bearing_deg * DEGREE), slant_m * Math.cos(bearing_deg * DEGREE)];
   }
 
@@ -161,7 +162,7 @@ export class Ppi {
     const { placement } = bins;
     if (!placement) return null;
     let seen;
-    if (this.look.slant) {
+    if (this.isSlant) {
       const slant_m = Math.hypot(east_m, north_m);
       const bearing_deg = Math.atan2(east_m, north_m) / DEGREE;
       seen = { slant_m, bearing_deg, ...placement.located(bearing_deg, slant_m) };
@@ -206,15 +207,16 @@ export class Ppi {
 
   /**
    * @param {number} now_ms
+   * @param {number|null} held_ms since then the picture is held; null: it is not
    * @returns {boolean} whether bins were drawn
    */
-  draw(now_ms) {
+  draw(now_ms, held_ms) {
     if (!this.bins.placement || !this.image) return false;
     if (now_ms < this.due_ms - EARLY_MS) return false;
-    this.bins.advance(now_ms);
+    if (held_ms === null) this.bins.advance(now_ms);
     const began = performance.now();
     if (this.needs.table) this.#rebuild(began);
-    const rows = this.#drawRows(now_ms);
+    const rows = this.#drawRows(this.bins.ageClock_ms(held_ms ?? now_ms));
     if (rows) {
       this.due_ms = Math.max(this.due_ms + this.#pause_ms(), now_ms); // a late picture does not put off the next
       ++this.draws;
@@ -236,14 +238,14 @@ export class Ppi {
     this.times.table_ms = performance.now() - began;
   }
 
-  #drawRows(now_ms) {
+  #drawRows(clock_ms) {
     const { bins, table, out, palette, ages } = this;
     const { rowStart } = table;
-    const perMs = this.look.afterglow_s > 0 ? (AGES - 1) / (1000 * this.look.afterglow_s) : 0;
+    const perMs = bins.scan && this.look.afterglow_s > 0 ? (AGES - 1) / (1000 * this.look.afterglow_s) : 0;
     const overlay = this.look.overlay && bins.hasStates ? STATE_COLOURS.map(packed) : null;
     let [top, bottom, rows] = [Infinity, -1, 0];
     for (let row = 0; row < bins.placement.azimuths; ++row) {
-      const since = (now_ms - bins.seen_ms[row]) * perMs;
+      const since = (clock_ms - bins.seen_ms[row]) * perMs;
       const age = perMs === 0 ? 0 : since > 0 ? Math.min(AGES - 1, Math.floor(since)) : 0;
       if (!this.needs.all && !bins.changed[row] && age === ages[row]) continue;
       ages[row] = age;

@@ -32,7 +32,8 @@ export class Readout {
   }
 
   /** @param {import("./main.js").App} app */
-  show({ panes: [pane], look }) {
+  show({ panes: [pane], look, link }) {
+    const was = pane.info?.transmit_off || !link.isLive ? "was " : "";
     const at = look.cursor && pane.ppi.read(look.cursor);
     const put = (key, text) => {
       if (this.values[key].textContent !== text) this.values[key].textContent = text;
@@ -42,7 +43,7 @@ export class Readout {
     put("bearing", at ? bearingText(at.bearing_deg) : "–");
     put("latitude", at ? angleText(at.latitude_deg, "N", "S") : "–");
     put("longitude", at ? angleText(turned(at.longitude_deg + 180) - 180, "E", "W") : "–");
-    put("level", !at || at.bin < 0 ? "–" : at.value_dB === null ? "no echo" : `${at.value_dB.toFixed(1)} dB`);
+    put("level", !at || at.bin < 0 ? "–" : was + (at.value_dB === null ? "no echo" : `${at.value_dB.toFixed(1)} dB`));
     put("state", !at ? "–" : at.bin < 0 ? "outside" : at.state < 0 ? "(overlay off)" : STATE_WORDS[at.state] ?? STATE_WORDS[3]);
     const marks = look.markers.map((marker) => marker && pane.ppi.read(marker));
     for (const k of [0, 1])
@@ -85,23 +86,28 @@ export class Meter {
     if (pane === pane.app.panes[0]) ++this.received;
   }
 
-  /** Once a second. */
-  show({ panes: [pane], link }) {
-    const now = performance.now();
-    const { bins } = pane;
-    const over = bins.scan ? SCAN_SECONDS : FRAME_SECONDS;
+  #count(now, over) {
+    if (now - this.past.at(-1).at_ms < 1000) return;
     while (this.past.length > over) this.past.shift();
     const [then] = this.past;
     for (const key of ["received", "drawn"]) this.rates[key] = (1000 * (this[key] - then[key])) / (now - then.at_ms);
     this.past.push({ at_ms: now, received: this.received, drawn: this.drawn });
+  }
+
+  /** Several times a second, whatever the connection does. */
+  show({ panes: [pane], link, look, debrief }) {
+    const now = performance.now();
+    const { bins } = pane;
+    this.#count(now, bins.scan ? SCAN_SECONDS : FRAME_SECONDS);
     let text = "";
-    if (link.isLive && bins.newest) {
+    if (bins.newest) {
       const age_s = (now - this.drawn_ms) / 1000;
       const one = (value) => value.toFixed(value < 0.95 ? 2 : value < 9.95 ? 1 : 0);
       const latency = pane.beam_ms ?? pane.latency_ms;
-      text = `in ${one(this.rates.received)} drawn ${one(this.rates.drawn)}/s`;
-      if (latency !== null && latency < 10000) text += ` · ${bins.scan ? "beam" : "pose"} ${Math.round(latency)} ms`;
-      text += ` · age ${age_s.toFixed(1)} s`;
+      const isFresh = link.isLive && !look.hold && !pane.info?.transmit_off;
+      if (link.isLive) text += `in ${one(this.rates.received)} drawn ${one(this.rates.drawn)}/s · `;
+      if (isFresh && latency !== null && latency < 10000) text += `${bins.scan ? "beam" : "pose"} ${Math.round(latency)} ms · `;
+      text += debrief?.state?.paused ? "recorded" : `age ${age_s.toFixed(1)} s`;
       if (bins.skipped) text += ` · skipped ${bins.skipped}`;
       if (bins.missed) text += ` · missed ${bins.missed}`;
     }

@@ -90,14 +90,17 @@ export class Scope {
     c.strokeStyle = "rgba(132, 196, 180, 0.18)";
     c.fillStyle = "#a9c4be";
     c.lineWidth = 1;
-    const step = stepOf(this.high - this.low, Math.max(2, Math.floor(height / 26)));
+    const span = this.high - this.low;
+    let most = Math.max(2, Math.floor(height / 26));
+    let step = stepOf(span, most);
+    while (Math.floor(this.high / step) <= Math.ceil(this.low / step)) step = stepOf(span, ++most);
     c.beginPath();
     c.textAlign = "right";
     c.textBaseline = "middle";
     for (let dB = Math.ceil(this.low / step) * step; dB <= this.high; dB += step) {
       c.moveTo(LEFT, y(dB));
       c.lineTo(width - 6, y(dB));
-      if (y(dB) > 18) c.fillText(String(dB), LEFT - 5, y(dB)); // above stands the unit
+      c.fillText(String(dB), LEFT - 5, Math.max(7, y(dB)));
     }
     const unit_m = UNIT_M[look.unit];
     const each = stepOf((placement.rMax_m - placement.r0_m) / unit_m, Math.max(2, Math.floor(width / 90)));
@@ -112,6 +115,6 @@ export class Scope {
     c.stroke();
     c.textAlign = "left";
     c.fillText(look.unit, 4, height - 4);
-    c.fillText("dB", 4, 11);
+    c.fillText("dB as sent", LEFT + 4, 13);
   }
 }
