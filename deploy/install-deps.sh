@@ -57,14 +57,15 @@ if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   die "this machine has no apt. obliq is built and tested on Debian 12; elsewhere install the equivalents of: ${wanted[*]}"
 fi
 
-# Selenium, which Debian 12 has only in an older version, for the tests of the page: into build/page/venv.
+# Selenium, which Debian 12 has only in an older version, for the tests of the page: into build/page/venv, beside the numpy and
+# protobuf of Debian's own python3, which another one in the PATH would not see.
 install_selenium() {
   case " $groups " in *" test "*) ;; *) return 0 ;; esac
   local venv
   venv=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)/build/page/venv
-  if "$venv/bin/python" -c 'import selenium' 2>/dev/null; then return 0; fi
+  if "$venv/bin/python" -c 'import selenium, numpy, google.protobuf' 2>/dev/null; then return 0; fi
   echo "install-deps: selenium into $venv"
-  python3 -m venv --system-site-packages "$venv" && "$venv/bin/pip" install -q 'selenium>=4.40,<5' </dev/null ||
+  /usr/bin/python3 -m venv --clear --system-site-packages "$venv" && "$venv/bin/pip" install -q 'selenium>=4.40,<5' </dev/null ||
     echo "install-deps: no selenium (does the Python package registry answer?): the page's tests will be skipped" >&2
 }
 
