@@ -151,6 +151,27 @@ class SectorScan {
                                         -right * cos_half_ - ahead * sin_half_ > radius_m);
   }
 
+  /// Whether no post of a tile, nor any edge that begins there, can be lower, higher or stand at a greater
+  /// elevation than what has been seen.
+  bool changes_nothing(const TileBounds::Tile& heights, double x_m, double z_m, double radius_m) const {
+    const double ground = std::hypot(x_m - sector_.antenna_m.x, z_m - sector_.antenna_m.z);
+    const double up = static_cast<double>(heights.highest_m) - sector_.antenna_m.y;
+    return static_cast<double>(heights.lowest_m) >= bottom_ &&
+           static_cast<double>(heights.highest_m) <= top_ && ground > radius_m &&
+           up / (up > 0 ? ground - radius_m : ground + radius_m) <= tangent_;
+  }
+
+  /// An edge from a tile's border ends in the next one.
+  static TileBounds::Tile with_neighbours(const TileBounds& tiles, int ti, int tj) {
+    TileBounds::Tile all = tiles.tile(ti, tj);
+    for (int j = std::max(0, tj - 1); j <= std::min(tiles.tiles_z() - 1, tj + 1); ++j)
+      for (int i = std::max(0, ti - 1); i <= std::min(tiles.tiles_x() - 1, ti + 1); ++i) {
+        all.lowest_m = std::min(all.lowest_m, tiles.tile(i, j).lowest_m);
+        all.highest_m = std::max(all.highest_m, tiles.tile(i, j).highest_m);
+      }
+    return all;
+  }
+
   void visit_tile(const TileBounds& tiles, int ti, int tj) {
     const TileBounds::Tile& tile = tiles.tile(ti, tj);
     if (!(tile.lowest_m <= tile.highest_m)) return;
@@ -175,10 +196,9 @@ class SectorScan {
     if (kind == Overlap::full) {
       bottom_ = std::min(bottom_, lowest);
       top_ = std::max(top_, highest);
-      const double ground = std::hypot(x - sector_.antenna_m.x, z - sector_.antenna_m.z);
-      const double up = highest - sector_.antenna_m.y;
-      // No post of the tile can stand above this elevation: skip the posts when another already does.
-      if (up / (up > 0 ? ground - radius : ground + radius) <= tangent_) return;
+      if (changes_nothing(tile, x, z, radius)) return;
+    } else if (changes_nothing(with_neighbours(tiles, ti, tj), x, z, radius)) {
+      return;
     }
     if (large) {
       constexpr int kFine = TileBounds::kCells / TileBounds::kFineCells;
