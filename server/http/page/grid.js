@@ -5,7 +5,7 @@ import { onPlane } from "./table.js";
 import { DEGREE, turned } from "./placement.js";
 
 export const UNIT_M = { km: 1000, NM: 1852 };
-const LINE = "rgba(150, 210, 196, 0.40)";
+const LINE = "rgba(206, 240, 230, 0.62)";
 const SHADE = "rgba(7, 11, 14, 0.45)";
 const EDGE = "rgba(132, 196, 180, 0.55)";
 const TEXT = "#b4cec8";
