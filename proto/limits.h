@@ -12,8 +12,18 @@ constexpr std::uint32_t kMaxPlaneBytes = 1u << 20;
 constexpr std::uint32_t kMaxDescriptorBytes = 1u << 18;
 /// What a server accepts unless it is told otherwise.
 constexpr std::uint32_t kMaxRequestBytes = 1u << 20;
+/// Of that before Hello has been answered: a name and a token.
+constexpr std::uint32_t kMaxHelloBytes = 4096;
 /// What a client accepts.
 constexpr std::uint32_t kMaxPayloadBytes = kMaxPlaneBytes + kMaxDescriptorBytes;
+
+/// How long a message of a peer may be, behind its header: in all, and its protobuf part.
+struct MessageLimits {
+  constexpr MessageLimits(std::uint32_t payload, std::uint32_t descriptor = kMaxDescriptorBytes)
+      : payload_bytes(payload), descriptor_bytes(descriptor) {}
+  std::uint32_t payload_bytes;
+  std::uint32_t descriptor_bytes;
+};
 
 /// Places of one QueryGround: three doubles each stay below kMaxDescriptorBytes, records below
 /// kMaxPlaneBytes.

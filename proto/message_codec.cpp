@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <chrono>
 
-#include "proto/limits.h"
-
 namespace obliq::wire {
 
 Bytes encode_message(MessageType type, const Addressing& addressing,
-                     const google::protobuf::MessageLite& descriptor, std::span<const std::byte> plane) {
+                     const google::protobuf::MessageLite& descriptor, std::span<const std::byte> plane,
+                     std::uint32_t max_descriptor_bytes) {
   const std::size_t descriptor_bytes = descriptor.ByteSizeLong();
-  if (descriptor_bytes > kMaxDescriptorBytes || plane.size() > kMaxPlaneBytes) return {};
+  if (descriptor_bytes > max_descriptor_bytes || plane.size() > kMaxPlaneBytes) return {};
 
   MessageHeader header;
   header.type = type;
@@ -37,10 +36,10 @@ Bytes encode_message(MessageType type, const Addressing& addressing,
   return bytes;
 }
 
-MessageStatus decode_message(std::span<const std::byte> bytes, std::uint32_t max_payload_bytes,
+MessageStatus decode_message(std::span<const std::byte> bytes, const MessageLimits& limits,
                              MessageView& view) {
   if (bytes.size() < kHeaderBytes) return MessageStatus::need_more;
-  switch (decode_header(bytes.first<kHeaderBytes>(), max_payload_bytes, view.header)) {
+  switch (decode_header(bytes.first<kHeaderBytes>(), limits, view.header)) {
     case HeaderStatus::ok:
       break;
     case HeaderStatus::bad_magic:

@@ -22,9 +22,11 @@ struct Addressing {
   std::int64_t utc_ns = 0;
 };
 
-/// A complete message. Empty when the parts exceed the limits of limits.h, which is a fault of the caller.
+/// A complete message. Empty when the parts exceed the limits of limits.h, which is a fault of the caller, or
+/// the protobuf part those given.
 Bytes encode_message(MessageType type, const Addressing& addressing,
-                     const google::protobuf::MessageLite& descriptor, std::span<const std::byte> plane = {});
+                     const google::protobuf::MessageLite& descriptor, std::span<const std::byte> plane = {},
+                     std::uint32_t max_descriptor_bytes = kMaxDescriptorBytes);
 
 enum class MessageStatus { ok, need_more, bad_magic, version_mismatch, bad_length, bad_crc };
 
@@ -37,7 +39,7 @@ struct MessageView {
 };
 
 /// Decodes the message at the front of `bytes`; need_more when it is not all there yet.
-[[nodiscard]] MessageStatus decode_message(std::span<const std::byte> bytes, std::uint32_t max_payload_bytes,
+[[nodiscard]] MessageStatus decode_message(std::span<const std::byte> bytes, const MessageLimits& limits,
                                            MessageView& view);
 
 /// Parses the protobuf part. False when the bytes are not such a message.

@@ -4,7 +4,6 @@
 #include <type_traits>
 
 #include "proto/crc32c.h"
-#include "proto/limits.h"
 
 namespace obliq::wire {
 namespace {
@@ -28,7 +27,7 @@ T take(const std::byte*& at) {
 
 }  // namespace
 
-std::string describe(HeaderStatus status, const MessageHeader& header, std::uint32_t max_payload_bytes) {
+std::string describe(HeaderStatus status, const MessageHeader& header, const MessageLimits& limits) {
   switch (status) {
     case HeaderStatus::ok:
       return "ok";
@@ -41,8 +40,9 @@ std::string describe(HeaderStatus status, const MessageHeader& header, std::uint
       return "message lengths: found header " + std::to_string(header.header_length) + ", protobuf " +
              std::to_string(header.descriptor_length) + ", payload " + std::to_string(header.payload_length) +
              " bytes; allowed: header " + std::to_string(kHeaderBytes) + " to " +
-             std::to_string(kMaxHeaderBytes) + ", protobuf at most " + std::to_string(kMaxDescriptorBytes) +
-             " and the payload, payload at most " + std::to_string(max_payload_bytes);
+             std::to_string(kMaxHeaderBytes) + ", protobuf at most " +
+             std::to_string(limits.descriptor_bytes) + " and the payload, payload at most " +
+             std::to_string(limits.payload_bytes);
   }
   return "?";
 }
@@ -64,7 +64,7 @@ void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderByte
   put(at, std::uint32_t{0});
 }
 
-HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes, std::uint32_t max_payload_bytes,
+HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes, const MessageLimits& limits,
                            MessageHeader& header) {
   const std::byte* at = bytes.data();
   const auto magic = take<std::uint32_t>(at);
@@ -83,7 +83,7 @@ HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes, std::
   if (magic != kMagic) return HeaderStatus::bad_magic;
   if (header.major != kMajorVersion) return HeaderStatus::version_mismatch;
   if (header.header_length < kHeaderBytes || header.header_length > kMaxHeaderBytes ||
-      header.payload_length > max_payload_bytes || header.descriptor_length > kMaxDescriptorBytes ||
+      header.payload_length > limits.payload_bytes || header.descriptor_length > limits.descriptor_bytes ||
       header.descriptor_length > header.payload_length) {
     return HeaderStatus::bad_length;
   }

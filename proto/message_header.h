@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "proto/limits.h"
 #include "proto/message_type.h"
 
 namespace obliq::wire {
@@ -37,7 +38,7 @@ struct MessageHeader {
 enum class HeaderStatus { ok, bad_magic, version_mismatch, bad_length };
 
 /// One sentence for a log or an Error message: what was found and what is allowed.
-std::string describe(HeaderStatus status, const MessageHeader& header, std::uint32_t max_payload_bytes);
+std::string describe(HeaderStatus status, const MessageHeader& header, const MessageLimits& limits);
 
 /// Writes all fields, the magic and the reserved zero; crc as it stands in `header`.
 void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderBytes> out);
@@ -45,7 +46,7 @@ void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderByte
 /// Reads the first kHeaderBytes of a message and checks magic, major version and lengths. When
 /// header_length is more than kHeaderBytes the caller reads the excess before the payload.
 [[nodiscard]] HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes,
-                                         std::uint32_t max_payload_bytes, MessageHeader& header);
+                                         const MessageLimits& limits, MessageHeader& header);
 
 /// The CRC of a message, for header bytes (the whole header, any length) whose CRC field is taken as zero.
 std::uint32_t message_crc(std::span<const std::byte> header, std::span<const std::byte> payload);

@@ -170,8 +170,10 @@ class DemLoader {
     const double before_m = facts.source_error.p95_m;
     std::string left;
     double cell_m = limits.coarsest_m;
-    while (const double finer_m = finer_cell_m(limits, cell_m, static_cast<double>(world_.grid.y_m.size()),
-                                               facts.source_error, left)) {
+    while (true) {
+      const double finer_m =
+          finer_cell_m(limits, cell_m, static_cast<double>(world_.grid.y_m.size()), facts.source_error, left);
+      if (finer_m == 0) break;
       world_.report.notes.resize(notes);  // of a grid that is not used
       cell_m = finer_m;
       facts = make(cell_m);
@@ -183,7 +185,7 @@ class DemLoader {
         cell_m, facts.source_error.p95_m, allowed_error_m(limits.accuracy), limits.accuracy.product);
     if (cell_m < limits.coarsest_m)
       note += fmt::format("; over cells of {:.4g} m it was {:.3g} m", limits.coarsest_m, before_m);
-    if (!left.empty()) note += "; half the size would take " + left + ", so name cell_m to have it";
+    if (!left.empty()) note += "; half the size would take " + left;
     world_.report.notes.push_back(note);
     return facts;
   }

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what the tests need, builds, runs every test. The last line is ctest's own summary.
 #
-#   tests/run.sh            everything (10 minutes on two cores after the quick start, 15 without it)
-#   tests/run.sh --quick    without the tests labelled slow (7 minutes)
+#   tests/run.sh            everything (10 to 20 minutes on two cores, by how busy they are)
+#   tests/run.sh --quick    without the tests labelled slow (two thirds of that)
 #
 # OBLIQ_SHARED=DIR points at extra elevation models; tests that need them are skipped without.
 set -euo pipefail
@@ -37,6 +37,7 @@ status=0
 ctest --test-dir build/release --parallel "$(nproc)" --timeout 600 --output-on-failure --no-tests=error \
   "${select_tests[@]}" 2>&1 </dev/null | tee "$log" || status=$?
 step_end
+python3 tests/figures/figures.py --age || true # a word, never a failure
 
 # ctest prints timings and the names of skipped tests after its summary; repeat it where it is looked for.
 grep -E '^[0-9]+% tests passed' "$log" | tail -n 1 || status=1

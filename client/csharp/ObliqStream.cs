@@ -165,6 +165,16 @@ namespace Obliq
         public double[] Bearings_deg;
         internal string Request;  // of a RenderOnce
         internal uint Stream;
+        internal long BytesReceived;
+        internal bool Continues;  // the pass before it
+
+        // Of the planes that have come.
+        internal long Bytes()
+        {
+            long bytes = 0;
+            foreach (var name in Planes()) bytes += Buffer.ByteLength(Plane(name));
+            return bytes;
+        }
 
         internal Array Plane(string name)
         {
@@ -199,6 +209,7 @@ namespace Obliq
             State = before.State == null ? null : (byte[])before.State.Clone();
             Iq = before.Iq == null ? null : (float[])before.Iq.Clone();
             Bearings_deg = (double[])before.Bearings_deg.Clone();
+            Continues = true;
         }
     }
 
@@ -524,11 +535,21 @@ namespace Obliq
 
         // ---- Frames ----
 
+        // A radar has at most 8192 x 8192 bins.
+        private const int MostAzimuths = 1 << 14, MostBins = 1 << 28;
+        // A pass that brought less than this part of its bytes and missed the others is given up, unless it is small; as
+        // frame_assembler.cpp does.
+        private const int LeastPart = 64, SmallBytes = 1 << 20;
+
         private Frame Begin(FrameBegin begin, uint stream)
         {
             // JsonUtility makes empty objects of absent ones.
             var scan = begin.scan == null || string.IsNullOrEmpty(begin.scan.mode) ? null : begin.scan;
             var frame = new Frame { Descriptor = begin.frame, Scan = scan, Request = begin.request_id, Stream = stream };
+            long bins = (long)frame.AzimuthBins * frame.RangeBins;
+            if (frame.AzimuthBins < 1 || frame.AzimuthBins > MostAzimuths || frame.RangeBins < 1 || bins > MostBins)
+                throw new IOException("a frame of " + frame.AzimuthBins + " x " + frame.RangeBins + " bins; allowed: 1 to " + MostAzimuths +
+                                      " azimuths, at most " + MostBins + " bins");
             frame.Bearings_deg = new double[frame.AzimuthBins];
             for (int a = 0; a < frame.AzimuthBins; ++a) frame.Bearings_deg[a] = double.NaN;
             if (scan == null) frame.Seen(0, frame.AzimuthBins, frame.Descriptor.pose);
@@ -548,6 +569,7 @@ namespace Obliq
             for (int a = 0; a < block.n_azimuth; ++a)
                 Buffer.BlockCopy(bytes, from + a * row, to,
                                  ((block.first_azimuth + a) * frame.RangeBins + block.first_range) * binBytes, row);
+            frame.BytesReceived += count;
             if (frame.Scan == null) return;
             frame.Seen(block.first_azimuth, block.n_azimuth, block.pose);
             long beam_ns;
@@ -562,14 +584,19 @@ namespace Obliq
                 Finish(frame.Request, answer => answer.TrySetResult(frame));
                 return;
             }
+            var missed = end.missed ?? new AzimuthSpan[0];
+            long rows = 0, bytes = frame.Bytes();
+            foreach (var span in missed) rows += span.n_azimuth;
+            if (rows > frame.AzimuthBins) throw new IOException("more azimuth bins were missed than the frame has");
+            if (bytes > SmallBytes && LeastPart * frame.BytesReceived < bytes) return;
             foreach (var name in frame.Planes())
             {
                 if (frame.Scan == null) Tell(frame, name, 0, frame.AzimuthBins, frame.Descriptor.pose, 0);
-                foreach (var span in end.missed ?? new AzimuthSpan[0])  // what was not looked at holds no echo
+                foreach (var span in missed)  // what was not looked at holds no echo
                 {
                     int row = frame.Plane(name).Length / frame.AzimuthBins;
                     frame.Seen(span.first_azimuth, span.n_azimuth, frame.Descriptor.pose);
-                    Array.Clear(frame.Plane(name), span.first_azimuth * row, span.n_azimuth * row);
+                    if (frame.Continues) Array.Clear(frame.Plane(name), span.first_azimuth * row, span.n_azimuth * row);
                     Tell(frame, name, span.first_azimuth, span.n_azimuth, frame.Descriptor.pose, 0);
                 }
             }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <vector>
 
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
@@ -13,13 +15,18 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Sharp azimuths that are integrated at a time.
 constexpr int kStretch = 64;
-/// A beam seen from steeper than this is as wide as all azimuths: what the beam's own plan assumes.
-constexpr double kLeastCosine = 0.5;
+/// Facets are sorted by the logarithm of the cosine of their elevation, in steps of so much; one between two
+/// steps is shared by both, so that its mean cosine stays: g^2 is off by the square of it.
+constexpr double kLayer = 0.01;
+/// Below this a beam of any use is as wide as all azimuths.
+constexpr double kSteepest = 1e-4;
 
-/// One azimuth bin of the truth, after the pulse.
-struct Row {
-  std::vector<double> ground_w, building_w, cos_elevation;  // [n_range]
+/// What of an azimuth bin of the truth is seen at about one elevation, after the pulse.
+struct Layer {
+  double cos_elevation = 1;
+  std::vector<double> ground_w, building_w;  // [n_range]; empty: nothing
 };
+using Row = std::vector<Layer>;
 
 class RadarTruth {
  public:
@@ -34,6 +41,7 @@ class RadarTruth {
     bin_rad_ = view_.sector_rad / s_.azimuth_bins;
     spacing_m_ = (s_.r_max_m - s_.r_min_m) / s_.range_bins;
     widen();
+    respond();
     truth_.runs = runs;
     truth_.n_range = s_.range_bins;
     const std::size_t size =
@@ -57,23 +65,35 @@ class RadarTruth {
 
  private:
   void widen() {
-    const double reach_rad =
-        s_.beam.pattern == BeamPattern::off
-            ? 0
-            : std::min(kPi, (pattern_.extent_rad() + (turns() ? bin_rad_ : 0)) / kLeastCosine);
+    const int extent = s_.pulse.kind == PulseKind::off ? 0 : s_.pulse.extent_bins;
+    const int near = std::min(extent, static_cast<int>(s_.r_min_m / spacing_m_));
+    const double nearest_m = std::max(0.0, s_.r_min_m - near * spacing_m_);
+    const double reach_rad = s_.beam.pattern == BeamPattern::off ? 0 : beam_reach_rad(nearest_m);
     const double width_rad = std::min(2 * kPi, view_.sector_rad + 2 * reach_rad);
     view_.azimuth_bins = static_cast<int>(std::ceil(width_rad / bin_rad_ * kTruthParts - 1e-9));
     start_rad_ = (view_.sector_rad - width_rad) / 2;  // of the first sharp azimuth, from the sector's start
     view_.sector_rad = width_rad;
     reach_rad_ = reach_rad;
-    const int extent = s_.pulse.kind == PulseKind::off ? 0 : s_.pulse.extent_bins;
-    const int near = std::min(extent, static_cast<int>(s_.r_min_m / spacing_m_));
     first_range_ = near * kTruthParts;
     last_offset_ = extent * kTruthParts + kTruthParts / 2;
     view_.range_bins = (s_.range_bins + near + extent) * kTruthParts;
-    view_.r_min_m = std::max(0.0, s_.r_min_m - near * spacing_m_);
+    view_.r_min_m = nearest_m;
     view_.r_max_m = s_.r_max_m + extent * spacing_m_;
     view_.range_normalisation = false;
+    view_.keeps_facets = true;
+  }
+
+  /// How far off the boresight a beam may see the lowest ground from the nearest range: where
+  /// cos(e) sin(azimuth) is the sine of its extent.
+  double beam_reach_rad(double nearest_m) const {
+    double lowest_m = view_.antenna_m.y;
+    for (const float y_m : plan_.scene().world().grid.y_m)
+      if (!std::isnan(y_m)) lowest_m = std::min(lowest_m, static_cast<double>(y_m));
+    const double drop_m = view_.antenna_m.y - lowest_m;
+    if (drop_m >= nearest_m || pattern_.extent_rad() >= kPi / 2) return kPi;
+    const double cosine = std::sqrt(1 - drop_m * drop_m / (nearest_m * nearest_m));
+    const double sine = std::sin(pattern_.extent_rad()) / cosine;
+    return sine >= 1 ? kPi : std::min(kPi, std::asin(sine) + (turns() ? bin_rad_ : 0));
   }
 
   bool turns() const { return s_.scan_mode != ScanMode::frame; }
@@ -109,39 +129,65 @@ class RadarTruth {
     });
   }
 
-  /// The pulse's sum over ranges.
+  /// The pulse's sum over ranges, of each layer.
   Row row_of(const ReferenceBins& bins, int azimuth) const {
-    const auto n = static_cast<std::size_t>(s_.range_bins);
-    Row row{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n, 1)};
-    const std::size_t start = static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(bins.n_range);
-    const double part_m = spacing_m_ / kTruthParts;
-    for (int m = 0; m < s_.range_bins; ++m) {
-      const int first = first_range_ + m * kTruthParts;  // sharp bins of this gate
-      const double gate_m = s_.r_min_m + (m + 0.5) * spacing_m_;
-      double ground = 0, building = 0, sine = 0;
-      for (int j = first + kTruthParts / 2 - last_offset_; j < first + kTruthParts / 2 + last_offset_; ++j) {
-        if (j < 0 || j >= bins.n_range) continue;
-        const double range_m = view_.r_min_m + (j + 0.5) * part_m;
-        const double weight = squared_response(range_m - gate_m, range_m);
-        const std::size_t at = start + static_cast<std::size_t>(j);
-        ground += weight * bins.ground_w[at];
-        building += weight * bins.building_w[at];
-        sine += weight * bins.sine_w[at];
-      }
-      const auto gate = static_cast<std::size_t>(m);
-      row.ground_w[gate] = ground;
-      row.building_w[gate] = building;
-      const double mean = ground + building > 0 ? sine / (ground + building) : 0;
-      row.cos_elevation[gate] = std::sqrt(std::max(kLeastCosine * kLeastCosine, 1 - mean * mean));
+    std::map<int, Layer> sharp;
+    for (const FacetEcho& facet : bins.facets[static_cast<std::size_t>(azimuth)]) {
+      const double cosine = std::sqrt(std::max(0.0, 1 - facet.sin_elevation * facet.sin_elevation));
+      const double place = -std::log(std::max(kSteepest, cosine)) / kLayer;
+      const int number = static_cast<int>(place);
+      const double lower = facet.power_w * (number + 1 - place);
+      add_sharp(facet, lower, sharp[number]);
+      add_sharp(facet, facet.power_w - lower, sharp[number + 1]);
     }
+    Row row;
+    for (const auto& [number, layer] : sharp)
+      row.push_back({std::exp(-number * kLayer), after_pulse(layer.ground_w), after_pulse(layer.building_w)});
     return row;
   }
 
-  double squared_response(double offset_m, double range_m) const {
-    if (s_.pulse.kind == PulseKind::off) return 1;
-    const double eclipsed = s_.pulse.eclipse ? std::min(1.0, range_m / response_.half_pulse_m()) : 1;
-    const double p = eclipsed * response_.at(offset_m);
-    return p * p;
+  void add_sharp(const FacetEcho& facet, double power_w, Layer& layer) const {
+    std::vector<double>& of = facet.of_building ? layer.building_w : layer.ground_w;
+    if (of.empty()) of.resize(static_cast<std::size_t>(view_.range_bins));
+    of[static_cast<std::size_t>(facet.range_bin)] += power_w;
+  }
+
+  std::vector<double> after_pulse(const std::vector<double>& sharp_w) const {
+    std::vector<double> gates(static_cast<std::size_t>(s_.range_bins));
+    for (std::size_t j = 0; j < sharp_w.size(); ++j) {
+      if (sharp_w[j] == 0) continue;
+      // For a gate sharp bins count from last_offset_ before its middle to as many behind it.
+      const int from_first = static_cast<int>(j) - first_range_ - kTruthParts / 2;
+      const int m0 = std::max(0, below(from_first - last_offset_) + 1);
+      const int m1 = std::min(s_.range_bins - 1, below(from_first + last_offset_));
+      const double power_w = sharp_w[j] * eclipsed(static_cast<double>(j));
+      for (int m = m0; m <= m1; ++m)
+        gates[static_cast<std::size_t>(m)] +=
+            response2_[static_cast<std::size_t>(from_first - m * kTruthParts + last_offset_)] * power_w;
+    }
+    return gates;
+  }
+
+  /// Whole gates in so many sharp bins, rounded down.
+  static int below(int sharp_bins) {
+    return sharp_bins >= 0 ? sharp_bins / kTruthParts : -((kTruthParts - 1 - sharp_bins) / kTruthParts);
+  }
+
+  /// What eclipsing leaves of the power of a sharp bin.
+  double eclipsed(double sharp_bin) const {
+    if (s_.pulse.kind == PulseKind::off || !s_.pulse.eclipse) return 1;
+    const double range_m = view_.r_min_m + (sharp_bin + 0.5) * spacing_m_ / kTruthParts;
+    const double share = std::min(1.0, range_m / response_.half_pulse_m());
+    return share * share;
+  }
+
+  /// p^2 of sharp bins by their place before and behind a gate's middle.
+  void respond() {
+    for (int k = -last_offset_; k < last_offset_; ++k) {
+      const double p =
+          s_.pulse.kind == PulseKind::off ? 1 : response_.at((k + 0.5) * spacing_m_ / kTruthParts);
+      response2_.push_back(p * p);
+    }
   }
 
   /// The two-way pattern at an azimuth off the boresight, seen from that elevation; of a turning antenna the
@@ -160,11 +206,13 @@ class RadarTruth {
     const bool sharp = s_.beam.pattern == BeamPattern::off;
     if (sharp ? std::abs(offset) > bin_rad_ / 2 : std::abs(offset) > reach_rad_) return;
     const std::size_t start = static_cast<std::size_t>(output) * static_cast<std::size_t>(s_.range_bins);
-    for (std::size_t m = 0; m < row.ground_w.size(); ++m) {
-      if (row.ground_w[m] + row.building_w[m] == 0) continue;
-      const double g = sharp ? 1 : gain(offset, row.cos_elevation[m]);
-      truth_.ground_w[start + m] += g * g * row.ground_w[m];
-      truth_.building_w[start + m] += g * g * row.building_w[m];
+    for (const Layer& layer : row) {
+      const double g = sharp ? 1 : gain(offset, layer.cos_elevation);
+      if (g == 0) continue;
+      for (std::size_t m = 0; m < layer.ground_w.size(); ++m) {
+        truth_.ground_w[start + m] += g * g * layer.ground_w[m];
+        truth_.building_w[start + m] += g * g * layer.building_w[m];
+      }
     }
   }
 
@@ -190,7 +238,8 @@ class RadarTruth {
   double reach_rad_ = 0;
   int first_range_ = 0;
   int last_offset_ = 0;
-  std::vector<double> outputs_;  // middles, from the sector's start
+  std::vector<double> response2_;  // [2 last_offset_]
+  std::vector<double> outputs_;    // middles, from the sector's start
   TruthBins truth_;
 };
 

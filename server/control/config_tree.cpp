@@ -19,6 +19,9 @@ namespace {
 constexpr std::size_t kLargestFile_bytes = 4u << 20;
 /// Tables in tables: the deepest key has four parts. Guards the stack against a.a.a.a... of any length.
 constexpr int kDeepest = 16;
+/// Values and tables. The largest scenes, with a hundred files and a material for each of a hundred surfaces,
+/// have some thousands.
+constexpr std::size_t kMostValues = 100'000;
 
 std::string read_file(const std::filesystem::path& path) {
   const std::string name = path.string();
@@ -39,10 +42,12 @@ std::string read_file(const std::filesystem::path& path) {
   return text;
 }
 
-/// Counts the points between the parts of a key, outside quotes and comments. toml++ limits how deep brackets
-/// nest, but not dotted keys, and takes tables apart recursively.
-void refuse_deep_keys(std::string_view text, const std::string& name) {
+/// Counts values, and the points between the parts of a key, outside quotes and comments, before anything is
+/// made of them. toml++ limits how deep brackets nest, but not dotted keys, and takes tables apart
+/// recursively.
+void refuse_deep_or_many_keys(std::string_view text, const std::string& name) {
   std::size_t line = 1;
+  std::size_t values = 0;
   int dots = 0;
   char open = 0;  // the quote or '#' that is open, 0: none
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -57,15 +62,27 @@ void refuse_deep_keys(std::string_view text, const std::string& name) {
     } else if (c == '"' || c == '\'' || c == '#') {
       open = c;
     } else if (std::string_view("=,[]{}").find(c) != std::string_view::npos) {
+      const bool opens_table = c == '[' && (i == 0 || text[i - 1] == '\n');
+      if (c == '=' || c == ',' || opens_table) ++values;
       dots = 0;
     } else if (c == '.' && ++dots > kDeepest) {
       throw InputError(name + ":" + std::to_string(line) + ": found a key of more than " +
                        std::to_string(kDeepest) + " parts; allowed: the keys of a scene file");
     }
   }
+  if (values > kMostValues)
+    throw InputError(name + ": found about " + std::to_string(values) + " values; allowed: at most " +
+                     std::to_string(kMostValues));
 }
 
-ConfigNode convert(const toml::node& node, const std::string& file, int depth) {
+/// Without the character that was found: of a file that is no scene, such as a key under a wrong name, no
+/// part belongs into a log.
+std::string without_found(std::string_view description) {
+  return printable_text(std::string(description.substr(0, description.find(", saw "))));
+}
+
+/// `path`: of keys, as far as the node has any.
+ConfigNode convert(const toml::node& node, const std::string& file, const std::string& path, int depth) {
   const auto line = node.source().begin.line;
   ConfigNode out;
   out.where = line > 0 ? file + ":" + std::to_string(line) : file;
@@ -77,17 +94,25 @@ ConfigNode convert(const toml::node& node, const std::string& file, int depth) {
     if constexpr (toml::is_table<T>) {
       out.kind = ConfigNode::Kind::table;
       for (const auto& [key, child] : n) {
-        out.items.push_back(convert(child, file, depth + 1));
-        out.items.back().key = std::string(key.str());
+        const std::string below = (path.empty() ? "" : path + ".") + std::string(key.str());
+        ConfigNode& item = out.items.emplace_back(convert(child, file, below, depth + 1));
+        item.key = std::string(key.str());
       }
     } else if constexpr (toml::is_array<T>) {
       out.kind = ConfigNode::Kind::array;
-      for (const auto& child : n) out.items.push_back(convert(child, file, depth + 1));
+      for (const auto& child : n) out.items.push_back(convert(child, file, path, depth + 1));
     } else if constexpr (toml::is_date<T> || toml::is_time<T> || toml::is_date_time<T>) {
       out.kind = ConfigNode::Kind::date;
     } else {
       out.kind = ConfigNode::Kind::value;
       out.value = Value(n.get());
+      if constexpr (toml::is_string<T>) {
+        // The system's calls would end a name there, and so would messages.
+        if (n.get().find('\0') != std::string::npos)
+          throw InputError(out.where + (path.empty() ? "" : ": " + printable_text(path)) + ": found " +
+                           toml_string(n.get().substr(0, 80)) +
+                           "; allowed: a text without the character U+0000");
+      }
     }
   });
   return out;
@@ -155,12 +180,12 @@ ConfigNode parse_config_file(const std::filesystem::path& path) {
 }
 
 ConfigNode parse_config_text(const std::string& text, const std::string& name) {
-  refuse_deep_keys(text, name);
+  refuse_deep_or_many_keys(text, name);
   try {
-    return convert(toml::parse(text, name), name, 0);
+    return convert(toml::parse(text, name), name, "", 0);
   } catch (const toml::parse_error& e) {
     throw InputError(name + ":" + std::to_string(e.source().begin.line) +
-                     ": found something that is not TOML: " + printable_text(std::string(e.description())));
+                     ": found something that is not TOML: " + without_found(e.description()));
   }
 }
 
@@ -171,16 +196,16 @@ ConfigNode parse_config_value(std::string_view text, std::string where, int laye
   // A line break could smuggle in further keys; no value has one.
   const bool one_line = text.find_first_of("\r\n") == std::string_view::npos;
   if (one_line && text.size() < kLargestFile_bytes) {
-    refuse_deep_keys(text, where);
+    refuse_deep_or_many_keys(text, where);
     try {
       const toml::table parsed = toml::parse("v = " + std::string(text), std::string_view(where));
-      node = convert(*parsed.get("v"), where, 0);
+      node = convert(*parsed.get("v"), where, "", 0);
     } catch (const toml::parse_error&) {  // then it is plain text: flags spare the quotes
     }
   }
   const auto mark = [&](auto&& self, ConfigNode& n) -> void {
     n.where = where;
-    n.raw = printable_text(std::string(text));
+    n.raw = printable_text(text);
     n.layer = layer;
     for (ConfigNode& item : n.items) self(self, item);
   };

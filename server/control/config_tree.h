@@ -45,13 +45,21 @@ ConfigNode nest(std::string_view dotted_key, ConfigNode value);
 /// Lays `patch` over `base`: tables join, anything else is replaced.
 void merge(ConfigNode& base, const ConfigNode& patch);
 
-/// What is wrong with a configuration, collected so that all of it is reported at once.
+/// What is wrong with a configuration, collected so that all of it is reported at once: the first complaints,
+/// and how many follow.
 class Complaints {
  public:
   void add(const std::string& where, const FieldError& error) { add(where + ": " + error.text()); }
   void add(std::string line) {
-    if (std::ranges::find(lines_, line) == lines_.end()) lines_.push_back(std::move(line));
+    if (std::ranges::find(lines_, line) != lines_.end()) return;
+    if (lines_.size() < kMostLines) {
+      lines_.push_back(std::move(line));
+    } else {
+      ++more_;
+    }
   }
+  /// What is added now is only counted.
+  bool full() const { return lines_.size() == kMostLines; }
   bool empty() const { return lines_.empty(); }
 
   /// Throws InputError, one complaint a line, if there is any.
@@ -59,11 +67,15 @@ class Complaints {
     if (lines_.empty()) return;
     std::string text;
     for (const std::string& line : lines_) text += (text.empty() ? "" : "\n") + line;
+    if (more_ > 0) text += "\nand " + std::to_string(more_) + " more complaints";
     throw InputError(text);
   }
 
  private:
+  static constexpr std::size_t kMostLines = 100;
+
   std::vector<std::string> lines_;
+  std::size_t more_ = 0;
 };
 
 /// The candidate that `word` is most likely a slip of, or empty if none is near.

@@ -60,18 +60,14 @@ std::string quality_page() {
       "the bins stop at 16384.\n\nA scene with an empty `[frustum]` has the quality `standard`. A scene that "
       "names pixels or plates but no kind, and a\nRenderOnce without a frustum, have the oblique frustum "
       "with spread plates. `oblique` finds its pixels when `obliqd` or\n`obliq render` has loaded the "
-      "scene.\n\nMeasured over Los Angeles (`deploy/scenes/losangeles.toml`, terrain and 14,535 buildings) "
-      "against the reference\nrenderer. The first number is a frame's processor time over that of the "
-      "paper's "
-      "setting traced by Embree (AVX2,\n`tests/bench/frame_turns`). E: power error of the lit bins, weighted "
-      "by "
-      "power; gaps: lit bins without a return.\n\n| quality | kind | plates | "
-      "pixel_columns | pixel_rows | for | measured |\n|---|---|---|---|---|---|---|\n";
+      "scene. What each costs, and how\nfar its frames are from the truth: "
+      "[SPEED.md](../../tests/bench/SPEED.md).\n\n| quality | kind | plates | "
+      "pixel_columns | pixel_rows | for |\n|---|---|---|---|---|---|\n";
   for (const QualityPreset& p : quality_presets())
-    page += markdown_row({markdown_code(p.name), p.kind, p.plates,
-                          p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins"),
-                          p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins"), p.meaning,
-                          p.measured});
+    page +=
+        markdown_row({markdown_code(p.name), p.kind, p.plates,
+                      p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins"),
+                      p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins"), p.meaning});
   return page;
 }
 

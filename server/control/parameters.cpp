@@ -19,6 +19,9 @@ constexpr double kNarrowestBin_deg = 1e-6;
 /// A pass keeps the scene that it began in, and a client waits this long for its first: one turn a minute.
 constexpr double kLongestPass_s = 60;
 
+/// Nothing but the machine's speed would pace shorter passes: rate_hz has no say in a scan.
+constexpr double kShortestPass_s = 0.01;
+
 void check_limits(RadarConfig config, WireMessage message, std::vector<FieldError>& errors) {
   for (const Parameter& parameter : parameters()) {
     if (parameter.message != message) continue;
@@ -65,6 +68,14 @@ void check_scan(const RadarSettings& s, std::vector<FieldError>& errors) {
         {"scan.rate_deg_s",
          toml_number(s.scan_rate_deg_s) + " with radar.sector_deg = " + toml_number(s.sector_deg),
          "a pass over the sector in at most " + toml_number(kLongestPass_s) + " s"});
+  }
+  if (s.sector_deg / s.scan_rate_deg_s < kShortestPass_s) {
+    errors.push_back(
+        {"scan.rate_deg_s",
+         toml_number(s.scan_rate_deg_s) + " with radar.sector_deg = " + toml_number(s.sector_deg),
+         "a pass over the sector in at least " + toml_number(kShortestPass_s) + " s: at most " +
+             toml_number(s.sector_deg / kShortestPass_s) + " deg/s, or a sector of at least " +
+             toml_number(s.scan_rate_deg_s * kShortestPass_s) + " deg"});
   }
 }
 

@@ -17,10 +17,9 @@ struct QualityPreset {
   int rows = 0;     ///< 0: rows_per_bin for each range bin
   double columns_per_bin = 0;
   double rows_per_bin = 0;
-  int sub_columns = 0;        ///< of the sweep
-  bool searched = false;      ///< columns and rows are found by rendering, from those above
-  std::string_view meaning;   ///< its use, in a sentence
-  std::string_view measured;  ///< error and time, on what scene
+  int sub_columns = 0;       ///< of the sweep
+  bool searched = false;     ///< columns and rows are found by rendering, from those above
+  std::string_view meaning;  ///< its use, in a sentence
 
   int columns_for(int azimuth_bins) const;
   int rows_for(int range_bins) const;

@@ -124,7 +124,7 @@ void SectionReader::each_table(std::string_view name,
 void SectionReader::finish() {
   for (const ConfigNode& item : table_.items) {
     if (std::ranges::find(known_, item.key) != known_.end()) continue;
-    const std::string near = nearest_name(item.key, known_);
+    const std::string near = complaints_.full() ? "" : nearest_name(item.key, known_);
     std::string allowed;
     if (!near.empty()) {
       allowed = "did you mean " + full_name(near) + "?";

@@ -10,6 +10,7 @@
 
 #include "server/log/service_log.h"
 #include "server/security/security.h"
+#include "terrain/base/text.h"
 
 namespace obliq::http {
 
@@ -35,6 +36,23 @@ bool names(std::string_view list, std::string_view wanted) {
     if (one.substr(begin, one.find_last_not_of(" \t") + 1 - begin) == wanted) return true;
   }
   return false;
+}
+
+/// 16 bytes of base64 (RFC 6455 section 4.1).
+bool is_key(std::string_view key) {
+  constexpr std::string_view kPadding = "==";
+  constexpr std::size_t kLetters = 22;
+  const auto is_letter = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '+' || c == '/';
+  };
+  return key.size() == kLetters + kPadding.size() && key.ends_with(kPadding) &&
+         std::ranges::all_of(key.substr(0, kLetters), is_letter);
+}
+
+/// Of a field that a stranger wrote, what a log line and an answer show.
+std::string shown(std::string_view field) {
+  constexpr std::size_t kMost = 200;
+  return printable_text(field, kMost);
 }
 
 }  // namespace
@@ -64,8 +82,12 @@ std::optional<Page> upgrade_refusal(const Asked& asked, const Upgrade& upgrade) 
     return error_page(426, upgrade.path + " is a WebSocket with the subprotocol " + upgrade.protocol);
   if (asked.has_body) return error_page(413, "a request has no body here");
   if (!names(asked.protocols, upgrade.protocol))
-    return error_page(400, fmt::format("Sec-WebSocket-Protocol: found \"{}\"; allowed: {}", asked.protocols,
-                                       upgrade.protocol));
+    return error_page(400, fmt::format("Sec-WebSocket-Protocol: found \"{}\"; allowed: {}",
+                                       shown(asked.protocols), upgrade.protocol));
+  if (!is_key(asked.key))
+    return error_page(400,
+                      fmt::format("Sec-WebSocket-Key: found \"{}\"; allowed: one field, 16 bytes of base64",
+                                  shown(asked.key)));
   return upgrade.obstacle();
 }
 
@@ -75,20 +97,21 @@ Page error_page(int status, const std::string& text) {
 
 std::optional<Page> foreign_page(const Asked& asked, const Site& site) {
   if (asked.host.empty()) return error_page(400, "a request needs one field Host");
+  if (asked.has_origins) return error_page(400, "a request has at most one field Origin");
   const LogFields fields{{"client", asked.peer}};
   if (!is_own_host(asked.host, site)) {
     spdlog::warn(
         "HTTP: {} was refused: it asked for the host \"{}\"; name it in http.names if it is this one",
-        asked.peer, asked.host);
-    return error_page(
-        403, fmt::format("Host: found {}; allowed: an address, localhost, or one of http.names", asked.host));
+        asked.peer, shown(asked.host));
+    return error_page(403, fmt::format("Host: found {}; allowed: an address, localhost, or one of http.names",
+                                       shown(asked.host)));
   }
   if (asked.origin.empty() || is_own_origin(asked.origin, asked.host, site)) return std::nullopt;
   spdlog::warn("HTTP: {} was refused: a page of {} asked; name that in http.origins if it may", asked.peer,
-               asked.origin);
+               shown(asked.origin));
   return error_page(
       403, fmt::format("Origin: found {}; allowed: this server's own, {}://{}, or one of http.origins",
-                       asked.origin, site.tls ? "https" : "http", asked.host));
+                       shown(asked.origin), site.tls ? "https" : "http", asked.host));
 }
 
 Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security) {

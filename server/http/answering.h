@@ -50,14 +50,16 @@ struct Asked {
   std::string_view authorization;  ///< the field of that name, as those below
   std::string_view host;
   std::string_view origin;     ///< empty: none was sent
+  bool has_origins = false;    ///< more than one
   std::string_view protocols;  ///< Sec-WebSocket-Protocol
+  std::string_view key;        ///< Sec-WebSocket-Key, where there is one
   bool is_read = false;        ///< GET or HEAD
   bool has_body = false;
   bool is_upgrade = false;  ///< to a WebSocket
 };
 
 /// Why a request is refused whatever its path: Host or Origin are not this server's (403, and a log line), or
-/// there is no Host (400).
+/// there is no Host, or more than one of either (400).
 std::optional<Page> foreign_page(const Asked& asked, const Site& site);
 
 /// `security` null: every client may read.

@@ -32,7 +32,7 @@ asio::awaitable<void> converse(Stream& stream, const Question& question, Answer&
   response.body_limit(kMaxBody);
   co_await bhttp::async_read(stream, buffer, response, asio::use_awaitable);
   answer.body = response.get().body();
-  answer.status = response.get().result_int();
+  answer.status = static_cast<int>(response.get().result_int());
 }
 
 asio::awaitable<void> ask_on(asio::io_context& io, const Question& question, Answer& answer) {

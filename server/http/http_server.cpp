@@ -39,11 +39,9 @@ using boost::system::error_code;
 namespace {
 
 constexpr const char* kMostConnections = "http.max_connections";
-
 using net::SocketTransport;
 using net::Transport;
 using Request = bhttp::request_parser<bhttp::empty_body>;
-
 using Clock = asio::steady_timer::clock_type;
 
 /// A connection that is served.
@@ -99,16 +97,20 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 
 Asked asked_by(const Request& parser, const std::string& peer) {
   const auto& request = parser.get();
-  return {
-      .peer = peer,
-      .target = view(request.target()),
-      .authorization = view(request[bhttp::field::authorization]),
-      .host = request.count(bhttp::field::host) == 1 ? view(request[bhttp::field::host]) : std::string_view(),
-      .origin = view(request[bhttp::field::origin]),
-      .protocols = view(request[bhttp::field::sec_websocket_protocol]),
-      .is_read = request.method() == bhttp::verb::get || request.method() == bhttp::verb::head,
-      .has_body = !parser.is_done(),
-      .is_upgrade = beast::websocket::is_upgrade(request)};
+  const auto only = [&](bhttp::field name) {
+    return request.count(name) == 1 ? view(request[name]) : std::string_view();
+  };
+  return {.peer = peer,
+          .target = view(request.target()),
+          .authorization = view(request[bhttp::field::authorization]),
+          .host = only(bhttp::field::host),
+          .origin = only(bhttp::field::origin),
+          .has_origins = request.count(bhttp::field::origin) > 1,
+          .protocols = view(request[bhttp::field::sec_websocket_protocol]),
+          .key = only(bhttp::field::sec_websocket_key),
+          .is_read = request.method() == bhttp::verb::get || request.method() == bhttp::verb::head,
+          .has_body = !parser.is_done(),
+          .is_upgrade = beast::websocket::is_upgrade(request)};
 }
 
 }  // namespace
@@ -380,9 +382,8 @@ const std::string& HttpServer::address() const { return state_->address; }
 
 std::string HttpServer::url() const {
   // A server that listens on all addresses is found at the loopback.
-  std::string host = state_->address.substr(0, state_->address.rfind(':'));
-  if (host == "0.0.0.0") host = "127.0.0.1";
-  if (host == "[::]") host = "[::1]";
+  const std::string bound = state_->address.substr(0, state_->address.rfind(':'));
+  const std::string host = bound == "0.0.0.0" ? "127.0.0.1" : bound == "[::]" ? "[::1]" : bound;
   return fmt::format("{}://{}:{}/", state_->site.tls ? "https" : "http", host, port());
 }
 

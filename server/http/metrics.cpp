@@ -191,7 +191,8 @@ struct Metrics::State {
   Histogram& once_render_s =
       BuildHistogram()
           .Name("obliq_once_render_seconds")
-          .Help("Rendering time of a RenderOnce frame, without the waits between its slices.")
+          .Help(
+              "Rendering time of a RenderOnce frame, its plan included, without the waits between its turns.")
           .Register(registry)
           .Add({}, kSeconds);
   prometheus::Family<Counter>& log_lines =

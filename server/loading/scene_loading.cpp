@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/loading/cell_by_power.h"
 #include "server/radar/frame_plan.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
@@ -144,7 +145,7 @@ std::string scene_memory_line(const Scene& scene) {
 std::shared_ptr<const Scene> build_scene(const SceneConfig& config, const Say& say,
                                          const Progress& progress) {
   say("scene " + config.name + ": loading terrain");
-  auto world = std::make_shared<const World>(load_world(config.world, progress));
+  auto world = std::make_shared<const World>(load_judged_world(config, config.threads, progress));
   for (const ReportLine& line : world_report_lines(*world)) say(line);
   auto scene = std::make_shared<const Scene>(world, config.materials, config.threads, config.rays);
   if (std::ranges::any_of(config.radars, [&](const RadarConfig& radar) {
@@ -158,16 +159,16 @@ std::shared_ptr<const Scene> build_scene(const SceneConfig& config, const Say& s
 }
 
 std::shared_ptr<const Scene> build_scene_behind(const SceneConfig& config, const std::stop_token& stop) {
-  WorldSpec spec = config.world;
-  spec.terrain.cache_keeps = false;  // windows of a flight do not come again
-  auto world = std::make_shared<const World>(load_world(spec, [&](std::string_view, double) {
+  SceneConfig behind = config;
+  behind.world.terrain.cache_keeps = false;  // windows of a flight do not come again
+  auto world = std::make_shared<const World>(load_judged_world(behind, 1, [&](std::string_view, double) {
     if (stop.stop_requested()) throw InputError("given up");
   }));
   return std::make_shared<const Scene>(world, config.materials, 1, config.rays);
 }
 
 std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {
-  auto world = std::make_shared<const World>(load_world(config.world, terminal_progress()));
+  auto world = std::make_shared<const World>(load_judged_world(config, config.threads, terminal_progress()));
   print_world_report(*world);
   return world;
 }

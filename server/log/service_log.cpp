@@ -93,10 +93,12 @@ class ServiceSink : public spdlog::sinks::base_sink<std::mutex> {
   };
 
   void write(const spdlog::details::log_msg& message) {
-    if (json_) return stderr_.log(message);  // whose escapes are JSON's own
-    const std::string clean = visible({message.payload.data(), message.payload.size()});
+    const std::size_t all = message.payload.size();
+    std::string text(message.payload.data(), std::min(all, kLongestMessageBytes));
+    if (text.size() < all) text += fmt::format("... and {} bytes more", all - text.size());
+    if (!json_) text = visible(text);  // JSON has escapes of its own
     spdlog::details::log_msg copy = message;
-    copy.payload = clean;
+    copy.payload = text;
     stderr_.log(copy);
   }
 

@@ -17,8 +17,12 @@ namespace obliq {
 /// counted and the count is written.
 constexpr int kPeerLinesPerSecond = 20;
 
+/// Of a line's message; what is longer is cut. The daemon's own words are a tenth of it.
+constexpr std::size_t kLongestMessageBytes = 4096;
+
 /// Becomes spdlog's default logger. Control characters in a line are made visible, so that no client can
-/// forge another line. Call again to change format or level.
+/// forge another line, and a long message is cut, so that none fills the disk. Call again to change format or
+/// level.
 void open_log(const LogConfig& config);
 
 /// Hears the level of every line, also of those left out: "debug", "info", "warning" or "error". From the

@@ -81,6 +81,9 @@ constexpr std::array kFaults{
               "max_pixels"},
     FaultText{Fault::max_memory_mb, "apply: the frame would take more memory than `server.max_memory_mb`",
               "max_memory_mb"},
+    FaultText{Fault::max_plan_taps,
+              "apply: the plan of the frame's beam would have more weights than `server.max_plan_taps`",
+              "max_plan_taps"},
 };
 
 constexpr std::array kCoilTexts{

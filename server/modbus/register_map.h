@@ -27,9 +27,10 @@ enum class Fault : std::uint16_t {
   no_answer = 4,      ///< the server was too busy
   cannot_render = 5,  ///< the radar as it is set
   watchdog = 6,       ///< the console's heartbeat stood still, the radar was frozen
-  max_bins = 7,       ///< by apply, as are the next two: a limit of the server
+  max_bins = 7,       ///< by apply, as are the next three: a limit of the server
   max_pixels = 8,
-  max_memory_mb = 9
+  max_memory_mb = 9,
+  max_plan_taps = 10
 };
 struct FaultText {
   Fault fault;

@@ -77,19 +77,17 @@ void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
     if (oldest != frames.end()) return give_up(radar, oldest->first, oldest->second);
   }
   const auto& [oldest, frame] = *frames.begin();
-  std::vector<std::pair<Peer*, std::string>> offenders;  // fail() may end a subscription at once
   for (Watcher* watcher : frame.holders) {
     const FrameQueue* queue = watcher->peer->outbox.queue(radar.stream_id);
-    std::string reason = queue == nullptr ? "" : offence(*queue, oldest, options);
+    const std::string reason = queue == nullptr ? "" : offence(*queue, oldest, options);
     if (reason.empty()) continue;
     if (watcher->accused_frame != oldest) {
       watcher->accused_frame = oldest;
       watcher->accused = FrameQueue::Clock::now();
     }
     if (seconds_since(watcher->accused) > kLastChance_s)
-      offenders.emplace_back(watcher->peer, std::move(reason));
+      watcher->peer->fail(wire::ErrorNumber::reads_too_slowly, reason);
   }
-  for (const auto& [peer, reason] : offenders) peer->fail(wire::ErrorNumber::reads_too_slowly, reason);
 }
 
 }  // namespace obliq::net

@@ -30,6 +30,9 @@ struct ServerOptions : ServerLimits, StreamConfig {
 
   std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, every client is admin
 
+  std::uint32_t max_hello_bytes = wire::kMaxHelloBytes;  ///< of any message before Hello is answered
+  std::uint32_t max_descriptor_bytes = wire::kMaxDescriptorBytes;  ///< of a request's protobuf part
+
   double max_rate_hz = 100;  ///< of a subscription
   /// Bytes of live frames that wait for one client; a begun frame that would exceed them is aborted.
   std::size_t queue_bytes = std::size_t{256} << 20;

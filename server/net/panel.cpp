@@ -6,6 +6,7 @@
 
 #include "server/net/requests.h"
 #include "server/net/room.h"
+#include "server/radar/frame_plan.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/seconds.h"
 
@@ -103,8 +104,9 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     if (over) errors.push_back(over->field);
   }
   if (errors.empty() && new_pose) errors = room_.renderer().place(config.pose);
+  // What the ground decides shows as the radar's fault, as after a move.
   if (errors.empty() && (new_settings || config.pose.tilt_deg != radar.pose.tilt_deg))
-    errors = room_.renderer().faults(config.settings, config.pose);
+    errors = known_beam_faults(config.settings, config.pose).value_or(errors);
   if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over), {}};
 
   // Nothing is left that can be refused.

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +19,12 @@ class MessageLite;
 }
 
 namespace obliq::net {
+
+/// A request as it came.
+struct KeptRequest {
+  wire::MessageType type;
+  wire::Bytes descriptor;
+};
 
 /// One client as the room sees it. The session behind it owns the socket.
 class Peer {
@@ -47,17 +54,23 @@ class Peer {
   /// Closes at once, without an Error.
   virtual void drop() = 0;
 
+  bool is_client() const { return greeted && !has_left; }
+  bool is_waiting() const { return !greeted && !has_left; }  ///< has not said Hello
+
   const std::uint64_t id;
   const std::string host;     ///< "127.0.0.1"
   const std::string address;  ///< "127.0.0.1:50000"
   std::string name;           ///< as shown to others: what it calls itself, and where it is
   bool greeted = false;       ///< Hello has been answered
+  bool has_left = false;      ///< its connection has ended; the room forgets it soon
   Role role = Role::viewer;
   std::optional<TokenDigest> credential;  ///< its token, where tokens are configured
   Outbox outbox;
   int subscriptions = 0;
   std::vector<OnceRequestPtr> renders;  ///< not finished
   int queries = 0;                      ///< of the ground, not answered
+  AppraisalPtr appraisal;               ///< that is under way
+  std::deque<KeptRequest> in_turn;      ///< the request that it is for, and those that come after it
 
   // For the log:
   const std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();

@@ -1,6 +1,7 @@
 #include "server/net/request_limits.h"
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
 #include "server/radar/wedge_memory.h"
@@ -14,19 +15,18 @@ std::int64_t threads_of(const ServerOptions& options) {
                                     : std::max<std::int64_t>(1, std::thread::hardware_concurrency());
 }
 
-FrameCost cost_without_bytes(const RadarSettings& settings) {
+/// With the bytes of its rendering.
+FrameCost rendering_cost(const RadarSettings& settings, const ServerOptions& options) {
   FrameCost cost;
   // The sweep has no rows: its planes are marched through all range bins.
   const std::int64_t rows =
       settings.frustum == FrustumKind::sweep ? settings.range_bins : settings.pixel_rows;
   cost.pixels = settings.pixel_columns * rows;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
+  const RenderingSize size = rendering_size(settings, threads_of(options));
+  cost.plan_taps = size.plan_taps;
+  cost.bytes = size.bytes;
   return cost;
-}
-
-/// Of all threads.
-std::int64_t wedges_bytes(const RadarSettings& settings, const ServerOptions& options) {
-  return rendering_bytes(settings, threads_of(options));
 }
 
 std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) + " x " + std::to_string(b); }
@@ -39,16 +39,30 @@ OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string
 }  // namespace
 
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
-  FrameCost cost = cost_without_bytes(settings);
-  cost.bytes = wedges_bytes(settings, options) + std::min(wire::bytes_per_bin(planes) * cost.bins,
-                                                          2 * static_cast<std::int64_t>(options.slice_bytes));
+  FrameCost cost = rendering_cost(settings, options);
+  cost.bytes +=
+      std::min(wire::bytes_per_bin(planes) * cost.bins, 2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
 }
 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
-  FrameCost cost = cost_without_bytes(settings);
-  cost.bytes =
-      wedges_bytes(settings, options) + wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
+  FrameCost cost = rendering_cost(settings, options);
+  cost.bytes += wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
+  return cost;
+}
+
+FrameCost replay_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
+  FrameCost cost;
+  cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
+  cost.bytes = wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 2);
+  return cost;
+}
+
+FrameCost whole_cost(const RadarSettings& settings, const ServerOptions& options) {
+  // With video.
+  constexpr std::int64_t kBytesABin = 21 + 3;
+  FrameCost cost = rendering_cost(settings, options);
+  cost.bytes += kBytesABin * cost.bins;
   return cost;
 }
 
@@ -66,21 +80,33 @@ std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCo
          product(settings.pixel_columns, cost.pixels / std::max(settings.pixel_columns, 1)),
          "at most " + std::to_string(options.max_pixels) + " pixels in one frame"});
   }
-  if (options.max_memory_mb > 0) {
-    const auto megabytes = [](std::int64_t bytes) { return (bytes + 999'999) / 1'000'000; };
-    const std::int64_t have = megabytes(resident_bytes() + reserved_bytes);
-    const std::int64_t need = megabytes(cost.bytes);
-    if (have + need > options.max_memory_mb) {
-      return exceeds(
-          "max_memory_mb", options.max_memory_mb,
-          "the frame needs about " + std::to_string(need) + " MB beside " + std::to_string(have) +
-              " MB that are in use",
-          {"bins, pixels",
-           product(settings.azimuth_bins, settings.range_bins) + ", " +
-               product(settings.pixel_columns, settings.pixel_rows),
-           "a smaller frame, more azimuth bins for as many pixels, fewer planes, or fewer requests "
-           "at a time"});
-    }
+  if (cost.plan_taps > options.max_plan_taps) {
+    return exceeds(
+        "max_plan_taps", options.max_plan_taps, "the plan of the beam has " + std::to_string(cost.plan_taps),
+        {"beam.extent_deg, bins.azimuth, bins.range", std::to_string(cost.plan_taps) + " weights",
+         "at most " + std::to_string(options.max_plan_taps) +
+             ": a beam that ends nearer to its boresight, fewer azimuth or range bins, or a longer "
+             "pulse"});
+  }
+  return over_memory(settings, cost, reserved_bytes, options);
+}
+
+std::optional<OverLimit> over_memory(const RadarSettings& settings, const FrameCost& cost,
+                                     std::int64_t reserved_bytes, const ServerOptions& options) {
+  const auto megabytes = [](std::int64_t bytes) { return (bytes + 999'999) / 1'000'000; };
+  const std::int64_t have = megabytes(resident_bytes() + reserved_bytes);
+  const std::int64_t need = megabytes(cost.bytes);
+  if (static_cast<double>(have + need) > options.max_memory_mb) {
+    std::string cure =
+        "a smaller frame, more azimuth bins for as many pixels, fewer planes, or fewer requests at a time";
+    if (cost.plan_taps > 0) cure += "; or a beam of less beam.extent_deg";
+    return exceeds("max_memory_mb", std::llround(options.max_memory_mb),
+                   "the frame needs about " + std::to_string(need) + " MB beside " + std::to_string(have) +
+                       " MB that are in use",
+                   {"bins, pixels",
+                    product(settings.azimuth_bins, settings.range_bins) + ", " +
+                        product(settings.pixel_columns, settings.pixel_rows),
+                    cure});
   }
   return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "server/control/settings_message.h"
 #include "server/net/peer.h"
 #include "server/net/room.h"
+#include "server/radar/frame_plan.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
@@ -28,6 +29,12 @@ constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
     std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::SetState> ||
     std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround>;
+
+/// Requests that are answered in their order also where the render thread has to be asked.
+template <typename Request>
+constexpr bool is_in_turn =
+    std::is_same_v<Request, wire::SetSettings> || std::is_same_v<Request, wire::Subscribe> ||
+    std::is_same_v<Request, wire::RenderOnce>;
 
 }  // namespace
 
@@ -47,9 +54,7 @@ wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::
   return error;
 }
 
-std::string presentable(const std::string& text) {
-  return printable_text(text.substr(0, wire::kMaxNameBytes));
-}
+std::string presentable(const std::string& text) { return printable_text(text, wire::kMaxNameBytes); }
 
 void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
   errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
@@ -79,7 +84,29 @@ void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*fu
       return refuse(request.request_id(), ErrorNumber::replay_only, why);
     }
   }
+  if (is_in_turn<Request> && comes_later(request.request_id())) return;
   (this->*function)(request);
+}
+
+bool Requests::comes_later(std::uint64_t request_id) {
+  if (its_turn_ || peer_.in_turn.empty()) return false;
+  const auto most = static_cast<std::size_t>(room_.options().max_renders_queued);
+  is_kept_ = peer_.in_turn.size() < most;
+  if (!is_kept_)
+    refuse(request_id, ErrorNumber::too_many_renders,
+           "too many unanswered requests: max_renders_queued is " + std::to_string(most));
+  return true;
+}
+
+std::optional<std::vector<FieldError>> Requests::beam_faults_of(const RadarSettings& settings,
+                                                                std::uint64_t version,
+                                                                const PoseSettings& pose) {
+  if (auto known = known_beam_faults(settings, pose)) return known;
+  // Another may have changed the radar meanwhile.
+  if (appraised_ != nullptr && appraised_->version == version) return appraised_->faults;
+  room_.appraise(peer_, std::make_shared<Appraisal>(Appraisal{0, settings, version, pose, {}}));
+  is_kept_ = true;
+  return std::nullopt;
 }
 
 void Requests::handle(MessageType type, std::span<const std::byte> descriptor) {
@@ -184,21 +211,20 @@ void Requests::get_radar(const wire::GetRadar& request) {
 void Requests::set_settings(const wire::SetSettings& request) {
   LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
   if (radar == nullptr) return;
-  std::optional<OverLimit> over;
-  const auto outcome = radar->settings.update([&](RadarSettings& candidate) {
-    std::vector<FieldError> errors = merge_message(request.settings(), candidate);
-    if (!errors.empty() || !validate(candidate).empty()) return errors;
-    over = room_.over_live_limit(candidate, wire::kAllPlanes);
-    if (over) {
-      errors.push_back(over->field);
-      return errors;
-    }
-    return room_.renderer().faults(candidate, radar->poses->at(monotonic_ns()).pose);
-  });
-  if (over) return refuse(request.request_id(), *over);
-  if (!outcome.published) {
-    return refuse(request.request_id(), ErrorNumber::invalid_value, "settings refused", outcome.errors);
+  const SettingsPtr before = radar->settings.current();
+  RadarSettings candidate = before->settings;
+  std::vector<FieldError> errors = merge_message(request.settings(), candidate);
+  append(errors, validate(candidate));
+  if (errors.empty()) {
+    if (const auto over = room_.over_live_limit(candidate, wire::kAllPlanes))
+      return refuse(request.request_id(), *over);
+    auto faults = beam_faults_of(candidate, before->version, radar->poses->at(monotonic_ns()).pose);
+    if (!faults) return;
+    errors = std::move(*faults);
   }
+  if (!errors.empty())
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "settings refused", errors);
+  const auto outcome = radar->settings.set(candidate);
   room_.radars().publish_view(*radar);
   acknowledge(request.request_id(), outcome.published->version);
   room_.radars().check_windows(*radar);
@@ -212,7 +238,7 @@ void Requests::set_pose(const wire::SetPose& request) {
   append(errors, validate(pose));
   if (errors.empty()) errors = room_.renderer().place(pose);
   if (errors.empty() && pose.tilt_deg != radar->pose.tilt_deg)
-    errors = room_.renderer().faults(radar->settings.current()->settings, pose);
+    errors = known_beam_faults(radar->settings.current()->settings, pose).value_or(errors);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
   room_.radars().move(*radar, pose, request.pose().has_sim_time_ns());

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,7 +34,9 @@ class Pose;
 
 namespace obliq {
 struct KeeperState;
-}
+struct PoseSettings;
+struct RadarSettings;
+}  // namespace obliq
 
 namespace obliq::net {
 
@@ -54,10 +57,23 @@ void append(std::vector<FieldError>& errors, std::vector<FieldError> more);
 /// What a RenderOnce must name: there is no radar to take it from.
 std::vector<FieldError> missing_position(const wire::Pose& pose);
 
-/// Answers the requests of one peer: one function per message. Every request gets exactly one answer.
+/// What the render thread has said of a request's settings.
+struct Appraised {
+  std::uint64_t version = 0;  ///< of the radar's settings that they were a change of
+  std::vector<FieldError> faults;
+};
+
+/// Answers the requests of one peer: one function per message. Every request gets exactly one answer; that of
+/// SetSettings, Subscribe and RenderOnce may have to wait for the render thread, and those of further ones
+/// behind it.
 class Requests {
  public:
   Requests(Room& room, Peer& peer) : room_(room), peer_(peer) {}
+  /// For a request that was kept and is handled again. appraised: null where it only came after another.
+  Requests(Room& room, Peer& peer, const Appraised* appraised)
+      : room_(room), peer_(peer), appraised_(appraised), its_turn_(true) {}
+  /// Of the request that was handled: it has no answer yet, and must be handled again.
+  bool is_kept() const { return is_kept_; }
   void handle(wire::MessageType type, std::span<const std::byte> descriptor);
 
  private:
@@ -82,6 +98,12 @@ class Requests {
   void get_status(const wire::GetStatus& request);
   void query_ground(const wire::QueryGround& request);
 
+  /// Whether it has to come after requests that are kept; or it is refused, because they are too many.
+  bool comes_later(std::uint64_t request_id);
+  /// What is wrong with beam and pulse. Nothing: the render thread has been asked, which knows the ground,
+  /// and the request is kept. version: of the radar's settings that these are a change of.
+  std::optional<std::vector<FieldError>> beam_faults_of(const RadarSettings& settings, std::uint64_t version,
+                                                        const PoseSettings& pose);
   /// False after a refusal that says what `action` needs.
   bool demand(Role needed, std::uint64_t request_id, const std::string& action);
   void acknowledge(std::uint64_t request_id, std::uint64_t settings_version = 0);
@@ -97,6 +119,9 @@ class Requests {
 
   Room& room_;
   Peer& peer_;
+  const Appraised* appraised_ = nullptr;
+  bool its_turn_ = false;  ///< no kept request comes before it
+  bool is_kept_ = false;
 };
 
 }  // namespace obliq::net

@@ -1,6 +1,8 @@
 // Requests about roles and control.
 #include <spdlog/spdlog.h>
 
+#include <cmath>
+
 #include "proto/limits.h"
 #include "proto/message_header.h"
 #include "proto/obliq.pb.h"
@@ -67,7 +69,8 @@ void Requests::hello(const wire::Hello& request) {
   limits.set_max_bins(static_cast<std::uint64_t>(options.max_bins));
   limits.set_max_pixels(static_cast<std::uint64_t>(options.max_pixels));
   limits.set_max_work_queued(static_cast<std::uint64_t>(options.max_work_queued));
-  limits.set_max_memory_mb(static_cast<std::uint64_t>(options.max_memory_mb));
+  if (std::isfinite(options.max_memory_mb))
+    limits.set_max_memory_mb(static_cast<std::uint64_t>(options.max_memory_mb));
   limits.set_heartbeat_s(options.heartbeat_s);
   limits.set_idle_timeout_s(options.idle_timeout_s);
   limits.set_max_query_points(options.query_ground ? wire::kMaxQueryPoints : 0);

@@ -97,7 +97,6 @@ void Requests::render_once(const wire::RenderOnce& request) {
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
   if (errors.empty()) errors = room_.renderer().place(pose);
-  if (errors.empty()) errors = room_.renderer().faults(settings, pose);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
 
@@ -107,6 +106,10 @@ void Requests::render_once(const wire::RenderOnce& request) {
     return refuse(request.request_id(), *over);
   }
   if (const auto over = over_queue(cost, queued.work(), options)) return refuse(request.request_id(), *over);
+  const auto faults = beam_faults_of(settings, 0, pose);
+  if (!faults) return;
+  if (!faults->empty())
+    return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", *faults);
 
   auto render = std::make_shared<OnceRequest>();
   render->request_id = request.request_id();

@@ -13,6 +13,8 @@
 #include "server/rendering/replay_control.h"
 #include "server/security/networks.h"
 #include "server/security/security.h"
+#include "terrain/base/memory_limit.h"
+#include "terrain/base/process.h"
 
 namespace obliq::net {
 
@@ -31,6 +33,7 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
                .live_frames = options_.live_frames,
                .before_wedge = options_.before_wedge}),
       radars_(options_, radars, render_) {
+  set_limits(options_);
   if (!options_.security) options_.security = std::make_shared<Security>();
   if (replay() != nullptr) replay()->on_change([this] { post_([this] { tell_replay_state(); }); });
 }
@@ -60,8 +63,7 @@ void Room::finish() {
 
 void Room::on_finished() {
   post_([this] {
-    const auto peers = peers_;  // finish() may come back through leave()
-    for (const auto& peer : peers) peer->finish(ErrorNumber::server_stopping, "the server is stopping");
+    for (const auto& peer : peers_) peer->finish(ErrorNumber::server_stopping, "the server is stopping");
     stopped_if_empty();
   });
 }
@@ -69,8 +71,7 @@ void Room::on_finished() {
 void Room::stop() {
   stopping_ = true;
   render_.stop();
-  const auto peers = peers_;  // fail() may come back through leave()
-  for (const auto& peer : peers) peer->fail(ErrorNumber::server_stopping, "the server is stopping");
+  for (const auto& peer : peers_) peer->fail(ErrorNumber::server_stopping, "the server is stopping");
   stopped_if_empty();
 }
 
@@ -78,7 +79,10 @@ void Room::stopped_if_empty() {
   if (stopping_ && peers_.empty() && stopped_) post_(std::exchange(stopped_, nullptr));
 }
 
-void Room::set_limits(const ServerLimits& limits) { static_cast<ServerLimits&>(options_) = limits; }
+void Room::set_limits(const ServerLimits& limits) {
+  static_cast<ServerLimits&>(options_) = limits;
+  options_.max_memory_mb = memory_limit_mb(limits.max_memory_mb);
+}
 
 RoomStatistics Room::statistics() const {
   RoomStatistics all;
@@ -101,8 +105,7 @@ RoomStatistics Room::statistics() const {
 }
 
 void Room::check_credentials() {
-  const auto peers = peers_;  // fail() may come back through leave()
-  for (const auto& peer : peers) {
+  for (const auto& peer : peers_) {
     if (!peer->credential) continue;
     if (const auto grant = options_.security->grant(*peer->credential)) {
       peer->role = grant->role;
@@ -115,20 +118,40 @@ void Room::check_credentials() {
 
 void Room::enter(const std::shared_ptr<Peer>& peer) { peers_.push_back(peer); }
 
-void Room::leave(Peer& peer) {
+void Room::leave(const std::shared_ptr<Peer>& peer) {
+  peer->has_left = true;
+  post_([this, peer] { forget(*peer); });
+}
+
+void Room::forget(Peer& peer) {
   radars_.forget(peer);
   watchers_changed(false);
   for (const OnceRequestPtr& request : peer.renders) request->stop.request_stop();
   peer.renders.clear();
+  if (peer.appraisal) peer.appraisal->stop.request_stop();
+  peer.appraisal = nullptr;
+  peer.in_turn.clear();
   queries_.forget(peer.id);
   render_.wake();
+  note_freed(peer.outbox.queued_bytes());
+  peer.outbox.clear();
   frames_dropped_ += peer.outbox.frames_dropped();
   std::erase_if(peers_, [&](const auto& other) { return other.get() == &peer; });
   stopped_if_empty();
 }
 
+void Room::note_freed(std::size_t bytes) {
+  constexpr std::size_t kWorthIt = std::size_t{16} << 20;
+  bytes_freed_ += bytes;
+  if (bytes_freed_ < kWorthIt) return;
+  bytes_freed_ = 0;
+  // Later: then the outbox is empty. Not on the io thread, which all clients wait for; under no client's
+  // name.
+  post_([this] { queries_.enqueue(0, [](const std::stop_token&) { give_back_freed_memory(); }); });
+}
+
 int Room::clients() const {
-  return static_cast<int>(std::ranges::count_if(peers_, [](const auto& peer) { return peer->greeted; }));
+  return static_cast<int>(std::ranges::count_if(peers_, [](const auto& peer) { return peer->is_client(); }));
 }
 
 std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
@@ -139,7 +162,7 @@ std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
   // Of IPv6 the /64 network, which one host can have for itself.
   const std::string network = network_of(peer.host);
   const auto from_there = std::ranges::count_if(
-      peers_, [&](const auto& other) { return other->greeted && network_of(other->host) == network; });
+      peers_, [&](const auto& other) { return other->is_client() && network_of(other->host) == network; });
   if (from_there >= options_.max_clients_per_address) {
     return NoPlace{wire::ErrorNumber::too_many_from_address,
                    "too many clients from " + peer.host + ": max_clients_per_address is " +
@@ -151,11 +174,11 @@ std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
 void Room::make_room_before_hello() {
   std::vector<std::string> waiting;
   for (const auto& peer : peers_)
-    if (!peer->greeted) waiting.push_back(network_of(peer->host));
+    if (peer->is_waiting()) waiting.push_back(network_of(peer->host));
   if (static_cast<int>(waiting.size()) < options_.max_waiting) return;
   const std::string most = most_crowded(waiting);
   const auto oldest = *std::ranges::find_if(
-      peers_, [&](const auto& peer) { return !peer->greeted && network_of(peer->host) == most; });
+      peers_, [&](const auto& peer) { return peer->is_waiting() && network_of(peer->host) == most; });
   const LogFields fields{{"client", oldest->name}};
   spdlog::warn(
       "{}: has not sent Hello and was closed for a new connection: server.max_waiting is {}; raise that "
@@ -167,7 +190,43 @@ void Room::make_room_before_hello() {
 
 void Room::handle(Peer& peer, MessageType type, std::span<const std::byte> descriptor) {
   const LogFields fields{{"client", peer.name}};
-  Requests(*this, peer).handle(type, descriptor);
+  Requests requests(*this, peer);
+  requests.handle(type, descriptor);
+  if (requests.is_kept()) peer.in_turn.push_back({type, {descriptor.begin(), descriptor.end()}});
+}
+
+void Room::appraise(Peer& peer, const AppraisalPtr& appraisal) {
+  appraisal->client_id = peer.id;
+  peer.appraisal = appraisal;
+  render_.enqueue(appraisal);
+}
+
+void Room::on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) {
+  post_([this, appraisal, faults] {
+    const auto peer = shared_peer(appraisal->client_id);
+    if (!peer || peer->has_left || peer->appraisal != appraisal) return;
+    try {
+      handle_kept(peer, faults);
+    } catch (const std::exception& e) {  // no memory, above all: it costs this client alone
+      const LogFields fields{{"client", peer->name}};
+      spdlog::error("{}: {}; connection closed", peer->name, failure_text(e));
+      peer->drop();
+    }
+  });
+}
+
+void Room::handle_kept(const std::shared_ptr<Peer>& peer, const std::vector<FieldError>& faults) {
+  const LogFields fields{{"client", peer->name}};
+  const Appraised appraised{std::exchange(peer->appraisal, nullptr)->version, faults};
+  const Appraised* of_first = &appraised;
+  while (!peer->has_left && !peer->in_turn.empty()) {
+    const KeptRequest& request = peer->in_turn.front();
+    Requests requests(*this, *peer, of_first);
+    requests.handle(request.type, request.descriptor);
+    if (requests.is_kept()) return;
+    peer->in_turn.pop_front();
+    of_first = nullptr;
+  }
 }
 
 void Room::taken(Peer& peer, const Block& block) {
@@ -195,7 +254,9 @@ FrameCost Room::cost_queued() const {
 }
 
 std::optional<OverLimit> Room::over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const {
-  return over_limit(settings, live_cost(settings, planes, options_), cost_queued().bytes, options_);
+  const FrameCost cost = renderer_.fixed().empty() ? live_cost(settings, planes, options_)
+                                                   : replay_cost(settings, planes, options_);
+  return over_limit(settings, cost, cost_queued().bytes, options_);
 }
 
 void Room::render_once(Peer& peer, const OnceRequestPtr& request) {
@@ -206,9 +267,9 @@ void Room::render_once(Peer& peer, const OnceRequestPtr& request) {
   render_.enqueue(request);
 }
 
-Peer* Room::peer_of(std::uint64_t client_id) {
+std::shared_ptr<Peer> Room::shared_peer(std::uint64_t client_id) const {
   const auto at = std::ranges::find_if(peers_, [&](const auto& p) { return p->id == client_id; });
-  return at == peers_.end() ? nullptr : at->get();
+  return at == peers_.end() ? nullptr : *at;
 }
 
 void Room::query_ground(Peer& peer, std::uint64_t request_id,

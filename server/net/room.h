@@ -66,16 +66,21 @@ class Room : private RenderEvents {
   /// Tokens may have been read anew: roles are taken from them; clients whose token is gone are closed.
   void check_credentials();
   void enter(const std::shared_ptr<Peer>& peer);
-  /// Control is released, subscriptions end, unfinished renders are cancelled.
-  void leave(Peer& peer);
+  /// Its connection has ended: it counts no more. It is forgotten a little later, as whoever calls may be
+  /// walking through clients or watchers: then control is released, subscriptions end, unfinished renders are
+  /// cancelled.
+  void leave(const std::shared_ptr<Peer>& peer);
 
   // Requests:
-  /// A request has arrived: answers it. Types that are not known are skipped.
+  /// A request has arrived: answers it, or keeps it until its turn has come. Types that are not known are
+  /// skipped.
   void handle(Peer& peer, wire::MessageType type, std::span<const std::byte> descriptor);
   /// A block has left the peer's outbox.
   void taken(Peer& peer, const Block& block);
   /// Queues a checked request; gives it its client and its stream.
   void render_once(Peer& peer, const OnceRequestPtr& request);
+  /// Asks the render thread. When it has answered, the peer's kept requests are handled from the first on.
+  void appraise(Peer& peer, const AppraisalPtr& appraisal);
   /// Has a checked question answered, on another thread.
   void query_ground(Peer& peer, std::uint64_t request_id, std::shared_ptr<const GroundQuestion> question);
   /// Of all clients' unfinished RenderOnce requests.
@@ -88,9 +93,13 @@ class Room : private RenderEvents {
   std::optional<OverLimit> over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const;
 
  private:
-  Peer* peer_of(std::uint64_t client_id);
+  std::shared_ptr<Peer> shared_peer(std::uint64_t client_id) const;
+  Peer* peer_of(std::uint64_t client_id) const { return shared_peer(client_id).get(); }
   void answer_query(std::uint64_t client_id, std::uint64_t request_id, const GroundQuestion& question,
                     const GroundAnswers& answers, std::span<const std::byte> records);
+  void forget(Peer& peer);
+  void note_freed(std::size_t bytes);
+  void handle_kept(const std::shared_ptr<Peer>& peer, const std::vector<FieldError>& faults);
   void finish_render(Peer& peer, std::uint32_t stream_id);
   void tell_replay_state();
   void stopped_if_empty();
@@ -103,6 +112,7 @@ class Room : private RenderEvents {
   void on_once_block(const OnceRequestPtr& request, const BlockPtr& block) override;
   void on_once_rendered(const RenderedOnce& frame) override;
   void on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) override;
+  void on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) override;
   void on_finished() override;
 
   const FrameRenderer& renderer_;
@@ -115,6 +125,7 @@ class Room : private RenderEvents {
   std::function<void()> stopped_;
   bool stopping_ = false;
   std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
+  std::size_t bytes_freed_ = 0;       ///< that waited for clients that left, since memory was last given back
   RenderThread render_;               ///< ended before the radars go, to which it reports
   Radars radars_;
   QueryThread queries_;

@@ -179,8 +179,6 @@ void Server::start(std::function<void()> stopped) {
 
 void Server::admit(std::unique_ptr<Transport> transport) { state_->admit(std::move(transport)); }
 
-const ServerLimits& Server::limits() const { return state_->room->options(); }
-
 void Server::set_limits(const ServerLimits& limits) { state_->room->set_limits(limits); }
 
 RoomStatistics Server::statistics() const { return state_->room->statistics(); }

@@ -52,8 +52,6 @@ class Server {
   /// Replaces the limits among the options; each takes effect the next time it is looked at, also for
   /// connections that exist. On the io thread.
   void set_limits(const ServerLimits& limits);
-  /// On the io thread.
-  const ServerLimits& limits() const;
   /// A client that came through another port: a session like all others, under the same limits. On the io
   /// thread.
   void admit(std::unique_ptr<Transport> transport);

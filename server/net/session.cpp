@@ -212,13 +212,23 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     close();
   }
 
+  // Of the next one.
+  wire::MessageLimits request_limits() const {
+    const ServerOptions& options = room_->options();
+    const auto most = static_cast<std::uint32_t>(options.max_request_bytes);
+    return {phase_ == Phase::greeting ? std::min(most, options.max_hello_bytes) : most,
+            options.max_descriptor_bytes};
+  }
+
   // False when there will be no further request.
   asio::awaitable<bool> read_request(Request& request) {
     std::array<std::byte, wire::kMaxHeaderBytes> head;
     const std::span<std::byte> all(head);
     // The magic alone first: a peer of another protocol is told at once, however little it sends.
     constexpr std::size_t kMagicBytes = 4;
+    transport_->expect(request_limits());
     if (!co_await read(all.first(1), true)) co_return false;
+    const wire::MessageLimits limits = request_limits();  // they may have changed meanwhile
     if (phase_ == Phase::serving) {
       arm(read_deadline_, room_->options().message_timeout_s,
           [](Session& self) { self.fail(ErrorNumber::timed_out, "a message was not completed in time"); });
@@ -226,20 +236,19 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     if (!co_await read(all.subspan(1, kMagicBytes - 1))) co_return false;
     wire::MessageHeader& header = request.header;
     std::fill(head.begin() + kMagicBytes, head.end(), std::byte{0});
-    const auto limit = static_cast<std::uint32_t>(room_->options().max_request_bytes);
-    if (wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header) ==
+    if (wire::decode_header(all.first<wire::kHeaderBytes>(), limits, header) ==
         wire::HeaderStatus::bad_magic) {
       const bool tls = head[0] == kTlsRecord[0] && head[1] == kTlsRecord[1];
       fail(ErrorNumber::bad_magic, tls ? "this port does not speak TLS (obliq: leave out --tls)"
-                                       : wire::describe(wire::HeaderStatus::bad_magic, header, limit));
+                                       : wire::describe(wire::HeaderStatus::bad_magic, header, limits));
       co_return false;
     }
     if (!co_await read(all.subspan(kMagicBytes, wire::kHeaderBytes - kMagicBytes))) co_return false;
-    const auto status = wire::decode_header(all.first<wire::kHeaderBytes>(), limit, header);
+    const auto status = wire::decode_header(all.first<wire::kHeaderBytes>(), limits, header);
     if (status != wire::HeaderStatus::ok) {
       fail(status == wire::HeaderStatus::version_mismatch ? ErrorNumber::version_mismatch
                                                           : ErrorNumber::bad_length,
-           wire::describe(status, header, limit));
+           wire::describe(status, header, limits));
       co_return false;
     }
     // An empty read returns at once.
@@ -339,14 +348,12 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void close() {
     if (phase_ == Phase::closed) return;
     phase_ = Phase::closed;
-    const auto self = shared_from_this();  // the room may hold the last other reference
     log_end(*this);
     transport_->close();
     queued_.raise();
     written_.raise();
     for (auto* timer : {&read_deadline_, &write_deadline_, &silence_}) timer->cancel();
-    room_->leave(*this);
-    outbox.clear();
+    room_->leave(shared_from_this());
   }
 
   std::shared_ptr<Room> room_;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "proto/error_number.h"
+#include "proto/limits.h"
 
 namespace obliq::net {
 
@@ -42,6 +43,8 @@ class Transport {
   /// Why start() failed; of a session that runs, what protects it.
   virtual std::string description() const = 0;
 
+  /// How long the next message may be: where a transport takes it as a whole.
+  virtual void expect(const wire::MessageLimits&) {}
   /// Fills the buffer, or with `some` a part of it.
   virtual void read(std::span<std::byte> bytes, bool some, Done done) = 0;
   struct Fault {

@@ -64,6 +64,9 @@ struct BinBlock {
   /// Video in 256 and in 65,536 levels: empty where it is not wanted, or not made yet.
   std::vector<std::uint8_t> video8;
   std::vector<std::uint16_t> video16;
+  /// One look of the speckle that video of several looks is made from, a circular complex Gaussian number of
+  /// mean square power_w a bin. Empty: neighbouring bins are independent, or no such video is wanted.
+  std::vector<std::complex<float>> look;
 
   BinBlock() = default;
   BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {

@@ -217,16 +217,21 @@ PlanResult FramePlanner::summed(const SettingsSnapshot& snapshot) const {
   return result;
 }
 
-std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
-                                    const Pose& pose) {
+std::optional<std::vector<FieldError>> known_beam_faults(const RadarSettings& settings,
+                                                         const PoseSettings& pose) {
   std::vector<FieldError> errors;
   // An automatic tilt looks at the ground.
-  if (!pose.settings.tilt_auto) check_elevation(settings.beam, pose.settings.tilt_deg, errors);
-  if (needs_echo_plan(settings)) {
-    const EchoPlace place = FramePlanner(std::move(scene), pose).place(settings);
-    (void)plan_echo(settings, place, errors);
-  }
-  return errors;
+  if (!pose.tilt_auto) check_elevation(settings.beam, pose.tilt_deg, errors);
+  if (!errors.empty() || !needs_echo_plan(settings)) return errors;
+  return layout_faults(settings);
+}
+
+std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
+                                    const Pose& pose) {
+  if (const auto known = known_beam_faults(settings, pose.settings)) return *known;
+  const EchoPlace place = FramePlanner(std::move(scene), pose).place(settings);
+  const auto fault = layout_fault(settings, lay_out_echo(settings, AzimuthPattern(settings), place));
+  return fault ? std::vector<FieldError>{*fault} : std::vector<FieldError>{};
 }
 
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {

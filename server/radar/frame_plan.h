@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,9 +30,14 @@ struct PlanResult {
 };
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& settings, const Pose& pose);
 
-/// Why beam and pulse do not go with this sector or pose: what plan_frame() would say of them, at once.
+/// Why beam and pulse do not go with this sector or pose: what plan_frame() would say of them, without a
+/// plan.
 std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
                                     const Pose& pose);
+/// The same where settings and pose say it themselves; nothing: the antenna's height above the ground
+/// decides.
+std::optional<std::vector<FieldError>> known_beam_faults(const RadarSettings& settings,
+                                                         const PoseSettings& pose);
 
 /// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings and are not
 /// marched as vertical planes.

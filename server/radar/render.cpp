@@ -11,6 +11,7 @@
 #include "server/radar/visibility/bin_states.h"
 #include "server/radar/visibility/coverage.h"
 #include "server/radar/wedge_work.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/stage_clock.h"
@@ -26,27 +27,44 @@ void scatter_and_bin(const SampleBatch& samples, EchoBins& echo, FrameStats& sta
 /// By range bin.
 void attenuate(const std::vector<double>& path_power, BinBlock& bins) {
   for (std::size_t bin = 0; bin < bins.power_w.size(); ++bin) {
+    if (bin % path_power.size() == 0) ask(2 * static_cast<std::int64_t>(path_power.size()));
     const double factor = path_power[bin % path_power.size()];
     bins.power_w[bin] *= factor;
     bins.iq[bin] *= static_cast<float>(std::sqrt(factor));
   }
 }
 
-void write_bins(WedgeWork& work) {
-  const StageProbe probe(Stage::bin);
-  if (!work.sweep) {
-    work.echo.write(work.wedge.bins);
-  } else {
-    work.cells.write(work.wedge.bins);
-    work.wedge.stats.hits += work.cells.count();
-    work.wedge.stats.samples += work.cells.count();
+/// From samples to bins. rays/: generate rays, trace them to their first hits, refine those in double, spread
+/// each pixel over bins. sweep/: find what each column's vertical planes see, cut it at the edges of bins.
+void render_samples(WedgeWork& work, AzimuthRange range, HitObserver* observer, WedgeVisibility& visibility) {
+  work.echo.restart(range);
+  {
+    std::unique_ptr<SampleSource> source;  // gone before the sums, so that its memory is free for them
+    {
+      const StageProbe probe(Stage::bin);
+      source = make_sample_source(work.plan, range, observer, &visibility);
+    }
+    while (source->fill(work.samples, work.wedge.stats))
+      scatter_and_bin(work.samples, work.echo, work.wedge.stats);
   }
-  if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
+  const StageProbe probe(Stage::bin);
+  work.echo.write(work.wedge.bins);
+}
+
+/// Where it can, the sweep goes from what its planes see to echoes in one step.
+void render_echoes(WedgeWork& work, AzimuthRange range, double far_m) {
+  work.cells.restart(range.first);
+  SweepEchoes(work.plan, range, work.cells, far_m).run(work.wedge.stats);
+  const StageProbe probe(Stage::bin);
+  work.cells.write(work.wedge.bins);
+  work.wedge.stats.hits += work.cells.count();
+  work.wedge.stats.samples += work.cells.count();
 }
 
 void find_states(const FramePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
   const StageProbe probe(Stage::states);
   decide_states(plan, visibility, wedge.bins);
+  ask(static_cast<std::int64_t>(wedge.bins.state.size()));
   count_states(wedge);
 }
 
@@ -69,47 +87,28 @@ void measure_coverage(const FramePlan& plan, Wedge& wedge) {
   }
 }
 
-bool render_wedge(WedgeWork& work, bool states, const std::function<bool()>& may_go_on) {
-  // rays/: generate rays, trace them to their first hits, refine those in double, spread each pixel over
-  // bins. sweep/: find what each column's vertical planes see, cut it at the edges of bins.
-  // Where it can, the sweep goes from what they see to echoes in one step.
-  while (work.source && work.source->fill(work.samples, work.wedge.stats)) {
-    scatter_and_bin(work.samples, work.echo, work.wedge.stats);
-    if (!may_go_on()) return false;
+void render_wedge(WedgeWork& work, int index, double far_m, bool states, HitObserver* observer) {
+  const int bin = index * kWedgeAzimuthBins;
+  const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
+  work.wedge = {};
+  work.wedge.index = index;
+  work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
+  ask(static_cast<std::int64_t>(work.wedge.bins.state.size()));
+  const bool echoes = work.tables.sub_columns.all_of(range);
+  WedgeVisibility visibility(work.plan, range, !echoes);
+  if (echoes) {
+    render_echoes(work, range, far_m);
+  } else {
+    render_samples(work, range, observer, visibility);
   }
-  while (work.sweep && work.sweep->step(work.wedge.stats))
-    if (!may_go_on()) return false;
-  work.source.reset();  // its memory is free for the sums
-  write_bins(work);
-  work.sweep.reset();
-  if (states) find_states(work.plan, *work.visibility, work.wedge);
-  return true;
+  if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
+  if (states) find_states(work.plan, visibility, work.wedge);
 }
 
 std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
                                                  HitObserver* observer, WedgeVisibility* profile) {
   if (plan.settings().frustum == FrustumKind::sweep) return std::make_unique<SweepSamples>(plan, range);
   return std::make_unique<RaySamples>(plan, range, observer, profile);
-}
-
-void begin_wedge(WedgeWork& work, int index, double far_m, HitObserver* observer) {
-  const int bin = index * kWedgeAzimuthBins;
-  const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
-  const StageProbe probe(Stage::bin);
-  work.wedge = {};
-  work.wedge.index = index;
-  work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
-  work.source.reset();
-  work.sweep.reset();
-  const bool echoes = work.tables.sub_columns.all_of(range);
-  work.visibility.emplace(work.plan, range, !echoes);
-  if (echoes) {
-    work.cells.restart(range.first);
-    work.sweep = std::make_unique<SweepEchoes>(work.plan, range, work.cells, far_m);
-  } else {
-    work.echo.restart(range);
-    work.source = make_sample_source(work.plan, range, observer, &*work.visibility);
-  }
 }
 
 FrameTables::FrameTables(const FramePlan& plan)
@@ -120,6 +119,7 @@ FrameTables::FrameTables(const FramePlan& plan)
       sub_columns(plan) {
   if (!attenuates(plan.settings())) return;
   const double loss_db_km = path_loss_db_km(plan.settings(), air_view(plan));
+  ask(20 * std::int64_t{plan.bins().n_range});
   for (int bin = 0; bin < plan.bins().n_range; ++bin)
     path_power.push_back(
         path_power_factor(loss_db_km, plan.bins().r_min_m + (bin + 0.5) * plan.bins().range_spacing_m));

@@ -1,7 +1,6 @@
 #pragma once
 // The core call: plan a frame, render its wedges. README.md beside this file has the pipeline as a picture.
 #include <functional>
-#include <limits>
 #include <memory>
 #include <stop_token>
 #include <string_view>
@@ -27,29 +26,14 @@ struct Wedge {
   FrameStats stats;
 };
 
-/// Wedges that are begun and not finished (server/radar/wedge_threads.cpp).
-class BegunWedges;
-
-/// Lets a rendering pause in the middle of its wedges, so that others get their turn. Bits do not change.
-struct RenderPause {
-  /// A batch has at most kBatch rays or samples, or the buildings of one column of the sweep. Shared by all
-  /// threads, at least one each.
-  int batches = std::numeric_limits<int>::max();
-  /// Asked after each batch, from any thread; true: pause now. May be empty.
-  std::function<bool()> is_due{};
-  /// Not null: the rendering has paused, and the same call resumes it. Must not outlive the plan.
-  std::shared_ptr<BegunWedges> begun;
-};
-
 struct RenderOptions {
   int threads = 0;                        ///< 0 = all cores
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
   std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
-  std::stop_token stop;                   ///< no further wedge or batch is begun after a stop request
+  std::stop_token stop;                   ///< no further wedge is begun after a stop request
   bool iq = true;                   ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
-  RenderPause* pause = nullptr;     ///< null: does not pause
   Surfaces surfaces = Surfaces::all;
   std::uint64_t draw = 0;  ///< names the frame (frame_draw): independent speckle repeats with it
   /// Behind a beam: shares sharp wedges with the renderings before and after it, of one antenna and scene,
@@ -62,6 +46,9 @@ struct RenderOptions {
   bool video16 = false;         ///< in 65,536
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
+
+/// What RenderOptions::threads says; 0: all cores.
+int thread_count(int threads);
 
 /// Of a radar's frame, by the radar's name and the frame's number.
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter);
@@ -87,8 +74,8 @@ std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthR
                                                  HitObserver* observer, WedgeVisibility* profile = nullptr);
 
 /// Renders every wedge that overlaps `azimuths`, on several threads, and hands each to on_wedge
-/// (server/radar/wedge_threads.cpp). Returns false when stopped early; options.pause tells whether there is
-/// more to come.
+/// (server/radar/wedge_threads.cpp). Its threads ask behind the gate of this one (terrain/base/asking.h),
+/// though not in on_wedge. Returns false when stopped early.
 bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOptions& options);
 
 /// A whole frame in memory.

@@ -4,17 +4,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/beam/echo_layout.h"
+#include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_rows.h"
 #include "server/radar/rays/first_hits.h"
 #include "server/radar/render.h"
-#include "server/radar/simd/echo_filters.h"
 
 namespace obliq {
 namespace {
 
-/// Accumulators and block (49), its video (3), and a visible and a present mark of up to 9 profiles and of
-/// all together.
-constexpr double kBytesABin = 49 + 3 + 2 * 10;
+/// Accumulators and block (49), its video and the look that it needs (11), and a visible and a present mark
+/// of up to 9 profiles and of all together.
+constexpr double kBytesABin = 49 + 11 + 2 * 10;
 /// A bin, a cell, a kind and a power, for each of the wedge's azimuth bins and for merging one of them, with
 /// room to grow into.
 constexpr double kBytesAScatterer = 2 * 28;
@@ -34,9 +35,6 @@ constexpr double kBytesAPart = 2 * 80;
 /// A pixel of the perspective frusta that waits for its ray; they wait by squares of 8 rows.
 constexpr double kBytesAPixel = 48;
 constexpr double kRowsOfSquares = 8;
-
-/// I&Q and power in floats, count and state.
-constexpr double kSharpBytesABin = 12 + 5;
 
 /// Ground cells in an azimuth bin: their side is more than a quarter of the shorter side of a bin at half the
 /// range (SpeckleField).
@@ -87,20 +85,13 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
   return std::llround(bytes);
 }
 
-std::int64_t rendering_bytes(const RadarSettings& s, std::int64_t threads) {
-  if (!needs_echo_plan(s)) return threads * wedge_bytes(s);
-  std::vector<FieldError> errors;
-  // From the horizon's height a beam has its least width; looked at steeply it is twice that.
-  const std::optional<EchoPlan> plan = plan_echo(s, {s.r_min_m, 0}, errors);
-  if (!plan) return threads * wedge_bytes(s);
-  const auto stride = static_cast<double>(sharp_stride(*plan));
-  const double rows =
-      plan->n_taps + kWedgeAzimuthBins * (plan->azimuth_parts + 2.0 * static_cast<double>(threads));
-  const double kept = s.scan_mode == ScanMode::frame ? 0 : static_cast<double>(SharpStore::kMostBytes);
-  const double all = static_cast<double>(plan->sharp.azimuth_bins) * stride * kSharpBytesABin;
-  const double sums = 2 * AzimuthSum::kOutputs * 3 * sizeof(float) * stride;
-  return threads * (wedge_bytes(plan->sharp) + std::llround(sums)) +
-         std::llround(std::min(rows * stride * kSharpBytesABin, all) + std::min(kept, all));
+RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads) {
+  if (!needs_echo_plan(s)) return {threads * wedge_bytes(s), 0};
+  const EchoSize size = echo_size(s, threads);
+  const std::int64_t kept =
+      s.scan_mode == ScanMode::frame ? 0 : std::min(std::int64_t{SharpStore::kMostBytes}, size.sharp_bytes);
+  return {threads * (wedge_bytes(size.sharp) + size.sums_bytes) + size.plan_bytes + size.rows_bytes + kept,
+          size.taps()};
 }
 
 }  // namespace obliq

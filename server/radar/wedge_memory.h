@@ -9,7 +9,12 @@ namespace obliq {
 /// that wait, and hits. It leaves out the scene, the frame's plan and planes that wait to be sent.
 std::int64_t wedge_bytes(const RadarSettings& settings);
 
-/// What a rendering by so many threads holds at once: their wedges, and the sharp ones that a beam adds up.
-std::int64_t rendering_bytes(const RadarSettings& settings, std::int64_t threads);
+/// What a rendering by so many threads takes at once, wherever the antenna is.
+struct RenderingSize {
+  /// Their wedges; behind a beam also its plan, each thread's sums, and the sharp wedges that they add up.
+  std::int64_t bytes = 0;
+  std::int64_t plan_taps = 0;  ///< weights of the beam's plan; 0: there is none
+};
+RenderingSize rendering_size(const RadarSettings& settings, std::int64_t threads);
 
 }  // namespace obliq

@@ -4,13 +4,18 @@
 #include <utility>
 
 #include "server/radar/receiver/receiver.h"
+#include "terrain/base/asking.h"
 
 namespace obliq::net {
 namespace {
 
+/// In units of ask(): a copy, the receiver, delivery.
+constexpr std::int64_t kRepeatABin = 8;
+
 std::size_t bytes_of(const BinBlock& bins) {
   return bins.iq.size() * sizeof bins.iq[0] + bins.power_w.size() * sizeof bins.power_w[0] +
-         bins.count.size() * sizeof bins.count[0] + bins.state.size() * sizeof bins.state[0];
+         bins.count.size() * sizeof bins.count[0] + bins.state.size() * sizeof bins.state[0] +
+         bins.look.size() * sizeof bins.look[0];
 }
 
 /// Wedges of azimuth bins that were rendered in one go.
@@ -18,6 +23,7 @@ struct Part {
   AzimuthRange azimuths;
   bool iq = false;
   bool states = false;
+  bool video = false;  // what a video of several looks needs
   std::vector<Wedge> wedges;
   std::vector<std::uint32_t> seen;  // buildings
   std::size_t bytes = 0;
@@ -53,17 +59,17 @@ class FrameCache::Place {
     frame_ = std::move(frame);
   }
 
-  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool iq, bool states) const {
+  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool iq, bool states, bool video) const {
     const std::lock_guard lock(mutex_);
     for (const auto& part : parts_)
       if (part->azimuths.first == azimuths.first && part->azimuths.count == azimuths.count &&
-          part->iq >= iq && part->states >= states)
+          part->iq >= iq && part->states >= states && part->video >= video)
         return part;
     return nullptr;
   }
 
   void keep(std::shared_ptr<const Part> part) {
-    if (find(part->azimuths, part->iq, part->states)) return;
+    if (find(part->azimuths, part->iq, part->states, part->video)) return;
     const std::lock_guard lock(mutex_);
     if ((budget_->used += part->bytes) <= budget_->most) {
       parts_.push_back(std::move(part));
@@ -105,34 +111,29 @@ class FrameCache::Frame : public PlannedFrame {
   AirView air() const override { return frame_->air(); }
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
-    const bool goes_on = options.pause && options.pause->begun;
-    if (!goes_on) {
-      if (const auto part = place_->find(azimuths, options.iq, options.states)) return repeat(*part, options);
-      part_ = frame_->again(place_->pose());  // knows what this part alone has seen
-      fresh_ = std::make_shared<Part>();
-      fresh_->azimuths = azimuths;
-      fresh_->iq = options.iq;
-      fresh_->states = options.states;
-    }
-    if (!part_) return frame_->render(azimuths, options);
+    const bool video = options.video8 || options.video16;
+    if (const auto part = place_->find(azimuths, options.iq, options.states, video))
+      return repeat(*part, options);
+    const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
+    if (!frame) return frame_->render(azimuths, options);
+    const auto fresh = std::make_shared<Part>();
+    fresh->azimuths = azimuths;
+    fresh->iq = options.iq;
+    fresh->states = options.states;
+    fresh->video = video;
     // What is kept are the echoes: the receiver makes something else of them in each frame.
     RenderOptions with_copy = options;
     with_copy.receiver = nullptr;
     with_copy.on_wedge = [&](Wedge&& wedge) {
-      fresh_->bytes += bytes_of(wedge.bins);
-      fresh_->wedges.push_back(wedge);
+      fresh->bytes += bytes_of(wedge.bins);
+      fresh->wedges.push_back(wedge);
       give(std::move(wedge), options);
     };
-    const bool done = part_->render(azimuths, with_copy);
-    if (options.pause && options.pause->begun) return done;  // there is more to come
-    if (done) {
-      fresh_->seen = part_->seen();
-      frame_->see_again(fresh_->seen);
-      place_->keep(fresh_);
-    }
-    fresh_ = nullptr;
-    part_ = nullptr;
-    return done;
+    if (!frame->render(azimuths, with_copy)) return false;
+    fresh->seen = frame->seen();
+    frame_->see_again(fresh->seen);
+    place_->keep(fresh);
+    return true;
   }
 
  private:
@@ -141,6 +142,7 @@ class FrameCache::Frame : public PlannedFrame {
       if (options.stop.stop_requested()) return false;
       if (options.before_wedge) options.before_wedge(wedge.index);
       give(Wedge(wedge), options);
+      ask(kRepeatABin * static_cast<std::int64_t>(wedge.bins.state.size()));
     }
     frame_->see_again(part.seen);
     return true;
@@ -154,8 +156,6 @@ class FrameCache::Frame : public PlannedFrame {
 
   std::shared_ptr<const PlannedFrame> frame_;
   std::shared_ptr<Place> place_;
-  mutable std::shared_ptr<Part> fresh_;  // while it is being rendered, by one thread
-  mutable std::unique_ptr<const PlannedFrame> part_;
 };
 
 FrameCache::FrameCache(const FrameRenderer& renderer, std::size_t most_bytes)

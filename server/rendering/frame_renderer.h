@@ -56,7 +56,8 @@ class FrameRenderer {
   /// Why an antenna cannot be at this pose; empty: it can. Fast.
   virtual std::vector<FieldError> place(const PoseSettings& pose) const = 0;
 
-  /// Why a frame of these settings from this pose could not be planned, as far as that is seen at once.
+  /// Why a frame of these settings from this pose could not be planned, as far as that is seen without a
+  /// plan. May have to look at the ground: for the render thread.
   virtual std::vector<FieldError> faults(const RadarSettings&, const PoseSettings&) const { return {}; }
 
   struct Plan {

@@ -13,16 +13,20 @@ bool RenderContext::gives_way() const {
   return time >= turn_ends || (changed && time >= turn_began + kShortestTurn);
 }
 
-RenderOptions RenderContext::render_options(bool iq, bool states, std::stop_token stop,
-                                            RenderPause* pause) const {
+bool RenderContext::turn(ParkedWork& work, std::chrono::milliseconds least, std::int64_t most_work) const {
+  return work.turn([&](std::int64_t done) {
+    if (done >= most_work) return true;
+    return gives_way() && (least.count() == 0 || now() >= turn_began + least);
+  });
+}
+
+RenderOptions RenderContext::render_options(bool iq, bool states, std::stop_token stop) const {
   RenderOptions render;
   render.threads = options.threads;
   render.iq = iq;
   render.states = states;
   render.before_wedge = options.before_wedge;
   render.stop = std::move(stop);
-  render.pause = pause;
-  if (pause != nullptr) pause->is_due = [this] { return gives_way(); };
   return render;
 }
 

@@ -6,10 +6,13 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
+#include <stop_token>
 #include <vector>
 
 #include "server/radar/render.h"
 #include "server/rendering/frame_renderer.h"
+#include "server/rendering/parked_work.h"
 #include "server/rendering/render_events.h"
 
 namespace obliq::net {
@@ -23,29 +26,31 @@ class Job {
   virtual ~Job() = default;
   /// When there is a piece to render: now, or that late; Time::max(): not before something changes.
   virtual Time date(Time now) = 0;
-  /// Renders the piece until it is done or has to give way. True when it is done.
+  /// Renders the piece until it is done or its turn is over. True when it is done.
   virtual bool work() = 0;
 };
 
 struct RenderThreadOptions {
   int threads = 0;
   std::size_t slice_bytes = std::size_t{16} << 20;
-  /// Of a RenderOnce frame, before others get their turn (see RenderPause), however its pixels lie: as many
-  /// as the paper's frame has, 2048 x 2048 pixels, within a second; a few milliseconds where an antenna
-  /// scans.
-  int slice_batches = 4096;
-  int slice_batches_while_scanning = 128;
+  /// Of a RenderOnce frame, in units of ask() (terrain/base/asking.h), before another client's has its turn:
+  /// about a second of a core; a few milliseconds where an antenna scans.
+  std::int64_t once_work = 200'000'000;
+  std::int64_t once_work_while_scanning = 2'000'000;
   int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
   std::function<void(int)> before_wedge;
+  std::int64_t look = WorkGate::kLook;  ///< as WorkGate::look, for tests
   /// What time it is, for tests; empty: the steady clock. When it has jumped, wake() tells the thread.
   std::function<std::chrono::steady_clock::time_point()> clock{};
 };
 
-/// A turn is no shorter, whatever changes: each costs some 0.1 ms of threads that come and go.
+/// A turn is no shorter, whatever changes: each costs threads that go to sleep and wake up.
 constexpr std::chrono::milliseconds kShortestTurn{5};
+/// Dwells of a scan have a date: in this time one is not interrupted.
+constexpr std::chrono::milliseconds kShortestDwell{50};
 
-/// What the jobs of one render thread share. Written by that thread while nothing is rendered; read by the
-/// rendering's threads too.
+/// What the jobs of one render thread share. Written by that thread while nothing is rendered or all of it is
+/// parked; read by the rendering's threads too.
 struct RenderContext {
   const FrameRenderer& renderer;
   RenderEvents& events;
@@ -64,8 +69,12 @@ struct RenderContext {
   Job::Time now() const { return options.clock ? options.clock() : Job::Clock::now(); }
   /// Asked while a job renders, from any thread: another job is to have its turn.
   bool gives_way() const;
-  /// What rendering has in common for all jobs. `pause` may be null, else the rendering gives way.
-  RenderOptions render_options(bool iq, bool states, std::stop_token stop, RenderPause* pause) const;
+  /// Lets a job's work go on until it has ended, then true, or gives way: not before `least`, and in any case
+  /// after so much work.
+  bool turn(ParkedWork& work, std::chrono::milliseconds least = {},
+            std::int64_t most_work = std::numeric_limits<std::int64_t>::max()) const;
+  /// What rendering has in common for all jobs.
+  RenderOptions render_options(bool iq, bool states, std::stop_token stop) const;
 };
 
 /// Of the server's monotonic clock.

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "server/rendering/live_stream.h"
 
@@ -13,22 +14,30 @@ class LiveJob : public Job {
   LiveJob(const RenderContext& context, LiveStream& stream);
   ~LiveJob() override;
 
-  bool has_begun() const { return frame_ != nullptr; }
+  bool has_begun() const { return work_ != nullptr; }
   Time date(Time now) override;
   bool work() override;
+  /// Aborts a frame that has begun.
+  void give_up();
 
  private:
-  struct Frame;
-  /// Plans the newest frame that is due and sends its begin; false when there is none after all.
-  bool begin();
-  /// Renders until the frame is over, then true, or gives way.
-  bool go_on(Frame& frame);
-  void end(Frame& frame);
+  /// Plans the newest frame that is due and renders it.
+  void render();
+  bool plan();
+  void end();
 
   const RenderContext& context_;
   LiveStream& stream_;
-  std::unique_ptr<Frame> frame_;    ///< null: none has begun
   std::int64_t shown_pose_ns_ = 0;  ///< arrival of the newest pose that a frame has shown
+
+  // Of the frame in hand:
+  LiveStream::Start start_;
+  Time begun_;
+  std::uint64_t generation_ = 0;  ///< of the renderer when it was planned
+  std::vector<AzimuthRange> azimuths_;
+  std::vector<FieldError> errors_;
+  std::unique_ptr<BegunFrame> frame_;  ///< null: not yet planned
+  std::unique_ptr<ParkedWork> work_;   ///< null: none has begun
 };
 
 }  // namespace obliq::net

@@ -201,8 +201,8 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
   if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id, plan->air());
 }
 
-RenderOptions BegunFrame::render_options(const std::stop_token& stop, RenderPause* pause) const {
-  RenderOptions options = stream.context_.render_options(iq, states, stop, pause);
+RenderOptions BegunFrame::render_options(const std::stop_token& stop) const {
+  RenderOptions options = stream.context_.render_options(iq, states, stop);
   if (receiver) options.receiver = &*receiver;
   options.video8 = video8;
   options.video16 = video16;

@@ -45,7 +45,7 @@ class LiveStream {
   /// on_freed is not called any more once this returns.
   void forget_listener() { frames_->forget_listener(); }
 
-  // For the render thread alone:
+  // For the render thread alone, or its work while it has its turn:
   std::size_t radar() const { return radar_; }
   const std::string& name() const { return name_; }
   std::shared_ptr<const LiveView> view() const;
@@ -79,7 +79,6 @@ class LiveStream {
   std::optional<Start> begin_dwell();
 
   std::uint64_t next_frame_id() { return ++last_frame_; }
-  void take_back_frame_id() { --last_frame_; }
   /// Periods or passes that went by without a frame; the next FrameBegin tells of them.
   void skip(std::uint64_t frames);
   /// Remembers what could not be rendered, and with which generation of the renderer; null: nothing.
@@ -110,7 +109,7 @@ class LiveStream {
   std::stop_source stop_;             ///< of the frame in hand
   bool stopped_ = false;
 
-  // The render thread's alone:
+  // The same two's alone:
   Time next_reminder_{};
   std::shared_ptr<const LiveView> faulty_;
   std::uint64_t faulty_generation_ = 0;
@@ -126,7 +125,7 @@ struct BegunFrame {
 
   void send(std::vector<BlockPtr> blocks) const;
   /// Of any part of it.
-  RenderOptions render_options(const std::stop_token& stop, RenderPause* pause) const;
+  RenderOptions render_options(const std::stop_token& stop) const;
   /// FrameBegin, with the pose of `view`.
   void send_begin(const LiveView& view);
   /// FrameEnd; `rendered` is given the counts of what was rendered.

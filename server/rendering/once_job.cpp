@@ -15,6 +15,11 @@
 namespace obliq::net {
 namespace {
 
+/// Frames may wait in the middle of their work until so many threads do, but so many frames may in any case:
+/// a thread that waits costs some 100 KB.
+constexpr int kParkedThreads = 128;
+constexpr int kLeastParked = 4;
+
 /// The part of the frame that was asked for; checked when the request was made.
 wire::Window window_of(const OnceRequest& request) {
   const RadarSettings& settings = request.view.settings->settings;
@@ -40,10 +45,11 @@ struct OnceJob::Frame {
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
   std::optional<Receiver> receiver;
-  int next_azimuth = 0;  ///< of the slice in hand
-  int end_azimuth = 0;   ///< of the window
-  RenderPause pause;     ///< within the slice
-  double render_s = 0;
+  int next_azimuth = 0;              ///< of the slice in hand
+  int end_azimuth = 0;               ///< of the window
+  double render_s = 0;               ///< in the turns before this one
+  bool goes_on = false;              ///< after the work in hand
+  std::unique_ptr<ParkedWork> work;  ///< the plan or a slice in hand; the last to be made, the first to go
 };
 
 OnceJob::OnceJob(const RenderContext& context) : context_(context) {}
@@ -66,35 +72,57 @@ bool OnceJob::is_empty() const {
   return queue_.empty();
 }
 
-bool OnceJob::has_room(const Frame& frame) const {
-  return frame.request->queued->load() < context_.options.slice_bytes;
+void OnceJob::give_up() {
+  std::deque<FramePtr> all;
+  const std::lock_guard lock(mutex_);
+  all.swap(queue_);
+}
+
+/// Frames that have work in hand. With the mutex held.
+int OnceJob::parked() const {
+  return static_cast<int>(
+      std::ranges::count_if(queue_, [](const auto& frame) { return frame->work != nullptr; }));
+}
+
+/// A slice in hand may end; another begins where its client has room, and the machine.
+bool OnceJob::is_ready(const Frame& frame, int parked) const {
+  const RenderThreadOptions& options = context_.options;
+  const int most = std::max(kLeastParked, kParkedThreads / thread_count(options.threads));
+  return frame.work || (parked < most && frame.request->queued->load() < options.slice_bytes);
+}
+
+bool OnceJob::has_ended(const Frame& frame) const {
+  return frame.request->stop.stop_requested() || (context_.finishing && !frame.plan && !frame.work);
 }
 
 Job::Time OnceJob::date(Time now) {
+  std::vector<FramePtr> ended;  // their threads end without the lock
   const std::lock_guard lock(mutex_);
-  std::erase_if(queue_, [this](const auto& frame) {
-    return frame->request->stop.stop_requested() || (context_.finishing && !frame->plan);
-  });
-  const bool ready =
-      std::ranges::any_of(first_of_clients(), [this](const auto& first) { return has_room(*first.second); });
+  for (const auto& frame : queue_)
+    if (has_ended(*frame)) ended.push_back(frame);
+  std::erase_if(queue_, [this](const auto& frame) { return has_ended(*frame); });
+  const int now_parked = parked();
+  const bool ready = std::ranges::any_of(
+      first_of_clients(), [&](const auto& first) { return is_ready(*first.second, now_parked); });
   return ready ? now : Time::max();
 }
 
 /// By client, its oldest request. With the mutex held.
-std::map<std::uint64_t, std::shared_ptr<OnceJob::Frame>> OnceJob::first_of_clients() const {
-  std::map<std::uint64_t, std::shared_ptr<Frame>> first;
+std::map<std::uint64_t, OnceJob::FramePtr> OnceJob::first_of_clients() const {
+  std::map<std::uint64_t, FramePtr> first;
   for (const auto& frame : queue_) first.emplace(frame->request->client_id, frame);
   return first;
 }
 
-std::shared_ptr<OnceJob::Frame> OnceJob::next_with_room() {
+OnceJob::FramePtr OnceJob::next_ready() {
   const std::lock_guard lock(mutex_);
   const auto first = first_of_clients();
+  const int now_parked = parked();
   // The next client after the one before, round and round.
   auto next = first.upper_bound(last_client_);
   for (std::size_t looks = 0; looks < first.size(); ++looks, ++next) {
     if (next == first.end()) next = first.begin();
-    if (!has_room(*next->second)) continue;
+    if (!is_ready(*next->second, now_parked)) continue;
     last_client_ = next->first;
     return next->second;
   }
@@ -102,7 +130,7 @@ std::shared_ptr<OnceJob::Frame> OnceJob::next_with_room() {
 }
 
 bool OnceJob::work() {
-  const std::shared_ptr<Frame> frame = next_with_room();
+  const FramePtr frame = next_ready();
   if (!frame || work_on(*frame)) return true;
   const std::lock_guard lock(mutex_);
   std::erase(queue_, frame);
@@ -110,17 +138,26 @@ bool OnceJob::work() {
 }
 
 bool OnceJob::work_on(Frame& frame) const {
+  const RenderThreadOptions& options = context_.options;
   try {
-    if (!frame.plan && !begin(frame)) return false;
-    return !frame.plan || render_slice(frame);
+    if (!frame.work) {
+      frame.goes_on = false;
+      const auto work = [this, &frame] { frame.goes_on = frame.plan ? render_slice(frame) : begin(frame); };
+      frame.work = std::make_unique<ParkedWork>(work, frame.request->stop.get_token(), options.look);
+    }
+    const bool ended = context_.turn(
+        *frame.work, {}, context_.scanning ? options.once_work_while_scanning : options.once_work);
+    frame.render_s += to_seconds(context_.now() - context_.turn_began);
+    if (!ended) return true;
   } catch (const std::exception& e) {
     if (frame.encoder) {
       frame.send(context_.events, frame.encoder->abort(failure_text(e)));
     } else {
       context_.events.on_once_fault(frame.request, memory_failure(e));
     }
-    return false;
   }
+  frame.work = nullptr;
+  return frame.goes_on;
 }
 
 bool OnceJob::begin(Frame& frame) const {
@@ -158,13 +195,11 @@ bool OnceJob::render_slice(Frame& frame) const {
   const int wedges =
       static_cast<int>(std::clamp<std::size_t>(context_.options.slice_bytes / wedge_bytes, 1, 1u << 16));
   const int count = std::min(wedges * kWedgeAzimuthBins, frame.end_azimuth - frame.next_azimuth);
-  frame.pause.batches =
-      context_.scanning ? context_.options.slice_batches_while_scanning : context_.options.slice_batches;
 
   const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
   const ReceivedPlanes needed = needed_planes(request.choice, request.view.settings->settings);
   RenderOptions options =
-      context_.render_options(needed.iq, wants(wire::Plane::state), request.stop.get_token(), &frame.pause);
+      context_.render_options(needed.iq, wants(wire::Plane::state), request.stop.get_token());
   options.video8 = needed.video8;
   options.video16 = needed.video16;
   options.receiver = &*frame.receiver;
@@ -175,20 +210,18 @@ bool OnceJob::render_slice(Frame& frame) const {
       frame.send(context_.events, block);
     }
   };
-  const Time start = context_.now();
   if (!frame.plan->render({frame.next_azimuth, count}, options)) {
     frame.send(context_.events, frame.encoder->abort("the server has stopped rendering this frame"));
     return false;
   }
-  frame.render_s += to_seconds(context_.now() - start);
-  if (frame.pause.begun) return true;
   frame.next_azimuth += count;
   if (frame.next_azimuth < frame.end_azimuth) return true;
   wire::FrameSummary summary;
   frame.plan->summarise(frame.stats->total(), summary);
   // Counted before the client has it.
-  context_.events.on_once_rendered({frame.render_s, summary.rays(), summary.hits()});
-  frame.send(context_.events, frame.encoder->end(summary, frame.render_s));
+  const double render_s = frame.render_s + to_seconds(context_.now() - context_.turn_began);
+  context_.events.on_once_rendered({render_s, summary.rays(), summary.hits()});
+  frame.send(context_.events, frame.encoder->end(summary, render_s));
   return false;
 }
 

@@ -12,7 +12,7 @@ namespace obliq::net {
 
 /// Renders the frames of all RenderOnce requests. Clients take turns, slice by slice; a client's frames come
 /// one after the other, in the order of its requests. The next slice of a frame waits until its client has
-/// taken enough of it.
+/// taken enough of it, without a thread.
 class OnceJob : public Job {
  public:
   explicit OnceJob(const RenderContext& context);
@@ -24,23 +24,28 @@ class OnceJob : public Job {
 
   /// True: no request is left that could be rendered.
   bool is_empty() const;
+  /// Aborts all frames.
+  void give_up();
   Time date(Time now) override;
   bool work() override;
 
  private:
   struct Frame;
-  std::map<std::uint64_t, std::shared_ptr<Frame>> first_of_clients() const;
-  std::shared_ptr<Frame> next_with_room();
-  bool has_room(const Frame& frame) const;
-  /// Renders a slice; true: there is more to come.
+  using FramePtr = std::shared_ptr<Frame>;
+  std::map<std::uint64_t, FramePtr> first_of_clients() const;
+  FramePtr next_ready();
+  bool is_ready(const Frame& frame, int parked) const;
+  int parked() const;
+  bool has_ended(const Frame& frame) const;
+  /// Plans the frame, which may not be possible yet, or renders a slice; true: there is more to come.
   bool work_on(Frame& frame) const;
-  /// Plans the frame, which may not be possible yet; false: nothing is to come.
   bool begin(Frame& frame) const;
   bool render_slice(Frame& frame) const;
 
   const RenderContext& context_;
-  mutable std::mutex mutex_;  ///< guards the queue; the frames in it are the render thread's alone
-  std::deque<std::shared_ptr<Frame>> queue_;
+  mutable std::mutex mutex_;  ///< guards the queue; the frames in it are the render thread's
+                              ///< and their own work's alone
+  std::deque<FramePtr> queue_;
   std::uint64_t last_client_ = 0;  ///< whose turn was the last
 };
 

@@ -43,6 +43,16 @@ struct OnceRequest {
 };
 using OnceRequestPtr = std::shared_ptr<OnceRequest>;
 
+/// Settings whose faults the ground decides: whether a frame of them can be planned from a pose.
+struct Appraisal {
+  std::uint64_t client_id = 0;
+  RadarSettings settings;
+  std::uint64_t version = 0;  ///< of the radar's settings that they are a change of
+  PoseSettings pose;
+  std::stop_source stop;  ///< requested when its client has gone
+};
+using AppraisalPtr = std::shared_ptr<Appraisal>;
+
 /// Called on the render thread or on the rendering's own threads, one call at a time.
 class RenderEvents {
  public:
@@ -58,6 +68,8 @@ class RenderEvents {
   virtual void on_once_rendered(const RenderedOnce& frame) = 0;
   /// Instead of a frame.
   virtual void on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) = 0;
+  /// No faults: a frame can be planned, as far as beam and pulse go.
+  virtual void on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) = 0;
   /// After finish(): nothing more comes.
   virtual void on_finished() = 0;
 };

@@ -14,7 +14,9 @@ RenderThread::Radar::Radar(RenderContext& context, std::size_t number, const std
       scan(context, stream) {}
 
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
-    : context_{.renderer = renderer, .events = events, .options = std::move(options)}, once_(context_) {}
+    : context_{.renderer = renderer, .events = events, .options = std::move(options)},
+      once_(context_),
+      appraisals_(context_) {}
 
 RenderThread::~RenderThread() { end(); }
 
@@ -31,6 +33,7 @@ void RenderThread::add_radar(const std::string& name, std::uint32_t stream_id, L
 
 void RenderThread::start() {
   shares_.add();
+  shares_.add();
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -46,6 +49,7 @@ void RenderThread::stop() {
   thread_.request_stop();
   for (Radar& radar : radars_) radar.stream.stop();
   once_.stop();
+  appraisals_.stop();
 }
 
 void RenderThread::set_view(std::size_t radar, LiveView view) {
@@ -60,6 +64,11 @@ void RenderThread::set_demand(std::size_t radar, std::vector<Demand> demands) {
 
 void RenderThread::enqueue(OnceRequestPtr request) {
   once_.enqueue(std::move(request));
+  wake();
+}
+
+void RenderThread::enqueue(AppraisalPtr appraisal) {
+  appraisals_.enqueue(std::move(appraisal));
   wake();
 }
 
@@ -82,6 +91,12 @@ void RenderThread::run(const std::stop_token& stop) {
       wait(stop, next_due);
     }
   }
+  for (Radar& radar : radars_) {
+    radar.frames.give_up();
+    radar.scan.end("the server is stopping");
+  }
+  once_.give_up();
+  appraisals_.give_up();
 }
 
 void RenderThread::begin_round() {
@@ -110,6 +125,7 @@ std::optional<RenderThread::Turn> RenderThread::choose(Time now, Time& next_due)
     context_.scanning |= scans && !context_.finishing;
   }
   jobs.push_back(&once_);
+  jobs.push_back(&appraisals_);
   std::vector<Time> dates;
   for (std::size_t party = 0; party < jobs.size(); ++party) {
     dates.push_back(jobs[party]->date(now));

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/rendering/appraisal_job.h"
 #include "server/rendering/demand.h"
 #include "server/rendering/fair_share.h"
 #include "server/rendering/live_job.h"
@@ -43,6 +44,7 @@ class RenderThread {
   /// None: no client watches; a frame in hand is given up.
   void set_demand(std::size_t radar, std::vector<Demand> demands);
   void enqueue(OnceRequestPtr request);
+  void enqueue(AppraisalPtr appraisal);
   /// A client has taken bytes, or a request was cancelled.
   void wake();
   LiveStream::Load load(std::size_t radar) const { return radars_[radar].stream.load(); }
@@ -78,7 +80,8 @@ class RenderThread {
   RenderContext context_;
   std::deque<Radar> radars_;  ///< a deque: elements stay where they are
   OnceJob once_;
-  FairShare shares_;  ///< live radars by their numbers, then RenderOnce
+  AppraisalJob appraisals_;
+  FairShare shares_;  ///< live radars by their numbers, then RenderOnce, then appraisals
 
   std::mutex mutex_;  ///< guards finishing_, and that context_.changes does not change unseen
   std::condition_variable_any changed_;

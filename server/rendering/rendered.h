@@ -8,7 +8,8 @@ namespace obliq::net {
 struct FrameCost {
   std::int64_t pixels = 0;
   std::int64_t bins = 0;
-  std::int64_t bytes = 0;  ///< an estimate
+  std::int64_t plan_taps = 0;  ///< of the beam's plan
+  std::int64_t bytes = 0;      ///< an estimate
 
   /// What max_work_queued counts.
   std::int64_t work() const { return pixels + bins; }

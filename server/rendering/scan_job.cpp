@@ -69,6 +69,7 @@ ScanJob::ScanJob(const RenderContext& context, LiveStream& stream) : context_(co
 ScanJob::~ScanJob() = default;
 
 Job::Time ScanJob::date(Time now) {
+  if (work_) return now;
   if (const auto rest = stream_.rests_until(now)) return *rest;
   stream_.put_off(now);
   if (scan_ && scan_->settings == stream_.view()->settings) {
@@ -80,46 +81,54 @@ Job::Time ScanJob::date(Time now) {
 }
 
 void ScanJob::end(const std::string& reason) {
+  work_ = nullptr;
   if (scan_ && scan_->pass) scan_->pass->send_abort(reason);
   scan_ = nullptr;
 }
 
 bool ScanJob::work() {
-  const Time now = context_.now();
-  const auto start = stream_.begin_dwell();
-  if (!start) return true;
-  const std::uint64_t generation = context_.renderer.generation();
-  const SettingsPtr settings = start->view->settings;
-  if (scan_ && scan_->settings != settings) end("the radar's settings changed");
-  if (!scan_) scan_ = std::make_unique<Scan>(settings, now);
-  auto view = std::make_shared<const LiveView>(start->view->at(in_nanoseconds(now)));
-  std::vector<FieldError> errors;
+  if (!work_) {
+    auto start = stream_.begin_dwell();
+    if (!start) return true;
+    start_ = std::move(*start);
+    view_ = start_.view;
+    generation_ = context_.renderer.generation();
+    errors_.clear();
+    stopped_ = false;
+    if (scan_ && scan_->settings != start_.view->settings) end("the radar's settings changed");
+    work_ = std::make_unique<ParkedWork>([this, now = context_.now()] { dwell(now); }, start_.stop,
+                                         context_.options.look);
+  }
   try {
-    leave_out(scan_->schedule.next(scan_->next, now));
-    const Time middle = scan_->schedule.middle(scan_->next);
-    if (middle <= now) {
-      view = scan_->at_bar(start->view->at(in_nanoseconds(middle)));
-      errors = scan_->pass ? plan_dwell(*view) : begin_pass(*view, start->demands);
-      if (errors.empty()) render_dwell(*view, start->stop);
-    }
+    if (!context_.turn(*work_, kShortestDwell)) return false;
   } catch (const std::exception& e) {  // no memory, above all
-    errors = memory_failure(e);
+    errors_ = memory_failure(e);
   }
-  if (!errors.empty()) {
-    end(errors.front().text());
-    context_.events.on_live_fault(stream_.radar(), view, errors);
+  work_ = nullptr;
+  if (stopped_) end("the server has stopped rendering this pass");
+  if (!errors_.empty()) {
+    end(errors_.front().text());
+    context_.events.on_live_fault(stream_.radar(), view_, errors_);
   }
-  stream_.set_faulty(errors.empty() ? nullptr : view, generation);
+  stream_.set_faulty(errors_.empty() ? nullptr : view_, generation_);
   return true;
+}
+
+void ScanJob::dwell(Time now) {
+  if (!scan_) scan_ = std::make_unique<Scan>(start_.view->settings, now);
+  view_ = std::make_shared<const LiveView>(start_.view->at(in_nanoseconds(now)));
+  leave_out(scan_->schedule.next(scan_->next, now));
+  const Time middle = scan_->schedule.middle(scan_->next);
+  if (middle > now) return;
+  view_ = scan_->at_bar(start_.view->at(in_nanoseconds(middle)));
+  errors_ = scan_->pass ? plan_dwell(*view_) : begin_pass(*view_, start_.demands);
+  if (errors_.empty()) render_dwell(*view_, start_.stop);
 }
 
 void ScanJob::render_dwell(const LiveView& view, const std::stop_token& stop) {
   // Without a pass no client wants any bin of it.
-  if (!scan_->pass || render_azimuths(view, stop)) {
-    advance();
-  } else {
-    end("the server has stopped rendering this pass");
-  }
+  stopped_ = scan_->pass && !render_azimuths(view, stop);
+  if (!stopped_) advance();
 }
 
 void ScanJob::advance() {
@@ -201,7 +210,7 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
                          in_nanoseconds(scan_->schedule.middle(scan_->next)));
   // Wedges of one dwell are finished in any order; a display is given them in the beam's.
   std::vector<Wedge> wedges;
-  RenderOptions options = pass.render_options(stop, nullptr);
+  RenderOptions options = pass.render_options(stop);
   options.sharp = &scan_->sharp;
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
   if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ class ScanJob : public Job {
   ScanJob(const RenderContext& context, LiveStream& stream);
   ~ScanJob() override;
 
-  bool has_begun() const { return scan_ != nullptr; }
+  bool has_begun() const { return scan_ || work_; }
   Time date(Time now) override;
   bool work() override;
   /// The beam stops; a pass that has begun is aborted.
@@ -27,6 +28,8 @@ class ScanJob : public Job {
   struct Pass;
   struct Scan;
 
+  /// The next dwell, if the beam has come to its middle.
+  void dwell(Time now);
   /// The beam is in the middle of the next dwell.
   void render_dwell(const LiveView& view, const std::stop_token& stop);
   /// Misses the dwells before this one, which the beam has left: in the pass that has begun and in the one
@@ -46,6 +49,12 @@ class ScanJob : public Job {
   const RenderContext& context_;
   LiveStream& stream_;
   std::unique_ptr<Scan> scan_;  ///< null: the beam stands
+  LiveStream::Start start_;     ///< of the dwell in hand, as what follows
+  std::shared_ptr<const LiveView> view_;
+  std::uint64_t generation_ = 0;  ///< of the renderer
+  std::vector<FieldError> errors_;
+  bool stopped_ = false;
+  std::unique_ptr<ParkedWork> work_;  ///< null: none
 };
 
 }  // namespace obliq::net

@@ -119,8 +119,8 @@ class BinIntegrator {
         integral_(integral),
         walk_(world, sighted, view) {}
 
-  /// ground_w, building_w, sine_w: [n_range] of this azimuth bin, zero at first.
-  BinBuildings run(int azimuth, double* ground_w, double* building_w, double* sine_w) {
+  /// ground_w, building_w: [n_range] of this azimuth bin, zero at first. facets may be null.
+  BinBuildings run(int azimuth, double* ground_w, double* building_w, std::vector<FacetEcho>* facets) {
     std::map<std::uint32_t, BuildingTruth> seen;
     std::map<std::pair<std::uint32_t, int>, double> power_by_bin_w;
     const double width_rad = view_.sector_rad / view_.azimuth_bins;
@@ -131,7 +131,9 @@ class BinIntegrator {
         shares_.clear();
         integral_.add(strip, bearing_rad, spot.width_rad, shares_);
         for (const BinShare& share : shares_) {
-          sine_w[share.range_bin] += share.sine_w;
+          if (facets != nullptr && share.power_w > 0)
+            facets->push_back({share.range_bin, strip.building != kGroundStrip, share.power_w,
+                               share.sine_w / share.power_w});
           if (strip.building == kGroundStrip) {
             ground_w[share.range_bin] += share.power_w;
             continue;
@@ -210,7 +212,8 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
   bins.n_range = view.range_bins;
   const auto n_range = static_cast<std::size_t>(view.range_bins);
   bins.ground_w.assign(static_cast<std::size_t>(n_azimuth) * n_range, 0.0);
-  bins.building_w = bins.sine_w = bins.ground_w;
+  bins.building_w = bins.ground_w;
+  if (view.keeps_facets) bins.facets.resize(static_cast<std::size_t>(n_azimuth));
   bins.buildings.resize(world.buildings.list.size());
   if (n_azimuth == 0) return bins;
 
@@ -223,7 +226,7 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
       const std::size_t row = static_cast<std::size_t>(a) * n_range;
       by_bin[static_cast<std::size_t>(a)] =
           integrator.run(first_azimuth + a, bins.ground_w.data() + row, bins.building_w.data() + row,
-                         bins.sine_w.data() + row);
+                         view.keeps_facets ? &bins.facets[static_cast<std::size_t>(a)] : nullptr);
     };
   });
 

@@ -59,6 +59,7 @@ struct ReferenceView {
   /// What a pattern in elevation does to power there and back, by the sine of elevation about the world's
   /// vertical and the world bearing. Empty: 1.
   std::function<double(double sin_elevation, double bearing_rad)> two_way_gain;
+  bool keeps_facets = false;  ///< ReferenceBins::facets
 };
 
 struct ReferenceSampling {
@@ -74,6 +75,14 @@ struct BuildingTruth {
   double largest_share = 0;  ///< of the power of any one bin, 0..1
 };
 
+/// What a straight piece of the surface gives to one range bin.
+struct FacetEcho {
+  int range_bin = 0;
+  bool of_building = false;
+  double power_w = 0;
+  double sin_elevation = 0;  ///< its mean, weighed by power
+};
+
 /// Planes are [n_azimuth][n_range]. The truth of a bin is the sum of both.
 struct ReferenceBins {
   int first_azimuth = 0;
@@ -81,8 +90,8 @@ struct ReferenceBins {
   int n_range = 0;
   std::vector<double> ground_w;
   std::vector<double> building_w;
-  std::vector<double> sine_w;            ///< sum of power times the sine of its elevation
-  std::vector<BuildingTruth> buildings;  ///< [world.buildings.list.size()]
+  std::vector<BuildingTruth> buildings;        ///< [world.buildings.list.size()]
+  std::vector<std::vector<FacetEcho>> facets;  ///< [n_azimuth] plane by plane; empty where not asked for
 };
 
 /// Integrates azimuth bins [first_azimuth, first_azimuth + n_azimuth). materials[id] for every material id in

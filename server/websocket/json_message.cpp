@@ -1,14 +1,16 @@
 #include "server/websocket/json_message.h"
 
 #include <fmt/core.h>
-#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/message.h>
 
 #include <algorithm>
 #include <memory>
 #include <string_view>
+#include <utility>
 
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
+#include "server/websocket/json_reader.h"
 #include "server/websocket/json_writer.h"
 
 namespace obliq::websocket {
@@ -18,7 +20,33 @@ using google::protobuf::Message;
 using wire::ErrorNumber;
 using wire::MessageType;
 
-/// What a message of a type is an example of; null: a later version's.
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Whether some number has more characters than any needs: of a million, reading takes 17 ms.
+bool has_long_number(std::string_view json) {
+  constexpr std::size_t kLongest = 100;
+  constexpr std::string_view kOfNumbers = "0123456789+-.eE";
+  std::size_t begin = 0;
+  while ((begin = json.find_first_of(kOfNumbers, begin)) != std::string_view::npos) {
+    const std::size_t end = std::min(json.find_first_not_of(kOfNumbers, begin), json.size());
+    if (end - begin > kLongest) return true;
+    begin = end;
+  }
+  return false;
+}
+
+Refusal refusal_of_header(wire::HeaderStatus status, const wire::MessageHeader& header,
+                          const wire::MessageLimits& limits) {
+  const auto number = status == wire::HeaderStatus::bad_magic          ? ErrorNumber::bad_magic
+                      : status == wire::HeaderStatus::version_mismatch ? ErrorNumber::version_mismatch
+                                                                       : ErrorNumber::bad_length;
+  return {number, wire::describe(status, header, limits)};
+}
+
+}  // namespace
+
 const Message* example_of(MessageType type) {
   switch (type) {
     case MessageType::hello:
@@ -79,55 +107,17 @@ const Message* example_of(MessageType type) {
   return nullptr;
 }
 
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-/// Of objects and lists in each other, without regard to whether the JSON is whole.
-int depth_of(std::string_view json) {
-  int depth = 0, deepest = 0;
-  bool in_text = false;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (in_text && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      in_text = !in_text;
-    } else if (!in_text && (c == '{' || c == '[')) {
-      deepest = std::max(deepest, ++depth);
-    } else if (!in_text && (c == '}' || c == ']')) {
-      --depth;
-    }
-  }
-  return deepest;
-}
-
-Refusal refusal_of_header(wire::HeaderStatus status, const wire::MessageHeader& header, std::uint32_t limit) {
-  const auto number = status == wire::HeaderStatus::bad_magic          ? ErrorNumber::bad_magic
-                      : status == wire::HeaderStatus::version_mismatch ? ErrorNumber::version_mismatch
-                                                                       : ErrorNumber::bad_length;
-  return {number, wire::describe(status, header, limit)};
-}
-
-/// JSON may be longer than kMaxDescriptorBytes, which is for protobuf.
-bool only_descriptor_is_long(const wire::MessageHeader& header, std::uint32_t limit) {
-  return header.header_length >= wire::kHeaderBytes && header.header_length <= wire::kMaxHeaderBytes &&
-         header.payload_length <= limit && header.descriptor_length <= header.payload_length;
-}
-
-}  // namespace
-
-std::optional<Refusal> to_binary(std::span<const std::byte> message, std::uint32_t max_request_bytes,
+std::optional<Refusal> to_binary(std::span<const std::byte> message, const wire::MessageLimits& limits,
                                  wire::Bytes& binary) {
   if (message.size() < wire::kHeaderBytes)
     return Refusal{ErrorNumber::bad_length, fmt::format("a message of {} bytes; allowed: a header of {} and "
                                                         "what it announces, in one binary message",
                                                         message.size(), wire::kHeaderBytes)};
   wire::MessageHeader header;
-  const auto status = wire::decode_header(message.first<wire::kHeaderBytes>(), max_request_bytes, header);
-  if (status != wire::HeaderStatus::ok &&
-      !(status == wire::HeaderStatus::bad_length && only_descriptor_is_long(header, max_request_bytes)))
-    return refusal_of_header(status, header, max_request_bytes);
+  // JSON may be longer than the protobuf that it stands for.
+  const wire::MessageLimits as_json(limits.payload_bytes, limits.payload_bytes);
+  const auto status = wire::decode_header(message.first<wire::kHeaderBytes>(), as_json, header);
+  if (status != wire::HeaderStatus::ok) return refusal_of_header(status, header, as_json);
   if (message.size() != std::size_t{header.header_length} + header.payload_length)
     return Refusal{ErrorNumber::bad_length,
                    fmt::format("a message of {} bytes; allowed: the {} that its header announces",
@@ -138,34 +128,31 @@ std::optional<Refusal> to_binary(std::span<const std::byte> message, std::uint32
                                "JSON",
                                header.flags, kSubprotocol)};
   const auto payload = message.subspan(header.header_length);
-  const std::string_view json = text_of(payload.first(header.descriptor_length));
-  if (const int depth = depth_of(json); depth > kMaxDepth)
-    return Refusal{ErrorNumber::bad_message,
-                   fmt::format("JSON of depth {}; allowed: at most {}", depth, kMaxDepth)};
   const wire::Addressing addressing{header.stream_id, header.sequence, header.utc_ns};
   const Message* example = example_of(header.type);
   if (example == nullptr) {  // it will be skipped
     binary = wire::encode_message(header.type, addressing, wire::Ack::default_instance());
     return std::nullopt;
   }
+  const std::string_view json = text_of(payload.first(header.descriptor_length));
+  if (json.size() > kMaxJsonBytes && (header.type != MessageType::query_ground || has_long_number(json)))
+    return Refusal{ErrorNumber::bad_length,
+                   fmt::format("JSON of {} bytes; allowed: at most {}, but for QueryGround's lists",
+                               json.size(), kMaxJsonBytes)};
   const std::unique_ptr<Message> descriptor(example->New());
-  const auto parsed =
-      google::protobuf::util::JsonStringToMessage({json.data(), json.size()}, descriptor.get(), {});
-  if (!parsed.ok()) {
-    // The lines after the first show where, with whatever the peer sent.
-    std::string why(parsed.message().data(), parsed.message().size());
-    why.resize(std::min(why.find('\n'), why.size()));
-    if (why.ends_with('.')) why.pop_back();
+  if (const auto why = read_json(json, *descriptor))
     return Refusal{ErrorNumber::bad_message,
-                   fmt::format("the JSON of {}: {}; allowed: the fields and values that obliq.proto has",
-                               descriptor->GetDescriptor()->name(), why)};
-  }
-  binary =
-      wire::encode_message(header.type, addressing, *descriptor, payload.subspan(header.descriptor_length));
-  if (!binary.empty()) return std::nullopt;
-  return Refusal{ErrorNumber::bad_length,
-                 fmt::format("a descriptor of {} bytes as protobuf; allowed: at most {}",
-                             descriptor->ByteSizeLong(), wire::kMaxDescriptorBytes)};
+                   fmt::format("the JSON of {}: {}", descriptor->GetDescriptor()->name(), *why)};
+  auto encoded = wire::encode_message(header.type, addressing, *descriptor,
+                                      payload.subspan(header.descriptor_length), limits.descriptor_bytes);
+  if (encoded.empty())
+    return Refusal{
+        ErrorNumber::bad_length,
+        fmt::format("a descriptor of {} bytes as protobuf and {} behind it; allowed: at most {} and {}",
+                    descriptor->ByteSizeLong(), header.payload_length - header.descriptor_length,
+                    limits.descriptor_bytes, wire::kMaxPlaneBytes)};
+  binary = std::move(encoded);
+  return std::nullopt;
 }
 
 bool to_json(std::span<const std::byte> message, JsonMessage& json) {

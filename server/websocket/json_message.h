@@ -9,14 +9,23 @@
 #include "proto/error_number.h"
 #include "proto/message_codec.h"
 
+namespace google::protobuf {
+class Message;
+}
+
 namespace obliq::websocket {
 
 /// The subprotocol's name in the opening handshake (RFC 6455 section 1.9).
 constexpr const char* kSubprotocol = "obliq.v1.json";
 /// Of MessageHeader::flags.
 constexpr std::uint16_t kJsonDescriptor = 1;
-/// Objects and lists in each other; messages of obliq.proto have less than half of it.
-constexpr int kMaxDepth = 16;
+
+/// Of every type but QueryGround, whose lists are long: reading a megabyte takes the thread that all clients
+/// share up to 8 ms.
+constexpr std::uint32_t kMaxJsonBytes = 65536;
+
+/// An empty message of a type; null: a later version's.
+const google::protobuf::Message* example_of(wire::MessageType type);
 
 struct Refusal {
   wire::ErrorNumber number{};
@@ -24,10 +33,10 @@ struct Refusal {
 };
 
 /// A whole message of a peer as the stream has it, with its CRC. Types that are not known come without their
-/// descriptor. Refused is what Welcome.limits do not allow, is no JSON, or has a field that its message has
-/// not; the text names it.
+/// descriptor. Refused is what is too long, as JSON or as protobuf, is no JSON, or has a field that its
+/// message has not; the text names it, and `binary` is left as it was.
 [[nodiscard]] std::optional<Refusal> to_binary(std::span<const std::byte> message,
-                                               std::uint32_t max_request_bytes, wire::Bytes& binary);
+                                               const wire::MessageLimits& limits, wire::Bytes& binary);
 
 /// A whole message of the stream in two parts: header and descriptor, and the plane, which is unchanged and
 /// still that of `message`. False when it is not one whole message of a type that PROTOCOL.md has.

@@ -19,10 +19,8 @@ http::Upgrade upgrade(boost::asio::io_context& io, std::function<net::Server*()>
   };
   upgrade.take = [&io, serving](std::unique_ptr<net::SocketTransport> socket, std::string header,
                                 std::string unread) {
-    net::Server& server = *serving();
-    const auto most = static_cast<std::uint32_t>(server.limits().max_request_bytes);
-    server.admit(std::make_unique<WebSocketTransport>(io, std::move(socket), std::move(header),
-                                                      std::move(unread), most));
+    serving()->admit(
+        std::make_unique<WebSocketTransport>(io, std::move(socket), std::move(header), std::move(unread)));
   };
   return upgrade;
 }

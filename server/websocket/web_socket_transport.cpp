@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/websocket/frame_lengths.h"
 #include "server/websocket/json_message.h"
 
 namespace obliq::websocket {
@@ -47,10 +48,14 @@ class SocketStream {
     if (!unread_.empty() || first.size() == 0) {
       const std::size_t n = asio::buffer_copy(first, asio::buffer(unread_));
       unread_.erase(0, n);
+      lengths_.pass({static_cast<std::byte*>(first.data()), n});
       return asio::post(executor_, [shared, n] { std::move (*shared)(error_code(), n); });
     }
-    socket_->read_some({static_cast<std::byte*>(first.data()), first.size()},
-                       [shared](Transfer got, std::size_t n) { std::move (*shared)(error_of(got), n); });
+    const std::span bytes(static_cast<std::byte*>(first.data()), first.size());
+    socket_->read_some(bytes, [this, bytes, shared](Transfer got, std::size_t n) {
+      lengths_.pass(bytes.first(n));
+      std::move (*shared)(error_of(got), n);
+    });
   }
 
   template <class Buffers, class Handler>
@@ -77,7 +82,8 @@ class SocketStream {
 
   executor_type executor_;
   std::unique_ptr<SocketTransport> socket_;
-  std::string unread_;  ///< came with the request
+  std::string unread_;    ///< came with the request
+  FrameLengths lengths_;  ///< Beast asks for nothing before the first frame
 };
 
 // What Beast calls at the end of the closing handshake (its "Teardown" requirements), and when a time limit
@@ -100,10 +106,9 @@ Transfer outcome(error_code error) {
 
 struct WebSocketTransport::State : std::enable_shared_from_this<WebSocketTransport::State> {
   State(asio::io_context& context, std::unique_ptr<SocketTransport> from, std::string request,
-        std::string unread, std::uint32_t most)
+        std::string unread)
       : io(context),
         header(std::move(request)),
-        max_request_bytes(most),
         socket(io.get_executor(), std::move(from), std::move(unread)) {
     socket.binary(true);
     socket.auto_fragment(false);
@@ -120,7 +125,7 @@ struct WebSocketTransport::State : std::enable_shared_from_this<WebSocketTranspo
   void received(error_code error);
   void refuse(wire::ErrorNumber number, std::string text);
   void complete(Transfer transfer);
-  std::size_t longest() const { return wire::kMaxHeaderBytes + std::size_t{max_request_bytes}; }
+  std::size_t longest() const { return wire::kMaxHeaderBytes + std::size_t{limits.payload_bytes}; }
 
   /// What the session waits for.
   struct Wanted {
@@ -132,7 +137,7 @@ struct WebSocketTransport::State : std::enable_shared_from_this<WebSocketTranspo
 
   asio::io_context& io;
   std::string header;
-  std::uint32_t max_request_bytes;
+  wire::MessageLimits limits{0};
   bws::stream<SocketStream, false> socket;  ///< without permessage-deflate
   bool ready = false;
   std::string failure;
@@ -196,15 +201,16 @@ void WebSocketTransport::State::received(error_code error) {
     return refuse(wire::ErrorNumber::bad_length,
                   "a text message; allowed: binary messages, each of them an obliq message");
   if (incoming.size() > longest())
-    return refuse(wire::ErrorNumber::bad_length, "a message of more than " + std::to_string(longest()) +
-                                                     " bytes; allowed: max_request_bytes, " +
-                                                     std::to_string(max_request_bytes) +
-                                                     ", behind the header");
+    return refuse(wire::ErrorNumber::bad_length,
+                  "a message of more than " + std::to_string(longest()) +
+                      " bytes; allowed: " + std::to_string(limits.payload_bytes) + " behind the header");
   const std::span bytes(static_cast<const std::byte*>(incoming.data().data()), incoming.size());
   if (message.empty() && !bytes.empty()) message.assign(1, bytes[0]);
   if (socket.is_message_done()) {
-    if (auto refusal = to_binary(bytes, max_request_bytes, message))
+    wire::Bytes whole;
+    if (auto refusal = to_binary(bytes, limits, whole))
       return refuse(refusal->number, std::move(refusal->text));
+    message = std::move(whole);
     incoming.clear();
     is_whole = true;
   }
@@ -214,15 +220,16 @@ void WebSocketTransport::State::received(error_code error) {
 void WebSocketTransport::State::refuse(wire::ErrorNumber number, std::string text) {
   fault = {number, std::move(text)};
   refused = true;
+  message.clear();  // the session may have its first byte
+  taken = 0;
+  is_whole = false;
   incoming.clear();
   complete(Transfer::refused);
 }
 
 WebSocketTransport::WebSocketTransport(asio::io_context& io, std::unique_ptr<SocketTransport> socket,
-                                       std::string header, std::string unread,
-                                       std::uint32_t max_request_bytes)
-    : state_(std::make_shared<State>(io, std::move(socket), std::move(header), std::move(unread),
-                                     max_request_bytes)) {}
+                                       std::string header, std::string unread)
+    : state_(std::make_shared<State>(io, std::move(socket), std::move(header), std::move(unread))) {}
 WebSocketTransport::~WebSocketTransport() = default;
 
 std::string WebSocketTransport::host() const { return state_->below().host(); }
@@ -234,6 +241,8 @@ std::string WebSocketTransport::description() const {
 }
 
 void WebSocketTransport::start(Started done) { state_->accept(std::move(done)); }
+
+void WebSocketTransport::expect(const wire::MessageLimits& limits) { state_->limits = limits; }
 
 void WebSocketTransport::read(std::span<std::byte> bytes, bool some, Done done) {
   state_->wanted = {bytes, some, std::move(done)};

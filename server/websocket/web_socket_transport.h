@@ -1,5 +1,4 @@
 #pragma once
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>  // Boost 1.74 uses std::exchange without including it
@@ -20,7 +19,7 @@ class WebSocketTransport final : public net::Transport {
  public:
   /// `header`: of the request, as text; `unread`: what has come behind it.
   WebSocketTransport(boost::asio::io_context& io, std::unique_ptr<net::SocketTransport> socket,
-                     std::string header, std::string unread, std::uint32_t max_request_bytes);
+                     std::string header, std::string unread);
   ~WebSocketTransport() override;
 
   std::string host() const override;
@@ -29,6 +28,7 @@ class WebSocketTransport final : public net::Transport {
   void start(Started done) override;
   bool is_ready() const override;
   std::string description() const override;
+  void expect(const wire::MessageLimits& limits) override;
   /// The first byte of a message as soon as any of it has come, so that the session's time limit begins; the
   /// others when it is whole and has been translated.
   void read(std::span<std::byte> bytes, bool some, Done done) override;

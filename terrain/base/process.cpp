@@ -1,5 +1,6 @@
 #include "terrain/base/process.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -30,6 +31,8 @@ std::int64_t peak_resident_bytes() {
   }
   return 0;
 }
+
+void give_back_freed_memory() { ::malloc_trim(0); }
 
 bool lower_own_priority() {
   // About a tenth of a core beside threads that compute all the time, a whole one beside threads that wait

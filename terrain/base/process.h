@@ -12,6 +12,10 @@ std::int64_t resident_bytes();
 /// getrusage's ru_maxrss, which a process inherits from the one that started it.
 std::int64_t peak_resident_bytes();
 
+/// Gives the system back what malloc has kept of freed memory: tens of milliseconds for each gigabyte, during
+/// which other threads may wait for memory.
+void give_back_freed_memory();
+
 /// Makes the calling thread, and the threads that it will start, yield to others that want the processor.
 /// Says whether that worked.
 bool lower_own_priority();

@@ -37,10 +37,11 @@ std::string one_line(std::string text) {
   return text;
 }
 
-std::string printable_text(std::string text) {
+std::string printable_text(std::string_view text, std::size_t most) {
+  std::string printable(text.substr(0, most));
   std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
+      printable, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return printable;
 }
 
 std::string csv_field(const std::string& text) {

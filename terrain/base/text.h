@@ -2,6 +2,7 @@
 // Numbers as readers want them, and text of strangers made fit to show.
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace obliq {
@@ -21,9 +22,9 @@ std::string counted(std::uint64_t number, const std::string& thing);
 
 /// With spaces for line breaks.
 std::string one_line(std::string text);
-/// With '?' for everything but printable ASCII: control characters and broken UTF-8 have no business on an
-/// operator's terminal.
-std::string printable_text(std::string text);
+/// The first `most` bytes, with '?' for everything but printable ASCII: control characters and broken UTF-8
+/// have no business on an operator's terminal.
+std::string printable_text(std::string_view text, std::size_t most = std::string_view::npos);
 
 /// A CSV field: in quotes, quotes doubled, where it needs them (RFC 4180).
 std::string csv_field(const std::string& text);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "terrain/buildings/clip_ears.h"
 #include "terrain/polygon.h"
 
 namespace obliq {
@@ -136,8 +137,9 @@ struct OutlineShaper::Geos {
   /// What needs a repair and has more crossings than are allowed is too complex.
   std::vector<FloatRings> valid_parts(const FloatRings& rings, OutlineState& state) const;
 
-  /// Cuts a valid polygon; false when the pieces do not make up the whole.
-  bool triangulate(Outline& outline) const;
+  /// Triangles of a valid polygon, as indices into all points of all rings; empty where GEOS does not find
+  /// them.
+  std::vector<glm::uvec3> triangles(const FloatRings& rings) const;
 };
 
 std::vector<FloatRings> OutlineShaper::Geos::valid_parts(const FloatRings& rings, OutlineState& state) const {
@@ -165,41 +167,68 @@ std::vector<FloatRings> OutlineShaper::Geos::valid_parts(const FloatRings& rings
   return valid;
 }
 
-bool OutlineShaper::Geos::triangulate(Outline& outline) const {
+std::vector<glm::uvec3> OutlineShaper::Geos::triangles(const FloatRings& rings) const {
   std::vector<std::pair<glm::vec2, unsigned>> index;
-  for (const FloatRing& ring : outline.rings_m) {
+  for (const FloatRing& ring : rings) {
     for (glm::vec2 p : ring) index.emplace_back(p, static_cast<unsigned>(index.size()));
   }
   const auto before = [](glm::vec2 a, glm::vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; };
   std::sort(index.begin(), index.end(),
             [&](const auto& a, const auto& b) { return before(a.first, b.first); });
-  const Geometry whole = polygon(outline.rings_m);
+  const Geometry whole = polygon(rings);
   const Geometry pieces = own(whole ? GEOSConstrainedDelaunayTriangulation_r(handle, whole.get()) : nullptr);
-  if (!pieces) return false;
-  double sum = 0;
-  glm::dvec2 moment(0.0);
+  if (!pieces) return {};
+  std::vector<glm::uvec3> found;
   const int n = GEOSGetNumGeometries_r(handle, pieces.get());
   for (int k = 0; k < n; ++k) {
     const FloatRing corners =
         ring_points(GEOSGetExteriorRing_r(handle, GEOSGetGeometryN_r(handle, pieces.get(), k)));
-    if (corners.size() != 3) return false;
+    if (corners.size() != 3) return {};
     glm::uvec3 triangle(0);
     for (int c = 0; c < 3; ++c) {
       const auto at = std::lower_bound(index.begin(), index.end(), corners[static_cast<std::size_t>(c)],
                                        [&](const auto& a, glm::vec2 b) { return before(a.first, b); });
-      if (at == index.end() || at->first != corners[static_cast<std::size_t>(c)]) return false;
+      if (at == index.end() || at->first != corners[static_cast<std::size_t>(c)]) return {};
       triangle[c] = at->second;
     }
-    const double area = turn(corners[0], corners[1], corners[2]) / 2;
-    if (area > 0) std::swap(triangle.y, triangle.z);
-    outline.roof.push_back(triangle);
-    sum += std::abs(area);
-    moment += std::abs(area) / 3 * (glm::dvec2(corners[0]) + glm::dvec2(corners[1]) + glm::dvec2(corners[2]));
+    found.push_back(triangle);
   }
+  return found;
+}
+
+namespace {
+
+/// False when the triangles do not make up the whole.
+bool take_roof(std::vector<glm::uvec3> triangles, Outline& outline) {
+  std::vector<glm::vec2> points;
+  for (const FloatRing& ring : outline.rings_m) points.insert(points.end(), ring.begin(), ring.end());
+  double sum = 0;
+  glm::dvec2 moment(0.0);
+  for (glm::uvec3& t : triangles) {
+    const glm::vec2 a = points[t.x], b = points[t.y], c = points[t.z];
+    const double area = turn(a, b, c) / 2;
+    if (area > 0) std::swap(t.y, t.z);
+    sum += std::abs(area);
+    moment += std::abs(area) / 3 * (glm::dvec2(a) + glm::dvec2(b) + glm::dvec2(c));
+  }
+  outline.roof = std::move(triangles);
   outline.centre_m = moment / sum;
   // The pieces share the polygon's own points, so areas agree to rounding unless a piece is missing.
   return std::abs(sum - outline.area_m2) <= 1e-6 * outline.area_m2 + 1e-9;
 }
+
+/// GEOS looks for a triangle's neighbours in boxes around sixteen corners in a row. Where an outline winds,
+/// each box has all the others in it, and time grows with the cube of the corners: 20 s for 4,000, 0.05 s for
+/// this many.
+constexpr std::size_t kMostByGeos = 512;
+
+std::size_t count_corners(const FloatRings& rings) {
+  std::size_t corners = 0;
+  for (const FloatRing& ring : rings) corners += ring.size();
+  return corners;
+}
+
+}  // namespace
 
 OutlineShaper::OutlineShaper() : geos_(std::make_unique<Geos>()) {}
 OutlineShaper::~OutlineShaper() = default;
@@ -288,7 +317,9 @@ ShapedOutline OutlineShaper::shape(const Polygon& polygon) {
     Outline outline;
     if (!orient(part, outline)) continue;
     outline.rings_m = std::move(part);
-    if (geos_->triangulate(outline)) {
+    const bool many = count_corners(outline.rings_m) > kMostByGeos;
+    if ((many && take_roof(clip_ears(outline.rings_m), outline)) ||
+        take_roof(geos_->triangles(outline.rings_m), outline)) {
       outline.parts = convex_parts(outline.rings_m, outline.roof);
       shaped.parts.push_back(std::move(outline));
     } else {

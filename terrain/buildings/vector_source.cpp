@@ -45,6 +45,8 @@ OGRLayer& chosen_layer(GDALDataset& dataset, const VectorQuery& query) {
       names += (names.empty() ? "" : ", ") + std::string(each->GetName());
     refuse(query, "it has no layer \"" + query.layer + "\"", "one of " + names);
   }
+  // A table of text. Nothing that it says is shown: its field names may be the first line of any file.
+  if (layer->GetGeomType() == wkbNone) refuse(query, "its layer has no shapes", "a source of polygons");
   if (!query.where.empty() && layer->SetAttributeFilter(query.where.c_str()) != OGRERR_NONE) {
     refuse(query, "its filter \"" + query.where + "\" is not understood: " + messages.reason("bad filter"),
            "an OGR attribute filter, such as \"natural = 'water'\"");

@@ -10,6 +10,7 @@
 
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/frame_plan.h"
+#include "server/rendering/parked_work.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
 
@@ -331,18 +332,14 @@ TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
   expect_part(one, s, pose, {96, 4}, options);
   const auto plan = plan_frame(scene, test::snapshot(s), pose).plan;
   ASSERT_TRUE(plan);
-  RenderPause pause;
-  pause.batches = 3;
   BinBlock paused(0, s.azimuth_bins, s.range_bins);
   options.threads = 2;
-  options.pause = &pause;
   options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, paused); };
-  int calls = 0;
-  do {
-    ASSERT_TRUE(render_wedges(*plan, {0, s.azimuth_bins}, options));
-    ++calls;
-  } while (pause.begun);
-  EXPECT_GT(calls, 10);
+  const auto render = [&] { EXPECT_TRUE(render_wedges(*plan, {0, s.azimuth_bins}, options)); };
+  net::ParkedWork work(render, {}, 10'000);
+  int turns = 1;
+  while (!work.turn([](std::int64_t) { return true; })) ++turns;
+  EXPECT_GT(turns, 10);
   EXPECT_TRUE(test::same_bits(one.bins.iq, paused.iq));
 }
 
@@ -375,7 +372,7 @@ TEST(EchoSums, HasTheSameBitsWithAllInstructionSets) {
       sharp.power_w[k] = x * 1e-12;
       sharp.iq[k] = {static_cast<float>(std::sqrt(x)), static_cast<float>(-x)};
     }
-    const SharpWedge wedge(*plan, std::move(sharp), {}, true);
+    const SharpWedge wedge(*plan, std::move(sharp), {}, {.iq = true});
     // Every row of the output's is one of these eight.
     std::vector<SharpWedge> rows(static_cast<std::size_t>(plan->sharp.azimuth_bins), wedge);
     std::vector<const SharpWedge*> pointers;
@@ -385,11 +382,11 @@ TEST(EchoSums, HasTheSameBitsWithAllInstructionSets) {
       pointers.push_back(&rows[static_cast<std::size_t>(k)]);
     }
     BinBlock expected(0, 8, s.range_bins);
-    widest.sum(pointers, 3, true, expected);
+    widest.sum(pointers, 3, true, false, expected);
     EXPECT_GT(expected.power_w[17], 0);
     for (const Kernels& kernels : all_kernels()) {
       BinBlock got(0, 8, s.range_bins);
-      EchoSums(*plan, kernels).sum(pointers, 3, true, got);
+      EchoSums(*plan, kernels).sum(pointers, 3, true, false, got);
       EXPECT_TRUE(test::same_bits(expected.iq, got.iq)) << kernels.name;
       EXPECT_TRUE(test::same_bits(expected.power_w, got.power_w)) << kernels.name;
     }

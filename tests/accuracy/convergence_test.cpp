@@ -20,6 +20,7 @@
 
 #include "server/accuracy/bin_errors.h"
 #include "tests/accuracy/reference_support.h"
+#include "tests/support/figures.h"
 #include "tests/support/fitted_order.h"
 #include "tests/support/samplings.h"
 #include "tests/support/scenes.h"
@@ -97,6 +98,7 @@ void expect_every_source_converges(World world, Surfaces surfaces) {
   RenderOptions options;
   options.states = false;
   options.surfaces = surfaces;
+  std::vector<double> ray_orders, sweep_orders;
   for (const Source& source : every_source()) {
     std::vector<ErrorAtSize> errors;
     std::printf("    %-18s N: E (gaps, false light)", source.name.c_str());
@@ -115,8 +117,16 @@ void expect_every_source_converges(World world, Surfaces surfaces) {
         EXPECT_EQ(e.false_light, 0u) << source.name << ", N = " << n;
       }
     }
-    std::printf("  order %.2f\n", test::fitted_order(errors));
+    const double order = test::fitted_order(errors);
+    std::printf("  order %.2f\n", order);
+    const bool swept = source.sampling.frustum == FrustumKind::sweep;
+    (swept ? sweep_orders : ray_orders).push_back(order);
     EXPECT_GT(errors.front().error / errors.back().error, kLeastFall) << source.name;
+  }
+  for (const auto& [what, orders] : {std::pair{"rays", &ray_orders}, std::pair{"sweep", &sweep_orders}}) {
+    const auto [least, most] = std::ranges::minmax(*orders);
+    test::record_figure(std::string("converge_") + what + "_least", least);
+    test::record_figure(std::string("converge_") + what + "_most", most);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/figures.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -55,6 +56,9 @@ Errors errors_over_flat_ground(FrustumKind kind, int sub_columns = 64) {
 
 TEST(FlatPlane, PolarBinsMatchTheClosedForm) {
   const Errors errors = errors_over_flat_ground(FrustumKind::polar);
+  test::record_figure("polar_median", errors.median);
+  test::record_figure("polar_rms", errors.rms);
+  test::record_figure("polar_total", errors.total);
   EXPECT_LT(errors.median, 0.01);
   EXPECT_LT(errors.rms, 0.05);
   EXPECT_LT(std::abs(errors.total), 1e-3);
@@ -79,7 +83,11 @@ TEST(FlatPlane, EchoesInFloatsMatchTheClosedForm) {
 }
 
 TEST(FlatPlane, ObliqueTotalMatchesTheClosedForm) {
-  EXPECT_LT(std::abs(errors_over_flat_ground(FrustumKind::oblique).total), 1e-3);
+  const Errors errors = errors_over_flat_ground(FrustumKind::oblique);
+  test::record_figure("oblique_median", errors.median);
+  test::record_figure("oblique_rms", errors.rms);
+  test::record_figure("oblique_total", errors.total);
+  EXPECT_LT(std::abs(errors.total), 1e-3);
 }
 
 TEST(FlatPlane, SymmetricTotalMatchesTheClosedForm) {

@@ -5,6 +5,7 @@
 
 #include "server/accuracy/bin_errors.h"
 #include "tests/accuracy/reference_support.h"
+#include "tests/support/figures.h"
 #include "tests/support/fitted_order.h"
 
 namespace obliq {
@@ -70,6 +71,7 @@ TEST(ReferenceOrder, IsTwoInTheStep) {
       table.add("step", step_m, step_m, error(truth_w(world, kView, {4, step_m, 0}), best, kView));
     const double order = fitted_order(table.points);
     std::printf("    order %.2f\n", order);
+    test::record_figure(built ? "order_step_built" : "order_step", order);
     EXPECT_NEAR(order, 2, 0.15);
     // The default step of 2 m.
     EXPECT_LT(table.points[2].error, 1e-5);
@@ -92,6 +94,7 @@ TEST(ReferenceOrder, IsTwoInThePlanesOverGroundAndBetweenOneAndTwoWithBuildings)
       table.add("planes", 1.0 / planes, planes, error(truth_w(world, kView, {planes, 4, 0}), best, kView));
     const double order = fitted_order(table.points);
     std::printf("    order %.2f\n", order);
+    test::record_figure(built ? "order_planes_built" : "order_planes", order);
     EXPECT_GT(order, built ? 1.0 : 1.8);
     EXPECT_LT(order, 2.2);
     // The default of 32 planes.

@@ -23,11 +23,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// exp(j phase), the phase in long double.
-Complex turned(long double phase_rad) {
-  return {static_cast<double>(std::cos(phase_rad)), static_cast<double>(std::sin(phase_rad))};
-}
-
 Pose pose_at(const World& world, const glm::dvec3& antenna_m, double bearing_rad) {
   Pose pose;
   pose.antenna.m = antenna_m;
@@ -120,7 +115,7 @@ TEST_P(CoherenceOfEverySource, TheSameGroundGivesTheSameSpeckleFromAnyPose) {
   for (std::size_t b = 0; b < south.shares.size(); ++b) {
     if (south.shares[b].size() != 1) continue;
     const auto& [cell, power] = *south.shares[b].begin();
-    amplitude[cell] = south.voltage(b) / std::sqrt(power) * turned(phase(south, cell));
+    amplitude[cell] = south.voltage(b) / std::sqrt(power) * test::turned(phase(south, cell));
   }
   int explained = 0, of_several_cells = 0;
   double worst = 0;
@@ -132,7 +127,7 @@ TEST_P(CoherenceOfEverySource, TheSameGroundGivesTheSameSpeckleFromAnyPose) {
     Complex expected = 0;
     double power = 0;
     for (const auto& [cell, p] : bin) {
-      expected += std::sqrt(p) * amplitude[cell] * turned(-phase(east, cell));
+      expected += std::sqrt(p) * amplitude[cell] * test::turned(-phase(east, cell));
       power += p;
     }
     ++explained;
@@ -165,7 +160,7 @@ FaceTurns compare_faces(const World& world, const Look& before, const Look& afte
     const glm::dvec3 centre = test::reference_point_m(world, face);
     const long double geometry = test::round_trip_phase_rad(before.antenna_m, centre, frequency_ghz) -
                                  test::round_trip_phase_rad(after.antenna_m, centre, frequency_ghz);
-    const double error = std::abs(std::arg(after.voltage(b) / before.voltage(b) * turned(-geometry)));
+    const double error = std::abs(std::arg(after.voltage(b) / before.voltage(b) * test::turned(-geometry)));
     ++turns.bins;
     turns.roofs += world.buildings.faces[face.face].wall ? 0 : 1;
     turns.worst_rad = std::max(turns.worst_rad, error);
@@ -231,152 +226,8 @@ TEST_P(CoherenceOfEverySource, AnEighthOfAWavelengthAlongTheLineOfSightTurnsAPoi
   EXPECT_GE(tried, 5);
 }
 
-/// A way to sample the paper's view, and the coherence recorded with it.
-struct SidewaysCase {
-  const char* name;
-  FrustumKind kind;
-  int columns;
-  double recorded[3][3];  // by move (kMoves_m) and range (kBands)
-
-  friend std::ostream& operator<<(std::ostream& out, const SidewaysCase& c) { return out << c.name; }
-};
-
-constexpr double kMoves_m[] = {0.01, 0.1, 1};
-/// Slant ranges, each between two powers of two: cells have one size.
-constexpr struct { double from_m, to_m; } kBands[] = {{3720, 4080}, {11500, 12500}, {29000, 31000}};
-
-class CoherenceOfClutter : public testing::TestWithParam<SidewaysCase> {
- protected:
-  static constexpr double kBearing_rad = 0.3;
-  static constexpr AzimuthRange kMiddle{256, 512};  // 60 degrees: "sideways" means something
-
-  static std::shared_ptr<const Scene> hills() {
-    static const auto scene = [] {
-      WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 38000, 30);
-      spec.terrain.shape.height_m = 800;
-      return test::make_scene(load_world(spec), test::constant_gamma_materials());
-    }();
-    return scene;
-  }
-
-  static RadarSettings settings() {
-    RadarSettings s;  // the paper's sector, swath and bins
-    s.frustum = GetParam().kind;
-    s.pixel_columns = GetParam().columns;
-    if (s.pixel_columns > 4096) s.sub_columns = 0;  // the quality "reference"
-    return s;
-  }
-
-  /// Ground at a bin's range, on its middle bearing.
-  static glm::dvec3 place_of(const glm::dvec3& antenna_m, double bearing_rad, double slant_range_m) {
-    const HeightGrid& grid = hills()->world().grid;
-    double from_m = 0, to_m = slant_range_m;
-    glm::dvec3 place(0.0);
-    for (int halving = 0; halving < 40; ++halving) {
-      const double d_m = (from_m + to_m) / 2;
-      place.x = antenna_m.x + d_m * std::sin(bearing_rad);
-      place.z = antenna_m.z + d_m * std::cos(bearing_rad);
-      place.y = grid.height_at_m(place.x, place.z);
-      (glm::length(place - antenna_m) < slant_range_m ? from_m : to_m) = d_m;
-    }
-    return place;
-  }
-};
-
-/// |sum of v' conj(v) turned back by geometry| over the root of both powers: of all bins, also of those that
-/// have other cells than before, or no sample in one of the looks.
-struct Coherence {
-  Complex together = 0;
-  double before_w = 0, after_w = 0;
-  int bins = 0;
-
-  void add(Complex before, Complex after, long double geometry_rad) {
-    together += after * std::conj(before) * turned(-geometry_rad);
-    before_w += std::norm(before);
-    after_w += std::norm(after);
-    bins += before != Complex(0) || after != Complex(0) ? 1 : 0;
-  }
-  double value() const { return std::abs(together) / std::sqrt(before_w * after_w); }
-};
-
-TEST_P(CoherenceOfClutter, OfAllBinsIsKeptWhenTheAntennaMovesSideways) {
-  const auto scene = hills();
-  RadarSettings s = settings();
-  const glm::dvec3 at(3.25, 3000.5, -7.75);
-  const glm::dvec3 sideways(std::cos(kBearing_rad), 0, -std::sin(kBearing_rad));
-  const double azimuth_width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
-  const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
-  Coherence found[3][3];
-  for (s.speckle_seed = 1; s.speckle_seed <= 2; ++s.speckle_seed) {
-    const auto iq_from = [&](const glm::dvec3& antenna_m) {
-      RenderOptions options;
-      options.states = false;
-      const Pose pose = pose_at(scene->world(), antenna_m, kBearing_rad);
-      return render(scene, test::snapshot(s), pose, kMiddle, options).bins.iq;
-    };
-    const auto before = iq_from(at);
-    for (int move = 0; move < 3; ++move) {
-      const glm::dvec3 moved = at + kMoves_m[move] * sideways;
-      const auto after = iq_from(moved);
-      for (int band = 0; band < 3; ++band)
-        for (int a = 0; a < kMiddle.count; ++a)
-          for (int r = 0; r < s.range_bins; ++r) {
-            const double range_m = s.r_min_m + (r + 0.5) * spacing_m;
-            if (range_m < kBands[band].from_m || range_m > kBands[band].to_m) continue;
-            const double bearing_rad =
-                kBearing_rad + (kMiddle.first + a + 0.5 - s.azimuth_bins / 2.0) * azimuth_width_rad;
-            const glm::dvec3 place = place_of(at, bearing_rad, range_m);
-            const auto bin = static_cast<std::size_t>(a * s.range_bins + r);
-            found[move][band].add(Complex(before[bin]), Complex(after[bin]),
-                                  test::round_trip_phase_rad(at, place, s.frequency_ghz) -
-                                      test::round_trip_phase_rad(moved, place, s.frequency_ghz));
-          }
-    }
-  }
-  for (int move = 0; move < 3; ++move) {
-    std::printf("    %g m sideways:", kMoves_m[move]);
-    for (int band = 0; band < 3; ++band)
-      std::printf("  %.4f at %.0f km (%d bins)", found[move][band].value(),
-                  std::round((kBands[band].from_m + kBands[band].to_m) / 2000), found[move][band].bins);
-    std::printf("\n");
-    for (int band = 0; band < 3; ++band) {
-      EXPECT_GE(found[move][band].bins, 4500);
-      // A tenth more loss than recorded: of N bins the coherence has a standard error of (1 - c^2) /
-      // sqrt(2 N), at most a fiftieth of the loss 1 - c.
-      const double loss = 1 - GetParam().recorded[move][band];
-      EXPECT_GE(found[move][band].value(), 1 - 1.1 * loss);
-      // The mean phase is geometry's too: a millimetre of unmodelled range would leave 0.4 rad.
-      if (move < 2) {
-        EXPECT_LT(std::abs(std::arg(found[move][band].together)), 0.05);
-      }
-    }
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(Sources, CoherenceOfEverySource, testing::ValuesIn(test::kEverySource),
                          test::source_name<testing::TestParamInfo<test::NamedSource>>);
-
-constexpr SidewaysCase kSidewaysCases[] = {
-    {"draft",
-     FrustumKind::sweep,
-     1024,
-     {{0.9937, 0.9988, 0.9996}, {0.9379, 0.9842, 0.9928}, {0.4392, 0.8481, 0.9245}}},
-    {"standard",
-     FrustumKind::sweep,
-     2048,
-     {{0.9956, 0.9988, 0.9994}, {0.9422, 0.9842, 0.9924}, {0.4648, 0.8307, 0.9046}}},
-    {"reference",
-     FrustumKind::sweep,
-     8192,
-     {{0.9964, 0.9993, 0.9998}, {0.9696, 0.9935, 0.9975}, {0.8249, 0.9204, 0.9512}}},
-    {"oblique",
-     FrustumKind::oblique,
-     2048,
-     {{0.9926, 0.9988, 0.9992}, {0.9320, 0.9850, 0.9928}, {0.4674, 0.8248, 0.9042}}},
-};
-
-INSTANTIATE_TEST_SUITE_P(Samplings, CoherenceOfClutter, testing::ValuesIn(kSidewaysCases),
-                         test::source_name<testing::TestParamInfo<SidewaysCase>>);
 
 }  // namespace
 }  // namespace obliq

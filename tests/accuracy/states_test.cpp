@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "tests/support/figures.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -309,6 +310,7 @@ TEST(BinStates, WithSamplesAreThoseOfTheBruteForceProfile) {
 }
 
 TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped) {
+  int all_wrong = 0, all_sampled = 0;
   for (const Named& scene : kScenes) {
     const auto built = test::make_scene(scene.world());
     const Pose pose = test::pose_over_origin(built->world(), kAntenna_m);
@@ -334,6 +336,8 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
       }
       std::printf("    %s, frustum %d: %d bins sampled, %d of them not with a tenth of the rays, %d wrong\n",
                   scene.name, static_cast<int>(kind), sampled, lost, wrong);
+      all_wrong += wrong;
+      all_sampled += sampled;
       // A gap between two buildings that falls between two strands is missed. With one strand a bin (the
       // named wrong version) bare hills fail too, with one bin in 100.
       // The sweep's sub-columns call a bin hidden of which less than a 64th of the light is left.
@@ -341,6 +345,8 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
       EXPECT_LE(wrong, allowed * sampled) << scene.name;
     }
   }
+  test::record_figure("states_wrong", all_wrong);
+  test::record_figure("states_sampled", all_sampled);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "server/radar/profile/line_of_sight.h"
 #include "server/radar/profile/profile_rays.h"
 #include "server/scene/ray_answer.h"
+#include "tests/support/figures.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
@@ -227,6 +228,9 @@ TEST(SweepAndEmbree, MeetTheSameTrianglesAtTheSameRangesInThousandsOfScenes) {
   test::RandomSceneOptions options;
   options.far_origin = false;
   const Tally tally = compare_scenes(70000, 5000, options);
+  test::record_figure("sweep_hits", tally.hits);
+  test::record_figure("sweep_excluded", static_cast<double>(tally.excluded) / tally.rays);
+  test::record_figure("sweep_worst_m", tally.worst_m);
   EXPECT_GT(tally.hits, 300000);
   EXPECT_GT(tally.on_buildings, 2000);
   // With the other diagonal, a horizon that starts at r_min, a roof that casts no shadow or a wall's wrong

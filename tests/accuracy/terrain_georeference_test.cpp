@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "tests/support/figures.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {
@@ -86,6 +87,7 @@ void compare(const World& world, const std::string& dem, const Posts& posts, dou
     EXPECT_NEAR(h, expected, tolerance_m) << asked[4 * n].longitude_deg << " " << asked[4 * n].latitude_deg;
   }
   std::printf("%d points, worst difference %.4f m\n", compared, worst_m);
+  test::record_figure("grid_worst_m", worst_m);
   EXPECT_GT(compared, 990);
 }
 

@@ -12,6 +12,7 @@
 #include "server/radar/render.h"
 #include "server/scene/scene_memory.h"
 #include "tests/accuracy/reference_mesh.h"
+#include "tests/support/figures.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
@@ -145,6 +146,12 @@ void compare_all(const test::Folder& folder, const std::string& scene_text, bool
         static_cast<unsigned long long>(c.differ - c.near_edge),
         100.0 * static_cast<double>(c.sample_near_edge) / static_cast<double>(c.sample), c.worst_m,
         1000 * std::sqrt(c.float_squares / static_cast<double>(c.hits)), 1000 * c.float_worst_m);
+    const std::string figure = std::string("tracer_") + name;
+    test::record_figure(figure + "_rays", static_cast<double>(c.rays));
+    test::record_figure(figure + "_differ", static_cast<double>(c.differ - c.near_edge));
+    test::record_figure(figure + "_worst_m", c.worst_m);
+    test::record_figure(figure + "_float_rms_m", std::sqrt(c.float_squares / static_cast<double>(c.hits)));
+    test::record_figure(figure + "_float_worst_m", c.float_worst_m);
     EXPECT_GT(c.hits, 50000u) << name;
     EXPECT_EQ(c.differ, c.near_edge) << name;
     EXPECT_LE(static_cast<double>(c.differ), 1e-3 * static_cast<double>(c.rays)) << name;

@@ -16,6 +16,7 @@
 #include "server/scene/embree_tracer.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/base/constants.h"
+#include "tests/support/figures.h"
 #include "tests/support/refine_hit.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
@@ -176,6 +177,8 @@ void compare(const std::vector<std::uint8_t>& gdal, const std::vector<std::uint8
   std::printf("    %d cells, %.1f %% in shadow; %.2f %% of all agree, %.2f %% of the %d off shadow edges\n",
               n.all, 100.0 * n.shadowed / n.all, 100.0 * n.same / n.all, 100.0 * n.inner_same / n.inner,
               n.inner);
+  test::record_figure("viewshed_same", static_cast<double>(n.same) / n.all);
+  test::record_figure("viewshed_inner_same", static_cast<double>(n.inner_same) / n.inner);
   EXPECT_GT(n.all, 100000);
   EXPECT_GT(n.shadowed, n.all / 20);
   EXPECT_GT(n.all - n.shadowed, n.all / 20);

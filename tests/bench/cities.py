@@ -19,6 +19,8 @@ import sys
 import tempfile
 from dataclasses import dataclass
 
+from in_turn import ENDED, Program, take_turns
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OLD = "ed06c75"
 HILLS, CITY, FINE = (f"tests/bench/{name}.toml" for name in ("paper_hills", "city", "fine"))
@@ -105,53 +107,15 @@ def build_old():
     return program
 
 
-class Program:
-    """frame_turns with its scene loaded."""
-
-    def __init__(self, command):
-        self.process = subprocess.Popen([str(word) for word in command], cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True)
-        self.frames = []
-
-    def wait_until_ready(self):
-        if self.process.stdout.readline().strip() != "ready":
-            raise RuntimeError(self.process.stderr.read().strip().splitlines()[-1])
-
-    def turn(self):
-        self.process.stdin.write("\n")
-        self.process.stdin.flush()
-        self.frames.append(json.loads(self.process.stdout.readline()))
-
-    def end(self):
-        """Figures of all its frames: the least times."""
-        memory = pathlib.Path(f"/proc/{self.process.pid}/status").read_text(encoding="utf-8").splitlines()
-        self.process.stdin.close()
-        self.process.wait()
-        figures = {key: min(frame[key] for frame in self.frames) for key in ("processor_s", "wall_s", "plan_s")}
-        figures |= {key: self.frames[0][key] for key in ("load_s", "power_w", "samples", "buildings", "seen")}
-        for line in memory:
-            for key, name in (("VmRSS", "memory_mb"), ("VmHWM", "most_memory_mb")):
-                if line.startswith(key + ":"):
-                    figures[name] = int(line.split()[1]) / 1024
-        return figures
-
-
 def measure(row, programs, turns):
     runs = {"ours": row.ours, "theirs": row.theirs}
     for run in runs.values():
         if not (ROOT / run.scene).exists():
             return {"missing": f"no {run.scene}"}
-    started = {}
+    started = {name: Program(run.command(programs)) for name, run in runs.items()}
     try:
-        for name, run in runs.items():
-            started[name] = Program(run.command(programs))
-            started[name].wait_until_ready()  # one after the other: loading takes all threads
-        for turn in range(turns):
-            for name in (list(started) if turn % 2 == 0 else list(started)[::-1]):
-                started[name].turn()
-    except (RuntimeError, IndexError, ValueError, BrokenPipeError) as error:
-        for program in started.values():
-            program.process.kill()
+        take_turns(started, turns)
+    except ENDED as error:
         return {"missing": str(error) or "the program ended"}
     figures = {name: program.end() for name, program in started.items()}
     ratios = [ours["processor_s"] / theirs["processor_s"]

@@ -26,7 +26,6 @@ namespace {
 
 using namespace obliq;
 using Clock = std::chrono::steady_clock;
-constexpr client::Timeout kLong{120000};
 constexpr int kSlower = 20;
 constexpr double kLoads[] = {0.25, 0.5, 0.75, 1.0, 1.5, 2.0};  // of the frames that there is time for
 

@@ -178,8 +178,7 @@ def check(folder, programs):
     daemon, tcp, web = start(folder, programs, "scene", SCENE.replace("SECTOR", "60.0").replace("AZIMUTHS", "36"))
     try:
         wanted = ["welcome obliqd main controller", "frame 36 32", *sums_over_tcp(tcp), *EXPECTED,
-                  "obliq error 5: the JSON of SetPose: (pose) bering_deg: Cannot find field; allowed: the fields and values that "
-                  "obliq.proto has", "ended by 5"]
+                  'obliq error 5: the JSON of SetPose: found the field "bering_deg"; allowed: those of Pose in obliq.proto', "ended by 5"]
         ran = subprocess.run(["mono", probe, web, "main", TOKEN], capture_output=True, text=True, timeout=120)
         compare(ran.stdout.splitlines(), wanted, ran.stderr)
         stranger = subprocess.run(["mono", probe, web, "main", "another-token-0123456789"], capture_output=True,

@@ -11,6 +11,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
 #include "server/scene/exact_hit.h"
+#include "tests/support/figures.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/refine_hit.h"
 #include "tests/support/samplings.h"
@@ -95,6 +96,8 @@ TEST(HardRange, AtFortyKilometresIsWithinAMicrometreOfTheClosedFormAndEmbreesFlo
       "m, %.1f rad, %.1f %% of its ranges beyond the bound\n",
       hits, at_forty, worst_m, 4 * test::kPi / kLambda_m * worst_m, std::sqrt(float_squares / hits),
       float_worst_m, 4 * test::kPi / kLambda_m * float_worst_m, 100.0 * float_beyond / hits);
+  test::record_figure("range_worst_m", worst_m);
+  test::record_figure("range_float_rms_m", std::sqrt(float_squares / hits));
   // The plane's own border cuts some far rays off.
   EXPECT_GT(hits, 50000);
   EXPECT_GT(at_forty, 25000);

@@ -13,20 +13,12 @@
 #include "server/net/peer.h"
 #include "server/net/room.h"
 #include "tests/fuzz/input.h"
+#include "tests/fuzz/no_scene.h"
 
 namespace obliq::net {
 namespace {
 
 using wire::MessageType;
-
-class NoScene : public FrameRenderer {
- public:
-  std::vector<FieldError> place(const PoseSettings& pose) const override {
-    if (pose.height_m < 5000) return {};
-    return {{"height_m", "too much", "less"}};
-  }
-  Plan plan(const SettingsPtr&, const PoseSettings&) const override { return {}; }
-};
 
 /// Counts what it is sent and takes it at once.
 class Listener : public Peer {
@@ -57,12 +49,6 @@ bool is_answered(MessageType type) {
       MessageType::set_state,       MessageType::subscribe,    MessageType::unsubscribe,
       MessageType::render_once,     MessageType::get_status,   MessageType::set_replay};
   return std::find(kAnswered.begin(), kAnswered.end(), type) != kAnswered.end();
-}
-
-RadarConfig small_radar(const char* name) {
-  RadarConfig radar;
-  radar.name = name;
-  return radar;
 }
 
 /// What is to run on the io thread; ground queries come from a thread of their own.
@@ -96,7 +82,7 @@ void greet(Room& room, Listener& peer) {
 }
 
 void run(fuzz::Input input) {
-  const NoScene renderer;
+  const fuzz::NoScene renderer;
   Posted posted;
   ServerOptions options;
   options.query_ground = [](const GroundQuestion& question, const std::stop_token&) {
@@ -104,7 +90,7 @@ void run(fuzz::Input input) {
     answers.records.resize(question.points());
     return answers;
   };
-  Room room(renderer, options, {small_radar("main"), small_radar("nose")},
+  Room room(renderer, options, {fuzz::small_radar("main"), fuzz::small_radar("nose")},
             [&posted](std::function<void()> work) { posted.add(std::move(work)); });
   const std::array peers{std::make_shared<Listener>(1), std::make_shared<Listener>(2)};
   for (const auto& peer : peers) {
@@ -122,7 +108,8 @@ void run(fuzz::Input input) {
     while (const BlockPtr block = peer.outbox.pop()) room.taken(peer, *block);
     while (const auto work = posted.take()) work();
   }
-  for (const auto& peer : peers) room.leave(*peer);
+  for (const auto& peer : peers) room.leave(peer);
+  while (const auto work = posted.take()) work();
 }
 
 }  // namespace

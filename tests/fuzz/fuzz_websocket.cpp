@@ -1,6 +1,13 @@
 // What a WebSocket's message may hold. First byte: bit 0 gives the message a header that fits, of the type in
 // the second byte, and the rest is its JSON; else the rest is the whole message. What is let in must be a
-// message of the stream, and must come back the same from JSON. The seeds are two bytes and JSON by hand.
+// message of the stream, the one that protobuf's own reader makes of it, and must come back the same from
+// JSON. The seeds are two bytes and JSON by hand.
+#include <google/protobuf/message.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
 
 #include "proto/limits.h"
 #include "server/websocket/json_message.h"
@@ -24,9 +31,26 @@ wire::Bytes message_of(fuzz::Input input) {
   return bytes;
 }
 
+/// What is let in protobuf takes as well, and takes it for the same.
+void compare(std::span<const std::byte> message, const wire::MessageView& view) {
+  const auto* example = example_of(view.header.type);
+  if (example == nullptr) return;
+  wire::MessageHeader header;
+  (void)wire::decode_header(message.first<wire::kHeaderBytes>(), {kMostBytes, kMostBytes}, header);
+  const auto json = message.subspan(header.header_length, header.descriptor_length);
+  const std::unique_ptr<google::protobuf::Message> descriptor(example->New());
+  const auto read = google::protobuf::util::JsonStringToMessage(
+      {reinterpret_cast<const char*>(json.data()), json.size()}, descriptor.get());
+  if (!read.ok()) fuzz::broken("protobuf refuses what was let in");
+  const std::string bytes = descriptor->SerializeAsString();
+  if (!std::ranges::equal(view.descriptor, std::as_bytes(std::span(bytes))))
+    fuzz::broken("protobuf reads another message");
+}
+
 void run(fuzz::Input input) {
+  const wire::Bytes message = message_of(input);
   wire::Bytes binary;
-  if (const auto refusal = to_binary(message_of(input), kMostBytes, binary)) {
+  if (const auto refusal = to_binary(message, kMostBytes, binary)) {
     if (refusal->text.empty() || refusal->number == wire::ErrorNumber::none)
       fuzz::broken("refused without words");
     return;
@@ -34,6 +58,7 @@ void run(fuzz::Input input) {
   wire::MessageView view;
   if (wire::decode_message(binary, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok)
     fuzz::broken("what was let in is no message");
+  compare(message, view);
   JsonMessage json;
   if (!to_json(binary, json)) return;  // a type of a later version
   const auto head = std::as_bytes(std::span(json.head));

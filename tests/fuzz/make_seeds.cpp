@@ -179,6 +179,53 @@ void write_requests() {
                  request(MessageType::get_status, status));
 }
 
+// ---- Connections ----
+
+/// Of fuzz_transport: its kinds are in its first lines.
+std::string piece(int kind, const std::string& bytes) { return static_cast<char>(kind) + bytes + "\xfe\xfe"; }
+
+std::string message_piece(wire::MessageType type, const std::string& descriptor, int kind = 0) {
+  return piece(kind, static_cast<char>(type) + descriptor);
+}
+
+void write_connections() {
+  using wire::MessageType;
+  constexpr char kTcp = 0, kWeb = 1, kWebOpened = 3;
+  constexpr int kBytes = 2, kWhole = 4, kPing = 3 | 8 | 9 << 4, kClose = 3 | 8 | 8 << 4, kPart = 3 | 2 << 4,
+                kRest = 3 | 8;
+  wire::Hello hello;
+  hello.set_major(1);
+  hello.set_client_name("fuzz");
+  const std::string greeting = message_piece(MessageType::hello, hello.SerializeAsString());
+  const auto ask = named<wire::GetRadar>("main").SerializeAsString();
+  write_seed("transport", "tcp",
+             kTcp + greeting + message_piece(MessageType::get_radar, ask, kWhole) +
+                 message_piece(MessageType::list_radars, ""));
+  write_seed("transport", "tcp_nonsense", kTcp + greeting + piece(kBytes, "GET / HTTP/1.1\r\n\r\n"));
+  const std::string web = message_piece(MessageType::hello, R"({"major":1,"client_name":"fuzz"})");
+  const std::string watch =
+      message_piece(MessageType::subscribe, R"({"radar":"main","rate_hz":30,"planes":["VIDEO"]})");
+  write_seed("transport", "web", kWeb + web + watch);
+  // As protobuf a little less than the target lets in.
+  write_seed(
+      "transport", "web_name",
+      kWeb + message_piece(MessageType::hello,
+                           R"({"major":1,"client_name":")"
+                           "a screen on the bridge of a ship that is underway in coastal waters, third desk"
+                           R"("})"));
+  write_seed("transport", "web_query",
+             kWeb + web +
+                 message_piece(MessageType::query_ground,
+                               R"({"latitude_deg":[1,2,3,4,5],"longitude_deg":[1,2,3,4,5]})"));
+  write_seed("transport", "web_frames",
+             kWeb + web + piece(kPing, "there?") + piece(kPart, "OB") + piece(kRest, "LQ") +
+                 piece(kClose, "\3\350"));
+  const std::string opening =
+      "GET /stream HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+      "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n";
+  write_seed("transport", "web_opening", kWebOpened + opening + "\xfe\xfe" + web);
+}
+
 // ---- Modbus ----
 
 /// Function and data, for unit 1 in a header that is made right.
@@ -301,6 +348,7 @@ int main(int argc, char** argv) {
   obliq::fuzz::write_streams();
   obliq::fuzz::write_patterns();
   obliq::fuzz::write_requests();
+  obliq::fuzz::write_connections();
   obliq::fuzz::write_modbus();
   obliq::fuzz::write_ownship();
   obliq::fuzz::write_elevations();

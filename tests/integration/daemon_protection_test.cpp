@@ -104,6 +104,21 @@ TEST_F(Protection, OffLoopbackTheDaemonDoesNotStartWithoutTlsAndTokens) {
   }
 }
 
+TEST_F(Protection, AStreamForOtherMachinesWithAPageForThisOneAloneIsWarnedOf) {
+  const std::string words = "they reach neither the page nor its stream nor /metrics";
+  const std::vector<std::string> everywhere{"server.address=\"0.0.0.0\"", tls, key, guarded, "http.port=0"};
+  const auto log_with = [&](const std::string& more) {
+    std::vector<std::string> settings = everywhere;
+    settings.push_back(more);
+    const Daemon daemon(with(settings), folder.path());
+    EXPECT_NE(daemon.address(), "") << daemon.log();
+    return daemon.log();
+  };
+  EXPECT_NE(log_with("http.address=\"127.0.0.1\"").find(words), std::string::npos);
+  EXPECT_EQ(log_with("http.address=\"0.0.0.0\"").find(words), std::string::npos);
+  EXPECT_EQ(log_with("http.enabled=false").find(words), std::string::npos);
+}
+
 TEST_F(Protection, FilesThatDoNotFitStopTheStartWithTheirNames) {
   expect_says(refused({tls}), "server.tls_key: found nothing");
   expect_says(refused({tls, "server.tls_key=\"none.key\""}), "none.key: No such file");

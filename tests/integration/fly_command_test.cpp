@@ -42,7 +42,8 @@ TEST(FlyTrack, BadLinesAreNamedBeforeAnythingMoves) {
       {std::string("\x7f"
                    "ELF\2\1\0\0",
                    8),
-       "track.csv:1: column 1: found \"?ELF"},
+       "track.csv:1: column 1: found neither; allowed: a number, or a header"},
+      {"1,secret\n", "track.csv:1: latitude: found no number; allowed: number -90 to 90 deg"},
       {std::string(1000000, '7'), "track.csv:1: found a line of more than 4096 characters"},
   };
   for (const auto& [text, says] : cases) {

@@ -129,19 +129,24 @@ TEST(Modbus, WhatTheTerrainForbidsIsRefusedByApply) {
 
 TEST(Modbus, AFrameOverALimitOfTheServerIsRefusedByTheLimitsName) {
   const CapturedLog log;
-  for (const int fault : {7, 8, 9}) {
+  for (const int fault : {7, 8, 9, 10}) {
     net::ServerOptions options = small_options();
     if (fault == 7) options.max_bins = 639;
     if (fault == 8) options.max_pixels = 4095;
     if (fault == 9) options.max_memory_mb = 1;
+    if (fault == 10) options.max_plan_taps = 1;
     ModbusServer s(modbus_on_any_port(), options);
     RawMaster master(s.service.port());
     EXPECT_EQ(master.write(242, {0, 3000}), 0);  // 3 dB; the radar has 640 bins and 4096 pixels already
+    if (fault == 10) {
+      EXPECT_EQ(master.write(261, {1}), 0);  // a Gaussian beam
+    }
     EXPECT_EQ(master.coil(2, true), 3);
     EXPECT_EQ(master.input(113), fault);
     EXPECT_EQ(s.server.panel().status(0)->config.settings.gain_db, 0);
   }
-  for (const char* limit : {"max_bins is 639: ", "max_pixels is 4095: ", "max_memory_mb is 1: "})
+  for (const char* limit :
+       {"max_bins is 639: ", "max_pixels is 4095: ", "max_memory_mb is 1: ", "max_plan_taps is 1: "})
     EXPECT_NE(log.text().find("modbus unit 1: apply refused: " + std::string(limit)), std::string::npos)
         << log.text();
 }

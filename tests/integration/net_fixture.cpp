@@ -109,8 +109,10 @@ RadarConfig small_radar(const std::string& name) {
   return radar;
 }
 
-TestServer::TestServer(net::ServerOptions options)
-    : server_(renderer_, {small_radar("main"), small_radar("nose")}, options),
+TestServer::TestServer(net::ServerOptions options) : TestServer(renderer_, std::move(options)) {}
+
+TestServer::TestServer(const net::FrameRenderer& renderer, net::ServerOptions options)
+    : server_(renderer, {small_radar("main"), small_radar("nose")}, std::move(options)),
       thread_([this] { server_.run(); }) {}
 
 TestServer::~TestServer() { stop(); }
@@ -211,8 +213,8 @@ wire::Subscribe request_at(double rate_hz) {
 void size_radar(client::Client& client, std::uint32_t azimuth_bins, std::uint32_t range_bins) {
   ASSERT_TRUE(client.claim_control("main").ok());
   wire::RadarSettings settings;
-  settings.set_azimuth_bins(azimuth_bins);
-  settings.set_range_bins(range_bins);
+  settings.set_azimuth_bins(static_cast<std::int32_t>(azimuth_bins));
+  settings.set_range_bins(static_cast<std::int32_t>(range_bins));
   wire::Ack ack;
   const client::Status status = client.set_settings("main", settings, ack);
   ASSERT_TRUE(status.ok()) << status.sentence();

@@ -71,6 +71,8 @@ RadarConfig small_radar(const std::string& name);
 class TestServer {
  public:
   explicit TestServer(net::ServerOptions options = small_options());
+  /// The renderer must outlive this.
+  TestServer(const net::FrameRenderer& renderer, net::ServerOptions options);
   ~TestServer();
   client::Endpoint endpoint() const { return {"127.0.0.1", server_.port()}; }
   net::Server& server() { return server_; }

@@ -4,10 +4,15 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <limits>
+#include <thread>
+
 #include "proto/obliq.pb.h"
 #include "server/net/request_limits.h"
 #include "server/radar/wedge_memory.h"
 #include "server/security/networks.h"
+#include "terrain/base/memory_limit.h"
 #include "terrain/base/process.h"
 #include "tests/integration/net_fixture.h"
 
@@ -211,6 +216,93 @@ TEST(RequestLimits, PixelsOfAWedgeCountInTheMemoryThatAViewerMayTake) {
   EXPECT_TRUE(client.render_once(once).ok()) << "as many bins, and few pixels";
 }
 
+TEST(RequestLimits, TheWeightsOfABeamsPlanHaveALimitThatIsLookedAtBeforeItIsMade) {
+  const TestServer server;
+  client::Client client = connect(server);
+  wire::RenderOnce once = once_request();
+  wire::RadarSettings& settings = *once.mutable_settings();
+  settings.set_frustum(wire::SWEEP);
+  settings.set_sector_deg(360);
+  settings.set_azimuth_bins(8192);
+  settings.set_range_bins(8192);
+  settings.set_r_min_m(4000);
+  settings.set_r_max_m(20'000);
+  settings.set_beam_pattern(wire::TAYLOR_BEAM);
+  settings.set_beam_width_deg(0.05);
+  settings.set_beam_extent_deg(180);
+  settings.set_pulse_kind(wire::RECTANGULAR_PULSE);
+  settings.set_pulse_length_us(0.00163);  // an eighth of a range bin
+  settings.set_pulse_extent_bins(1);
+  const Status status = client.render_once(once);
+  expect_over(client, status, "max_plan_taps is 20000000");
+  // 16,384 of each azimuth for each of 4,096 tiles, and those of the pulse's ends.
+  EXPECT_NE(status.text.find("the plan of the beam has 671"), std::string::npos) << status.text;
+  EXPECT_NE(status.sentence().find("beam.extent_deg"), std::string::npos) << status.sentence();
+  EXPECT_LT(peak_resident_bytes(), 400'000'000) << "one plan alone takes 537 MB";
+  settings.set_beam_extent_deg(0);
+  EXPECT_TRUE(client.render_once(once).ok()) << "as many bins, and a narrow beam";
+}
+
+TEST(RequestLimits, OfMemoryAreThreeQuartersOfWhatThereIsUnlessTheOperatorSaysOtherwise) {
+  const double there_is_mb = 1e-6 * static_cast<double>(memory_there_is_bytes());
+  net::ServerOptions options = small_options();
+  EXPECT_EQ(options.max_memory_mb, 0);
+  {
+    const TestServer server(options);
+    client::Client client = connect(server);
+    EXPECT_NEAR(static_cast<double>(client.welcome().limits().max_memory_mb()), 0.75 * there_is_mb, 1);
+    // One wedge of all pixels, whose scatterers take 200 GB.
+    wire::RenderOnce once = once_request();
+    wire::RadarSettings& settings = *once.mutable_settings();
+    settings.set_speckle(wire::GROUND_SPECKLE);
+    settings.set_frustum(wire::SWEEP);
+    settings.set_azimuth_bins(1);
+    settings.set_range_bins(8192);
+    settings.set_pixel_columns(16384);
+    expect_over(client, client.render_once(once),
+                "max_memory_mb is " + std::to_string(client.welcome().limits().max_memory_mb()));
+  }
+  options.max_memory_mb = std::numeric_limits<double>::infinity();
+  const TestServer server(options);
+  EXPECT_EQ(connect(server).welcome().limits().max_memory_mb(), 0u) << "no limit";
+}
+
+TEST(RequestLimits, ReadersOfNothingStayWithinTheMemoryAndGiveItBack) {
+  net::ServerOptions options = small_options();
+  options.stall_timeout_s = 3600;
+  const double before_mb = 1e-6 * static_cast<double>(resident_bytes());
+  options.max_memory_mb = before_mb + 500;
+  const TestServer server(options);
+  const auto resident_mb = [] { return 1e-6 * static_cast<double>(resident_bytes()); };
+  client::Client honest = connect(server);
+  {
+    // Once blocks have been freed malloc no longer maps each by itself (mallopt(3), M_MMAP_THRESHOLD).
+    wire::RenderOnce once = large_once_request();
+    ASSERT_TRUE(honest.render_once(once).ok());
+    client::FrameAssembler frames;
+    ASSERT_TRUE(receive_frame(honest, frames).ok());
+    honest.set_handler(nullptr);
+  }
+  {
+    std::vector<client::Client> readers;
+    int taken = 0;
+    for (int k = 0; k < 20; ++k) {
+      wire::RenderOnce once = large_once_request();
+      const Status status = readers.emplace_back(connect(server)).render_once(once);
+      taken += status.ok() ? 1 : 0;
+      EXPECT_TRUE(status.ok() || status.number == number(ErrorNumber::over_limit)) << status.sentence();
+    }
+    ASSERT_GT(taken, 5);  // 16 MB each at least, less what their sockets hold
+    EXPECT_LT(taken, 20);
+    while (resident_mb() < before_mb + 80) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_LT(resident_mb(), options.max_memory_mb);
+  }
+  // Ctest ends what does not come to an end.
+  while (resident_mb() > before_mb + 60) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  wire::RenderOnce once = once_request();
+  EXPECT_TRUE(honest.render_once(once).ok());
+}
+
 TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {
   Gate gate;
   gate.close();
@@ -255,6 +347,21 @@ TEST(RequestLimits, AMessageAByteAtATimeHasTheTimeOfOneMessageNotOfOneByte) {
             peer.socket().wait_readable(client::Timeout(10)).ok();
   }
   EXPECT_TRUE(ended);
+}
+
+TEST(RequestLimits, BeforeHelloAMessageHasAtMost4096Bytes) {
+  const TestServer server;
+  wire::Hello hello;
+  hello.set_major(wire::kMajorVersion);
+  hello.set_token(std::string(4000, 'x'));
+  RawPeer allowed(server);
+  allowed.send(wire::encode_message(wire::MessageType::hello, {}, hello));
+  wire::Welcome welcome;
+  EXPECT_TRUE(allowed.await(wire::MessageType::welcome, welcome));
+  hello.set_token(std::string(4096, 'x'));
+  RawPeer peer(server);
+  peer.send(wire::encode_message(wire::MessageType::hello, {}, hello));
+  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
 }
 
 TEST(RequestLimits, AMessageLongerThanAllowedIsRefused) {

@@ -59,12 +59,18 @@ class Roles : public testing::Test {
 
 TEST_F(Roles, WithoutATokenOrWithAWrongOneTheConnectionCloses) {
   const TestServer server(options());
-  for (const std::string& token : {std::string(), std::string("viewer-token-012345678"),
-                                   std::string(kViewer) + "9", std::string(100000, 'x')}) {
+  // A first message has at most 4096 bytes.
+  const std::pair<std::string, ErrorNumber> wrong[] = {
+      {"", ErrorNumber::token_refused},
+      {"viewer-token-012345678", ErrorNumber::token_refused},
+      {std::string(kViewer) + "9", ErrorNumber::token_refused},
+      {std::string(3900, 'x'), ErrorNumber::token_refused},
+      {std::string(100000, 'x'), ErrorNumber::bad_length}};
+  for (const auto& [token, refusal] : wrong) {
     client::Client nobody;
     const Status status = come(server, token, nobody);
     EXPECT_EQ(status.outcome, Outcome::refused) << status.sentence();
-    EXPECT_EQ(status.number, number(ErrorNumber::token_refused)) << status.sentence();
+    EXPECT_EQ(status.number, number(refusal)) << status.sentence();
     EXPECT_FALSE(nobody.is_open());
   }
 }
@@ -241,7 +247,7 @@ TEST_F(Roles, WhoIsAControllerNoLongerCannotHoldARadarUpAnyLonger) {
 }
 
 TEST_F(Roles, ATokenFileThatOthersMayReadIsRefused) {
-  for (const mode_t mode : {0640, 0604, 0660, 0622}) {
+  for (const mode_t mode : {0640u, 0604u, 0660u, 0622u}) {
     const std::string said = complaint(write(all_tokens(), mode));
     EXPECT_NE(said.find("server.tokens: "), std::string::npos) << said;
     EXPECT_NE(said.find("chmod 600"), std::string::npos) << said;

@@ -97,6 +97,8 @@ TEST_F(QueryCommand, RefusesWhatItCannotAsk) {
   expect_refused({"--points", "nothing.csv", "--radar", "main"}, "nothing.csv cannot be read");
   expect_refused({"--points", folder.write("bad.csv", "33,-99\n33;-99\n"), "--radar", "main"},
                  "bad.csv:2: found");
+  expect_refused({"--points", folder.write("other.txt", "1,s3cret\n"), "--radar", "main"},
+                 "other.txt:1: found no point; allowed: two or three numbers");
   expect_refused({"--range", "10,5000", "--no-sight"}, "radar: found none");
   expect_refused({"--at", "33,-99", "--antenna", "33,-99"}, "--antenna: found no height");
   expect_refused({"--at", "33,-99", "--antenna", "33,-99.5,-50"}, "below the ground");

@@ -36,6 +36,7 @@ class Listener : public net::RenderEvents {
   }
   void on_once_block(const net::OnceRequestPtr&, const net::BlockPtr&) override {}
   void on_once_rendered(const net::RenderedOnce&) override {}
+  void on_appraised(const net::AppraisalPtr&, const std::vector<FieldError>&) override {}
   void on_once_fault(const net::OnceRequestPtr&, const std::vector<FieldError>&) override {}
 
   template <typename Condition>

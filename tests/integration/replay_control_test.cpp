@@ -127,10 +127,10 @@ TEST_F(ReplayControl, ASeekInAPauseShowsTheFrameBeforeAndTheFrameOfThePlaceToAll
     ASSERT_TRUE(one.seek(to_s).ok());
     for (Station* station : {&one, &two}) {
       // Half of the frame of the place has been sent by then: one of its two wedges.
-      ASSERT_TRUE(station->until([&] {
-        return station->sim_time_ns == kMadeSimStart_ns + (frame - 1) * kStep_ns &&
+      ASSERT_TRUE(station->until([&, place_s = to_s, number = frame] {
+        return station->sim_time_ns == kMadeSimStart_ns + (number - 1) * kStep_ns &&
                station->blocks_of_frame == 1 &&
-               std::abs(station->state_of_replay().position_s() - to_s) < 1e-6;
+               std::abs(station->state_of_replay().position_s() - place_s) < 1e-6;
       }));
       if (frame > 1) {
         EXPECT_EQ(station->seen.back(), frame - 1);

@@ -113,6 +113,25 @@ TEST_F(RecordTest, ReplayServesTheFramesToAClientBitForBitAndRefusesWhatOnlyARad
   EXPECT_EQ(replay.wait(), 0) << replay.log();
 }
 
+TEST_F(RecordTest, AServedReplayHasTheServersLimitOfMemory) {
+  {
+    const Daemon daemon({"--config", scene}, folder.path());
+    ASSERT_EQ(obliq(record(daemon.address(), {"--out", file, "--frames", "1"})).code, 0);
+  }
+  const Outcome refused = obliq({"replay", file, "--serve", "--port", "0", "--max-memory-mb", "1"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("max_memory_mb is 1: the frame needs about 1 MB beside "), std::string::npos)
+      << refused.err;
+  EXPECT_NE(refused.err.find("--max-memory-mb"), std::string::npos) << refused.err;
+  for (const auto& [limit, expected] : {std::pair("5000", 5000u), std::pair("inf", 0u)}) {
+    Running replay({"replay", file, "--serve", "--port", "0", "--max-memory-mb", limit},
+                   folder / ("replay" + std::string(limit) + ".log"));
+    client::Client client;
+    ASSERT_TRUE(client.connect(*client::parse_endpoint(replay.await(" on "))).ok()) << replay.log();
+    EXPECT_EQ(client.welcome().limits().max_memory_mb(), expected);
+  }
+}
+
 /// Keeps what is said of passes and of their dwells.
 class Passes : public client::FrameAssembler {
  public:

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include "server/security/security.h"
@@ -70,6 +71,7 @@ net::ServerOptions session_options(Gate& gate) {
   options.stop_limit_s = 60;
   options.stop_grace_s = 0.2;
   options.max_bins = 10000;
+  options.max_memory_mb = std::numeric_limits<double>::infinity();  // 0: another on each machine
   options.max_renders_queued = options.max_subscriptions = 1;
   options.render_threads = 1;
   options.before_wedge = [&gate](int wedge) {

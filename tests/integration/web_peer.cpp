@@ -89,7 +89,7 @@ WebPeer::WebPeer(const client::Endpoint& server, const WebRequest& request) {
                      " HTTP/1.1\r\nHost: " + (request.host.empty() ? server.text() : request.host) +
                      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                      "Sec-WebSocket-Key: " +
-                     kKey + "\r\n";
+                     (request.key.empty() ? kKey : request.key) + "\r\n" + request.more;
   if (!request.protocol.empty()) text += "Sec-WebSocket-Protocol: " + request.protocol + "\r\n";
   if (!request.origin.empty()) text += "Origin: " + request.origin + "\r\n";
   send_raw(bytes_of(text + "\r\n"));

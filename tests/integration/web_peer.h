@@ -20,6 +20,8 @@ struct WebRequest {
   std::string protocol = "obliq.v1.json";
   std::string origin{};   ///< empty: none, as of a program that is no browser
   std::string ca_file{};  ///< empty: without TLS
+  std::string key{};      ///< empty: a good one
+  std::string more{};     ///< further lines of the header, each with its end
 };
 
 class WebPeer {

@@ -14,6 +14,12 @@ http::HttpOptions web_options() {
   return options;
 }
 
+net::ServerOptions patient_options() {
+  net::ServerOptions options = small_options();
+  options.handshake_timeout_s = options.message_timeout_s = 20;
+  return options;
+}
+
 WebServer::WebServer(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
                      net::ServerOptions options, http::HttpOptions http)
     : server_(io_.context(), renderer, radars, options, net::ReservedPort("127.0.0.1", 0)),

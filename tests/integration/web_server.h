@@ -1,4 +1,6 @@
 #pragma once
+#include <utility>
+
 #include "server/http/http_server.h"
 #include "server/net/io_thread.h"
 #include "tests/integration/net_fixture.h"
@@ -23,6 +25,17 @@ class WebServer {
   net::IoThread io_;
   net::Server server_;
   http::HttpServer http_;
+};
+
+/// Time enough for Hello and for messages on the slowest machine.
+net::ServerOptions patient_options();
+
+/// A WebServer with the radars "main" and "nose".
+struct WebPattern {
+  explicit WebPattern(net::ServerOptions options = patient_options(), http::HttpOptions http = web_options())
+      : server(renderer, {small_radar("main"), small_radar("nose")}, options, std::move(http)) {}
+  PatternRenderer renderer;
+  WebServer server;
 };
 
 }  // namespace obliq::test

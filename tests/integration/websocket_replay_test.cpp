@@ -52,6 +52,9 @@ TEST_F(RecordTest, WebSocketReplayShowsTheRecordedBytesToSeveral) {
   EXPECT_EQ(http_get(at.port, "/readyz").status, 200);
   EXPECT_EQ(http_get(at.port, "/parameters.json").status, 200);
   EXPECT_EQ(WebPeer(at, {.origin = "http://evil.example"}).status(), 403);
+  WebPeer rude(at);
+  rude.send(MessageType::hello, R"({"client_name": ")" + std::string(300'000, 'x') + "\"}");
+  EXPECT_EQ(rude.error_number(), static_cast<std::uint32_t>(wire::ErrorNumber::bad_length));
   WebPeer student(at), instructor(at);
   for (WebPeer* peer : {&student, &instructor}) {
     peer->send(MessageType::hello, R"({"major": 1})");

@@ -8,6 +8,7 @@
 
 #include "server/accuracy/bin_errors.h"
 #include "server/accuracy/truth_bins.h"
+#include "server/rendering/parked_work.h"
 #include "tests/property/trial.h"
 #include "tests/support/random_towns.h"
 #include "tests/support/same_bits.h"
@@ -146,19 +147,16 @@ TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
   }
 }
 
-/// A frame in parts of a few batches.
-BinBlock paused_frame(const FramePlan& plan, int batches) {
+/// A frame that gives way after so much work of a thread.
+BinBlock paused_frame(const FramePlan& plan, std::int64_t look) {
   const RadarSettings& s = plan.settings();
   BinBlock bins(0, s.azimuth_bins, s.range_bins);
-  RenderPause pause;
-  pause.batches = batches;
   RenderOptions options;
   options.threads = 2;
-  options.pause = &pause;
   options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, bins); };
-  do {
-    render_wedges(plan, {0, s.azimuth_bins}, options);
-  } while (pause.begun);
+  net::ParkedWork work([&] { render_wedges(plan, {0, s.azimuth_bins}, options); }, {}, look);
+  while (!work.turn([](std::int64_t) { return true; })) {
+  }
   return bins;
 }
 
@@ -174,7 +172,7 @@ TEST(RandomTowns, HaveTheSameBitsFromAnyThreadsAzimuthsAndPauses) {
     several_wedges += wedge_count(s.azimuth_bins) > 1 ? 1 : 0;
     const Frame one = trial.frame(s, 1);
     for (const int threads : {2, 8}) test::expect_same_bits(one.bins, trial.frame(s, threads).bins);
-    test::expect_same_bits(one.bins, paused_frame(*plan, 3));
+    test::expect_same_bits(one.bins, paused_frame(*plan, 3000));
     test::Dice dice(seed);
     const int first = dice.integer(0, s.azimuth_bins - 1);
     const int count = dice.integer(1, s.azimuth_bins - first);

@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -172,7 +173,8 @@ class Batch(Folder):
     def test_another_run_in_the_same_folder_is_refused_by_what_differs(self):
         self.run_batch("mine", POSES[:4])
         for options, name in ((dict(poses=POSES[:5]), "poses"), (dict(planes="iq"), "planes"),
-                              (dict(settings={"r_max_m": 9000.0}), "settings.r_max_m")):
+                              (dict(settings={"r_max_m": 9000.0}), "settings.r_max_m"), (dict(seed=1), "seed"),
+                              (dict(speckle_per_frame=True), "speckle_per_frame")):
             options = {"poses": POSES[:4], **options}
             with self.assertRaisesRegex(ValueError, f"{name}: found"):
                 self.run_batch("mine", **options)
@@ -223,10 +225,40 @@ class BadPoses(Folder):
             (self.folder / "poses.jsonl").write_text(text)
             with self.assertRaisesRegex(ValueError, words, msg=text):
                 _batch.read_poses(self.folder / "poses.jsonl")
+        (self.folder / "poses.jsonl").write_bytes(good.encode() + b"\n\xff\xfesecret")
+        with self.assertRaisesRegex(ValueError, "line 2: found bytes that are no UTF-8") as refused:
+            _batch.read_poses(self.folder / "poses.jsonl")
+        self.assertNotIn("secret", str(refused.exception))
+
+    def test_poses_nested_too_deep_are_refused(self):
+        (self.folder / "poses.jsonl").write_text("[" * 100000)
+        with self.assertRaisesRegex(ValueError, "line 1: not JSON: nested too deep"):
+            _batch.read_poses(self.folder / "poses.jsonl")
+
+    def test_poses_from_a_pipe_are_waited_for_aloud(self):
+        os.mkfifo(self.folder / "pipe")
+        waiting = subprocess.Popen([sys.executable, "-m", "obliq.batch", str(self.folder / "pipe"), "--out",
+                                    str(self.folder / "out"), "--server", "127.0.0.1:1"], stderr=subprocess.PIPE, text=True,
+                                   env=ENVIRONMENT)
+        with waiting.stderr:
+            self.assertIn("waiting for poses", waiting.stderr.readline())  # before anybody writes
+            (self.folder / "pipe").write_text(json.dumps(POSES[0]) + "\n")
+            self.assertIn("Is obliqd running", waiting.stderr.read())
+        self.assertEqual(waiting.wait(), 1)
+
+    def test_what_is_no_part_of_ours_is_left_alone(self):
+        for name in (".part-junk", ".part-00000.", ".part-00000.host.nopid.00000000"):
+            (self.folder / name).mkdir()
+        gone = self.folder / f".part-00003.{socket.gethostname()}.{2 ** 22 + 1}.0123abcd"  # above any process id
+        gone.mkdir()
+        _shards.sweep(self.folder)
+        self.assertEqual(len(list(self.folder.glob(".part-*"))), 3)
+        self.assertFalse(gone.exists())
 
     def test_the_command_says_it_in_one_line(self):
         for words, said in ((["--server", "127.0.0.1:1"], "Is obliqd running"), (["--local", "none.toml"], "no such scene file"),
-                            (["--server", "x", "--set", "r_maxm=1"], "KEY=VALUE"), (["--server", "a", "--shard", "4/3"], "I/N")):
+                            (["--server", "x", "--set", "r_maxm=1"], "KEY=VALUE"), (["--server", "a", "--shard", "4/3"], "I/N"),
+                            (["--server", "a", "--seed", "-1"], "seed: found -1; allowed: 0 to")):
             done = subprocess.run([sys.executable, "-m", "obliq.batch", str(lines(self.folder, POSES)), "--out",
                                    str(self.folder / "out"), *words], capture_output=True, text=True, env={**ENVIRONMENT,
                                                                                                       "OBLIQD": OBLIQD})

@@ -51,14 +51,27 @@ class Local(Folder):
         code = ("import sys, time, obliq\n"
                 "with obliq.local(sys.argv[1], obliqd=sys.argv[2]) as server:\n"
                 "    print('up', flush=True); time.sleep(100)\n")
-        child = subprocess.Popen([sys.executable, "-c", code, str(config), OBLIQD], stdout=subprocess.PIPE, text=True,
-                                 env={**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src")})
-        with child.stdout:
-            self.assertEqual(child.stdout.readline(), "up\n")
-            self.assertEqual(len(daemons_of(config)), 1)
-            child.send_signal(signal.SIGKILL)
-            child.wait()
-        self.assertTrue(gone(config))
+        scratch = self.folder / "tmp"
+        scratch.mkdir()
+        for how in (signal.SIGKILL, signal.SIGTERM):
+            child = subprocess.Popen([sys.executable, "-c", code, str(config), OBLIQD], stdout=subprocess.PIPE, text=True,
+                                     env={**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src"),
+                                          "TMPDIR": str(scratch)})
+            with child.stdout:
+                self.assertEqual(child.stdout.readline(), "up\n")
+                self.assertEqual(len(daemons_of(config)), 1)
+                child.send_signal(how)
+                child.wait()
+            self.assertTrue(gone(config))
+        self.assertEqual(list(scratch.iterdir()), [])  # nor does its log stay
+
+    def test_its_log_can_be_read(self):
+        running = obliq.local_daemon(scene(self.folder), obliqd=OBLIQD)
+        try:
+            self.assertEqual(running.log(), running.log())
+            self.assertIn("ready: ", running.log())
+        finally:
+            running.stop()
 
     def test_a_bad_scene_brings_the_daemons_own_words(self):
         with self.assertRaisesRegex(obliq.CannotConnect, "terrain.cell_m"):

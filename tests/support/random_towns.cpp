@@ -110,7 +110,7 @@ class Town {
  public:
   const std::string& kinds() const { return kinds_; }
 
-  Town(World& world, const Land& land, Dice& dice) : world_(world), land_(land), dice_(dice) {}
+  Town(World& world, Dice& dice) : world_(world), dice_(dice) {}
 
   /// One house, or a few that belong together, about a point of the world.
   void build(const glm::dvec2& at, double size_m) {
@@ -175,7 +175,6 @@ class Town {
   }
 
   World& world_;
-  const Land& land_;
   Dice& dice_;
   OutlineShaper shaper_;
   std::string kinds_;
@@ -221,7 +220,7 @@ RandomScene random_town(std::uint64_t seed) {
 
   const double half_sector_rad = s.sector_deg * kDegree_rad / 2;
   const double size_m = dice.logarithmic(3, 30);
-  Town houses(world, land, dice);
+  Town houses(world, dice);
   for (int n = static_cast<int>(dice.logarithmic(2, 150)); n > 0; --n) {
     const double bearing = town.pose.bearing_world_rad + half_sector_rad * dice.uniform(-1.2, 1.2);
     double range_m = dice.uniform(0.9 * s.r_min_m, 1.05 * s.r_max_m);

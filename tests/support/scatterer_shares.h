@@ -1,6 +1,8 @@
 #pragma once
 // What each scatterer gives to each bin, P_bc of design section 3, worked out anew from the samples: own cell
 // arithmetic, own radar equation. An oracle for the speckle of whole frames.
+#include <cmath>
+#include <complex>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -54,5 +56,10 @@ std::shared_ptr<const FramePlan> plan_or_throw(std::shared_ptr<const Scene> scen
 /// 4 pi r / lambda, r the distance between two points, in long double.
 long double round_trip_phase_rad(const glm::dvec3& antenna_m, const glm::dvec3& point_m,
                                  double frequency_ghz);
+
+/// exp(j phase), the phase in long double.
+inline std::complex<double> turned(long double phase_rad) {
+  return {static_cast<double>(std::cos(phase_rad)), static_cast<double>(std::sin(phase_rad))};
+}
 
 }  // namespace obliq::test

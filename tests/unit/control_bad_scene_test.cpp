@@ -161,6 +161,7 @@ TEST_F(BadSceneFile, NaNAndInfinityAreRefusedInEveryNumber) {
     for (const std::string bad : {"nan", "-nan", "inf", "-inf"}) {
       if (key.name == "earth.radius_factor" && bad == "inf") continue;          // means a flat earth
       if (key.name == "accuracy.max_power_error_db" && bad == "inf") continue;  // means any error
+      if (key.name == "server.max_memory_mb" && bad == "inf") continue;         // means no limit
       EXPECT_SAYS(complaint(kFlat, {std::string(key.name) + "=" + bad}), std::string(key.name) + ": found ");
     }
     ++numbers;
@@ -208,6 +209,65 @@ TEST_F(BadSceneFile, DeepNestingIsRefusedAndNotRecursedInto) {
   EXPECT_SAYS(complaint("x = " + std::string(100, '[') + std::string(100, ']') + "\n"), "deep");
   EXPECT_SAYS(complaint("x = " + std::string(100000, '[') + "\n"), "not TOML");
   EXPECT_SAYS(complaint(kFlat, {"radar.r_max_m=" + std::string(50, '[') + std::string(50, ']')}), "deep");
+}
+
+TEST_F(BadSceneFile, MillionsOfKeysAreRefusedByTheirCount) {
+  const auto many = [](int n, const std::string& before, const std::string& after) {
+    std::string text;
+    for (int k = 0; k < n; ++k) text += before + std::to_string(k) + after;
+    return text;
+  };
+  EXPECT_SAYS(complaint("[beam]\n" + many(300'000, "k", " = 1\n")),
+              "FILE: found about 300001 values; allowed: at most 100000");
+  EXPECT_SAYS(complaint("[terrain]\ndem = [" + many(300'000, "'", "',") + "]\n"),
+              "found about 300002 values");
+  EXPECT_SAYS(complaint(kFlat + many(100'000, "[[radar]]\nname='r", "'\n")), "found about 200002 values");
+  // Below that, what is told of is bounded, and so is the looking for near names.
+  const std::string unknown = complaint(std::string(kFlat) + "[beam]\n" + many(90'000, "k", " = 1\n"));
+  EXPECT_EQ(std::count(unknown.begin(), unknown.end(), '\n'), 100);
+  EXPECT_TRUE(unknown.ends_with("\nand 89900 more complaints")) << unknown.substr(unknown.size() - 100);
+  const std::string radars = complaint(kFlat + many(30'000, "[[radar]]\nname='r", "'\n"));
+  EXPECT_EQ(radars, "FILE: radar: found 30000 radars; allowed: at most 16 (server.max_radars)");
+}
+
+TEST_F(BadSceneFile, NothingIsShownOfAFileThatIsNoScene) {
+  for (const std::string secret : {"root:$y$j9T$w0rd:19000:0:99999:7:::\n", "PASSWORD hunter2\n",
+                                   "-----BEGIN PRIVATE KEY-----\nMIIEvQIBADANBg\n", "MIIEvQIBADANBg==\n"}) {
+    const std::string text = complaint(secret);
+    EXPECT_SAYS(text, "FILE:");
+    EXPECT_SAYS(text, "not TOML");
+    EXPECT_EQ(text.find("saw"), std::string::npos) << text;
+  }
+  write("root:$y$j9T$w0rd:19000:0:99999:7:::\n", "shadow.csv");
+  const std::string beam =
+      complaint(std::string(kFlat) + "[beam]\npattern = \"file\"\nfile = \"shadow.csv\"\n");
+  EXPECT_SAYS(
+      beam, "shadow.csv:1: beam.file: found another first line; allowed: the heading cut,angle_deg,gain_db");
+}
+
+TEST_F(BadSceneFile, ANulInAPathIsNamed) {
+  const std::pair<std::string, std::string> keys[] = {{"[beam]\nfile", "beam.file"},
+                                                      {"[server]\ntokens", "server.tokens"},
+                                                      {"[[buildings]]\nsource", "buildings.source"}};
+  for (const auto& [line, key] : keys)
+    EXPECT_SAYS(complaint(std::string(kFlat) + line + " = \"a\\u0000b\"\n"),
+                "FILE:4: " + key + ": found \"a\\u0000b\"; allowed: a text without the character U+0000");
+}
+
+TEST_F(BadSceneFile, APassOfLessThanTenMillisecondsIsRefused) {
+  const auto scan = [&](const std::string& sector, const std::string& rate) {
+    return complaint(std::string(kFlat) + "[radar]\nsector_deg = " + sector +
+                     "\n[scan]\nmode = \"sector\"\nrate_deg_s = " + rate + "\n");
+  };
+  EXPECT_EQ(
+      scan("0.01", "7200"),
+      "FILE:7: scan.rate_deg_s: found 7200.0 with radar.sector_deg = 0.01; allowed: a pass over the sector "
+      "in at least 0.01 s: at most 1.0 deg/s, or a sector of at least 72.0 deg");
+  EXPECT_EQ(scan("72", "7200"), "accepted");
+  EXPECT_EQ(scan("71.9", "7200").find("FILE:7: scan.rate_deg_s"), 0u);
+  // Without a scan its rate means nothing.
+  EXPECT_EQ(complaint(std::string(kFlat) + "[radar]\nsector_deg = 0.01\n[scan]\nrate_deg_s = 7200\n"),
+            "accepted");
 }
 
 TEST_F(BadSceneFile, DamagedFilesAreReadOrRefusedButNeverWorse) {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "proto/obliq.pb.h"
+#include "server/rendering/parked_work.h"
 #include "server/rendering/scene_renderer.h"
 #include "terrain/base/stage_clock.h"
 #include "tests/support/same_bits.h"
@@ -186,17 +187,12 @@ TEST_F(FrameCache, AFrameThatPausesIsKeptWhole) {
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   const Result first = frame(settings, pose_);
   const auto planned = cache_.plan(settings, pose_);
-  RenderPause pause;
-  pause.batches = 1;
   RenderOptions options;
   options.threads = 1;
-  options.pause = &pause;
-  int pauses = 0;
-  do {
-    EXPECT_TRUE(planned.frame->render(kAll, options));
-    ++pauses;
-  } while (pause.begun);
-  EXPECT_GT(pauses, 4);
+  net::ParkedWork work([&] { EXPECT_TRUE(planned.frame->render(kAll, options)); }, {}, 0);
+  int turns = 1;
+  while (!work.turn([](std::int64_t) { return true; })) ++turns;
+  EXPECT_GT(turns, 4);
   expect_same(frame(settings, pose_), first);
   EXPECT_FALSE(rendered_);
 }

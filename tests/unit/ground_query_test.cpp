@@ -270,7 +270,7 @@ TEST(GroundQueries, ClientsTakeTurnsAndOneThatLeavesIsForgotten) {
       changed.notify_all();
     };
   };
-  for (const std::uint64_t client : {1, 1, 1, 2, 3, 3, 4}) thread.enqueue(client, note(client));
+  for (const std::uint64_t client : {1u, 1u, 1u, 2u, 3u, 3u, 4u}) thread.enqueue(client, note(client));
   thread.forget(4);
   {
     std::unique_lock lock(mutex);

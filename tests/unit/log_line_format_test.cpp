@@ -68,6 +68,20 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+TEST(ServiceLog, AMessageOfAMegabyteIsCut) {
+  const std::string much(1'000'000, 'x');
+  for (const LogFormat format : {LogFormat::json, LogFormat::text}) {
+    testing::internal::CaptureStderr();
+    LogConfig config;
+    config.format = format;
+    open_log(config);
+    spdlog::warn("{}", much);
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_LT(text.size(), kLongestMessageBytes + 200);
+    EXPECT_NE(text.find("xxx... and 995904 bytes more"), std::string::npos) << text.substr(4000);
+  }
+}
+
 TEST(ServiceLog, WhatAPeerCausesInMassesIsBoundedAndCounted) {
   std::map<std::string, int> heard;
   on_log_line([&](const std::string& level) { ++heard[level]; });

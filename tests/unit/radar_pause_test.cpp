@@ -1,7 +1,5 @@
-// A rendering that pauses: the same bits, and no more at a time than it was allowed.
+// A rendering that pauses: the same bits.
 #include <gtest/gtest.h>
-
-#include <atomic>
 
 #include "server/radar/frame_plan.h"
 #include "server/radar/rays/ray_batch.h"
@@ -9,6 +7,8 @@
 #include "server/radar/render.h"
 #include "server/radar/samples.h"
 #include "server/radar/sweep/sweep_samples.h"
+#include "server/rendering/parked_work.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
 #include "tests/support/sources.h"
@@ -24,79 +24,76 @@ std::shared_ptr<const FramePlan> plan_of(const RadarSettings& settings, double h
   return planned.plan;
 }
 
+/// Bits and counts of a frame, plan included.
+struct Rendered {
+  BinBlock bins;
+  FrameStats stats;
+};
+
+Rendered render_with(const RadarSettings& settings, int threads) {
+  Rendered frame{BinBlock(0, settings.azimuth_bins, settings.range_bins), {}};
+  FrameSum sum(settings);
+  RenderOptions options;
+  options.threads = threads;
+  options.on_wedge = [&](Wedge&& wedge) {
+    sum.add(wedge);
+    copy_azimuths(wedge.bins, frame.bins);
+  };
+  EXPECT_TRUE(render_wedges(*plan_of(settings), {0, settings.azimuth_bins}, options));
+  frame.stats = sum.total();
+  return frame;
+}
+
+void expect_the_same(const Rendered& a, const Rendered& b) {
+  EXPECT_EQ(a.stats.rays, b.stats.rays);
+  EXPECT_EQ(a.stats.samples, b.stats.samples);
+  expect_same_bits(a.bins, b.bins);
+}
+
+/// The turns that a frame takes whose threads park after so much work; 0: whenever they ask.
+int turns_of(const RadarSettings& settings, int threads, std::int64_t look, Rendered& frame) {
+  net::ParkedWork work([&] { frame = render_with(settings, threads); }, {}, look);
+  int turns = 1;
+  while (!work.turn([](std::int64_t) { return true; })) ++turns;
+  return turns;
+}
+
 class PausesOf : public testing::TestWithParam<NamedSource> {};
 
-TEST_P(PausesOf, AFrameInPartsHasTheBitsOfOneInOnePiece) {
+TEST_P(PausesOf, AFrameThatGivesWayAllTheTimeHasTheBitsOfOneInOnePiece) {
   for (const int azimuth_bins : {1, 20}) {
     RadarSettings settings = small_frame(GetParam().kind);
     settings.azimuth_bins = azimuth_bins;
-    const auto plan = plan_of(settings);
+    const Rendered whole = render_with(settings, 1);
     for (const int threads : {1, 3}) {
-      BinBlock whole(0, azimuth_bins, settings.range_bins), parts = whole;
-      FrameSum sum_of_whole(settings), sum_of_parts(settings);
-      RenderOptions options;
-      options.threads = threads;
-      options.on_wedge = [&](Wedge&& wedge) {
-        sum_of_whole.add(wedge);
-        copy_azimuths(wedge.bins, whole);
-      };
-      ASSERT_TRUE(render_wedges(*plan, {0, azimuth_bins}, options));
-      options.on_wedge = [&](Wedge&& wedge) {
-        sum_of_parts.add(wedge);
-        copy_azimuths(wedge.bins, parts);
-      };
-      RenderPause pause;
-      pause.batches = 2 * threads;
-      options.pause = &pause;
-      int calls = 0;
-      do {
-        ASSERT_TRUE(render_wedges(*plan, {0, azimuth_bins}, options));
-        ++calls;
-      } while (pause.begun);
-      const FrameStats stats = sum_of_parts.total();
-      EXPECT_EQ(stats.rays, sum_of_whole.total().rays);
-      EXPECT_EQ(stats.samples, sum_of_whole.total().samples);
-      const int most_a_call =
-          pause.batches * (settings.frustum == FrustumKind::sweep ? 1 : kBatch);  // rays or columns
-      EXPECT_GE(calls, static_cast<int>(stats.rays) / most_a_call);
-      EXPECT_TRUE(same_bits(whole.iq, parts.iq));
-      EXPECT_TRUE(same_bits(whole.power_w, parts.power_w));
-      EXPECT_TRUE(same_bits(whole.count, parts.count));
-      EXPECT_TRUE(same_bits(whole.state, parts.state));
+      Rendered parts;
+      // Columns of the sweep go eight by eight; of rays there is at least a batch between two turns.
+      const int turns = turns_of(settings, threads, 2000, parts);
+      const int at_once = settings.frustum == FrustumKind::sweep ? 8 : kBatch;
+      EXPECT_GE(turns, static_cast<int>(whole.stats.rays) / at_once / threads);
+      expect_the_same(parts, whole);
     }
-  }
-}
-
-TEST_P(PausesOf, AFrameThatGivesWayWhenItIsToldHasTheSameBits) {
-  RadarSettings settings = small_frame(GetParam().kind);
-  settings.azimuth_bins = 20;
-  const auto plan = plan_of(settings);
-  for (const int threads : {1, 3}) {
-    BinBlock whole(0, settings.azimuth_bins, settings.range_bins), parts = whole;
-    RenderOptions options;
-    options.threads = threads;
-    options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, whole); };
-    ASSERT_TRUE(render_wedges(*plan, {0, settings.azimuth_bins}, options));
-    options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, parts); };
-    std::atomic<int> asked = 0;
-    RenderPause pause;
-    pause.is_due = [&] { return ++asked % 3 == 0; };
-    options.pause = &pause;
-    int calls = 0;
-    do {
-      ASSERT_TRUE(render_wedges(*plan, {0, settings.azimuth_bins}, options));
-      ++calls;
-    } while (pause.begun);
-    EXPECT_GT(calls, 3);
-    EXPECT_TRUE(same_bits(whole.iq, parts.iq));
-    EXPECT_TRUE(same_bits(whole.power_w, parts.power_w));
-    EXPECT_TRUE(same_bits(whole.count, parts.count));
-    EXPECT_TRUE(same_bits(whole.state, parts.state));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(EverySource, PausesOf, testing::ValuesIn(kEverySource),
                          source_name<testing::TestParamInfo<NamedSource>>);
+
+TEST(PausesOfABeam, LeaveItsBitsAsTheyAre) {
+  RadarSettings settings = small_frame(FrustumKind::sweep);
+  settings.beam.pattern = BeamPattern::gaussian;
+  settings.beam.width_deg = 6;
+  settings.pulse.kind = PulseKind::compressed;
+  for (const SpeckleKind speckle : {SpeckleKind::ground, SpeckleKind::independent}) {
+    settings.speckle = speckle;
+    const Rendered whole = render_with(settings, 1);
+    for (const int threads : {1, 3}) {
+      Rendered parts;
+      EXPECT_GT(turns_of(settings, threads, 0, parts), 1000);
+      expect_the_same(parts, whole);
+    }
+  }
+}
 
 /// Batches until nothing is left to look at.
 int batches_of(const FramePlan& plan) {

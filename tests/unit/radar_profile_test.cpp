@@ -179,10 +179,11 @@ TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
       bool before_surface = random.pose.antenna.m.y - random.pose.ground_y_m >= plan->bins().r_min_m;
       for (int r = 0; r < frame.bins.n_range; ++r) {
         const auto k = static_cast<std::size_t>(r);
-        const std::uint8_t& state =
-            frame.bins.state[static_cast<std::size_t>(a) * static_cast<std::size_t>(frame.bins.n_range) + k];
+        const std::size_t bin =
+            static_cast<std::size_t>(a) * static_cast<std::size_t>(frame.bins.n_range) + k;
+        const std::uint8_t state = frame.bins.state[bin];
         ++decided[state];
-        before_surface &= !marks.present[k] && frame.bins.count[&state - frame.bins.state.data()] == 0;
+        before_surface &= !marks.present[k] && frame.bins.count[bin] == 0;
         if (state == static_cast<std::uint8_t>(BinState::sampled)) continue;
         const BinState expected = marks.visible[k]   ? BinState::not_sampled
                                   : marks.present[k] ? BinState::shadow

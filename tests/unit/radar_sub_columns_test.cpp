@@ -1,13 +1,13 @@
-// The sweep by sub-columns: the same bits whatever the instruction set, and pauses within a column.
+// The sweep by sub-columns: the same bits whatever the instruction set, and what it asks within a column.
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <stop_token>
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/sweep/sweep_echoes.h"
 #include "server/radar/wedge_work.h"
+#include "tests/support/heard_work.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_towns.h"
 #include "tests/support/same_bits.h"
@@ -31,8 +31,7 @@ BinBlock wedge_with(const FramePlan& plan, const FrameTables& tables, const Kern
   cells.restart(0);
   SweepEchoes sweep(plan, range, cells, std::numeric_limits<double>::infinity(), kernels);
   FrameStats stats;
-  while (sweep.step(stats)) {
-  }
+  sweep.run(stats);
   BinBlock bins(range.first, range.count, plan.bins().n_range);
   cells.write(bins);
   return bins;
@@ -85,36 +84,30 @@ TEST(SubColumns, LookUpAfterAThousandBuildingsAtMostWithinOneAzimuthBin) {
   const FrameTables tables(*plan);
   ASSERT_TRUE(tables.sub_columns.all_of({0, 1}));
 
-  // Between two looks, neither more buildings are seen nor, before that, more collected.
+  // Between two asks, neither more buildings are seen nor, before that, more collected.
   EchoCells cells(*plan, tables.scattering, tables.speckle, Surfaces::all, true);
   cells.restart(0);
   SweepEchoes sweep(*plan, {0, 1}, cells);
   FrameStats stats;
-  std::uint32_t seen = 0, steps = 0, most = 0;
-  while (sweep.step(stats)) {
+  std::uint32_t seen = 0, most = 0;
+  test::HeardWork heard;
+  heard.on_ask = [&] {
     const std::uint32_t now = plan->seen().count();
     most = std::max(most, now - seen);
     seen = now;
-    ++steps;
-  }
-  EXPECT_GT(seen, 3u * kMostAtOnce) << "they rise one above the other";
-  EXPECT_LE(most, kMostAtOnce);
-  EXPECT_GE(steps, 2 * plan->buildings_in(0).size() / kMostAtOnce);
-
-  // A frame that is told to stop after its third look does.
-  std::stop_source stop;
-  int looks = 0;
-  RenderPause pause;
-  pause.is_due = [&] {
-    if (++looks == 3) stop.request_stop();
-    return false;
   };
+  EXPECT_TRUE(test::hear(heard, [&] { sweep.run(stats); }));
+  EXPECT_GT(plan->seen().count(), 3u * kMostAtOnce) << "they rise one above the other";
+  EXPECT_LE(most, kMostAtOnce);
+  EXPECT_GE(heard.asks(), static_cast<std::int64_t>(2 * plan->buildings_in(0).size() / kMostAtOnce));
+
+  // A frame that is told to stop when it asks for the third time does.
+  test::HeardWork stopped;
+  stopped.most_asks = 3;
   RenderOptions options;
   options.threads = 1;
-  options.pause = &pause;
-  options.stop = stop.get_token();
-  EXPECT_FALSE(render_wedges(*plan, {0, 1}, options));
-  EXPECT_EQ(looks, 3);
+  EXPECT_TRUE(test::hear(stopped, [&] { EXPECT_FALSE(render_wedges(*plan, {0, 1}, options)); }));
+  EXPECT_EQ(stopped.asks(), 3);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
-// A wedge of any size takes bounded memory, gives way in its middle and ends there when it is told to.
+// A wedge of any size takes bounded memory, and ends in its middle when it is told to.
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <stop_token>
 
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
 #include "server/radar/wedge_memory.h"
+#include "tests/support/heard_work.h"
 #include "tests/support/process_memory.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
@@ -57,22 +57,15 @@ TEST_P(AWedge, TakesNoMoreMemoryThanIsSaidWhateverItsPixels) {
 
 TEST_P(AWedge, EndsInItsMiddleWhenItIsToldToStop) {
   const auto plan = plan_of(one_bin(GetParam().kind, 512));
-  std::stop_source stop;
-  int asked = 0, wedges = 0;
-  RenderPause pause;
-  pause.is_due = [&] {
-    if (++asked == 3) stop.request_stop();
-    return false;
-  };
+  HeardWork heard;
+  heard.most_asks = 3;
+  int wedges = 0;
   RenderOptions options;
   options.threads = 1;
-  options.pause = &pause;
-  options.stop = stop.get_token();
   options.on_wedge = [&](Wedge&&) { ++wedges; };
-  EXPECT_FALSE(render_wedges(*plan, {0, 1}, options));
-  EXPECT_EQ(asked, 3);
+  EXPECT_TRUE(hear(heard, [&] { EXPECT_FALSE(render_wedges(*plan, {0, 1}, options)); }));
+  EXPECT_EQ(heard.asks(), 3);
   EXPECT_EQ(wedges, 0);
-  EXPECT_FALSE(pause.begun) << "nothing is left to go on with";
 }
 
 INSTANTIATE_TEST_SUITE_P(EverySource, AWedge, testing::ValuesIn(kEverySource),

@@ -55,6 +55,17 @@ TEST(BadBuildings, NumbersThatAreNotDegreesNeedACoordinateSystem) {
                "no coordinate system");
 }
 
+TEST(BadBuildings, NothingIsShownOfATableOfText) {
+  const Folder folder;
+  WorldSpec spec = test::flat_town();
+  spec.buildings.emplace_back();
+  spec.buildings[0].source = folder.text("other.csv", "root:s3cret:19000,more\nbin:s3cret,more\n");
+  spec.buildings[0].height_field = "height";
+  const std::string error = test::error_of(spec);
+  expect_named(error, "other.csv: its layer has no shapes; allowed: a source of polygons");
+  EXPECT_EQ(error.find("s3cret"), std::string::npos) << error;
+}
+
 TEST(BadBuildings, DefaultHeightAndUnitAreChecked) {
   const Folder folder;
   WorldSpec spec = test::flat_town();

@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
+#include "terrain/buildings/clip_ears.h"
 #include "terrain/buildings/outline.h"
 
 namespace obliq {
@@ -80,6 +82,72 @@ TEST(Outline, LShapeWithTwoHolesIsCutExactly) {
   EXPECT_DOUBLE_EQ(shaped.parts[0].area_m2, 40 * 20 + 20 * 40 - 36 - 80);
   // n corners and h holes make n + 2 h - 2 triangles.
   EXPECT_EQ(shaped.parts[0].roof.size(), 14u + 4u - 2u);
+}
+
+/// A strip that winds from the middle outwards, its two sides of n corners each.
+Ring spiral(int n) {
+  Ring ring;
+  const auto add = [&](double k) { ring.emplace_back(0.1 * k * std::cos(k / 5), 0.1 * k * std::sin(k / 5)); };
+  const double width = 10;  // of a turn's 31
+  for (int k = 0; k < n; ++k) add(k);
+  for (int k = n - 1; k >= 0; --k) {
+    add(k);
+    ring.back() *= (k + width) / std::max(k, 1);
+  }
+  return ring;
+}
+
+TEST(Outline, ASpiralOfAsManyCornersAsAreAllowedIsCutWithWorkOfTheirSquare) {
+  OutlineShaper shaper;
+  Ring strip = spiral(static_cast<int>(OutlineShaper::kMostCorners / 2));
+  const ShapedOutline shaped = shaper.shape({{strip}});
+  ASSERT_EQ(shaped.state, OutlineState::good);
+  ASSERT_EQ(shaped.parts.size(), 1u);
+  const Outline& outline = shaped.parts[0];
+  expect_sound(outline);
+  const std::size_t n = outline.rings_m[0].size();
+  EXPECT_GT(n, OutlineShaper::kMostCorners - 5);
+  EXPECT_EQ(outline.roof.size(), n - 2);
+  std::uint64_t looks = 0;
+  EXPECT_EQ(clip_ears(outline.rings_m, &looks).size(), n - 2);
+  EXPECT_LT(looks, 3 * n * n) << "a corner is looked at anew though none of its neighbours has gone";
+}
+
+TEST(Outline, ManyCornersWithManyHolesAreCutIntoTheTrianglesOfTheirCount) {
+  OutlineShaper shaper;
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> part(0, 1);
+  for (int round = 0; round < 40; ++round) {
+    Polygon polygon;
+    const int n = 300 + static_cast<int>(random() % 600);
+    Ring& star = polygon.rings.emplace_back();
+    for (int k = 0; k < n; ++k) {
+      const double turns = 2 * std::numbers::pi * k / n, r = k % 2 == 0 ? 300 : 100 + 150 * part(random);
+      star.emplace_back(r * std::cos(turns), r * std::sin(turns));
+    }
+    const int side = 7 + static_cast<int>(random() % 6);
+    for (int i = 0; i < side * side; ++i) {
+      const double step = 100.0 / side;
+      const glm::dvec2 centre(-50 + step * (i % side + 0.5), -50 + step * (i / side + 0.5));
+      Ring& hole = polygon.rings.emplace_back();
+      const int corners = 3 + static_cast<int>(random() % 6);
+      const double r = step * (0.1 + 0.3 * part(random)), first = part(random);
+      for (int k = 0; k < corners; ++k)
+        hole.push_back(centre + r * glm::dvec2(std::cos(first + 2 * std::numbers::pi * k / corners),
+                                               std::sin(first + 2 * std::numbers::pi * k / corners)));
+    }
+    const ShapedOutline shaped = shaper.shape(polygon);
+    ASSERT_EQ(shaped.parts.size(), 1u);
+    const Outline& outline = shaped.parts[0];
+    expect_sound(outline);
+    std::size_t corners = 0;
+    for (const FloatRing& ring : outline.rings_m) corners += ring.size();
+    ASSERT_GT(corners, 512u);
+    // n corners and h holes make n + 2 h - 2 triangles.
+    const std::size_t wanted = corners + 2 * (outline.rings_m.size() - 1) - 2;
+    EXPECT_EQ(outline.roof.size(), wanted);
+    EXPECT_EQ(clip_ears(outline.rings_m).size(), wanted) << "it was left to GEOS";
+  }
 }
 
 TEST(Outline, OverlappingRingsAreUnitedRatherThanCutOut) {

@@ -12,6 +12,7 @@
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/websocket/json_message.h"
+#include "server/websocket/json_reader.h"
 #include "server/websocket/json_writer.h"
 #include "tests/integration/web_peer.h"
 
@@ -197,6 +198,114 @@ TEST(WebSocketTranslation, ThereAndBackIsTheSameMessage) {
       expect_same(*message, *sample.message);
     }
   }
+}
+
+/// Read as a message of a type: the reason why not; empty when it is one.
+std::string refusal_of(MessageType type, const std::string& json, Message* read = nullptr) {
+  const std::unique_ptr<Message> message(example_of(type)->New());
+  const auto why = read_json(json, *message);
+  if (read != nullptr) read->CopyFrom(*message);
+  return why.value_or("");
+}
+
+TEST(WebSocketTranslation, WhatProtobufWritesIsReadAsProtobufReadsIt) {
+  for (const bool as_in_proto : {false, true}) {
+    google::protobuf::util::JsonPrintOptions options;
+    options.preserve_proto_field_names = as_in_proto;
+    for (unsigned seed = 0; seed < 100; ++seed) {
+      for (const Sample& sample : samples(31 * seed)) {
+        std::string json;
+        ASSERT_TRUE(google::protobuf::util::MessageToJsonString(*sample.message, &json, options).ok());
+        const std::unique_ptr<Message> ours(sample.message->New()), theirs(sample.message->New());
+        EXPECT_EQ(refusal_of(sample.type, json, ours.get()), "");
+        ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(json, theirs.get()).ok());
+        expect_same(*ours, *theirs);
+      }
+    }
+  }
+}
+
+// RFC 8259; protobuf's own reader takes some of these.
+TEST(WebSocketTranslation, WhatIsNoJsonIsRefused) {
+  using namespace std::string_literals;
+  for (const std::string& json : {"{'major':1}"s,
+                                  "{\"major\":'1'}"s,
+                                  "{major:1}"s,
+                                  "{\"major\":1,}"s,
+                                  "{\"major\":0x10}"s,
+                                  "\xef\xbb\xbf{}"s,
+                                  "{}\0{}"s,
+                                  "{}{}"s,
+                                  "{\"major\":01}"s,
+                                  "{\"major\":+1}"s,
+                                  "{\"major\":.5}"s,
+                                  "{\"major\":NaN}"s,
+                                  "{\"client_name\":\"\xff\"}"s,
+                                  "{\"client_name\":\"\\ud800\"}"s,
+                                  "{\"client_name\":\"\n\"}"s,
+                                  "{/**/}"s,
+                                  "{"s,
+                                  ""s,
+                                  "[]"s,
+                                  "1"s,
+                                  "null"s})
+    EXPECT_NE(refusal_of(MessageType::hello, json), "") << json;
+  EXPECT_EQ(refusal_of(MessageType::hello, " \t\r\n{ \"major\" : 1 }\n"), "");
+}
+
+TEST(WebSocketTranslation, NumbersAreReadByTheirFieldsType) {
+  const auto major = [](const std::string& value) {
+    wire::Hello hello;
+    return refusal_of(MessageType::hello, "{\"major\":" + value + "}", &hello).empty()
+               ? std::to_string(hello.major())
+               : "refused";
+  };
+  EXPECT_EQ(major("4294967295"), "4294967295");
+  EXPECT_EQ(major("\"7\""), "7");
+  EXPECT_EQ(major("1e3"), "1000");
+  EXPECT_EQ(major("null"), "0");
+  for (const char* wrong :
+       {"4294967296", "-1", "1.5", "1e10", "\"\"", "\"7 \"", "\"0x7\"", "true", "[1]", "{}"})
+    EXPECT_EQ(major(wrong), "refused") << wrong;
+  wire::Hello hello;
+  EXPECT_EQ(refusal_of(MessageType::hello, R"({"request_id":18446744073709551615})", &hello), "");
+  EXPECT_EQ(hello.request_id(), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_NE(refusal_of(MessageType::hello, R"({"request_id":18446744073709551616})"), "");
+  wire::Subscribe subscribe;
+  EXPECT_EQ(refusal_of(MessageType::subscribe, R"({"rate_hz":"Infinity"})", &subscribe), "");
+  EXPECT_EQ(subscribe.rate_hz(), std::numeric_limits<double>::infinity());
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"rate_hz":"inf"})"), "");
+}
+
+TEST(WebSocketTranslation, AKeyStandsOnceAndAListHasNoMoreValuesThanThereAreToName) {
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"rate_hz":1,"radar":"main","rate_hz":1})")
+                .find("\"rate_hz\" twice"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"rate_hz":1,"rateHz":1})"), "") << "the same field";
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":["IQ"],"planes":["POWER"]})"), "");
+  EXPECT_EQ(refusal_of(MessageType::subscribe, R"({"planes":["IQ","POWER","COUNT","STATE","VIDEO"]})"), "");
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":["IQ","POWER","COUNT","STATE","VIDEO","IQ"]})")
+                .find("at most 5"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":"IQ"})").find("allowed: a list"),
+            std::string::npos);
+  const auto places = [](std::uint32_t n) {
+    std::string json = R"({"latitude_deg":[0)";
+    for (std::uint32_t i = 1; i < n; ++i) json += ",0";
+    return json + "]}";
+  };
+  EXPECT_EQ(refusal_of(MessageType::query_ground, places(wire::kMaxQueryPoints)), "");
+  EXPECT_NE(refusal_of(MessageType::query_ground, places(wire::kMaxQueryPoints + 1)), "");
+}
+
+TEST(WebSocketTranslation, WhatIsTooLongAsProtobufIsRefusedAndNothingElseHappens) {
+  const std::string text = R"({"radar":")" + std::string(100, 'x') + "\"}";
+  wire::Bytes binary{std::byte{7}};
+  const auto refusal = to_binary(test::web_message(MessageType::get_radar, text), {1000, 101}, binary);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->number, wire::ErrorNumber::bad_length);
+  EXPECT_EQ(binary, wire::Bytes{std::byte{7}});
+  EXPECT_FALSE(to_binary(test::web_message(MessageType::get_radar, text), {1000, 102}, binary));
 }
 
 TEST(WebSocketTranslation, AnAbsentFieldAndOneThatIsZeroAreTwoThings) {

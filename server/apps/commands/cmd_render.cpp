@@ -11,6 +11,7 @@
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/scene_arguments.h"
 #include "server/loading/scene_loading.h"
+#include "server/net/request_limits.h"
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
@@ -21,6 +22,7 @@
 #include "server/scene/scene_memory.h"
 #include "server/timing/timing_run.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/memory_limit.h"
 #include "terrain/base/seconds.h"
 
 namespace obliq {
@@ -59,6 +61,18 @@ std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, co
   return scene;
 }
 
+/// The scene is in memory already.
+void check_memory(const SceneConfig& config, const RadarConfig& radar, int threads) {
+  net::ServerOptions limits;
+  limits.max_memory_mb = memory_limit_mb(config.server.max_memory_mb);
+  limits.render_threads = threads;
+  const auto over = net::over_memory(radar.settings, net::whole_cost(radar.settings, limits), 0, limits);
+  if (over)
+    throw InputError("radar \"" + radar.name + "\": server." + over->text +
+                     "; allowed: " + over->field.allowed +
+                     ", or another limit (--set server.max_memory_mb=MB, inf for none)");
+}
+
 void run(const SceneConfig& config, const RenderArguments& arguments) {
   std::map<std::string, double> seconds;
   Stopwatch watch;
@@ -86,6 +100,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   say_on_terminal(scene_memory_line(*scene));
 
   find_pixels(scene, radar, {config.server.max_pixels, threads}, say_on_terminal, terminal_progress());
+  check_memory(config, radar, threads);
   const Pose pose = place_radar(*world, radar);
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   watch.lap();

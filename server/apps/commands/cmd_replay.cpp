@@ -27,10 +27,12 @@
 #include "server/http/http_server.h"
 #include "server/http/page_routes.h"
 #include "server/net/io_thread.h"
+#include "server/net/request_limits.h"
 #include "server/net/server.h"
 #include "server/security/networks.h"
 #include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/memory_limit.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
@@ -53,6 +55,7 @@ struct ReplayArguments {
   std::uint16_t port = wire::kDefaultPort;
   std::optional<std::uint16_t> http_port;
   bool unprotected = false;
+  double max_memory_mb = 0;
 };
 
 double speed_of(const std::string& text) {
@@ -201,7 +204,12 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
   options.server_name = "obliq replay";
   options.server_version = OBLIQ_VERSION;
   options.scene_name = start.descriptor->scene_name();
+  options.max_memory_mb = memory_limit_mb(arguments.max_memory_mb);
   const RadarConfig radar = radar_of(start, arguments.file);
+  const net::FrameCost cost = net::replay_cost(radar.settings, start.planes, options);
+  if (const auto over = net::over_memory(radar.settings, cost, 0, options))
+    throw InputError(arguments.file + ": " + over->text +
+                     "; allowed: a larger --max-memory-mb, inf for no limit");
   std::atomic<bool> ended = false;
   const ReplayOptions replay{speed, arguments.loop, arguments.hold};
   ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
@@ -303,6 +311,14 @@ void add_replay(CLI::App& app) {
       ->add_flag("--unprotected", arguments->unprotected,
                  "With --serve: allow an address off loopback, without encryption and tokens")
       ->needs(serve);
+  command
+      ->add_option("--max-memory-mb", arguments->max_memory_mb,
+                   "With --serve: refuse what would take more memory than this with what is in use; 0: three "
+                   "quarters of the machine's or of its control group's; inf: no limit")
+      ->needs(serve)
+      ->type_name("MB")
+      ->default_val(0)
+      ->check(number_from(0, std::numeric_limits<double>::infinity()));
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -17,6 +17,7 @@
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "server/apps/ownship/refused_datagrams.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
 #include "terrain/base/seconds.h"
@@ -49,7 +50,7 @@ UniqueFd bind_udp(const std::string& address, int port, int& bound_port) {
   return socket;
 }
 
-/// What comes is sent on; what is no pose is counted, and told when the reason changes.
+/// What comes is sent on; what is no pose is counted and told.
 class Ride {
  public:
   Ride(client::Client& client, std::string radar, const DatagramSource& source, double rate_hz,
@@ -82,24 +83,30 @@ class Ride {
           take(std::span<const std::byte>(bytes).first(static_cast<std::size_t>(size)));
       }
       if (entity_) reckon();
+      tell(refused_.line(Clock::now()));
     }
+    tell(refused_.rest());
   }
 
   void print_summary() const {
     std::printf("%s: %llu poses, %llu datagrams that were none\n", radar_.c_str(),
-                static_cast<unsigned long long>(sent_), static_cast<unsigned long long>(refused_));
+                static_cast<unsigned long long>(sent_), static_cast<unsigned long long>(refused_.all()));
   }
 
  private:
+  static void tell(const std::string& line) {
+    if (!line.empty()) std::fprintf(stderr, "obliq: %s\n", line.c_str());
+  }
+
   void take(std::span<const std::byte> bytes) {
     if (!entity_) {
       const auto read = read_pose_datagram(bytes);
-      if (const auto* none = std::get_if<NoPose>(&read)) return tell(none->why);
+      if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
       const OwnshipPose& pose = std::get<OwnshipPose>(read);
       return send(pose, pose.sim_time_ns, pose.pose_id);
     }
     const auto read = read_entity_state(bytes);
-    if (const auto* none = std::get_if<NoPose>(&read)) return tell(none->why);
+    if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
     const EntityState& state = std::get<EntityState>(read);
     if (!(state.id == *entity_) || (source_.exercise >= 0 && state.exercise != source_.exercise)) return;
     newest_ = state;
@@ -137,15 +144,10 @@ class Ride {
     if (entity_) pose.set_geoid_undulation_m(source_.undulation_m);
     wire::Ack ack;
     const client::Status status = client_.set_pose(radar_, pose, ack);
-    if (status.outcome == client::Outcome::refused && status.number == 100) return tell(status.sentence());
+    if (status.outcome == client::Outcome::refused && status.number == 100)
+      return refused_.add(status.sentence());
     require(status);
     ++sent_;
-  }
-
-  void tell(const std::string& why) {
-    ++refused_;
-    if (why != told_) std::fprintf(stderr, "obliq: a datagram is no pose: %s\n", why.c_str());
-    told_ = why;
   }
 
   client::Client& client_;
@@ -160,8 +162,7 @@ class Ride {
   const Clock::time_point start_ = Clock::now();
   bool silent_ = false;
   std::uint64_t sent_ = 0;
-  std::uint64_t refused_ = 0;
-  std::string told_;
+  RefusedDatagrams refused_;
 };
 
 }  // namespace

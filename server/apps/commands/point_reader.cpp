@@ -37,7 +37,7 @@ GivenPoint parse_point(const std::string& text, const std::string& where) {
   }
   if (!good)
     throw InputError(
-        where + ": found " + printable_text(text.substr(0, 80)) +
+        where + ": found " + printable_text(text, 80) +
         "; allowed: two or three numbers with commas between them, the third a height in metres");
   return {numbers[0], numbers[1], numbers[2], fields.size() == 3};
 }
@@ -57,7 +57,14 @@ std::vector<GivenPoint> read_points(const std::string& path) {
     if (begin == std::string::npos || line[begin] == '#') continue;
     const bool header = points.empty() && !number_of(csv_fields(line).front());
     if (header) continue;
-    points.push_back(parse_point(line, path + ":" + std::to_string(number)));
+    try {
+      points.push_back(parse_point(line, path + ":" + std::to_string(number)));
+    } catch (const InputError&) {
+      // Before a first point the file may be any, under a wrong name: nothing of it is shown.
+      if (!points.empty()) throw;
+      throw InputError(path + ":" + std::to_string(number) +
+                       ": found no point; allowed: two or three numbers with commas between them");
+    }
     if (points.size() > kMostPoints)
       throw InputError("--points: found more than " + std::to_string(kMostPoints) +
                        " points; allowed: that many; split the file");

@@ -111,7 +111,7 @@ void TrackReader::rewind() {
   read_.clear();
   searched_ = 0;
   line_ = 0;
-  ended_ = begun_ = flying_ = false;
+  ended_ = begun_ = flying_ = is_track_ = false;
 }
 
 std::string TrackReader::where() const { return fmt::format("{}:{}", name_, line_); }
@@ -162,7 +162,7 @@ void TrackReader::check_header(std::string_view line) const {
     const std::string_view word = take_column(line);
     if (!is_heading(word, kTable[i]))
       throw InputError(fmt::format("{}: column {}: found {}; allowed: a number, or a header of {}", where(),
-                                   i + 1, shown(word), kWanted));
+                                   i + 1, i == 0 ? "neither" : shown(word), kWanted));
   }
 }
 
@@ -173,6 +173,7 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
   const std::string_view first = take_column(rest);
   if (!std::exchange(begun_, true) && !parse_number(first, unused)) {
     check_header(line);
+    is_track_ = true;
     return false;
   }
   rest = line;
@@ -183,14 +184,15 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
       throw InputError(fmt::format("{}: found {}{}; allowed: {} and whatever follows, with commas between",
                                    where(), i, i == 1 ? " column" : " columns", kWanted));
     const std::string_view text = take_column(rest);
-    if (!parse_number(text, *values[i]) || !within_limits(kTable[i], *values[i]))
-      throw InputError(fmt::format("{}: {}: found {}; allowed: {}", where(), kTable[i].name, shown(text),
-                                   allowed(kTable[i])));
+    const bool is_number = parse_number(text, *values[i]);
+    if (!is_number || !within_limits(kTable[i], *values[i]))
+      throw InputError(fmt::format("{}: {}: found {}; allowed: {}", where(), kTable[i].name,
+                                   is_number || is_track_ ? shown(text) : "no number", allowed(kTable[i])));
   }
   if (flying_ && point.time_s < last_time_s_)
     throw InputError(fmt::format("{}: time: found {} after {}; allowed: a time that does not go back",
                                  where(), toml_number(point.time_s), toml_number(last_time_s_)));
-  flying_ = true;
+  flying_ = is_track_ = true;
   last_time_s_ = point.time_s;
   return true;
 }

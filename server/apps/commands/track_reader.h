@@ -51,8 +51,9 @@ class TrackReader {
   std::size_t searched_ = 0;  ///< of it, without a line's end
   bool ended_ = false;
   std::uint64_t line_ = 0;
-  bool begun_ = false;  ///< a header or a point has come
-  bool flying_ = false;
+  bool begun_ = false;     ///< a header or a point has come
+  bool flying_ = false;    ///< a point has come
+  bool is_track_ = false;  ///< a header or a point was read: what the file says may be shown
   double last_time_s_ = 0;
 };
 

@@ -112,6 +112,7 @@ void Daemon::run() {
   check_server_protection(server, "server.address", server.address);
   security_ = server_security(server);
   for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
+  for (const std::string& warning : address_warnings(config_)) spdlog::warn("{}", warning);
   net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
   auto modbus_port = modbus::reserve(config_.modbus);
   if (config_.http.enabled) open_http();

@@ -28,6 +28,17 @@ void check_server_protection(const ServerConfig& server, const std::string& addr
                           "server.unprotected", server.unprotected);
 }
 
+std::vector<std::string> address_warnings(const SceneConfig& config) {
+  const bool reaches_stream = !net::resolves_to_loopback(config.server.address);
+  if (!config.http.enabled || !reaches_stream || !net::resolves_to_loopback(config.http.address)) return {};
+  return {"server.address = " + config.server.address +
+          " serves other machines, http.address = " + config.http.address +
+          " does not: they reach neither the page nor its stream nor /metrics; "
+          "http.address = \"" +
+          config.server.address +
+          "\" opens these too, and http.names takes the name by which browsers call this machine"};
+}
+
 std::shared_ptr<net::Security> server_security(const ServerConfig& server) {
   return std::make_shared<net::Security>(
       net::SecurityFiles{server.tokens, server.tls_certificate, server.tls_key});

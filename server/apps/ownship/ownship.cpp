@@ -61,7 +61,8 @@ std::array<double, 3> three_floats(std::span<const std::byte> bytes, std::size_t
   return {big<float>(bytes, offset), big<float>(bytes, offset + 4), big<float>(bytes, offset + 8)};
 }
 
-double size_of(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+/// No std::hypot: libstdc++'s of three arguments, (0, 0, NaN), is 0.
+double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 struct Place {
   double latitude_deg, longitude_deg, height_m;

@@ -80,8 +80,9 @@ const std::array kParameters{
                                  "Slant range of the far edge of the last range bin."),
     row<&RadarSettings::power_w>("radar.power_w", "W", closed(0, 1e12), "power_w", {240, f32},
                                  "Transmitted power; 0: a silent radar."),
-    row<&RadarSettings::gain_db>("radar.gain_db", "dB", closed(-100, 100), "gain_db", {242, i32, 1e3},
-                                 "One-way antenna gain, the same in all directions."),
+    row<&RadarSettings::gain_db>(
+        "radar.gain_db", "dB", closed(-100, 100), "gain_db", {242, i32, 1e3},
+        "One-way antenna gain at its peak; without [beam] the same in all directions."),
     row<&RadarSettings::range_normalisation>("radar.range_normalisation", "", kAny, "range_normalisation",
                                              {244, u16},
                                              "Multiply amplitudes by range squared; phases stay."),
@@ -95,7 +96,8 @@ const std::array kParameters{
     row<&RadarSettings::frustum>(
         "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
         "How the ground is sampled: rays through pixels in one of three layouts, or vertical planes "
-        "without rays."),
+        "without rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
+        "\"standard\")."),
     row<&RadarSettings::plates>(
         "frustum.plates", "", kPlateKinds, "plates", {251, u16},
         "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "
@@ -118,9 +120,10 @@ const std::array kParameters{
     row<&RadarSettings::scan_mode>(
         "scan.mode", "", kScanModes, "scan_mode", {256, u16},
         "How a live radar scans: whole frames, back and forth across the sector, or round and round."),
-    row<&RadarSettings::scan_rate_deg_s>("scan.rate_deg_s", "deg/s", closed(0.1, 7200), "scan_rate_deg_s",
-                                         {257, i32, 1e3},
-                                         "Turning rate of the antenna; 36 is 6 turns per minute."),
+    row<&RadarSettings::scan_rate_deg_s>(
+        "scan.rate_deg_s", "deg/s", closed(0.1, 7200), "scan_rate_deg_s", {257, i32, 1e3},
+        "Turning rate of the antenna; 36 is 6 turns per minute. A pass over the "
+        "sector takes 10 ms to 60 s."),
     row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
                                          {259, u16},
                                          "Azimuth bins rendered together from one pose; a multiple of 8."),
@@ -340,6 +343,14 @@ std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortFor
 
 std::vector<MissingPosition> read_radars(SceneReading& scene) {
   std::vector<MissingPosition> missing;
+  const int most = scene.config.server.max_radars;
+  const ConfigNode* list = scene.top.take("radar");
+  if (list != nullptr && list->kind == Kind::array && list->items.size() > static_cast<std::size_t>(most)) {
+    scene.complaints.add(scene.config.path.string(),
+                         {"radar", std::to_string(list->items.size()) + " radars",
+                          "at most " + std::to_string(most) + " (server.max_radars)"});
+    return missing;
+  }
   std::vector<std::string> nothing, no_kind;
   const auto read_one = [&](const ConfigNode& table) {
     const RadarReading radar = read_radar(scene, table);
@@ -365,12 +376,6 @@ std::vector<MissingPosition> read_radars(SceneReading& scene) {
       "the sweep");
   if (scene.config.radars.empty() && scene.complaints.empty())
     scene.complaints.add(scene.config.path.string(), {"radar", "an empty list", "at least one [[radar]]"});
-  const int most = scene.config.server.max_radars;
-  if (scene.config.radars.size() > static_cast<std::size_t>(most)) {
-    scene.complaints.add(scene.config.path.string(),
-                         {"radar", std::to_string(scene.config.radars.size()) + " radars",
-                          "at most " + std::to_string(most) + " (server.max_radars)"});
-  }
   return missing;
 }
 

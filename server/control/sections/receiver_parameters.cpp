@@ -48,7 +48,8 @@ const std::array kParameters{
         "Power of a sine that just fills the converter."),
     row<&RadarSettings::video, &VideoSettings::looks>(
         "video.looks", "", closed(1, 1024), "video_looks", {292, u16},
-        "Pulses that the video integrates: it scatters as the mean of so many; 1: |I&Q|^2 itself."),
+        "Pulses that the video integrates: it scatters as the mean of so many, in grains as large as one "
+        "look's; 1: |I&Q|^2 itself."),
     row<&RadarSettings::video, &VideoSettings::floor_auto>(
         "video.floor_auto", "", kAny, "video_floor_auto", {293, u16},
         "Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it."),

@@ -23,11 +23,14 @@ struct ServerLimits {
   std::int64_t max_pixels = 16384LL * 16384LL;  ///< in one frame
   /// Pixels and bins of all clients' unfinished RenderOnce requests: here three of the largest frames.
   std::int64_t max_work_queued = 1'000'000'000;
-  std::int64_t max_memory_mb = 0;  ///< of this process with what a request needs; 0: no limit
-  int max_renders_queued = 4;      ///< unfinished RenderOnce requests of one client
-  int max_subscriptions = 16;      ///< of one client
-  double stop_limit_s = 5;         ///< for begun frames and queues when stopping; then they are cut
-  int queue_frames = 2;            ///< per subscription: the begun one and those that wait; the newest wins
+  /// Weights of a beam's plan. So many take 160 MB, as much again in each thread, and two seconds of work.
+  std::int64_t max_plan_taps = 20'000'000;
+  /// Of this process with what a request needs. 0: three quarters of the memory there is (memory_limit_mb).
+  double max_memory_mb = 0;
+  int max_renders_queued = 4;  ///< unfinished RenderOnce requests of one client
+  int max_subscriptions = 16;  ///< of one client
+  double stop_limit_s = 5;     ///< for begun frames and queues when stopping; then they are cut
+  int queue_frames = 2;        ///< per subscription: the begun one and those that wait; the newest wins
 };
 
 /// Where the daemon listens, and its limits.

@@ -26,7 +26,9 @@ constexpr std::array kTerrainRows{
         "Spacing of the ground grid. auto starts from the larger of the dem's posting and the radars' "
         "sampling, and halves it while the grid misses 5 % of the dem's posts by more than 0.5 m and half "
         "the dem's own error, the posts stay below a quarter of flight.max_megaposts, and half the size "
-        "takes at most 1.3 times the frame time."),
+        "takes at most 1.3 times the frame time. Then it is halved, twice at most, while that moves the "
+        "power "
+        "that a radar sees in all from its first pose by more than 0.3 %, whatever the frame time."),
     Terrain::row<&TerrainSpec::fill_void_m>(
         "terrain.fill_void_m", "m", closed(0, 100e3),
         "Voids up to this wide are filled by interpolation; wider ones are not ground. auto: the larger of "

@@ -4,17 +4,12 @@
 #include <optional>
 #include <vector>
 
+#include "server/radar/beam/echo_layout.h"
 #include "server/radar/bins.h"
 #include "server/radar/settings.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
-
-/// What a plan needs to know of the place.
-struct EchoPlace {
-  double height_m = 0;       ///< of the antenna above the ground
-  double least_r_min_m = 0;  ///< what the frustum allows
-};
 
 /// Weights of a beam at one elevation, of sharp azimuths first .. first + n - 1 counted from those of the
 /// output bin.
@@ -43,7 +38,7 @@ struct EchoPlan {
 
   /// Azimuth weights by tiles of kTile sharp range bins, all of the same length: the beam is wider on the
   /// ground where it looks steeply down. The first is of sharp azimuth first_azimuth + first_tap.
-  static constexpr int kTile = 16;
+  static constexpr int kTile = EchoLayout::kTile;
   int first_tap = 0;
   int n_taps = 1;
   std::vector<AzimuthWeights> tiles;

@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "terrain/base/asking.h"
+
 namespace obliq {
 
-SharpWedgePtr SharpStore::find(int sharp_wedge, bool iq, bool states) const {
+SharpWedgePtr SharpStore::find(int sharp_wedge, const SharpPlanes& wanted) const {
   const std::lock_guard lock(mutex_);
   const auto kept = kept_.find(sharp_wedge);
-  if (kept == kept_.end() || (iq && kept->second.wedge->iq.empty()) || (states && !kept->second.states))
-    return nullptr;
+  if (kept == kept_.end() || !kept->second.planes.hold(wanted)) return nullptr;
   return kept->second.wedge;
 }
 
-void SharpStore::keep(int sharp_wedge, bool states, SharpWedgePtr wedge) {
+void SharpStore::keep(int sharp_wedge, const SharpPlanes& planes, SharpWedgePtr wedge) {
   const std::lock_guard lock(mutex_);
   const auto drop = [&](int index) {
     const auto kept = kept_.find(index);
@@ -24,7 +25,7 @@ void SharpStore::keep(int sharp_wedge, bool states, SharpWedgePtr wedge) {
   if (kept_.contains(sharp_wedge)) drop(sharp_wedge);
   bytes_ += wedge->bytes();
   order_.push_back(sharp_wedge);
-  kept_.emplace(sharp_wedge, Kept{std::move(wedge), states});
+  kept_.emplace(sharp_wedge, Kept{std::move(wedge), planes});
   while (bytes_ > kMostBytes && order_.size() > 1) drop(order_.front());
 }
 
@@ -40,31 +41,49 @@ std::size_t SharpStore::bytes() const {
   return bytes_;
 }
 
-EchoRows::EchoRows(const EchoPlan& plan, int first, int end) : plan_(plan), first_(first) {
+EchoRows::EchoRows(const EchoPlan& plan, int first, int end)
+    : plan_(plan),
+      first_(first),
+      n_wedges_(wedge_count(plan.sharp.azimuth_bins)),
+      there_(static_cast<std::size_t>(n_wedges_)),
+      users_(there_.size(), 0) {
   for (int wedge = first; wedge < end; ++wedge) {
-    Output output;
-    for (const int row : sharp_rows(wedge)) {
-      const int sharp = row / kWedgeAzimuthBins;
-      if (std::ranges::find(output.sharp, sharp) == output.sharp.end()) output.sharp.push_back(sharp);
+    const int rows = rows_of(azimuths_of(wedge));
+    const int first_sharp = sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins)) / kWedgeAzimuthBins;
+    Output output{first_sharp, 0, 0};
+    // The rows of a full circle may come back to the wedge that they begin in.
+    for (int row = 0; row < rows && output.count < n_wedges_; ++output.count) {
+      const int azimuth = sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins) + row);
+      const int next =
+          std::min((azimuth / kWedgeAzimuthBins + 1) * kWedgeAzimuthBins, plan.sharp.azimuth_bins);
+      row += next - azimuth;
+      if (users_[static_cast<std::size_t>(azimuth / kWedgeAzimuthBins)]++ == 0)
+        order_.push_back(azimuth / kWedgeAzimuthBins);
     }
-    output.missing = static_cast<int>(output.sharp.size());
-    for (const int sharp : output.sharp)
-      if (users_[sharp]++ == 0) order_.push_back(sharp);
-    outputs_.push_back(std::move(output));
+    output.missing = output.count;
+    outputs_.push_back(output);
+    ask(8 * std::int64_t{output.count});
   }
 }
 
-/// Sharp azimuths of an output wedge, from the first one's first tap on.
-std::vector<int> EchoRows::sharp_rows(int wedge) const {
+AzimuthRange EchoRows::azimuths_of(int wedge) const {
   const int first = wedge * kWedgeAzimuthBins;
-  const int n = std::min(kWedgeAzimuthBins, plan_.n_azimuth - first);
+  return {first, std::min(kWedgeAzimuthBins, plan_.n_azimuth - first)};
+}
+
+/// Sharp azimuths of output bins, from the first one's first tap on.
+int EchoRows::rows_of(AzimuthRange azimuths) const {
+  return (azimuths.count - 1) * plan_.azimuth_parts + plan_.n_taps;
+}
+
+int EchoRows::sharp_azimuth(int row) const {
   const int all = plan_.sharp.azimuth_bins;
-  std::vector<int> rows;
-  for (int k = 0; k < (n - 1) * plan_.azimuth_parts + plan_.n_taps; ++k) {
-    const int row = plan_.first_row(first) + k;
-    rows.push_back(plan_.wraps ? ((row % all) + all) % all : row);
-  }
-  return rows;
+  return plan_.wraps ? ((row % all) + all) % all : row;
+}
+
+/// Which of an output's sharp wedges a wedge is; not below its count: none.
+int EchoRows::place_in(const Output& output, int sharp) const {
+  return sharp >= output.first ? sharp - output.first : sharp - output.first + n_wedges_;
 }
 
 /// The output wedge that counts a sharp wedge's rays and samples: the one with its ground, or the nearest.
@@ -75,30 +94,40 @@ int EchoRows::owner_of(int sharp) const {
 
 void EchoRows::take(int sharp, SharpWedgePtr wedge) {
   const std::lock_guard lock(mutex_);
-  there_[sharp] = std::move(wedge);
+  there_[static_cast<std::size_t>(sharp)] = std::move(wedge);
   for (std::size_t k = 0; k < outputs_.size(); ++k)
-    if (std::ranges::find(outputs_[k].sharp, sharp) != outputs_[k].sharp.end() && --outputs_[k].missing == 0)
+    if (place_in(outputs_[k], sharp) < outputs_[k].count && --outputs_[k].missing == 0)
       ready_.push_back(static_cast<int>(k));
 }
 
 bool EchoRows::next_ready(Ready& ready) {
-  const std::lock_guard lock(mutex_);
-  if (ready_.empty()) return false;
-  const Output& output = outputs_[static_cast<std::size_t>(ready_.front())];
   ready = {};
-  ready.wedge = first_ + ready_.front();
-  ready_.pop_front();
-  const int first = ready.wedge * kWedgeAzimuthBins;
-  ready.azimuths = {first, std::min(kWedgeAzimuthBins, plan_.n_azimuth - first)};
-  for (const int row : sharp_rows(ready.wedge))
-    ready.rows.push_back(there_.at(row / kWedgeAzimuthBins).get());
-  std::vector<int> own = output.sharp;
-  std::ranges::sort(own);  // sums of statistics have one order
-  for (const int sharp : own) {
-    const auto there = there_.find(sharp);
-    ready.owners.push_back(there->second);
-    if (owner_of(sharp) == ready.wedge) ready.stats.add(there->second->stats);
-    if (--users_.at(sharp) == 0) there_.erase(there);
+  const Output* output = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ready_.empty()) return false;
+    ready.wedge = first_ + ready_.front();
+    output = &outputs_[static_cast<std::size_t>(ready_.front())];
+    ready_.pop_front();
+    for (int k = 0; k < output->count; ++k) {
+      const auto sharp = static_cast<std::size_t>((output->first + k) % n_wedges_);
+      ready.owners.push_back(there_[sharp]);
+      if (--users_[sharp] == 0) there_[sharp] = nullptr;
+    }
+  }
+  ready.azimuths = azimuths_of(ready.wedge);
+  const int first_row = plan_.first_row(ready.azimuths.first);
+  const int rows = rows_of(ready.azimuths);
+  ask(2 * std::int64_t{rows});
+  for (int k = 0; k < rows; ++k) {
+    const int sharp = sharp_azimuth(first_row + k) / kWedgeAzimuthBins;
+    ready.rows.push_back(ready.owners[static_cast<std::size_t>(place_in(*output, sharp))].get());
+  }
+  // Sums of statistics have one order.
+  for (int sharp = 0; sharp < n_wedges_; ++sharp) {
+    const int place = place_in(*output, sharp);
+    if (place < output->count && owner_of(sharp) == ready.wedge)
+      ready.stats.add(ready.owners[static_cast<std::size_t>(place)]->stats);
   }
   return true;
 }

@@ -14,17 +14,17 @@ class SharpStore {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
 
-  /// Null: not there, or without I&Q though it is wanted.
-  SharpWedgePtr find(int sharp_wedge, bool iq, bool states) const;
+  /// Null: not there, or without a plane that is wanted.
+  SharpWedgePtr find(int sharp_wedge, const SharpPlanes& wanted) const;
   /// Keeps it for as long as there is room: what came first goes first.
-  void keep(int sharp_wedge, bool states, SharpWedgePtr wedge);
+  void keep(int sharp_wedge, const SharpPlanes& planes, SharpWedgePtr wedge);
   void clear();
   std::size_t bytes() const;
 
  private:
   struct Kept {
     SharpWedgePtr wedge;
-    bool states;
+    SharpPlanes planes;
   };
   mutable std::mutex mutex_;
   std::map<int, Kept> kept_;
@@ -57,21 +57,27 @@ class EchoRows {
   bool next_ready(Ready& ready);
 
  private:
+  /// Neighbouring sharp wedges, on from the last to the first.
   struct Output {
-    std::vector<int> sharp;  // wedges, each once
-    int missing = 0;
+    int first;
+    int count;
+    int missing;
   };
-  std::vector<int> sharp_rows(int output) const;
+  AzimuthRange azimuths_of(int output) const;
+  int rows_of(AzimuthRange azimuths) const;
+  int sharp_azimuth(int row) const;
+  int place_in(const Output& output, int sharp_wedge) const;
   int owner_of(int sharp_wedge) const;
 
   const EchoPlan& plan_;
-  int first_;
-  std::vector<Output> outputs_;
+  const int first_;
+  const int n_wedges_;  // sharp ones
   std::vector<int> order_;
-  std::mutex mutex_;
-  std::map<int, SharpWedgePtr> there_;
-  std::map<int, int> users_;  // outputs that still need a sharp wedge
-  std::deque<int> ready_;     // outputs, counted from first_
+  std::mutex mutex_;  // guards what follows
+  std::vector<Output> outputs_;
+  std::vector<SharpWedgePtr> there_;
+  std::vector<int> users_;  // [n_wedges] outputs that still need a sharp wedge
+  std::deque<int> ready_;   // outputs, counted from first_
 };
 
 }  // namespace obliq

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
 
 namespace obliq {
@@ -14,7 +15,8 @@ constexpr int kIq = 0;
 constexpr int kPower = 1;
 constexpr int kOutputs = AzimuthSum::kOutputs;
 constexpr int kLanesOut = kWedgeAzimuthBins;  // a whole number of kOutputs
-constexpr std::size_t kSpare = 64;
+constexpr int kRun = 1024;     // elements between two times that are asked, a multiple of all kernels' lanes
+constexpr int kProducts = 32;  // that a kernel adds up in a unit of ask()
 
 std::vector<float> padded(const std::vector<float>& taps, int step) {
   std::vector<float> all(taps.size() + 2 * static_cast<std::size_t>((kOutputs - 1) * step));
@@ -39,11 +41,13 @@ EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
   for (const AzimuthWeights& tile : plan.tiles) {
     voltage_.push_back(padded(tile.voltage, plan.azimuth_parts));
     power_.push_back(padded(tile.power, plan.azimuth_parts));
+    ask(static_cast<std::int64_t>(voltage_.back().size()));
   }
   for (const int kind : {kIq, kPower}) {
     const std::size_t floats = kind == kIq ? 2 : 1;
     rows_[kind].assign(kLanesOut, std::vector<float>(floats * (stride_ + 2 * pad_)));
     ranges_[kind].assign(floats * (stride_ + kSpare), 0);
+    ask(static_cast<std::int64_t>(kLanesOut * floats * stride_ / 2));
   }
   const RadarSettings& s = plan.sharp;
   const double sharp_m = (s.r_max_m - s.r_min_m) / s.range_bins;
@@ -53,6 +57,7 @@ EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
     const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));
     phase_.emplace_back(static_cast<float>(at.cos), static_cast<float>(at.sin));
     if (plan.range_normalisation) range2_m2_.push_back(range_m * range_m);
+    if (m % kRun == 0) ask(10 * kRun);
   }
 }
 
@@ -62,10 +67,13 @@ int EchoSums::sharp_azimuth(int row) const {
   return ((row % all) + all) % all;
 }
 
-void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, BinBlock& bins) {
+void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, bool look,
+                   BinBlock& bins) {
   const int first_row = plan_.first_row(bins.first_azimuth);
   const bool coherent = iq && !plan_.draws();
-  const bool drawn = iq && plan_.speckle == SpeckleKind::independent;
+  const bool independent = plan_.speckle == SpeckleKind::independent;
+  const bool drawn = (iq || look) && independent;
+  if (look) bins.look.resize(bins.iq.size());
   Rows iq_rows(static_cast<std::size_t>(rows_of(kLanesOut)), zeros_.data());
   Rows power_rows = iq_rows;
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -80,9 +88,26 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
     if (drawn) draw_row(draw, bins.first_azimuth + o, lane);
     sum_ranges(kPower, lane);
     if (coherent || drawn) sum_ranges(kIq, lane);
-    write(bins, lane * static_cast<std::size_t>(plan_.n_range), iq);
+    const std::size_t row = lane * static_cast<std::size_t>(plan_.n_range);
+    write(bins, row, iq);
+    if (look && independent) write_voltages(bins.look.data() + row);
   }
+  if (look && !independent) sum_looks(rows, bins);
   write_ground(rows, bins);
+}
+
+/// One look of speckle that is drawn in the sharp bins: beam and pulse give it the grain of the I&Q.
+void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& bins) {
+  const int first_row = plan_.first_row(bins.first_azimuth);
+  Rows look_rows(static_cast<std::size_t>(rows_of(kLanesOut)), zeros_.data());
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    look_rows[k] = rows[k]->look_row(sharp_azimuth(first_row + static_cast<int>(k)));
+  sum_azimuths(look_rows, kIq, bins.n_azimuth);
+  for (int o = 0; o < bins.n_azimuth; ++o) {
+    const auto lane = static_cast<std::size_t>(o);
+    sum_ranges(kIq, lane);
+    write_voltages(bins.look.data() + lane * static_cast<std::size_t>(plan_.n_range));
+  }
 }
 
 /// Of neighbouring output bins, into rows_. Tile by tile: what a tile reads of the rows stays in the nearest
@@ -103,6 +128,7 @@ void EchoSums::sum_azimuths(const Rows& rows, int kind, int n_azimuth) {
         sum.out[o] = rows_[kind][static_cast<std::size_t>(output + o)].data() +
                      static_cast<std::size_t>(floats) * pad_;
       kernels_.azimuth_sum(sum);
+      ask(sum.n_taps * kOutputs * sum.n / kProducts);
     }
   }
 }
@@ -112,6 +138,7 @@ void EchoSums::draw_row(std::uint64_t draw, int azimuth, std::size_t lane) {
   kernels_.draw_speckle({mix64(draw ^ static_cast<std::uint64_t>(plan_.sharp.speckle_seed)),
                          static_cast<std::uint64_t>(azimuth) << 32, static_cast<int>(stride_),
                          rows_[kPower][lane].data() + pad_, rows_[kIq][lane].data() + 2 * pad_});
+  ask(2 * static_cast<std::int64_t>(stride_));
 }
 
 /// Of one output row, into ranges_.
@@ -119,29 +146,39 @@ void EchoSums::sum_ranges(int kind, std::size_t lane) {
   const std::vector<float>& taps = kind == kIq ? plan_.gate_voltage : plan_.gate_power;
   const int floats = kind == kIq ? 2 : 1;
   const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(pad_) + plan_.first_range + plan_.first_gate_tap;
-  kernels_.range_sum({floats, static_cast<int>(taps.size()), taps.data(),
-                      rows_[kind][lane].data() + floats * from,
-                      floats * ((plan_.n_range - 1) * plan_.range_parts + 1), ranges_[kind].data()});
+  const int n = floats * ((plan_.n_range - 1) * plan_.range_parts + 1);
+  for (int first = 0; first < n; first += kRun) {
+    const int count = std::min(kRun, n - first);
+    kernels_.range_sum({floats, static_cast<int>(taps.size()), taps.data(),
+                        rows_[kind][lane].data() + floats * from + first, count,
+                        ranges_[kind].data() + first});
+    ask(static_cast<std::int64_t>(taps.size()) * count / kProducts);
+  }
 }
 
 /// One row of bins, of the radar's power.
 void EchoSums::write(BinBlock& bins, std::size_t row, bool iq) const {
-  const double voltage_scale = std::sqrt(plan_.power_scale);
+  ask(4 * plan_.n_range);
   const bool from_power = plan_.speckle == SpeckleKind::none;
   for (std::size_t m = 0; m < static_cast<std::size_t>(plan_.n_range); ++m) {
     const std::size_t sharp = m * static_cast<std::size_t>(plan_.range_parts);
     const double r2 = range2_m2_.empty() ? 1 : range2_m2_[m];
     const double power_w = static_cast<double>(ranges_[kPower][sharp]) * plan_.power_scale * (r2 * r2);
     bins.power_w[row + m] = power_w;
-    if (!iq) {
-      bins.iq[row + m] = 0;
-    } else if (from_power) {
-      bins.iq[row + m] = phase_[m] * static_cast<float>(std::sqrt(power_w));
-    } else {
-      const double scale = voltage_scale * r2;
-      bins.iq[row + m] = {static_cast<float>(static_cast<double>(ranges_[kIq][2 * sharp]) * scale),
-                          static_cast<float>(static_cast<double>(ranges_[kIq][2 * sharp + 1]) * scale)};
-    }
+    bins.iq[row + m] = iq && from_power ? phase_[m] * static_cast<float>(std::sqrt(power_w)) : 0;
+  }
+  if (iq && !from_power) write_voltages(bins.iq.data() + row);
+}
+
+/// What ranges_ has of them, of the radar's power.
+void EchoSums::write_voltages(std::complex<float>* row) const {
+  ask(2 * plan_.n_range);
+  const double voltage_scale = std::sqrt(plan_.power_scale);
+  for (std::size_t m = 0; m < static_cast<std::size_t>(plan_.n_range); ++m) {
+    const std::size_t sharp = m * static_cast<std::size_t>(plan_.range_parts);
+    const double scale = voltage_scale * (range2_m2_.empty() ? 1 : range2_m2_[m]);
+    row[m] = {static_cast<float>(static_cast<double>(ranges_[kIq][2 * sharp]) * scale),
+              static_cast<float>(static_cast<double>(ranges_[kIq][2 * sharp + 1]) * scale)};
   }
 }
 
@@ -150,6 +187,7 @@ void EchoSums::write_ground(const std::vector<const SharpWedge*>& rows, BinBlock
   const int first_row = plan_.first_row(bins.first_azimuth);
   for (int a = 0; a < bins.n_azimuth; ++a) {
     for (int part = 0; part < plan_.azimuth_parts; ++part) {
+      ask(plan_.n_range * plan_.range_parts);
       const int row = a * plan_.azimuth_parts + part - plan_.first_tap;
       const SharpWedge& wedge = *rows[static_cast<std::size_t>(row)];
       const std::size_t from =

@@ -11,12 +11,15 @@ namespace obliq {
 /// the same bits from any thread and with any instruction set. Holds its buffers; one thread at a time.
 class EchoSums {
  public:
+  static constexpr std::size_t kSpare = 64;  ///< bins that a kernel may read or write beyond a row
+
   /// kernels: for tests that compare instruction sets.
   explicit EchoSums(const EchoPlan& plan, const Kernels& kernels = widest_kernels());
 
   /// rows: of sharp azimuth plan.first_row(bins.first_azimuth) and the following, as many as rows_of() says.
-  /// draw: names the frame, for independent speckle. iq: whether I&Q is wanted.
-  void sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, BinBlock& bins);
+  /// draw: names the frame, for independent speckle. iq: whether I&Q is wanted; look: BinBlock's.
+  void sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, bool look,
+           BinBlock& bins);
 
   /// Sharp rows that `n_azimuth` output bins are made from.
   int rows_of(int n_azimuth) const { return (n_azimuth - 1) * plan_.azimuth_parts + plan_.n_taps; }
@@ -26,7 +29,9 @@ class EchoSums {
   void sum_azimuths(const Rows& rows, int kind, int n_azimuth);
   void draw_row(std::uint64_t draw, int azimuth, std::size_t lane);
   void sum_ranges(int kind, std::size_t lane);
+  void sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& bins);
   void write(BinBlock& bins, std::size_t row, bool iq) const;
+  void write_voltages(std::complex<float>* row) const;
   void write_ground(const std::vector<const SharpWedge*>& rows, BinBlock& bins) const;
   int sharp_azimuth(int row) const;
 

@@ -142,7 +142,9 @@ PatternCuts read_pattern_cuts(const std::filesystem::path& file) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (at.line == 1) {
       if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());  // of spreadsheets
-      if (line != "cut,angle_deg,gain_db") refuse(at, shown(line), "the heading cut,angle_deg,gain_db");
+      // What was found is not shown: the file may be any, under a wrong name.
+      if (line != "cut,angle_deg,gain_db")
+        refuse(at, "another first line", "the heading cut,angle_deg,gain_db");
     } else if (!line.empty()) {
       take_row(at, line, cuts);
     }

@@ -2,11 +2,15 @@
 
 #include <utility>
 
+#include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
+
 namespace obliq {
 
 std::size_t sharp_stride(const EchoPlan& plan) { return plan.tiles.size() * EchoPlan::kTile; }
 
-SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins, bool with_iq)
+SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins,
+                       const SharpPlanes& planes, std::uint64_t look_key)
     : first_azimuth(bins.first_azimuth),
       n_azimuth(bins.n_azimuth),
       n_range(bins.n_range),
@@ -14,23 +18,40 @@ SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& 
       count(std::move(bins.count)),
       state(std::move(bins.state)),
       stats(of_bins) {
-  power.assign(static_cast<std::size_t>(n_azimuth) * stride, 0);
-  if (with_iq) iq.assign(2 * power.size(), 0);
+  fill(power, static_cast<std::size_t>(n_azimuth) * stride, 0);
+  if (planes.iq) fill(iq, 2 * power.size(), 0);
   for (std::size_t a = 0; a < static_cast<std::size_t>(n_azimuth); ++a) {
+    ask(n_range);
     for (std::size_t r = 0; r < static_cast<std::size_t>(n_range); ++r) {
       const std::size_t from = a * static_cast<std::size_t>(n_range) + r;
       const std::size_t to = a * stride + r;
       const float amplitude = plan.amplitude.empty() ? 1.0F : plan.amplitude[r];
       power[to] = static_cast<float>(bins.power_w[from]) * (amplitude * amplitude);
-      if (!with_iq) continue;
+      if (!planes.iq) continue;
       iq[2 * to] = bins.iq[from].real() * amplitude;
       iq[2 * to + 1] = bins.iq[from].imag() * amplitude;
     }
   }
+  if (planes.look) draw_look(plan, look_key);
+}
+
+/// A draw belongs to a place in the output frame: how far beyond it the sharp one reaches does not matter.
+void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
+  constexpr std::uint64_t kBeside = std::uint64_t{1} << 30;  // more bins than a halo has
+  fill(look, 2 * power.size(), 0);
+  for (int a = first_azimuth; a < first_azimuth + n_azimuth; ++a) {
+    ask(2 * static_cast<std::int64_t>(stride));
+    const std::uint64_t azimuth =
+        kBeside + static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(plan.first_azimuth);
+    const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan.first_range);
+    widest_kernels().draw_speckle(
+        {key, (azimuth << 32) + range, static_cast<int>(stride), power_row(a), look.data() + 2 * row(a)});
+  }
 }
 
 std::size_t SharpWedge::bytes() const {
-  return (iq.size() + power.size()) * sizeof(float) + count.size() * sizeof(std::uint32_t) + state.size();
+  return (iq.size() + look.size() + power.size()) * sizeof(float) + count.size() * sizeof(std::uint32_t) +
+         state.size();
 }
 
 }  // namespace obliq

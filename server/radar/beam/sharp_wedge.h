@@ -8,6 +8,16 @@
 
 namespace obliq {
 
+/// What sharp wedges hold beside power and count.
+struct SharpPlanes {
+  bool iq = false;
+  bool look = false;  ///< of video of several looks (BinBlock::look)
+  bool states = false;
+  bool hold(const SharpPlanes& wanted) const {
+    return iq >= wanted.iq && look >= wanted.look && states >= wanted.states;
+  }
+};
+
 /// A wedge of the sharp frame as the sums over it read it: rows of floats, of 1 W and 0 dBi, with zeros
 /// behind them up to whole tiles. Immutable once made.
 struct SharpWedge {
@@ -16,18 +26,23 @@ struct SharpWedge {
   int n_range = 0;
   std::size_t stride = 0;    ///< bins a row, a multiple of EchoPlan::kTile
   std::vector<float> iq;     ///< [n_azimuth][stride][2]; empty: not wanted
+  std::vector<float> look;   ///< as iq: drawn bin by bin about the mean power
   std::vector<float> power;  ///< [n_azimuth][stride]
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
   FrameStats stats;
 
-  SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins, bool with_iq);
+  /// look_key: what the look's draws follow from.
+  SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins, const SharpPlanes& planes,
+             std::uint64_t look_key = 0);
 
   const float* power_row(int azimuth) const { return power.data() + row(azimuth); }
   const float* iq_row(int azimuth) const { return iq.data() + 2 * row(azimuth); }
+  const float* look_row(int azimuth) const { return look.data() + 2 * row(azimuth); }
   std::size_t bytes() const;
 
  private:
+  void draw_look(const EchoPlan& plan, std::uint64_t key);
   std::size_t row(int azimuth) const { return static_cast<std::size_t>(azimuth - first_azimuth) * stride; }
 };
 using SharpWedgePtr = std::shared_ptr<const SharpWedge>;

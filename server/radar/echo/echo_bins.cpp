@@ -7,8 +7,15 @@
 #include "server/radar/simd/cross_section.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
+
+namespace {
+// In units of ask().
+constexpr std::int64_t kASample = 20;
+constexpr std::int64_t kAScatterer = 8;
+}  // namespace
 
 EchoBins::EchoBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                    AzimuthRange range, Surfaces surfaces)
@@ -26,9 +33,9 @@ void EchoBins::restart(AzimuthRange range) {
   range_ = range;
   const std::size_t n =
       static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan_.bins().n_range);
-  power_w_.assign(n, 0);
-  count_.assign(n, 0);
-  voltage_.assign(n, 0);
+  fill(power_w_, n, 0);
+  fill(count_, n, 0);
+  fill(voltage_, n, 0);
   if (plan_.settings().speckle == SpeckleKind::geometric) return;
   sums_.resize(static_cast<std::size_t>(range.count), ScattererSums(scratch_));
   for (ScattererSums& sums : sums_) sums.restart(plan_.bins().n_range);
@@ -41,6 +48,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
+  ask(kASample * samples.n);
   widest_kernels().bin_samples(cells_, factors_, samples, placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
@@ -98,6 +106,7 @@ void EchoBins::add_speckle() {
     std::complex<double>* const voltage = voltage_.data() + azimuth * n_range;
     for (std::size_t first = 0; first < sums.size(); first += kBlock) {
       const std::size_t n = std::min(kBlock, sums.size() - first);
+      ask(kAScatterer * static_cast<std::int64_t>(n));
       for (std::size_t k = 0; k < n; ++k)
         at[k] = sums.range_bin(first + k) * kWedgeAzimuthBins + static_cast<std::uint32_t>(azimuth);
       speckle_.respond({static_cast<int>(n), sums.places() + first, sums.kinds() + first,
@@ -110,7 +119,9 @@ void EchoBins::add_speckle() {
 
 void EchoBins::write(BinBlock& block) {
   if (plan_.settings().speckle != SpeckleKind::geometric) add_speckle();
+  constexpr std::size_t kRun = 1024;
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
+    if (bin % kRun == 0) ask(2 * kRun);
     block.iq[bin] = std::complex<float>(voltage_[bin]);
     block.power_w[bin] = power_w_[bin];
     block.count[bin] = count_[bin];

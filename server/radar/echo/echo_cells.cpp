@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
+
+namespace {
+// In units of ask().
+constexpr int kAnEcho = 4;
+constexpr int kAScatterer = 8;
+}  // namespace
 
 EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                      Surfaces surfaces, bool voltages, const Kernels& kernels)
@@ -39,9 +46,9 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
 void EchoCells::restart(int first_azimuth) {
   edges_ = plan_.wedge_edges(first_azimuth);
   const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
-  cells_.assign(n, {0, 0, 0, 0});
-  shadow_.assign(n, 0);
-  if (voltages_) last_.assign(n, {0, 0, 0});
+  fill(cells_, n, {0, 0, 0, 0});
+  fill(shadow_, n, 0);
+  if (voltages_) fill(last_, n, {0, 0, 0});
   echoes_ = 0;
   n_ = 0;
   faces_.n = 0;
@@ -60,6 +67,7 @@ void EchoCells::add(GroundEchoes& echoes) {
     return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns));
   };
   if (voltages_ && n > 0) kernels_.ground_places(where_, echoes, list_place_, list_kind_);
+  ask(kAnEcho * n);
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
   for (int k = 0; k < n; ++k) {
@@ -89,6 +97,7 @@ void EchoCells::put(std::size_t at, const Scatterer& scatterer) {
 }
 
 void EchoCells::take_scatterers() {
+  ask(kAScatterer * n_);
   speckle_.respond({n_, place_, kind_, power_w_, re_, im_, at_, &edges_});
   for (int k = 0; k < n_; ++k) {
     Cell& cell = cells_[at_[k]];
@@ -129,6 +138,7 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
 }
 
 void EchoCells::take_faces() {
+  ask(kAScatterer * faces_.n);
   kernels_.face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
   for (int k = 0; k < faces_.n; ++k) {
     Cell& cell = cells_[faces_.at[k]];
@@ -142,10 +152,13 @@ void EchoCells::take_faces() {
 
 void EchoCells::write(BinBlock& block) {
   take_faces();
-  for (std::size_t at = 0; at < last_.size(); ++at)
+  for (std::size_t at = 0; at < last_.size(); ++at) {
+    if (at % kBlock == 0) ask(kBlock);
     if (last_[at].power_w > 0) put(at, last_[at]);
+  }
   if (voltages_) take_scatterers();
   for (int a = 0; a < block.n_azimuth; ++a) {
+    ask(2 * block.n_range);
     for (int r = 0; r < block.n_range; ++r) {
       const Cell& cell = cells_[index(a, r)];
       const std::size_t bin =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -13,6 +14,7 @@
 #include "server/radar/geometry/circle_axes.h"
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/parallel.h"
 
 namespace obliq {
@@ -22,6 +24,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kBlock = 1024;  // buildings whose bins are worked out before they are used
 constexpr std::size_t kLeastForThreads = 50000;
 constexpr std::size_t kMostChunks = 16;
+constexpr std::size_t kLeastRun = 64;  // buildings of a chunk at a time
+constexpr std::int64_t kCorners = 20;  // bounds_of, in units of ask()
 
 /// Bins narrower than this are found in double.
 constexpr double kNarrow_rad = 1e-6;
@@ -69,6 +73,11 @@ BinSpan exact_bins(const Buildings& all, const Sector& sector, const BinGrid& bi
   return span;
 }
 
+std::int64_t bins_of(const BinSpan& span, std::int32_t n_bins) {
+  if (span.last < 0) return 0;
+  return span.last + 1 - span.first + (span.last < span.first ? n_bins : 0);
+}
+
 template <typename Use>
 void for_each_bin(const BinSpan& span, std::int32_t n_bins, Use&& use) {
   if (span.last < 0) return;
@@ -91,27 +100,49 @@ AzimuthBuildings::AzimuthBuildings(const Scene& scene, const Sector& sector, con
   const auto spans = std::make_unique_for_overwrite<BinSpan[]>(n);
   std::vector<std::uint32_t> next(n_chunks * n_bins);  // first counts, then where a chunk's next one goes
   const auto chunk_from = [&](std::size_t chunk) { return n * chunk / n_chunks; };
-  const auto for_each_chunk = [&](const std::function<void(int)>& work) {
-    if (n_chunks == 1) return work(0);
-    for_each_row(static_cast<int>(n_chunks), work);
+  // Some buildings of every chunk at a time, and more of them where they take little: only this thread asks.
+  using Work = std::function<std::int64_t(std::size_t chunk, std::size_t from, std::size_t count)>;
+  const auto for_each_run = [&](const Work& work) {
+    std::vector<std::size_t> at(n_chunks);
+    for (std::size_t chunk = 0; chunk < n_chunks; ++chunk) at[chunk] = chunk_from(chunk);
+    for (std::size_t most = kLeastRun;;) {
+      std::atomic<std::int64_t> done = 0;
+      const auto take = [&](int index) {
+        const auto chunk = static_cast<std::size_t>(index);
+        for (std::size_t left = most; left > 0 && at[chunk] < chunk_from(chunk + 1);) {
+          const std::size_t count = std::min({kBlock, left, chunk_from(chunk + 1) - at[chunk]});
+          done += work(chunk, at[chunk], count);
+          at[chunk] += count;
+          left -= count;
+        }
+      };
+      if (n_chunks == 1) {
+        take(0);
+      } else {
+        for_each_row(static_cast<int>(n_chunks), take);
+      }
+      if (done == 0) return;
+      ask(done);
+      if (done < WorkGate::kLook) most *= 2;
+      if (done > 2 * WorkGate::kLook) most = std::max(kLeastRun, most / 2);
+    }
   };
 
-  for_each_chunk([&](int index) {
-    const auto chunk = static_cast<std::size_t>(index);
+  for_each_run([&](std::size_t chunk, std::size_t from, std::size_t count) {
     std::uint32_t* counts = next.data() + chunk * n_bins;
     std::array<std::int32_t, kBlock> first, last;
-    for (std::size_t from = chunk_from(chunk), end = chunk_from(chunk + 1); from < end; from += kBlock) {
-      const std::size_t count = std::min(kBlock, end - from);
-      kernels.circle_bins(circle_bins, circle_run(scene.circles(), from, count), first.data(), last.data());
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t b = from + k;
-        BinSpan span{first[k], last[k]};
-        if (span.last == kLookCloser || by_corners)
-          span = exact_bins(scene.world().buildings, sector, bins, reach_m, static_cast<std::uint32_t>(b));
-        for_each_bin(span, bins.n_azimuth, [&](std::int32_t bin) { ++counts[bin]; });
-        spans[b] = span;
-      }
+    std::int64_t done = static_cast<std::int64_t>(count) * (by_corners ? kCorners : 1);
+    kernels.circle_bins(circle_bins, circle_run(scene.circles(), from, count), first.data(), last.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t b = from + k;
+      BinSpan span{first[k], last[k]};
+      if (span.last == kLookCloser || by_corners)
+        span = exact_bins(scene.world().buildings, sector, bins, reach_m, static_cast<std::uint32_t>(b));
+      for_each_bin(span, bins.n_azimuth, [&](std::int32_t bin) { ++counts[bin]; });
+      spans[b] = span;
+      done += bins_of(span, bins.n_azimuth);
     }
+    return done;
   });
 
   std::uint32_t sum = 0;
@@ -121,16 +152,20 @@ AzimuthBuildings::AzimuthBuildings(const Scene& scene, const Sector& sector, con
       std::uint32_t& count = next[chunk * n_bins + bin];
       sum += std::exchange(count, sum);
     }
+    if (bin % kBlock == 0) ask(static_cast<std::int64_t>(kBlock * n_chunks));
   }
   start_[n_bins] = sum;
   buildings_ = std::make_unique_for_overwrite<std::uint32_t[]>(sum);
 
-  for_each_chunk([&](int index) {
-    const auto chunk = static_cast<std::size_t>(index);
+  for_each_run([&](std::size_t chunk, std::size_t from, std::size_t count) {
     std::uint32_t* to = next.data() + chunk * n_bins;
-    for (std::size_t b = chunk_from(chunk), end = chunk_from(chunk + 1); b < end; ++b)
+    auto done = static_cast<std::int64_t>(count);
+    for (std::size_t b = from; b < from + count; ++b) {
       for_each_bin(spans[b], bins.n_azimuth,
                    [&](std::int32_t bin) { buildings_[to[bin]++] = static_cast<std::uint32_t>(b); });
+      done += bins_of(spans[b], bins.n_azimuth);
+    }
+    return done;
   });
 }
 
@@ -145,6 +180,7 @@ std::vector<std::uint32_t> AzimuthBuildings::in(AzimuthRange range) const {
   const std::uint32_t from = *least / 64;
   std::vector<std::uint64_t> present(*most / 64 - from + 1);
   for (const std::uint32_t* b = begin; b < end; ++b) present[*b / 64 - from] |= std::uint64_t{1} << (*b % 64);
+  ask(static_cast<std::int64_t>(end - begin) * 3 + static_cast<std::int64_t>(present.size()));
   buildings.reserve(static_cast<std::size_t>(end - begin));
   for (std::size_t word = 0; word < present.size(); ++word)
     for (std::uint64_t bits = present[word]; bits != 0; bits &= bits - 1)

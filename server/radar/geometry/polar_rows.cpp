@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "terrain/base/asking.h"
 #include "terrain/base/constants.h"
 
 namespace obliq {
@@ -32,9 +33,13 @@ struct MedianSphere {
   }
 };
 
+constexpr int kRun = 1024;  // rows between two times that are asked
+constexpr int kARow = 30;   // its sines and arcs, in units of ask()
+
 SinCos sincos_of(double angle_rad) { return sincos_turns(angle_rad / (2 * std::numbers::pi)); }
 
 void add_edge(PolarRows& rows, double edge_rad) {
+  if (rows.edge.size() % kRun == 0) ask(kARow * kRun);
   rows.edge_rad.push_back(edge_rad);
   rows.edge.push_back(sincos_of(edge_rad));
 }

@@ -10,6 +10,7 @@
 #include "server/radar/geometry/circle_axes.h"
 #include "server/radar/profile/roofs.h"
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -18,6 +19,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class Overlap { none, partial, full };
+
+/// At a tile or a corner, in units of ask().
+constexpr int kLook = 4;
 
 /// Collects extremes over tiles and posts of one sector.
 class SectorScan {
@@ -137,9 +141,11 @@ class SectorScan {
   void visit_tiles(const TileBounds& tiles, const Tiles& all) {
     const bool north = sector_.ahead_m(sector_.antenna_m.x, sector_.antenna_m.z + 1) > 0;
     const bool east = sector_.ahead_m(sector_.antenna_m.x + 1, sector_.antenna_m.z) > 0;
-    for (int j = all.j0; j < all.j1; ++j)
+    for (int j = all.j0; j < all.j1; ++j) {
+      ask(kLook * (all.i1 - all.i0));
       for (int i = all.i0; i < all.i1; ++i)
         visit_tile(tiles, east ? all.i1 - 1 - (i - all.i0) : i, north ? all.j1 - 1 - (j - all.j0) : j);
+    }
   }
 
   /// Whether a circle lies beyond the swath or beside the sector by distances alone; false says nothing.
@@ -206,6 +212,8 @@ class SectorScan {
                                 std::min(fine_tiles_.tiles_z(), (tj + 1) * kFine)});
       return;
     }
+    // A post, or one with its edges.
+    ask((kind == Overlap::partial ? 7 : 1) * (i1 - i0 + 1) * (j1 - j0 + 1));
     for (int j = j0; j <= j1; ++j) {
       for (int i = i0; i <= i1; ++i) {
         if (!grid.node_known(i, j)) continue;
@@ -276,6 +284,7 @@ class SectorScan {
                                 static_cast<float>(top_),
                                 static_cast<float>(tangent_)};
       widest_kernels().idle_circles(extent, circle_run(circles_, from, count), idle.data());
+      ask(static_cast<std::int64_t>(count));
       for (std::size_t k = 0; k < count; ++k)
         if (all || idle[k] == 0) visit_building(list[from + k]);
     }
@@ -287,6 +296,7 @@ class SectorScan {
     const std::uint32_t begin = all.ring_start[building.first_ring];
     const std::uint32_t end = all.ring_start[building.first_ring + 1];
     if (begin == end) return;
+    ask(kLook * static_cast<std::int64_t>(end - begin));
     const glm::dvec2 first(all.ring_xz_m[begin]);
     double size = roof - static_cast<double>(building.base_y_m);
     bool all_inside = true;
@@ -318,6 +328,7 @@ class SectorScan {
       const glm::dvec2 q(all.ring_xz_m[k + 1 < end ? k + 1 : begin]);
       const double steps =
           std::clamp(std::ceil(std::hypot(q.x - p.x, q.y - p.y) / margin_m_), 1.0, kMostSteps);
+      ask(static_cast<std::int64_t>(kLook * steps));
       for (double step = 0; step < steps; ++step) {
         const glm::dvec2 at = p + step / steps * (q - p);
         const Reach part = reach(at.x, at.y, base, roof);

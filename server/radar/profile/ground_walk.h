@@ -4,11 +4,13 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <utility>
 
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/ground_cells.h"
 #include "server/radar/simd/horizon.h"
 #include "server/radar/simd/visible_ground.h"
+#include "terrain/base/asking.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {
@@ -132,6 +134,31 @@ class GroundWalk {
   Cells<double> at_;
   double end_m_;
   double last_start_m_;
+};
+
+/// Asks for the cells that profiles march from one call to the next.
+class MarchedCells {
+ public:
+  MarchedCells(const WalkingProfiles& profiles, const HeightGrid& grid)
+      : profiles_(profiles), per_m_(kPerWidth / grid.cell_m), before_m_(way_m()) {}
+
+  void ask_for_them() {
+    const double now_m = way_m();
+    ask(static_cast<std::int64_t>((now_m - std::exchange(before_m_, now_m)) * per_m_) + 1);
+  }
+
+ private:
+  static constexpr double kPerWidth = 1.27;  ///< 4 / pi: lines of both directions are crossed
+
+  double way_m() const {
+    double sum = 0;
+    for (const double d_m : profiles_.d_m) sum += d_m;
+    return sum;
+  }
+
+  const WalkingProfiles& profiles_;
+  double per_m_;
+  double before_m_;
 };
 
 /// Puts a profile where a walk stands.

@@ -5,9 +5,14 @@
 
 #include "server/radar/profile/tile_walk.h"
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
+
+/// A horizon, without its tiles, in units of ask().
+constexpr std::int64_t kALook = 50;
+constexpr std::int64_t kATile = 8;
 
 /// Raises a horizon by every corner of the ground's profile; a straight segment is highest at one of its
 /// ends.
@@ -122,6 +127,7 @@ HorizonBound::HorizonBound(const Scene& scene, const glm::dvec3& antenna_m, SinC
     for (int tj = tile_of(std::min(z0, z1) - aside, grid.z0_m, tile_m, tiles.tiles_z()); tj <= tj1; ++tj)
       for (int ti = tile_of(std::min(x0, x1) - aside, grid.x0_m, tile_m, tiles.tiles_x()); ti <= ti1; ++ti)
         highest = std::max(highest, static_cast<double>(tiles.tile(ti, tj).highest_m));
+    ask(kATile);
     const double above_m = highest - antenna_m.y;
     highest_slope = std::max(highest_slope, above_m / (above_m > 0 ? from : to));
     slope_.push_back(highest_slope);
@@ -135,6 +141,8 @@ Horizon<double> ground_horizon(const Scene& scene, const HorizonBound& ridge, co
   const double end_m = std::min(to_m, whole.end_m());
   InwardLook inwards(scene, ridge, antenna_m, bearing, end_m);
   inwards.look(scene.tiles(), whole.at_m(), end_m);
+  ask(kALook + static_cast<std::int64_t>((end_m - whole.at_m()) /
+                                         (scene.fine_tiles().cells() * scene.world().grid.cell_m)));
   return inwards.horizon();
 }
 

@@ -3,14 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "server/scene/tolerances.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-}
+
+/// Most walks are short, and those that make them ask for them.
+class WalkedCells {
+ public:
+  void one_more() {
+    if (++n_ < kRun) return;
+    ask(kACell * std::exchange(n_, 0));
+  }
+
+ private:
+  static constexpr int kRun = 64;
+  static constexpr int kACell = 16;  // in units of ask()
+  int n_ = 0;
+};
+}  // namespace
 
 SurfaceSegment SurfaceSegment::between_slopes(double low, double high) const {
   SurfaceSegment part = *this;
@@ -217,6 +233,7 @@ void LocalSurface::add_flat_roof(const RoofSpan& roof, double d0, double d1) {
 
 double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
                 std::vector<SurfaceSegment>& visible) {
+  WalkedCells walked;
   // Whatever lies nearer than the hit is lower in elevation, or it would hide the hit: the running horizon
   // passes over it, and the whole first cell may be looked at.
   double horizon = from.slope;
@@ -224,6 +241,7 @@ double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, 
   LocalSurface::Cell cell = surface.cell_at(from.d_m - kTouching_m);
   for (; surface.known(cell) && unseen <= kLook_cells; cell = surface.next_out(cell)) {
     if (cell.from_m > to_d_m + kTouching_m) return to_slope;
+    walked.one_more();
     ++unseen;
     for (const SurfaceSegment& segment : surface.segments(cell)) {
       const double top = segment.far_slope;
@@ -242,9 +260,11 @@ double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, 
 void walk_in(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
              std::vector<SurfaceSegment>& visible) {
   const std::size_t first = visible.size();
+  WalkedCells walked;
   int unseen = 0;
   LocalSurface::Cell cell = surface.cell_at(from.d_m + kTouching_m);
   for (; surface.known(cell) && unseen <= kLook_cells; cell = surface.next_in(cell)) {
+    walked.one_more();
     ++unseen;
     const std::vector<SurfaceSegment>& segments = surface.segments(cell);
     for (auto at = segments.rbegin(); at != segments.rend(); ++at) {

@@ -9,11 +9,14 @@
 
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/profile/line_of_sight.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kRun = 4096;           // rays between two times that are asked
+constexpr std::int64_t kARoof = 10;  // its spans on a profile, in units of ask()
 
 /// Answers the rays of one profile, those from `next` on, from what is visible.
 struct AnswerVisible {
@@ -68,6 +71,7 @@ ProfileRays::ProfileRays(const Scene& scene, const glm::dvec3& antenna_m, std::s
   if (static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.nz) >= kFace / 2)
     throw std::length_error("ProfileRays: the grid has 2^30 posts or more");
   for (const SinCos at : elevation) {
+    if (slope_.size() % kRun == 0) ask(2 * kRun);
     slope_.push_back(at.sin / at.cos);
     secant_.push_back(1 / at.cos);
   }
@@ -97,6 +101,7 @@ void ProfileRays::answer(std::span<const SinCos> bearings, std::span<const std::
     const GroundWalk walk(world_.grid, antenna_m_, bearing.sin, bearing.cos, from_m, reach_m_);
     if (walk.done()) continue;
     set_out(lanes, k, bearing, walk);
+    ask(kARoof * static_cast<std::int64_t>(buildings.size()));
     for (const std::uint32_t b : buildings)
       add_roof_spans(world_.buildings, b, antenna_m_.x, antenna_m_.z, bearing.sin, bearing.cos,
                      roofs[k].spans);
@@ -110,9 +115,14 @@ void ProfileRays::answer(std::span<const SinCos> bearings, std::span<const std::
     cut.push_back(kInfinity);
   }
   const RayRows rows{cut.empty() ? &*first : cut.data(), secant_.data() + run.first, run.count};
-  while (const unsigned at_roof = kernels_.first_hits_in_profiles(ground_, rows, lanes))
+  MarchedCells marched(lanes, world_.grid);
+  while (const unsigned at_roof = kernels_.first_hits_in_profiles(ground_, rows, lanes)) {
     for (std::size_t k = 0; k < bearings.size(); ++k)
       if ((at_roof >> k & 1) != 0) pass_roofs(k, roofs[k], rows, run.first, lanes);
+    marched.ask_for_them();
+  }
+  marched.ask_for_them();
+  ask(static_cast<std::int64_t>(bearings.size() * run.count));
   for (std::size_t k = 0; k < bearings.size(); ++k) {
     const auto unanswered = static_cast<std::ptrdiff_t>(k * run.count + lanes.next[k]);
     const auto end = static_cast<std::ptrdiff_t>((k + 1) * run.count);

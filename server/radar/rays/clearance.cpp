@@ -6,11 +6,15 @@
 
 #include "server/radar/geometry/silhouettes.h"
 #include "server/scene/tolerances.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// In units of ask(): a line of posts without them, and a building's bounds with its place in the order.
+constexpr std::ptrdiff_t kALine = 4;
+constexpr int kABuilding = 40;
 
 }  // namespace
 
@@ -51,6 +55,7 @@ float GroundClearance::highest_of(int line) const {
   const auto last = static_cast<std::ptrdiff_t>(std::ceil(std::clamp(to, 0.0, most)));
   const float* const heights = grid_.y_m.data() + line * per_line_;
   float highest = -std::numeric_limits<float>::infinity();
+  ask(last - first + kALine);
   for (std::ptrdiff_t k = first; k <= last; ++k) {
     const float height = heights[k * per_other_];
     highest = height > highest ? height : highest;  // unknown ground is not a number, and not greater
@@ -119,6 +124,7 @@ double GroundClearance::free_range_m(const glm::dvec3& direction, double from_m)
 RoofClearance::RoofClearance(const Buildings& all, const Sector& sector,
                              std::span<const std::uint32_t> buildings) {
   for (const std::uint32_t b : buildings) {
+    ask(kABuilding);
     const BuildingBounds bounds = bounds_of(all, sector, b);
     roofs_.push_back({bounds.near_m, bounds.top_slope});
   }

@@ -9,10 +9,14 @@
 #include "server/radar/rays/polar_rays.h"
 #include "server/scene/ray_answer.h"
 #include "server/scene/tolerances.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
 
+// In units of ask(): a building's bounds, and a ray that goes its own way.
+constexpr int kABuilding = 20;
+constexpr int kAWalk = 2000;
 constexpr auto kPlanes = static_cast<std::size_t>(ProfileRays::kMostProfiles);
 
 }  // namespace
@@ -48,8 +52,8 @@ void PolarFirstHits::begin() {
   groups_.resize((bearings_.size() + kPlanes - 1) / kPlanes);
   share_out_buildings();
   most_rows_ = std::min(rays_.rays(), std::max(kLeastRows, kMostKept / bearings_.size()));
-  slant_range_m_.resize(groups_.size() * kPlanes * most_rows_);
-  surface_.resize(slant_range_m_.size());
+  fill(slant_range_m_, groups_.size() * kPlanes * most_rows_, 0);
+  fill(surface_, slant_range_m_.size(), 0);
 }
 
 /// Gives each group its buildings. In doubles until clamped: a narrow column makes numbers that fit no
@@ -60,6 +64,7 @@ void PolarFirstHits::share_out_buildings() {
   const double start_rad = plan_.bins().azimuth_start_rad + first_column_ * width_rad;
   const double last = static_cast<double>(groups_.size()) - 1;
   for (const std::uint32_t b : plan_.buildings_in(range_)) {
+    ask(kABuilding);
     const BuildingBounds seen = bounds_of(all, plan_.sector(), b);
     for (int turn = -1; turn <= 1; ++turn) {
       const auto group_at = [&](double offset_rad) {
@@ -69,6 +74,7 @@ void PolarFirstHits::share_out_buildings() {
       const double to = group_at(seen.to_rad + kMargin_rad);
       if (!(from <= last && to >= 0)) continue;
       const auto end = static_cast<std::size_t>(std::min(last, to));
+      ask(4 * (1 + static_cast<std::int64_t>(end - static_cast<std::size_t>(std::max(0.0, from)))));
       for (auto group = static_cast<std::size_t>(std::max(0.0, from)); group <= end; ++group) {
         std::vector<std::uint32_t>& list = groups_[group].buildings;
         if (list.empty() || list.back() != b) list.push_back(b);
@@ -120,6 +126,7 @@ void PolarFirstHits::trace(const RayBatch& rays, RoughHit* hits) {
 
 /// First hit of a ray by a walk of its own.
 RoughHit PolarFirstHits::walk(const RayBatch& rays, std::size_t k) const {
+  ask(kAWalk);
   const auto found = first_hit(plan_.scene(), plan_.sector().antenna_m,
                                glm::dvec3(rays.dir_x[k], rays.dir_y[k], rays.dir_z[k]));
   RoughHit hit;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -82,6 +83,7 @@ GroundFirstHits::GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool
   for (int bin = range.first; bin < range.first + range.count; ++bin) {
     middle_rad_.push_back(plan.bearing_rad(bin + 0.5));
     last_clearance_.push_back(clearances_.size());
+    ask(static_cast<std::int64_t>(20 * clearances_a_bin_));
     for (std::size_t k = 1; k <= clearances_a_bin_; ++k) {
       const SinCos left = edges_.back();
       edges_.push_back(edge(bin + static_cast<double>(k) / static_cast<double>(clearances_a_bin_)));
@@ -167,6 +169,7 @@ std::span<const std::uint16_t> GroundFirstHits::trace(const RayBatch& rays, Roug
         {walking_.data(), static_cast<int>(walking), kStretch, kFar_m,
          plan_.scene().tiles().lowest_m() - antenna.y, rays.dir_x.data(), rays.dir_y.data(),
          rays.dir_z.data(), from_m_.data(), range_m_.data()});
+    ask(kStretch * static_cast<std::int64_t>(walking) / 2);
     std::size_t unfinished = 0;
     for (std::size_t at = 0; at < walking; ++at) {
       const std::size_t k = walking_[at];

@@ -9,6 +9,7 @@
 #include "server/radar/geometry/sector.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -110,6 +111,7 @@ void PerspectiveRays::begin_rows() {
     spans[static_cast<std::size_t>(k)] = add_row(next_row_ + k);
   const PixelRows rows(next_row_, spans);
   next_row_ += kSquare;
+  ask(4 * static_cast<std::int64_t>(waiting_.size() + kSquare * intervals_.size()));
   by_squares_.resize(waiting_.size());
   if (static_cast<std::size_t>(rows.size()) == waiting_.size()) {
     std::size_t at = 0;

@@ -4,7 +4,13 @@
 #include <array>
 #include <numbers>
 
+#include "terrain/base/asking.h"
+
 namespace obliq {
+namespace {
+constexpr int kRun = 1024;    // columns between two times that are asked
+constexpr int kAColumn = 10;  // in units of ask()
+}  // namespace
 
 std::vector<PolarColumn> polar_columns(const FramePlan& plan, AzimuthRange range) {
   const std::int64_t columns = plan.settings().pixel_columns;
@@ -16,6 +22,7 @@ std::vector<PolarColumn> polar_columns(const FramePlan& plan, AzimuthRange range
     const auto bin = static_cast<int>((2 * c + 1) * bins.n_azimuth / (2 * columns));
     if (bin < range.first) continue;
     if (bin >= range.first + range.count) break;
+    if (found.size() % kRun == 0) ask(kAColumn * kRun);
     const double offset_rad = bins.azimuth_start_rad + (static_cast<double>(c) + 0.5) * step_rad;
     found.push_back({static_cast<int>(c), bin, sincos_turns(offset_rad / (2 * std::numbers::pi))});
   }

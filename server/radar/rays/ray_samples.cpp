@@ -11,12 +11,18 @@
 #include "server/radar/simd/kernels.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "server/scene/ray_answer.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+// In units of ask().
+constexpr std::int64_t kAPixel = 2;
+constexpr std::int64_t kARay = 10;
+constexpr std::int64_t kAHit = 4;
+constexpr std::int64_t kAnOddHit = 100;
 
 std::unique_ptr<PlateSource> make_plate_source(const FramePlan& plan, AzimuthRange range,
                                                WedgeVisibility& profile) {
@@ -70,18 +76,21 @@ bool RaySamples::generate(FrameStats& stats) {
   const StageProbe probe(Stage::rays);
   if (!source_ || !source_->generate(rays_)) return false;
   stats.rays += static_cast<std::uint64_t>(rays_.n);
+  ask(kAPixel * RaySource::kMostPixels);
   return true;
 }
 
 void RaySamples::trace() {
   const StageProbe probe(Stage::trace);
   first_hits_.trace(rays_, rough_.data());
+  ask(kARay * rays_.n);
 }
 
 void RaySamples::refine(FrameStats& stats) {
   const StageProbe probe(Stage::refine);
   refine_ground();
   const World& world = plan_.scene().world();
+  std::int64_t odd = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(rays_.n); ++k) {
     if (is_settled_ground(k)) {
       ++stats.hits;
@@ -89,8 +98,10 @@ void RaySamples::refine(FrameStats& stats) {
       hits_.material[k] = world.material_of_cell(hits_.cell_x[k], hits_.cell_z[k]);
     } else {
       refine_one(k, stats);
+      ++odd;
     }
   }
+  ask(kAHit * rays_.n + kAnOddHit * odd);
 }
 
 /// Most rays hit the ground: these at once.

@@ -10,10 +10,17 @@
 #include "server/radar/receiver/noise_power.h"
 #include "server/radar/receiver/video_coder.h"
 #include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
 
 namespace obliq {
 namespace {
+
+// In units of ask(): gains and converter, a complex draw; and products that a kernel adds up in one.
+constexpr int kReceptionABin = 6;
+constexpr int kDrawABin = 4;
+constexpr int kGainsABin = 40;
+constexpr int kProducts = 16;
 
 constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
 
@@ -54,10 +61,13 @@ struct Receiver::Scratch {
       : re(n_range + kSpare),
         im(n_range + kSpare),
         white_re(n_range + n_taps + 2 * kSpare),
-        white_im(white_re) {}
+        white_im(white_re),
+        ones(n_range + kSpare, 1.0F),
+        look(2 * (n_range + kSpare)) {}
   static constexpr std::size_t kSpare = 8;
   std::vector<double> re, im;
   std::vector<double> white_re, white_im;
+  std::vector<float> ones, look;
 };
 
 Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::uint64_t counter,
@@ -69,7 +79,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
       noise_kernels_(obliq::noise_kernels(settings)),
       rain_power_(rain_echo_power_w(settings, air)),
       video_{video_floor_db(settings), settings.video.span_db},
-      looks_(settings.video.looks) {
+      looks_(settings.video.looks > 1 ? LooksLaw::of(settings.video.looks) : nullptr) {
   const ReceiverSettings& receiver = settings.receiver;
   const double echo_power = ratio_of_db(-receiver.loss_db);
   echo_voltage_ = std::sqrt(echo_power);
@@ -77,6 +87,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
   lsb_ = adc_step(receiver);
   most_counts_ = std::ldexp(1.0, receiver.adc_bits - 1);
   const double spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  ask(kGainsABin * std::int64_t{settings.range_bins});
   for (int bin = 0; bin < settings.range_bins; ++bin) {
     const double range_m = settings.r_min_m + (bin + 0.5) * spacing_m;
     const double r2 = settings.range_normalisation ? range_m * range_m : 1;
@@ -84,6 +95,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
     voltage_gain_.push_back(std::sqrt(power_gain_.back()));
     noise_out_w_.push_back(noise_power_w_ * (r2 * r2));
     power_factor_.push_back(echo_power * (r2 * r2));
+    look_voltage_.push_back(is_on_ ? std::sqrt(power_factor_.back()) : 1);
     const double rain_w = rain_power_.empty() ? 0 : rain_power_[static_cast<std::size_t>(bin)];
     noise_voltage_.push_back(std::sqrt(noise_power_w_ + rain_w));
     if (settings.range_normalisation && is_on_) range2_m2_.push_back(r2);
@@ -92,30 +104,37 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
 }
 
 void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
-  if (is_on_) {
+  const bool integrates = looks_ != nullptr && wanted.any_video();
+  if (is_on_ || integrates) {
     const auto n_range = static_cast<std::size_t>(bins.n_range);
-    Scratch scratch(wanted.iq ? n_range : 0, longest(noise_kernels_));
+    Scratch scratch(wanted.iq || integrates ? n_range : 0, longest(noise_kernels_));
+    VideoCoder coder(video_, integrates ? n_range : 0);
+    if (integrates && wanted.video8) bins.video8.resize(bins.state.size());
+    if (integrates && wanted.video16) bins.video16.resize(bins.state.size());
     for (int a = 0; a < bins.n_azimuth; ++a) {
       const std::size_t row = static_cast<std::size_t>(a) * n_range;
-      for (std::size_t r = 0; r < n_range; ++r) bins.power_w[row + r] *= power_factor_[r];
-      for (std::size_t r = 0; r < rain_power_.size(); ++r) bins.power_w[row + r] += rain_power_[r];
-      if (wanted.iq)
-        receive_row(static_cast<std::uint64_t>(bins.first_azimuth + a), bins.iq.data() + row, scratch);
+      ask(kReceptionABin * bins.n_range);
+      if (is_on_) {
+        for (std::size_t r = 0; r < n_range; ++r) bins.power_w[row + r] *= power_factor_[r];
+        for (std::size_t r = 0; r < rain_power_.size(); ++r) bins.power_w[row + r] += rain_power_[r];
+      }
+      if (wanted.iq || integrates) make_noise(static_cast<std::uint64_t>(bins.first_azimuth + a), scratch);
+      if (integrates) {
+        integrate_row(bins, a, scratch, coder.power());
+        if (wanted.video8) coder.code(row, bins.video8);
+        if (wanted.video16) coder.code(row, bins.video16);
+      }
+      if (is_on_ && wanted.iq) receive_row(bins.iq.data() + row, scratch);
     }
   }
-  if (wanted.any_video()) make_video(bins, wanted);
+  if (looks_ == nullptr && wanted.any_video()) add_video_of_iq(video_, wanted.video8, wanted.video16, bins);
 }
 
-void Receiver::receive_row(std::uint64_t azimuth, std::complex<float>* iq, Scratch& scratch) const {
+/// Adds a row's echoes to its noise; then what comes after.
+void Receiver::receive_row(std::complex<float>* iq, Scratch& scratch) const {
   const std::size_t n_range = voltage_gain_.size();
   double* const re = scratch.re.data();
   double* const im = scratch.im.data();
-  if (has_noise_) {
-    add_noise(azimuth, scratch);
-  } else {
-    std::fill_n(re, n_range, 0.0);
-    std::fill_n(im, n_range, 0.0);
-  }
   for (std::size_t r = 0; r < n_range; ++r) {
     const double gain = voltage_gain_[r];
     re[r] = (re[r] + echo_voltage_ * static_cast<double>(iq[r].real())) * gain;
@@ -137,18 +156,22 @@ void Receiver::receive_row(std::uint64_t azimuth, std::complex<float>* iq, Scrat
 }
 
 /// Noise of a row, into scratch.re and scratch.im.
-void Receiver::add_noise(std::uint64_t azimuth, Scratch& scratch) const {
+void Receiver::make_noise(std::uint64_t azimuth, Scratch& scratch) const {
+  std::fill_n(scratch.re.begin(), voltage_gain_.size(), 0.0);
+  std::fill_n(scratch.im.begin(), voltage_gain_.size(), 0.0);
+  if (!has_noise_) return;
   const Kernels& kernels = widest_kernels();
   const auto n_range = static_cast<int>(voltage_gain_.size());
   const std::uint64_t cell = azimuth << 32;
-  std::fill_n(scratch.re.begin(), voltage_gain_.size(), 0.0);
-  std::fill_n(scratch.im.begin(), voltage_gain_.size(), 0.0);
   std::uint64_t key = key_;
   for (const std::vector<double>& kernel : noise_kernels_) {
     const auto n_taps = static_cast<int>(kernel.size());
     kernels.white_noise({key, cell, n_range + n_taps - 1, scratch.white_re.data(), scratch.white_im.data()});
+    ask(kDrawABin * (n_range + n_taps));
     kernels.filter_row({n_range, n_taps, kernel.data(), scratch.white_re.data(), scratch.re.data()});
+    ask(std::int64_t{n_range} * n_taps / kProducts);
     kernels.filter_row({n_range, n_taps, kernel.data(), scratch.white_im.data(), scratch.im.data()});
+    ask(std::int64_t{n_range} * n_taps / kProducts);
     key = mix64(key + 1);
   }
   for (std::size_t r = 0; r < noise_voltage_.size(); ++r) {
@@ -157,23 +180,36 @@ void Receiver::add_noise(std::uint64_t azimuth, Scratch& scratch) const {
   }
 }
 
-/// Of one look |I&Q|^2; of more a draw about the mean power that the receiver gives out.
-void Receiver::make_video(BinBlock& bins, const ReceivedPlanes& wanted) const {
-  if (looks_ == 1) return add_video_of_iq(video_, wanted.video8, wanted.video16, bins);
+/// Powers of several looks of a row: one look of echo and noise together, without the converter, says where
+/// in the law of the looks' mean a bin lies.
+void Receiver::integrate_row(const BinBlock& bins, int azimuth, Scratch& scratch, double* power) const {
   const auto n_range = static_cast<std::size_t>(bins.n_range);
-  VideoCoder coder(video_, n_range);
-  std::vector<double> looks(n_range + Scratch::kSpare);
-  if (wanted.video8) bins.video8.resize(bins.state.size());
-  if (wanted.video16) bins.video16.resize(bins.state.size());
-  for (int a = 0; a < bins.n_azimuth; ++a) {
-    const std::size_t row = static_cast<std::size_t>(a) * n_range;
-    const std::uint64_t azimuth = static_cast<std::uint64_t>(bins.first_azimuth + a);
-    widest_kernels().mean_of_looks({mix64(key_), azimuth << 32, bins.n_range, looks_, looks.data()});
-    for (std::size_t r = 0; r < n_range; ++r)
-      coder.power()[r] = std::min((bins.power_w[row + r] + noise_out_w_[r]) * power_gain_[r] * looks[r],
-                                  std::numeric_limits<double>::max());
-    if (wanted.video8) coder.code(row, bins.video8);
-    if (wanted.video16) coder.code(row, bins.video16);
+  const std::size_t row = static_cast<std::size_t>(azimuth) * n_range;
+  const bool white = bins.look.empty();
+  if (white)
+    widest_kernels().draw_speckle({mix64(key_),
+                                   static_cast<std::uint64_t>(bins.first_azimuth + azimuth) << 32,
+                                   bins.n_range, scratch.ones.data(), scratch.look.data()});
+  for (std::size_t r = 0; r < n_range; ++r) {
+    const double mean = bins.power_w[row + r] + noise_out_w_[r];
+    if (!(mean > 0)) {
+      power[r] = 0;
+      continue;
+    }
+    const double r2 = range2_m2_.empty() ? 1 : range2_m2_[r];
+    const double rain = rain_power_.empty() ? 0 : rain_power_[r];
+    double re = 0, im = 0;
+    if (white) {
+      const double echo = std::sqrt(std::max(0.0, bins.power_w[row + r] - rain));
+      re = echo * static_cast<double>(scratch.look[2 * r]);
+      im = echo * static_cast<double>(scratch.look[2 * r + 1]);
+    } else {
+      re = look_voltage_[r] * static_cast<double>(bins.look[row + r].real());
+      im = look_voltage_[r] * static_cast<double>(bins.look[row + r].imag());
+    }
+    const double scale = 1 / std::sqrt(mean);
+    const double looks = looks_->mean((re + r2 * scratch.re[r]) * scale, (im + r2 * scratch.im[r]) * scale);
+    power[r] = std::min(mean * power_gain_[r] * looks, std::numeric_limits<double>::max());
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 // A radar's receiver: one call on a wedge's bins when all that is about echoes is done.
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/receiver/looks_law.h"
 #include "server/radar/receiver/video.h"
 #include "server/radar/receiver/weather.h"
 #include "server/radar/settings.h"
@@ -42,9 +44,9 @@ class Receiver {
 
  private:
   struct Scratch;
-  void receive_row(std::uint64_t azimuth, std::complex<float>* iq, Scratch& scratch) const;
-  void add_noise(std::uint64_t azimuth, Scratch& scratch) const;
-  void make_video(BinBlock& bins, const ReceivedPlanes& wanted) const;
+  void make_noise(std::uint64_t azimuth, Scratch& scratch) const;
+  void receive_row(std::complex<float>* iq, Scratch& scratch) const;
+  void integrate_row(const BinBlock& bins, int azimuth, Scratch& scratch, double* power) const;
 
   bool is_on_;
   std::uint64_t counter_;
@@ -61,9 +63,10 @@ class Receiver {
   std::vector<double> range2_m2_;      ///< [n_range] of range normalisation; else empty
   std::vector<double> power_factor_;   ///< [n_range] of the power plane
   VideoScale video_;
-  int looks_;
-  double lsb_ = 0;          ///< of the converter, sqrt(W); 0: none
-  double most_counts_ = 0;  ///< its codes go from minus this to this less one
+  std::shared_ptr<const LooksLaw> looks_;  ///< of video of several looks; else null
+  std::vector<double> look_voltage_;       ///< [n_range] what a look is multiplied by
+  double lsb_ = 0;                         ///< of the converter, sqrt(W); 0: none
+  double most_counts_ = 0;                 ///< its codes go from minus this to this less one
 };
 
 /// Sensitivity time control: the gain at a slant range, in dB; 0 or less.

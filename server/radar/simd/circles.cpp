@@ -80,7 +80,7 @@ void circle_bins(const CircleSector& given, const CircleRun& circles, std::int32
     // Where bearings turn over, and where a circle fills more than a quarter turn.
     const bool turns_over = (high >= sector.start_rad + 2 * kPi) | (low <= sector.end_rad - 2 * kPi);
     const bool closer = (beyond2 < 0.5f * radius2) | (in_reach & turns_over) | (within & narrow);
-    const std::int32_t last_or_none = within & (first_bin <= last_bin) ? last_bin : kNoBin;
+    const std::int32_t last_or_none = (within & (first_bin <= last_bin)) ? last_bin : kNoBin;
     first[k] = first_bin;
     last[k] = closer ? kLookCloser : last_or_none;
   }

@@ -31,14 +31,16 @@ struct Horizon {
     const Real h0 = start + rise * d0;
     const Real h1 = start + rise * d1;
     const Mask<Real> facing = where & (start < 0.0);
+    const Mask<Real> falls = inverse(facing);
     const Mask<Real> hides0 = hides(d0, h0);
+    const Mask<Real> shows0 = inverse(hides0);
     // Where it comes out of the shadow: start + rise d = (h / d of the horizon) d.
     const Real out = clamp(start * d_m / (h_m - rise * d_m), d0, d1);
     Seen seen;
     seen.from = select(hides0, out, d0);
     const Mask<Real> rises = facing & inverse(hides(d1, h1));
     seen.any = rises & (seen.from < d1);
-    set(where & inverse(facing) & (d0 > 0.0) & inverse(hides0), d0, h0, by_building);
+    set(where & falls & (d0 > 0.0) & shows0, d0, h0, by_building);
     set(rises, d1, h1, by_building);
     return seen;
   }
@@ -65,7 +67,9 @@ struct Horizon {
       at.from_d = clamp((h0 - slope * d0) / (h_m / d_m - slope), d0, d1);
       at.from_h = h0 + slope * (at.from_d - d0);
     }
-    const Mask<Real> near = where & inverse(at.rises) & inverse(hides1 & hides0) & (d0 > 0.0);
+    const Mask<Real> falls = inverse(at.rises);
+    const Mask<Real> shows = inverse(hides1 & hides0);
+    const Mask<Real> near = where & falls & shows & (d0 > 0.0);
     set(near, d0, h0, building);
     set(at.rises & (d1 > 0.0), d1, h1, building);
     return at;

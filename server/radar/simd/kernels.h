@@ -50,7 +50,6 @@ namespace obliq {
   K(draw_speckle)           \
   K(white_noise)            \
   K(filter_row)             \
-  K(mean_of_looks)          \
   K(video_levels)           \
   K(circle_bins)            \
   K(idle_circles)

@@ -5,7 +5,7 @@
 
 namespace obliq::OBLIQ_ISA {
 int pixel_rays(const PixelCamera& camera, const PixelList& pixels, const PixelRays& rays) {
-  const f64x8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
+  const f64x8 numbers = lane_numbers<double, kLanes>();
   const f64x8 lowest = broadcast(-1);
   int n = 0;
   for (int k = 0; k < pixels.n; k += kLanes) {

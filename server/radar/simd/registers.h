@@ -175,6 +175,15 @@ OBLIQ_LANES Lanes<T, 2 * n> joined(Lanes<T, n> low, Lanes<T, n> high) {
   }
 }
 
+/// Each lane `by` places further on; the first of them stay where they are. Of one register.
+template <int by, typename T, int n>
+[[gnu::always_inline]] inline Lanes<T, n> moved_on(Lanes<T, n> x) {
+  return [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    return Lanes<T, n>{__builtin_shufflevector(x.v, x.v, (k < by ? k : k - by)...)};
+  }
+  (std::make_integer_sequence<int, n>());
+}
+
 OBLIQ_LANES Lanes<T, n> from_memory(const Lanes<T, n>* /*type*/, const T* from) {
   Lanes<T, n> lanes;
   if constexpr (is_one<T, n>(nullptr)) {

@@ -42,16 +42,10 @@ OBLIQ_INLINE Lanes<float, n> greatest_so_far(Lanes<float, n> x) {
     const auto low = greatest_so_far(x.low);
     return {low, max(greatest_so_far(x.high), Lanes<float, n / 2>{} + low[n / 2 - 1])};
   } else {
-    const auto with_lanes_before = [&]<int... k>(int by, std::integer_sequence<int, k...>)
-        __attribute__((always_inline)) {
-      const Lanes<std::int32_t, n> from{typename Lanes<std::int32_t, n>::Register{(k < by ? k : k - by)...}};
-      return max(x, {__builtin_shuffle(x.v, from.v)});
-    };
-    constexpr auto kAll = std::make_integer_sequence<int, n>();
-    x = with_lanes_before(1, kAll);
-    x = with_lanes_before(2, kAll);
-    if constexpr (n > 4) x = with_lanes_before(4, kAll);
-    if constexpr (n > 8) x = with_lanes_before(8, kAll);
+    x = max(x, moved_on<1>(x));
+    x = max(x, moved_on<2>(x));
+    if constexpr (n > 4) x = max(x, moved_on<4>(x));
+    if constexpr (n > 8) x = max(x, moved_on<8>(x));
     return x;
   }
 }

@@ -20,11 +20,9 @@ OBLIQ_INLINE void close(RangeRun<f64x8>& run, mask8 where, const RangeAxis& bins
 }
 
 /// Member `part` of the lanes' states.
-#define OBLIQ_LOAD(part)                                                                                     \
-  f64x8 {                                                                                                    \
-    lanes.state[0].part, lanes.state[1].part, lanes.state[2].part, lanes.state[3].part, lanes.state[4].part, \
-        lanes.state[5].part, lanes.state[6].part, lanes.state[7].part                                        \
-  }
+#define OBLIQ_LOAD(part)                     \
+  lane_by_lane<double, kLanes>([&](int lane) \
+                                   __attribute__((always_inline)) { return lanes.state[lane].part; })
 
 }  // namespace
 

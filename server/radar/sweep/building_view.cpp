@@ -6,11 +6,16 @@
 #include <span>
 
 #include "server/radar/sweep/ground_light.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
 
 constexpr float kFarBelow = -1e9F;
+
+// In units of ask(): to collect a building, and to see a corner of a part in sixteen sub-columns.
+constexpr int kABuilding = 20;
+constexpr int kAPart = 8;
 
 /// Of a sub-column, as far as there may be so many.
 constexpr double kWidest_m = 1.2;
@@ -56,7 +61,7 @@ BuildingView::BuildingView(const FramePlan& plan, double far_m, const Kernels& k
   nodes.n_nodes = static_cast<int>(far_m_ / node_m) + 8;
   nodes.stride = (nodes.n_nodes + 31) / 16 * 16;
   const std::size_t n = static_cast<std::size_t>(nodes.stride) * static_cast<std::size_t>(planes_);
-  for (std::vector<float>* values : {&horizon_, &clearance_, &range_bin_, &hidden_}) values->resize(n);
+  for (std::vector<float>* values : {&horizon_, &clearance_, &range_bin_, &hidden_}) fill(*values, n, 0);
   nodes.horizon = horizon_.data();
   nodes.clearance = clearance_.data();
   nodes.range_bin = range_bin_.data();
@@ -70,11 +75,30 @@ SinCos BuildingView::bearing(double position) const {
   return plan_.sector().world_bearing(plan_.bins().azimuth_edge_rad(position));
 }
 
-bool BuildingView::start(int azimuth_bin, int profile) {
+bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
   buildings_ = plan_.buildings_in(azimuth_bin);
   if (buildings_.empty()) return false;
+  start(azimuth_bin, profile);
+  for (std::size_t k = 0; k < buildings_.size(); ++k) {
+    ask(kABuilding);
+    ask_for_buildings(k);
+    collect(buildings_[k]);
+  }
+  std::ranges::sort(parts_, [](const Part& p, const Part& q) {
+    ask(1);
+    return p.order < q.order;
+  });
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    ask_for_faces(k);
+    see(parts_[k], cells);
+  }
+  add_parts_together(cells);
+  return true;
+}
+
+/// Begins with another azimuth bin.
+void BuildingView::start(int azimuth_bin, int profile) {
   profile_ = profile;
-  collected_ = seen_ = 0;
   of_parts_.clear();
   corners_.clear();
   parts_.clear();
@@ -82,11 +106,11 @@ bool BuildingView::start(int azimuth_bin, int profile) {
   set_out(centre_);
   const double cells_per_m = 1 / plan_.scene().world().grid.cell_m;
   for (int plane = 0; plane < planes_; ++plane) {
+    ask(4 * columns_.nodes.n_nodes);
     const SinCos along = bearing(azimuth_bin + (plane + 0.5) / planes_);
     kernels_.profile_nodes(columns_, plane, as_float(along.sin * cells_per_m),
                            as_float(along.cos * cells_per_m));
   }
-  return true;
 }
 
 /// Stands at the antenna, with the coarsest sub-columns and nothing hidden.
@@ -103,7 +127,7 @@ void BuildingView::set_out(SinCos centre) {
                      as_float(centre.cos / grid.cell_m),
                      as_float(centre.cos / grid.cell_m),
                      as_float(-centre.sin / grid.cell_m)};
-  std::ranges::fill(hidden_, 0.0F);
+  fill(hidden_, hidden_.size(), 0);
   roofs_.assign(static_cast<std::size_t>(least_n_), kFarBelow);
   set_fineness(least_n_);
 }
@@ -239,27 +263,6 @@ void BuildingView::clip(std::size_t first) {
   }
 }
 
-bool BuildingView::step(EchoCells& cells) {
-  if (collected_ < buildings_.size()) {
-    const std::size_t end = std::min(collected_ + kMostParts, buildings_.size());
-    for (; collected_ < end; ++collected_) {
-      ask_for_buildings(collected_);
-      collect(buildings_[collected_]);
-    }
-    if (collected_ == buildings_.size())
-      std::ranges::sort(parts_, {}, [](const Part& part) { return part.order; });
-    return true;
-  }
-  const std::size_t end = std::min(seen_ + kMostParts, parts_.size());
-  for (; seen_ < end; ++seen_) {
-    ask_for_faces(seen_);
-    see(parts_[seen_], cells);
-  }
-  if (seen_ < parts_.size()) return true;
-  add_parts_together(cells);
-  return false;
-}
-
 void BuildingView::fill_shape(const Part& part) {
   const Corner* const corner = corners_.data() + part.first;
   shape_.n = static_cast<int>(part.n);
@@ -286,6 +289,7 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   constexpr int kLanes = 16;
   const int from = column_of(part.from);
   const int lanes = (column_of(part.to) - from + kLanes) / kLanes * kLanes;
+  ask(kAPart * lanes / kLanes * static_cast<std::int64_t>(part.n));
   int first = std::min(from, columns_.n - lanes);
   if (first < 0) first = 0;
   echoes_.n = 0;
@@ -365,6 +369,7 @@ FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo, const Part& part)
 /// A face that several parts of a building share is one scatterer.
 void BuildingView::add_parts_together(EchoCells& cells) {
   std::ranges::stable_sort(of_parts_, [](const FaceEcho& p, const FaceEcho& q) {
+    ask(2);
     return p.face != q.face ? p.face < q.face : p.range_bin < q.range_bin;
   });
   for (std::size_t k = 0; k < of_parts_.size();) {
@@ -378,6 +383,7 @@ void BuildingView::add_parts_together(EchoCells& cells) {
 }
 
 void BuildingView::kept_shares(int plane, float* kept, EchoCells& cells) const {
+  ask(columns_.nodes.n_nodes);
   keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
 }
 

@@ -18,19 +18,14 @@ double lowest_slope_in_swath(const FramePlan& plan);
 /// buildings is one slope. There are more of them farther out, where the bin is wider.
 class BuildingView {
  public:
-  /// The most parts that a step looks at.
-  static constexpr int kMostParts = 512;
-
   /// far_m: buildings that begin beyond it are left out.
   BuildingView(const FramePlan& plan, double far_m, const Kernels& kernels);
 
-  /// Begins with another azimuth bin; `profile`: its place in the wedge. False: no building is near it.
-  bool start(int azimuth_bin, int profile);
-  /// Goes on; false when all buildings have been seen.
-  bool step(EchoCells& cells);
+  /// All buildings of an azimuth bin; `profile`: its place in the wedge. False: no building is near it.
+  bool see(int azimuth_bin, int profile, EchoCells& cells);
 
-  /// Writes the share of a plane's light that buildings leave in each range bin to kept[bin * 8], and marks
-  /// in `cells` where they leave none.
+  /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
+  /// kept[bin * 8], and marks in `cells` where they leave none.
   void kept_shares(int plane, float* kept, EchoCells& cells) const;
 
  private:
@@ -48,6 +43,7 @@ class BuildingView {
     std::uint32_t first, n;  // into corners_
     float from, to;          // tangents
   };
+  void start(int azimuth_bin, int profile);
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
   void ask_for_buildings(std::size_t from) const;
@@ -75,8 +71,6 @@ class BuildingView {
   float half_ = 0;  // tangent of half the bin
   double lowest_slope_;
   std::span<const std::uint32_t> buildings_;
-  std::size_t collected_ = 0;
-  std::size_t seen_ = 0;
   std::vector<Corner> corners_, clipped_;
   std::vector<Part> parts_;
   SubColumns columns_{};

@@ -5,8 +5,12 @@
 #include <numbers>
 
 #include "server/radar/simd/range_run.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
+namespace {
+constexpr int kAnEdge = 10;  // of a range bin on a segment, in units of ask()
+}
 
 void SegmentSampler::begin(SampleBatch& batch) {
   batch_ = &batch;
@@ -139,6 +143,7 @@ void SegmentSampler::cut_at_bins(const VisibleSegment& segment, At from, At to) 
   const double along = segment.d_m * segment.rate_d + segment.h_m * segment.rate_h;
   const double cross = segment.d_m * segment.rate_h - segment.h_m * segment.rate_d;
   const int steps = last - first;
+  ask(kAnEdge * steps);
   At previous = from;
   for (int k = 1; k <= steps; ++k) {
     const int edge_index = outwards ? first + k : last - k + 1;

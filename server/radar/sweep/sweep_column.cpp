@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/scene/tolerances.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -18,6 +19,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// whichever is less: a strand sees one wall, and their number stays bounded.
 constexpr std::int64_t kColumnShare = 16;
 constexpr std::int64_t kBuildingShare = 64;
+
+// In units of ask(): a turn of a silhouette, a plane with its horizon, a look at an obstacle, a cell with its
+// samples.
+constexpr int kATurn = 4;
+constexpr int kAPlane = 100;
+constexpr int kALook = 20;
+constexpr int kACell = 20;
 
 /// How often bearings in whose middle a building is only just hidden are halved to look for it.
 constexpr int kHalvings = 4;
@@ -50,6 +58,7 @@ void SweepColumn::start(const std::vector<Silhouette>& silhouettes, SegmentSampl
 /// The buildings that overlap the column, by distance.
 void SweepColumn::find_obstacles(const std::vector<Silhouette>& silhouettes) {
   for (const Silhouette& s : silhouettes) {
+    ask(kATurn * 3);
     for (int turn = -1; turn <= 1; ++turn) {
       const double left_rad = start_rad_ - turn * 2 * kPi;
       if (s.to_rad < left_rad - kMargin_rad ||
@@ -101,6 +110,7 @@ LineOfSight SweepColumn::plane_at(TickRange ticks, double from_m, std::size_t n_
   Horizon<double> horizon = ground_horizon(plan_.scene(), ridge_, antenna, bearing, from_m);
   const std::int64_t centre = ticks.from + ticks.size() / 2;
   spans_.clear();
+  ask(kAPlane + static_cast<std::int64_t>(n_obstacles));
   for (std::size_t k = n_obstacles; k-- > 0;) {
     const Obstacle& o = obstacles_[k];
     // Seen from above, most roofs that end before the plane begins lie below the ground's horizon.
@@ -126,6 +136,7 @@ SweepColumn::Look SweepColumn::look(const LineOfSight& plane, std::size_t obstac
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const std::uint32_t building = obstacles_[obstacle].building;
   spans_.clear();
+  ask(kALook + static_cast<std::int64_t>(plane.spans().size()));
   std::copy_if(plane.spans().begin(), plane.spans().end(), std::back_inserter(spans_),
                [&](const RoofSpan& span) { return span.building == building; });
   if (spans_.empty())
@@ -227,6 +238,7 @@ void SweepColumn::advance(double to_m, SegmentSampler& sampler) {
 }
 
 void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, SegmentSampler& sampler) {
+  const double from_m = strand.plane.at_m();
   struct Sink {
     SegmentSampler& sampler;
     const LineOfSight& plane;
@@ -235,6 +247,8 @@ void SweepColumn::march(Strand& strand, double to_m, GroundWalk::Last last, Segm
   } sink{sampler, strand.plane};
   sampler.set(share_of(strand.ticks, strand.plane.bearing()));
   strand.plane.advance(to_m, sink, last);
+  ask(kACell *
+      static_cast<std::int64_t>(1 + (strand.plane.at_m() - from_m) / plan_.scene().world().grid.cell_m));
 }
 
 void SweepColumn::finish(const Strand& strand, double at_m) {

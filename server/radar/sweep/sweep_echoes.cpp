@@ -8,6 +8,7 @@
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/simd/exact_math.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
@@ -21,6 +22,9 @@ constexpr double kFinest_m = 1;
 /// be spread over range evenly. In 3,000 random towns strands up to there leave a median E of 0.003.
 constexpr double kNearest_m = 100;
 constexpr double kNearestHeights = 8;
+
+constexpr std::size_t kRun = 4096;  // circles between two times that are asked
+constexpr int kABuilding = 200;     // its silhouette, in units of ask()
 
 /// What lies beyond the last range that matters may have its scatterers before it: so many cells.
 constexpr double kMoreCells = 4;
@@ -44,6 +48,7 @@ std::vector<std::uint32_t> near_buildings(const FramePlan& plan) {
   const double lowest_m = plan.scene().tiles().lowest_m();
   std::vector<std::uint32_t> found;
   for (std::size_t b = 0; b < circles.size(); ++b) {
+    if (b % kRun == 0) ask(kRun);
     const double dx = static_cast<double>(circles.x_m[b]) - antenna.x;
     const double dz = static_cast<double>(circles.z_m[b]) - antenna.z;
     const double reach = nearest_for(static_cast<double>(circles.roof_y_m[b]) - lowest_m) +
@@ -69,6 +74,7 @@ SubColumnBins::SubColumnBins(const FramePlan& plan)
   const double lowest_slope = lowest_slope_in_swath(plan);
   for (const std::uint32_t b : near_buildings(plan)) {
     const Buildings& all = plan.scene().world().buildings;
+    ask(kABuilding + 3 * bins.n_azimuth);
     const Silhouette seen = silhouette_of(all, plan.sector(), b);
     if (seen.near_m > nearest_for(height_of(all.list[b])) || seen.top_slope < lowest_slope) continue;
     for (int bin = 0; bin < bins.n_azimuth; ++bin)
@@ -104,39 +110,28 @@ SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& c
   echoes_.n = 0;
 }
 
-bool SweepEchoes::step(FrameStats& stats) {
-  if (planes_ == 0) return false;
-  if (viewed_ < range_.count) {
-    const StageProbe probe(Stage::buildings);
-    step_buildings();
-    return true;
-  }
+void SweepEchoes::run(FrameStats& stats) {
+  if (planes_ == 0) return;
+  view_buildings();
   const StageProbe probe(Stage::ground);
-  if (!marching_) {
-    if (plane_ == planes_) return false;
+  while (plane_ < planes_) {
     start_planes();
     stats.rays += static_cast<std::uint64_t>(range_.count * together_);
+    march_planes();
   }
-  step_ground();
-  return true;
 }
 
-void SweepEchoes::step_buildings() {
-  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
-  if (!viewing_) {
-    viewing_ = view_.start(range_.first + viewed_, viewed_);
-    if (!viewing_) ++viewed_;
-    return;
+void SweepEchoes::view_buildings() {
+  const StageProbe probe(Stage::buildings);
+  const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
+  for (int profile = 0; profile < range_.count; ++profile) {
+    if (!view_.see(range_.first + profile, profile, cells_)) continue;
+    if (kept_.empty()) fill(kept_, static_cast<std::size_t>(planes_) * shares, 1.0F);
+    for (int plane = 0; plane < planes_; ++plane)
+      view_.kept_shares(
+          plane, kept_.data() + static_cast<std::size_t>(plane) * shares + static_cast<std::size_t>(profile),
+          cells_);
   }
-  if (view_.step(cells_)) return;
-  viewing_ = false;
-  if (kept_.empty()) kept_.assign(static_cast<std::size_t>(planes_) * n_range * kWedgeAzimuthBins, 1.0F);
-  for (int plane = 0; plane < planes_; ++plane)
-    view_.kept_shares(plane,
-                      kept_.data() + static_cast<std::size_t>(plane) * n_range * kWedgeAzimuthBins +
-                          static_cast<std::size_t>(viewed_),
-                      cells_);
-  ++viewed_;
 }
 
 void SweepEchoes::start_planes() {
@@ -154,7 +149,6 @@ void SweepEchoes::start_planes() {
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
   cut_.kept[1] = kept_.empty() || together_ == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
-  marching_ = true;
   plane_ += together_;
 }
 
@@ -179,20 +173,22 @@ void SweepEchoes::start_plane(int half) {
   }
 }
 
-/// Marches and cuts what fills a few lists.
-void SweepEchoes::step_ground() {
-  for (int turn = 0; turn < 4 && marching_; ++turn) {
+/// Marches planes that have been started, and cuts what they see.
+void SweepEchoes::march_planes() {
+  const HeightGrid& grid = plan_.scene().world().grid;
+  MarchedCells marched[] = {{profiles_[0], grid}, {profiles_[1], grid}};
+  while (half_marching_[0] || half_marching_[1]) {
     for (int half = 0; half < 2; ++half) {
       segments_[half].n = 0;
-      if (half_marching_[half])
-        half_marching_[half] = kernels_.visible_ground(ground_, profiles_[half], segments_[half]);
+      if (!half_marching_[half]) continue;
+      half_marching_[half] = kernels_.visible_ground(ground_, profiles_[half], segments_[half]);
     }
-    marching_ = half_marching_[0] || half_marching_[1];
     SegmentRows a{&segments_[0], 0, segments_[0].n};
     SegmentRows b{&segments_[1], 0, segments_[1].n};
     while (!kernels_.ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
   }
-  if (marching_) return;
+  // The cells of sixteen profiles are few enough to ask for them together; so are the echoes of a list.
+  for (MarchedCells& cells : marched) cells.ask_for_them();
   for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_run(run);
   cells_.add(echoes_);
 }

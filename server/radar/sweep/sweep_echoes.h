@@ -28,14 +28,13 @@ class SweepEchoes {
               double far_m = std::numeric_limits<double>::infinity(),
               const Kernels& kernels = widest_kernels());
 
-  /// Goes on for as long as a batch of samples would take; false when nothing is left.
-  bool step(FrameStats& stats);
+  void run(FrameStats& stats);
 
  private:
-  void step_buildings();
+  void view_buildings();
+  void march_planes();
   void start_planes();
   void start_plane(int half);
-  void step_ground();
   void end_run(std::size_t run);
 
   const FramePlan& plan_;
@@ -45,11 +44,8 @@ class SweepEchoes {
   EchoCells& cells_;
   int planes_;  // a bin; none where no ground is known
   BuildingView view_;
-  int viewed_ = 0;  // azimuth bins whose buildings are done
-  bool viewing_ = false;
   std::vector<float> kept_;  // [planes][n_range][8]; empty: all of it
   int plane_ = 0;
-  bool marching_ = false;
   GroundCut cut_;
   GroundView ground_;
   // Two planes of each azimuth bin side by side, where it has two.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/radar/profile/ground_walk.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 
@@ -36,11 +37,13 @@ void SweepGround::start(std::vector<GroundShare> shares) {
 }
 
 bool SweepGround::next(SegmentSampler& sampler, SampleBatch& samples) {
+  MarchedCells marched(lanes_, plan_.scene().world().grid);
   while (!sampler.full()) {
     if (cut_ >= segments_.n) {
       if (!marching_) return false;
       segments_.n = cut_ = 0;
       marching_ = kernels_.visible_ground(bins_.ground, lanes_, segments_);
+      marched.ask_for_them();
       continue;
     }
     bool rare = false;

@@ -3,9 +3,13 @@
 #include <algorithm>
 
 #include "server/radar/sweep/sweep_column.h"
+#include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
+namespace {
+constexpr int kABuilding = 200;  // its silhouette, in units of ask()
+}
 
 SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
     : plan_(plan),
@@ -16,6 +20,7 @@ SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
       ground_(plan) {
   const StageProbe probe(Stage::buildings);
   for (const std::uint32_t b : plan.buildings_in(range)) {
+    ask(kABuilding);
     silhouettes_.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
     if (silhouettes_.back().near_m > plan.building_reach_m()) silhouettes_.pop_back();
   }

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "terrain/base/asking.h"
+
 namespace obliq {
 namespace {
 
@@ -22,6 +24,7 @@ void narrow(BinBlock& block, std::vector<Request>& requests, const IsOpen& is_op
     const auto closed = [&](int r) {
       return state[r] != static_cast<std::uint8_t>(BinState::not_sampled) || !is_open(request.azimuth_bin, r);
     };
+    ask(block.n_range);
     RangeWindow& bins = request.bins;
     while (!bins.empty() && closed(bins.first)) ++bins.first;
     while (!bins.empty() && closed(bins.last)) --bins.last;

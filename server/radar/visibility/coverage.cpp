@@ -5,6 +5,7 @@
 
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/profile/tile_walk.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -33,6 +34,8 @@ struct BinArea {
   }
 };
 
+constexpr int kAnAzimuth = 50;  // without its tiles, in units of ask()
+
 /// Adds up what a walk finds no ground on.
 struct Gaps {
   const BinArea& area;
@@ -46,6 +49,7 @@ struct Gaps {
 }  // namespace
 
 GroundArea ground_area(const FramePlan& plan, int azimuth_bin) {
+  ask(kAnAzimuth);
   const BinArea area(plan);
   const HeightGrid& grid = plan.scene().world().grid;
   const glm::dvec3& antenna = plan.sector().antenna_m;
@@ -59,6 +63,7 @@ GroundArea ground_area(const FramePlan& plan, int azimuth_bin) {
   if (!plan.scene().tiles().whole())
     over_tiles(plan.scene().fine_tiles(), grid, antenna, bearing, whole.at_m(), whole.end_m(),
                [&](const TileBounds::Tile& tile, double d0, double d1) {
+                 ask(tile.whole ? 4 : 4 * TileBounds::kFineCells);
                  if (!tile.whole)
                    GroundWalk(grid, antenna, bearing.sin, bearing.cos, d0, d1).advance(d1, gaps);
                });

@@ -12,6 +12,7 @@
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/visibility/range_march.h"
 #include "server/scene/tolerances.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -20,6 +21,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A march that begins later saves less than finding the horizon there costs.
 constexpr double kWorthwhile_cells = 64;
+constexpr int kARoof = 10;  // its spans on a profile, in units of ask()
+
 SinCos bearing_at(const FramePlan& plan, double position) {
   const double bearing = plan.bearing_rad(position);
   return {std::sin(bearing), std::cos(bearing)};
@@ -35,8 +38,10 @@ Profile profile_at(const FramePlan& plan, const VisibilityRequest& request, std:
   // A building that reaches across a bin's edge is in the lists of both bins.
   const int azimuth_bin = std::min(static_cast<int>(request.position), plan.bins().n_azimuth - 1);
   spans.clear();
-  for (const std::uint32_t b : plan.buildings_in(azimuth_bin))
+  for (const std::uint32_t b : plan.buildings_in(azimuth_bin)) {
+    ask(kARoof);
     add_roof_spans(world.buildings, b, antenna.x, antenna.z, profile.bearing.sin, profile.bearing.cos, spans);
+  }
   profile.roofs = disjoint_roofs(spans);
   std::erase_if(profile.roofs, [](const RoofSpan& roof) { return !(roof.near_m < roof.far_m); });
   return profile;
@@ -157,7 +162,9 @@ void mark_profiles(const FramePlan& plan, std::span<const VisibilityRequest> req
     lanes.present[lane] = results[lane].present.data();
     next_roof(lane);
   }
+  ask(static_cast<std::int64_t>(requests.size()) * bins.n_range);
   const GroundView ground = ground_view(grid, antenna);
+  MarchedCells marched(lanes, grid);
   while (const unsigned at_roof = kernels.mark_visible_ranges(ground, bins, lanes)) {
     // Cells with roofs in them, a profile at a time.
     for (std::size_t lane = 0; lane < profiles.size(); ++lane) {
@@ -173,7 +180,9 @@ void mark_profiles(const FramePlan& plan, std::span<const VisibilityRequest> req
       lanes.state[lane] = profile.state;
       next_roof(lane);
     }
+    marched.ask_for_them();
   }
+  marched.ask_for_them();
   for (std::size_t lane = 0; lane < profiles.size(); ++lane) {
     if (lanes.end_m[lane] < 0) continue;
     profiles[lane].state = lanes.state[lane];

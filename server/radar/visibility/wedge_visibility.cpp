@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "terrain/base/asking.h"
+
 namespace obliq {
 
 void BinMarks::add(const BinMarks& other, RangeWindow bins) {
@@ -71,7 +73,9 @@ BinMarks WedgeVisibility::marks(const Request& request) const {
   BinMarks all(plan_.bins().n_range);
   for (int sub_azimuth = 0; sub_azimuth <= sub_azimuths_; ++sub_azimuth) {
     const RangeWindow bins = counting(sub_azimuth, request.bins);
-    if (!bins.empty()) all.add(profiles_[sub_azimuth_of(request.azimuth_bin, sub_azimuth)].result, bins);
+    if (bins.empty()) continue;
+    ask(bins.last - bins.first + 1);
+    all.add(profiles_[sub_azimuth_of(request.azimuth_bin, sub_azimuth)].result, bins);
   }
   return all;
 }

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import BadStream
+from .errors import BadStream, FrameAborted
 from .frame import Dwell, Frame
 from .planes import NAMES, TYPES, Run, Scaled, plain
 
@@ -12,6 +12,13 @@ MOST_AZIMUTHS = 1 << 14
 MOST_RANGES = 1 << 24
 # A frame that needs more is refused, whatever it claims.
 MOST_BYTES = 8 << 30
+# A pass that brought less than this part of its values and missed the others is given up, unless it is small; as
+# client/frame_assembler.cpp does.
+LEAST_PART = 64
+SMALL_BYTES = 1 << 20
+# More than this the C library takes from the system, as pages that are 0 and cost nothing until something is written to them
+# (mallopt(3): the greatest M_MMAP_THRESHOLD).
+FRESH_BYTES = 32 << 20
 
 
 class Buffers:
@@ -21,8 +28,13 @@ class Buffers:
         self._free = {}
 
     def take(self, name, shape, kind):
+        """An array, and whether all of it is 0."""
         waiting = self._free.get((name, shape, kind))
-        return waiting.pop() if waiting else np.empty(shape, kind)
+        if waiting:
+            return waiting.pop(), False
+        if shape[0] * shape[1] * kind.itemsize > FRESH_BYTES:
+            return np.zeros(shape, kind), True
+        return np.empty(shape, kind), False
 
     def give(self, frame):
         for name in NAMES.values():
@@ -49,14 +61,17 @@ class Assembler:
         if not self.azimuth.n or not self.range.n:
             raise BadStream("a frame of a window without bins")
         self.shape = (self.azimuth.n, self.range.n)
-        bytes_needed = sum(TYPES[name].itemsize if name in TYPES else 2 for name in names) * self.shape[0] * self.shape[1]
-        if bytes_needed > MOST_BYTES:
-            raise BadStream(f"the frame needs {bytes_needed} bytes; allowed: at most {MOST_BYTES}")
+        self._bytes_of_value = {name: TYPES[name].itemsize if name in TYPES else 2 for name in names}
+        self._bytes_needed = sum(self._bytes_of_value.values()) * self.shape[0] * self.shape[1]
+        if self._bytes_needed > MOST_BYTES:
+            raise BadStream(f"the frame needs {self._bytes_needed} bytes; allowed: at most {MOST_BYTES}")
+        self._bytes_received = 0
         self.stream_id, self.frame_id = header.stream_id, begin.frame_id
         self.names = names
         self._take = (buffers or Buffers()).take
         self._filled = {name: [0] * self.azimuth.n for name in names}
         self._whole = [0] * self.azimuth.n  # planes that are complete at an azimuth
+        self._fresh = set()  # planes whose array is 0 where nothing has come
         self.frame = Frame(self, begin, header.utc_ns)
 
     def is_mine(self, header, frame_id):
@@ -77,6 +92,7 @@ class Assembler:
         if filled[row:past] != [column] * block.n_azimuth or not values.size:
             raise BadStream("a data block overlaps another or leaves a gap")
         filled[row:past] = [end] * block.n_azimuth
+        self._bytes_received += values.size * self._bytes_of_value[name]
         array = getattr(self.frame, name)
         if array is None or array.dtype != values.dtype:
             if array is not None:
@@ -97,14 +113,17 @@ class Assembler:
 
     def _allocate(self, name, kind):
         try:
-            array = self._take(name, self.shape, kind)
+            array, fresh = self._take(name, self.shape, kind)
         except MemoryError:
             raise BadStream(f"there is no memory for a frame of {self.shape[0]} x {self.shape[1]} bins") from None
+        if fresh:
+            self._fresh.add(name)
         setattr(self.frame, name, array)
         return array
 
     def end(self, end):
-        """The complete frame; what a scanning antenna missed is 0, "not sampled"."""
+        """The complete frame; what a scanning antenna missed is 0, "not sampled". FrameAborted where that is nearly all of a
+        large one, which would take memory that nothing that came accounts for."""
         missed = []
         for span in end.missed:
             first = max(0, -(-(span.first_azimuth - self.azimuth.first) // self.azimuth.step))
@@ -113,19 +132,23 @@ class Assembler:
             missed.append(rows)
             if sum(part.stop - part.start for part in missed) > self.azimuth.n:
                 raise BadStream("the frame's end says that more azimuth bins were missed than the frame has")
-        for name in self.names:
+        unseen = {at for rows in missed for at in range(rows.start, rows.stop)}
+        for name, filled in self._filled.items():
+            if filled == [self.range.n] * self.azimuth.n:
+                continue
+            lacking = sum(self.range.n - done for at, done in enumerate(filled) if done or at not in unseen)
+            if lacking:
+                raise BadStream(f"the frame ended with {lacking} values of {name} missing")
+        if self._bytes_needed > SMALL_BYTES and LEAST_PART * self._bytes_received < self._bytes_needed:
+            raise FrameAborted("the scanning antenna missed nearly all of it")
+        for name, filled in self._filled.items():
             array = getattr(self.frame, name)
             if array is None:
                 array = self._allocate(name, TYPES.get(name, np.dtype("u1")))
-            filled = self._filled[name]
-            for rows in missed:
-                for at in range(rows.start, rows.stop):
+            if name not in self._fresh:
+                for at in unseen:
                     if filled[at] == 0:
                         array[at] = 0
-                        filled[at] = self.range.n
-            lacking = sum(self.range.n - done for done in filled)
-            if lacking:
-                raise BadStream(f"the frame ended with {lacking} values of {name} missing")
         self.frame._finish(end, tuple(rows for rows in missed if rows.stop > rows.start))
         return self.frame
 

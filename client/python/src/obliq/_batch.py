@@ -18,8 +18,10 @@ import threading
 import time
 import uuid
 
+from . import _seeds
+from ._poses import read_poses
 from ._requests import Tls
-from ._shards import FORMAT, MANIFEST, Dataset, PartWriter, digest, part_name, sweep, write_whole
+from ._shards import FORMAT, MANIFEST, Dataset, PartWriter, digest, parsed, part_name, sweep, write_whole
 from .client import connect
 from .local import Daemon
 from .parameters import Pose, Settings
@@ -34,6 +36,9 @@ class Job:
     poses: tuple  # (id, pose as dict, settings as dict, line)
     planes: tuple
     settings: dict
+    radar: str  # whose patterns and name the frames have
+    seed: int
+    speckle_per_frame: bool
     shard_size: int
     server: str | None
     token_file: str | None
@@ -63,13 +68,14 @@ class Job:
         with self.connected() as server:
             check_manifest(self, world_of(server, self))
             wanted = read_manifest(self.out)["world"]
-            asked = ((Pose.of(pose), Settings.of({**self.settings, **its}))
-                     for number in numbers for _, pose, its, _ in self._poses_of(number))
-            results = server.render_many(asked, planes=self.planes, timeout=self.timeout, return_exceptions=True)
+            asked = (self._asked(place) for number in numbers for place in self._places_of(number))
+            results = server.render_many(asked, planes=self.planes, timeout=self.timeout, return_exceptions=True,
+                                         radar=self.radar)
             for number in numbers:
                 frames = failed = 0
                 with contextlib.closing(PartWriter(self.out, number)) as part:
-                    for (its_id, _, _, line), result in zip(self._poses_of(number), results):
+                    for place, result in zip(self._places_of(number), results):
+                        its_id, _, _, line = self.poses[place]
                         if isinstance(result, Exception):
                             part.fail(its_id, line, result)
                             failed += 1
@@ -81,8 +87,15 @@ class Job:
                 yield number, frames, failed, time.monotonic() - began
                 began = time.monotonic()
 
-    def _poses_of(self, number):
-        return self.poses[number * self.shard_size: (number + 1) * self.shard_size]
+    def _places_of(self, number):
+        """Of a shard's poses in the data set."""
+        return range(number * self.shard_size, min((number + 1) * self.shard_size, len(self.poses)))
+
+    def _asked(self, place):
+        """What is drawn follows from the place alone, so that shares, workers and resumed runs make the same frames; a line
+        may name its own."""
+        _, pose, its, _ = self.poses[place]
+        return Pose.of(pose), Settings.of({**self.settings, **_seeds.draw(self.seed, place, self.speckle_per_frame), **its})
 
     @contextlib.contextmanager
     def connected(self):
@@ -115,56 +128,6 @@ def stop_own_daemons():
         _daemons.pop(key).stop()
 
 
-# ---- Poses ----
-
-def read_poses(given):
-    """((id, pose, settings, line), ...) from a file of JSON lines or from dicts. ValueError names the line."""
-    if isinstance(given, (str, os.PathLike)):
-        name, rows = os.fspath(given), []
-        with open(given, encoding="utf-8") as file:
-            for number, line in enumerate(file, 1):
-                if not line.strip():
-                    continue
-                try:
-                    rows.append((number, json.loads(line)))
-                except ValueError as error:
-                    raise ValueError(f"{name}, line {number}: not JSON: {error}") from None
-    else:
-        name, rows = "poses", list(enumerate(given, 1))
-    if not rows:
-        raise ValueError(f"{name}: found no pose; allowed: a JSON object a line, {{\"id\": ..., \"latitude_deg\": ...}}")
-    found, lines = [], {}
-    for number, row in rows:
-        where = f"{name}, line {number}"
-        if isinstance(row, Pose):
-            row = row.as_dict()
-        if not isinstance(row, dict):
-            raise ValueError(f"{where}: found {type(row).__name__}; allowed: an object")
-        row = dict(row)
-        its_id = row.pop("id", number)
-        if not isinstance(its_id, (str, int)) or isinstance(its_id, bool):
-            raise ValueError(f"{where}: id: found {its_id!r}; allowed: a text or a whole number")
-        if str(its_id) in lines:
-            raise ValueError(f"{where}: id {its_id!r} stands in line {lines[str(its_id)]} already")
-        lines[str(its_id)] = number
-        settings = {key: row.pop(key) for key in list(row) if key in Settings.names()}
-        try:
-            pose = Pose.of(row, "pose")
-            settings = Settings.of(settings)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{where}: {error}") from None
-        lacking = [key for key in ("latitude_deg", "longitude_deg", "height_m") if getattr(pose, key) is None]
-        if lacking:
-            raise ValueError(f"{where}: lacks {', '.join(lacking)}")
-        found.append((its_id, pose.as_dict(), settings.as_dict(), number))
-    for _, _, settings, number in found:
-        for key in ("azimuth_bins", "range_bins"):
-            if settings.get(key) != found[0][2].get(key):
-                raise ValueError(f"{name}, line {number}: {key}: found {settings.get(key)}; allowed: that of the first line, "
-                                 f"{found[0][2].get(key)}: frames of a data set have one shape")
-    return tuple(found)
-
-
 # ---- What a data set was made of ----
 
 def world_of_frame(frame, server):
@@ -177,12 +140,12 @@ def world_of_frame(frame, server):
 
 
 def world_of(server, job):
-    """Of a server: by the smallest frame of the first pose that it takes."""
-    for _, pose, settings, _ in job.poses[:20]:
-        tiny = Settings.of({**job.settings, **settings, "azimuth_bins": 1, "range_bins": 1, "pixel_columns": 1,
-                            "pixel_rows": 1, "frustum": "sweep", "scan_mode": "frame"})
-        for result in server.render_many([(Pose.of(pose), tiny)], planes="state", timeout=job.timeout,
-                                         return_exceptions=True):
+    """Of a server: by a frame of one bin with nothing in it that could be refused, from where its radar stands, or else from
+    the first pose that it takes."""
+    tiny = Settings(azimuth_bins=1, range_bins=1, pixel_columns=1, pixel_rows=1, frustum="sweep", scan_mode="frame",
+                    beam_pattern="off", beam_elevation="off", pulse_kind="off")
+    for place in [server.radar(job.radar).pose, *(Pose.of(pose) for _, pose, _, _ in job.poses[:20])]:
+        for result in server.render_many([place], tiny, planes="state", timeout=job.timeout, return_exceptions=True):
             if not isinstance(result, Exception):
                 return world_of_frame(result, server)
             error = result
@@ -199,11 +162,12 @@ def same_world(wanted, found, its_id):
 
 def manifest_of(job, world):
     return {"format": FORMAT, "poses": len(job.poses), "poses_sha256": digest([pose[:3] for pose in job.poses]),
-            "shard_size": job.shard_size, "planes": list(job.planes), "settings": job.settings, "world": world}
+            "shard_size": job.shard_size, "planes": list(job.planes), "settings": job.settings, "radar": job.radar,
+            "seed": job.seed, "speckle_per_frame": job.speckle_per_frame, "world": world}
 
 
 def read_manifest(out):
-    return json.loads((pathlib.Path(out) / MANIFEST).read_text())
+    return parsed((pathlib.Path(out) / MANIFEST).read_text())
 
 
 def check_manifest(job, world):
@@ -260,9 +224,11 @@ class Done:
 
 
 def prepare(poses, out, *, server=None, local=None, planes="iq state", settings=None, shard_size=64, token_file=None, tls=False,
-            ca_file=None, obliqd=None, local_settings=None, radar=None, timeout=300.0):
+            ca_file=None, obliqd=None, local_settings=None, radar=None, seed=0, speckle_per_frame=False, timeout=300.0):
     """The Job of a data set, checked against its folder. For engines that are no executor (Ray): job.run(number) for each
-    number of todo(job)."""
+    number of todo(job). seed: a whole number from which each frame has noise and independent speckle of its own
+    (noise_frame), unless its line names them; speckle_per_frame: a speckle_seed of its own as well, so that the ground's
+    speckle is another in each frame."""
     if (server is None) == (local is None):
         raise TypeError("batch() needs one of server='HOST:PORT' and local='scene.toml'")
     if shard_size < 1:
@@ -270,14 +236,16 @@ def prepare(poses, out, *, server=None, local=None, planes="iq state", settings=
     out = pathlib.Path(out)
     make_folder(out)
     sweep(out)
-    job = Job(str(out.resolve()), read_poses(poses), plane_names(planes), {}, shard_size, server, token_file, ca_file, tls,
-              None if local is None else str(pathlib.Path(local).resolve()), obliqd, local_settings or {}, timeout)
+    job = Job(str(out.resolve()), read_poses(poses), plane_names(planes), {}, "", _seeds.checked(seed), bool(speckle_per_frame),
+              shard_size, server, token_file, ca_file, tls, None if local is None else str(pathlib.Path(local).resolve()),
+              obliqd, local_settings or {}, timeout)
     with job.connected() as connected:
         # Whole settings, so that a default of another version, or a change of the live radar, cannot slip in.
         known = connected.info.radars
         name = radar or ("main" if "main" in known else known[0])
         base = connected.radar(name).settings.replace(scan_mode="frame")
-        job = dataclasses.replace(job, settings=Settings.of({**base.as_dict(), **Settings.of(settings).as_dict()}).as_dict())
+        job = dataclasses.replace(job, radar=name,
+                                  settings=Settings.of({**base.as_dict(), **Settings.of(settings).as_dict()}).as_dict())
         check_manifest(job, world_of(connected, job))
     return job
 

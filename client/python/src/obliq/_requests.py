@@ -6,6 +6,7 @@ import ipaddress
 import os
 import ssl
 
+from . import _seeds
 from . import obliq_pb2 as wire
 from ._fields import hint, number
 from ._session import Subscription
@@ -152,11 +153,20 @@ def radar_name(radars, name):
     return name
 
 
-def render_request(settings, pose, planes, encoding, compress, window, radar):
-    """RenderOnce and the planes that it asks for."""
+def wishes(poses, settings, seed, choice):
+    """Arguments of render_request() for each pose, or pair of pose and settings."""
+    if seed is not None:
+        seed = _seeds.checked(seed)
+    for place, pose in enumerate(poses):
+        pose, its = pose if isinstance(pose, tuple) else (pose, settings)
+        yield its, pose, *choice, None if seed is None else _seeds.draw(seed, place)
+
+
+def render_request(settings, pose, planes, encoding, compress, window, radar, draw=None):
+    """RenderOnce and the planes that it asks for. draw: settings that win."""
     pose = Pose.of(pose, "pose")
     request = wire.RenderOnce(radar=radar)
-    Settings.of(settings, "settings").write(request.settings)
+    Settings.of(settings, "settings", **(draw or {})).write(request.settings)
     pose.write(request.pose)
     lacking = [name for name in ("latitude_deg", "longitude_deg", "height_m") if getattr(pose, name) is None]
     if lacking:

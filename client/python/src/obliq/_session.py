@@ -235,8 +235,13 @@ class Session:
         del self._streams[header.stream_id]
         if header.type == 51:
             sink.aborted(parsed.reason)
+            return
+        try:
+            frame = assembler.end(parsed)
+        except FrameAborted as given_up:
+            sink.aborted(given_up.reason)
         else:
-            sink.whole(assembler.end(parsed))
+            sink.whole(frame)
 
     def has_enough(self):
         """Nothing more is to be read for now. Not while an answer is awaited, which may be behind the frames."""

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shutil
 import socket
 import uuid
@@ -25,6 +26,10 @@ from .planes import NUMBERS
 FORMAT = 1
 MANIFEST = "manifest.json"
 NPY_HEADER = 192  # bytes, whatever the shape: a multiple of 64, as the format wants
+
+
+# A part that is being written; see PartWriter.
+LEFT_BEHIND = re.compile(r"\.part-[0-9]+\.(?P<host>.+)\.(?P<pid>[0-9]+)\.[0-9a-f]{8}")
 
 
 def part_name(number):
@@ -124,8 +129,8 @@ def sweep(out):
     """Removes what workers of this machine left when they were killed."""
     here = socket.gethostname()
     for left in pathlib.Path(out).glob(".part-*"):
-        host, _, pid = left.name.removeprefix(".").split(".", 1)[1].rsplit(".", 1)[0].rpartition(".")
-        if host == here and pid.isdigit() and not pathlib.Path(f"/proc/{pid}").exists():
+        made = LEFT_BEHIND.fullmatch(left.name)
+        if made and made["host"] == here and not pathlib.Path(f"/proc/{made['pid']}").exists():
             shutil.rmtree(left, ignore_errors=True)
 
 
@@ -136,7 +141,7 @@ class Dataset:
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
         try:
-            self.manifest = json.loads((self.folder / MANIFEST).read_text())
+            self.manifest = parsed((self.folder / MANIFEST).read_text())
         except (FileNotFoundError, NotADirectoryError):
             raise FileNotFoundError(f"{folder}: no data set: it has no {MANIFEST}") from None
         except ValueError as error:
@@ -212,9 +217,17 @@ class Dataset:
         return found
 
 
+def parsed(text):
+    """A JSON text; ValueError also where it is nested too deep."""
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deep") from None
+
+
 def _lines(path):
     with open(path, encoding="utf-8") as file:
-        return [json.loads(line) for line in file]
+        return [parsed(line) for line in file]
 
 
 def digest(value):

@@ -102,20 +102,18 @@ class Server:
         return await self._run("finish_render", rendering, timeout)
 
     async def render_many(self, poses, settings=None, *, planes=None, encoding="cf32", compress=None, window=None,
-                          timeout=60.0, radar="python", return_exceptions=False):
+                          timeout=60.0, radar="python", return_exceptions=False, seed=None):
         in_flight = max(1, self.info.limits.max_renders_queued)
         waiting = collections.deque()
-        wanted = iter(poses)
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar))
         more = True
         try:
             while more or waiting:
                 while more and len(waiting) < in_flight:
-                    pose = next(wanted, None)
-                    more = pose is not None
+                    wish = next(wanted, None)
+                    more = wish is not None
                     if not more:
                         break
-                    pose, its = pose if isinstance(pose, tuple) else (pose, settings)
-                    wish = (its, pose, planes, encoding, compress, window, radar)
                     try:
                         waiting.append((wish, self._begin(wish)))
                     except (TypeError, ValueError) as error:

@@ -46,6 +46,9 @@ def arguments(words):
     parser.add_argument("--set", type=setting, action="append", default=[], metavar="KEY=VALUE", help="of all frames; else as "
                         "the server's radar has it")
     parser.add_argument("--radar", help="whose settings are taken; default: main, or the first")
+    parser.add_argument("--seed", type=int, default=0, help="each frame has noise and independent speckle of its own, which "
+                        "follow from this number and the pose's place in the data set; default 0")
+    parser.add_argument("--speckle-per-frame", action="store_true", help="the ground's speckle is another in each frame, too")
     parser.add_argument("--shard-size", type=int, default=64, help="frames a part")
     parser.add_argument("--shard", metavar="I/N", help="do one share in N, I from 0 or 1; as in an Indexed Job")
     parser.add_argument("--workers", type=int, default=1, help="processes on this machine")
@@ -58,6 +61,7 @@ def arguments(words):
 def main(words=None):
     given = arguments(words)
     options = dict(server=given.server, local=given.local, planes=given.planes, settings=dict(given.set), radar=given.radar,
+                   seed=given.seed, speckle_per_frame=given.speckle_per_frame,
                    shard_size=given.shard_size, shard=given.shard, token_file=given.token_file, tls=given.tls,
                    ca_file=given.ca, obliqd=given.obliqd, progress=True)
     try:

@@ -9,7 +9,7 @@ from . import _requests as requests
 from . import ground
 from . import obliq_pb2 as wire
 from ._connection import Connection
-from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut
+from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
 from .replay import Replay
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 5.0
@@ -43,7 +43,7 @@ class Server:
         self._connection.close()
 
     def __repr__(self):
-        return f"<obliq.Server {self._connection.address}: {self.info.scene}, {', '.join(self.info.radars)}>"
+        return printable(f"<obliq.Server {self._connection.address}: {self.info.scene}, {', '.join(self.info.radars)}>")
 
     @property
     def address(self):
@@ -95,22 +95,22 @@ class Server:
         return self._run("finish_render", rendering, timeout)
 
     def render_many(self, poses, settings=None, *, planes=None, encoding="cf32", compress=None, window=None, timeout=60.0,
-                    radar="python", return_exceptions=False):
+                    radar="python", return_exceptions=False, seed=None):
         """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
-        pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on."""
+        pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
+        from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
+        say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)
         waiting = collections.deque()
-        wanted = iter(poses)
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar))
         try:
             while True:
                 while len(waiting) < in_flight:
                     try:
-                        pose = next(wanted)
+                        wish = next(wanted)
                     except StopIteration:
                         break
-                    pose, its = pose if isinstance(pose, tuple) else (pose, settings)
-                    waiting.append(self._begin(return_exceptions, (
-                        its, pose, planes, encoding, compress, window, radar)))
+                    waiting.append(self._begin(return_exceptions, wish))
                 if not waiting:
                     return
                 yield self._finish(return_exceptions, waiting, timeout)
@@ -185,7 +185,7 @@ class Radar:
         self._server, self.name = server, name
 
     def __repr__(self):
-        return f"<obliq.Radar {self.name}>"
+        return printable(f"<obliq.Radar {self.name}>")
 
     def info(self):
         """Settings, pose, who controls it, what is wrong with it: asked of the server."""

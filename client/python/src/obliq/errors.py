@@ -9,8 +9,18 @@ import dataclasses
 from .parameters import Pose, Settings
 
 
+def printable(text):
+    """With escapes for what would steer a terminal or begin a line of its own: some of these texts are a server's."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 class ObliqError(Exception):
     number = 0
+
+    def __str__(self):
+        return printable(super().__str__())
 
 
 class CannotConnect(ObliqError, ConnectionError):
@@ -65,7 +75,7 @@ class Fault:
         return Settings.keys.get(self.field) or Pose.keys.get(self.field) or self.field
 
     def __str__(self):
-        return f"{self.argument}: found {self.found}; allowed: {self.allowed}"
+        return printable(f"{self.argument}: found {self.found}; allowed: {self.allowed}")
 
 
 class Refused(ObliqError):

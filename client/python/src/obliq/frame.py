@@ -9,6 +9,7 @@ import numpy as np
 
 from . import obliq_pb2 as wire
 from . import places as _places
+from .errors import printable
 from .parameters import Pose, Settings
 from .planes import NAMES
 
@@ -71,7 +72,7 @@ class Frame:
 
     def __repr__(self):
         planes = " ".join(self.planes())
-        return f"<obliq.Frame {self.frame_id} of {self.radar}: {self.shape[0]} x {self.shape[1]} bins, {planes}>"
+        return printable(f"<obliq.Frame {self.frame_id} of {self.radar}: {self.shape[0]} x {self.shape[1]} bins, {planes}>")
 
     def planes(self):
         """Name -> array of the planes that are there."""

@@ -47,7 +47,8 @@ class Daemon:
                  "server.tls_key="]
         for key, value in (settings or {}).items():
             words += ["--set", f"{key}={toml(value)}"]
-        self._log = tempfile.NamedTemporaryFile(prefix="obliqd-", suffix=".log")
+        # Without a name, so that nothing of it stays, however this process ends; log() reads it by its descriptor.
+        self._log = tempfile.TemporaryFile(prefix="obliqd-", buffering=0)
         keeper = pathlib.Path(__file__).with_name("_keeper.py")
         # A group of its own: Ctrl-C in a notebook is not for the daemon.
         self._keeper = subprocess.Popen([sys.executable, "-I", os.fspath(keeper), *words], stdin=subprocess.PIPE,
@@ -60,7 +61,11 @@ class Daemon:
 
     def log(self):
         """What it has printed so far."""
-        return pathlib.Path(self._log.name).read_text(errors="replace")
+        # Where the daemon writes goes on from where this file's position is: it stays.
+        return os.pread(self._log.fileno(), os.fstat(self._log.fileno()).st_size, 0).decode(errors="replace")
+
+    def _last_words(self):
+        return "; ".join(self.log().strip().splitlines()[-5:]) or "nothing"
 
     def is_running(self):
         return self._keeper.poll() is None
@@ -73,10 +78,9 @@ class Daemon:
             if found:
                 return found.group(1)
             if ended:
-                last = "\n".join(self.log().strip().splitlines()[-5:])
-                raise CannotConnect(f"obliqd ended at its start: {last or 'it printed nothing'}")
+                raise CannotConnect(f"obliqd ended at its start; it printed: {self._last_words()}")
             if time.monotonic() > end:
-                raise TimedOut(f"obliqd was not ready within {timeout:g} s; it printed: {self.log()[-500:]}")
+                raise TimedOut(f"obliqd was not ready within {timeout:g} s; it printed: {self._last_words()}")
             time.sleep(0.02)
 
     def stop(self, timeout=15.0):

@@ -9,7 +9,7 @@ import dataclasses
 
 import numpy as np
 
-from .places import A_M, F, World, locate
+from .places import A_M, F, STEPS, World, locate
 
 NO_VALUE = -9999.0
 OUTSIDE, UNKNOWN = 255, 254  # states of pixels off the sector, and of bins without a state plane
@@ -47,14 +47,14 @@ def direct(latitude_deg, longitude_deg, east_m, north_m):
 
 
 def inverse(latitude_deg, longitude_deg, latitudes_deg, longitudes_deg):
-    """East and north of points near by: direct() turned round by Newton's method, to a millimetre."""
-    east = north = np.zeros_like(latitudes_deg)
-    m_per_deg = np.pi / 180 * A_M
-    for _ in range(6):
-        lat, lon = direct(latitude_deg, longitude_deg, east, north)
-        north = north + (latitudes_deg - lat) * m_per_deg
-        off = (longitudes_deg - lon + 180) % 360 - 180
-        east = east + off * m_per_deg * np.cos(np.radians(lat))
+    """East and north of points within some 1,000 km: direct() turned round on the tangent plane of the first point, where
+    nothing happens at a pole. A step leaves (s / R)^2 / 2 of the error: under a micrometre."""
+    tangent = World(latitude_deg, longitude_deg, 1.0)
+    x, _, z = tangent.world(latitudes_deg, longitudes_deg, 0.0)
+    east, north = x, z
+    for _ in range(STEPS):
+        dx, _, dz = tangent.world(*direct(latitude_deg, longitude_deg, east, north), 0.0)
+        east, north = east + x - dx, north + z - dz
     return east, north
 
 

@@ -20,7 +20,7 @@ class Settings(Fields):
     r_max_m: float | None = None
     # Transmitted power; 0: a silent radar. Allowed: number 0 to 1000000000000 W
     power_w: float | None = None
-    # One-way antenna gain, the same in all directions. Allowed: number -100 to 100 dB
+    # One-way antenna gain at its peak; without [beam] the same in all directions. Allowed: number -100 to 100 dB
     gain_db: float | None = None
     # Multiply amplitudes by range squared; phases stay. Allowed: true | false
     range_normalisation: bool | None = None
@@ -28,7 +28,7 @@ class Settings(Fields):
     speckle: str | None = None
     # Each seed gives another speckle pattern on the same ground. Allowed: any integer
     speckle_seed: int | None = None
-    # How the ground is sampled: rays through pixels in one of three layouts, or vertical planes without rays. Allowed: "symmetric" | "oblique" | "polar" | "sweep"
+    # How the ground is sampled: rays through pixels in one of three layouts, or vertical planes without rays. A scene file whose [frustum] is empty gets "sweep" (frustum.quality = "standard"). Allowed: "symmetric" | "oblique" | "polar" | "sweep"
     frustum: str | None = None
     # Spread a pixel's power over all range bins that it covers, or put it into the bin of its hit, as the paper does. Allowed: "spread" | "nearest"
     plates: str | None = None
@@ -44,7 +44,7 @@ class Settings(Fields):
     range_bins: int | None = None
     # How a live radar scans: whole frames, back and forth across the sector, or round and round. Allowed: "frame" | "sector" | "circular"
     scan_mode: str | None = None
-    # Turning rate of the antenna; 36 is 6 turns per minute. Allowed: number 0.1 to 7200 deg/s
+    # Turning rate of the antenna; 36 is 6 turns per minute. A pass over the sector takes 10 ms to 60 s. Allowed: number 0.1 to 7200 deg/s
     scan_rate_deg_s: float | None = None
     # Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192
     scan_dwell_bins: int | None = None
@@ -104,7 +104,7 @@ class Settings(Fields):
     adc_bits: int | None = None
     # Power of a sine that just fills the converter. Allowed: number -200 to 100 dBm
     full_scale_dbm: float | None = None
-    # Pulses that the video integrates: it scatters as the mean of so many; 1: |I&Q|^2 itself. Allowed: integer 1 to 1024
+    # Pulses that the video integrates: it scatters as the mean of so many, in grains as large as one look's; 1: |I&Q|^2 itself. Allowed: integer 1 to 1024
     video_looks: int | None = None
     # Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it. Allowed: true | false
     video_floor_auto: bool | None = None

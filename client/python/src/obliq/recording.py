@@ -7,7 +7,7 @@ import pathlib
 from . import planes as _planes
 from ._assembly import Assembler
 from ._wire import HEADER, MAGIC, Message, crc32c, decode_header
-from .errors import BadStream
+from .errors import BadStream, FrameAborted, printable
 
 # Searched for whole messages behind damage, over the whole file, as obliq replay does.
 MOST_SEARCHED = 8 << 30
@@ -16,15 +16,15 @@ PIECE = 1 << 20
 
 @dataclasses.dataclass(frozen=True)
 class Loss:
-    """What is missing, and where. kind: "frame" (begun and not whole), "damage", "aborted" by the server, or "cut":
-    the end of the file is in the middle of something."""
+    """What is missing, and where. kind: "frame" (begun and not whole), "damage", "aborted" by the server, or given up as
+    nearly all of it was missed, or "cut": the end of the file is in the middle of something."""
 
     kind: str
     offset: int
     text: str
 
     def __str__(self):
-        return f"at byte {self.offset}: {self.text}"
+        return printable(f"at byte {self.offset}: {self.text}")
 
 
 class _Reader:
@@ -206,7 +206,11 @@ class _Hand:
             self._recording.losses.append(
                 Loss("aborted", message.offset, f"the server aborted the frame: {parsed.reason}"))
             return None
-        return assembler.end(parsed)
+        try:
+            return assembler.end(parsed)
+        except FrameAborted as given_up:
+            self._recording.losses.append(Loss("aborted", message.offset, f"the frame that ends there was given up: {given_up.reason}"))
+            return None
 
 
 def open_recording(path, radar=None, planes=None):

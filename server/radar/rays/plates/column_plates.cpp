@@ -10,18 +10,25 @@
 
 #include "server/radar/profile/local_sight.h"
 #include "server/radar/simd/exact_math.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-}
+constexpr int kRun = 4096;  // rows between two times that are asked
+// In units of ask(): a short walk with its samples, and a building on a profile.
+constexpr int kAPlate = 60;
+constexpr int kABuilding = 10;
+}  // namespace
 
 ColumnPlates::ColumnPlates(const FramePlan& plan)
     : plan_(plan),
       rows_(static_cast<int>(plan.polar().ray.size())),
       surface_(plan.scene().world(), plan.sector().antenna_m) {
-  for (const SinCos& edge : plan.polar().edge)
+  for (const SinCos& edge : plan.polar().edge) {
+    if (edge_slope_.size() % kRun == 0) ask(2 * kRun);
     edge_slope_.push_back(edge.cos > 0 ? edge.sin / edge.cos : edge.sin * kInfinity);
+  }
 }
 
 ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) {
@@ -46,6 +53,7 @@ ColumnPlates::Column& ColumnPlates::column(const RayBatch& rays, std::size_t k) 
     found.sin_bearing = ahead.x;
     found.cos_bearing = ahead.z;
     const glm::dvec3& antenna = plan_.sector().antenna_m;
+    ask(kABuilding * static_cast<std::int64_t>(plan_.buildings_in(found.azimuth_bin).size()));
     for (const std::uint32_t b : plan_.buildings_in(found.azimuth_bin))
       add_roof_spans(plan_.scene().world().buildings, b, antenna.x, antenna.z, ahead.x, ahead.z, found.roofs);
     found.roofs = disjoint_roofs(found.roofs);
@@ -64,6 +72,7 @@ int ColumnPlates::spread(const RayBatch& rays, const HitBatch& hits, int first, 
 
 void ColumnPlates::take(const RayBatch& rays, const HitBatch& hits, std::size_t k,
                         std::vector<Sample>& samples) {
+  ask(kAPlate);
   Column& here = column(rays, k);
   surface_.aim(here.sin_bearing, here.cos_bearing, here.roofs);
   Pixel& next = next_;
@@ -107,6 +116,7 @@ void ColumnPlates::fill_between(const Column& column, Pixel& below, Pixel& above
   const Buildings& all = plan_.scene().world().buildings;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   for (const SubColumn& sub_column : sub_columns_) {
+    ask(kAPlate + kABuilding * static_cast<std::int64_t>(column.buildings.between().size()));
     sub_column_roofs_.clear();
     for (const std::uint32_t b : column.buildings.between())
       add_roof_spans(all, b, antenna.x, antenna.z, sub_column.sin_bearing, sub_column.cos_bearing,
@@ -169,6 +179,7 @@ void ColumnPlates::close(Column& column, std::vector<Sample>& samples) {
 void ColumnPlates::finish(std::vector<Sample>& samples) {
   for (Column& column : columns_) {
     if (!column.begun) continue;
+    ask(kAPlate);
     surface_.aim(column.sin_bearing, column.cos_bearing, column.roofs);
     close_upwards(column, samples);
   }

@@ -6,6 +6,7 @@
 #include "server/radar/simd/kernels.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "server/scene/tolerances.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -13,6 +14,9 @@ namespace {
 /// No plate is walked farther than this many cells from its hit: pixels are a few cells long, and near the
 /// horizon they would reach across the scene.
 constexpr double kReach_cells = 64;
+// In units of ask(): eight walked together, and one by itself.
+constexpr int kEightPlates = 160;
+constexpr int kAPlate = 60;
 
 PlateField field_of(const FramePlan& plan) {
   const World& world = plan.scene().world();
@@ -58,6 +62,7 @@ int PixelPlates::spread(const RayBatch& rays, const HitBatch& hits, int first, S
 
 void PixelPlates::spread_eight(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
                                std::vector<Sample>& waiting) {
+  ask(kEightPlates);
   const auto begin = static_cast<std::size_t>(first);
   const auto n = static_cast<std::size_t>(std::min(GroundPlates::kLanes, rays.n - first));
   unsigned on_ground = 0;
@@ -97,6 +102,7 @@ void PixelPlates::spread_eight(const RayBatch& rays, const HitBatch& hits, int f
 /// One of the eight rays at hand.
 void PixelPlates::walk(const RayBatch& rays, const HitBatch& hits, std::size_t k,
                        std::vector<Sample>& waiting) {
+  ask(kAPlate);
   const std::size_t lane = k % GroundPlates::kLanes;
   const BinGrid& bins = plan_.bins();
   plate_.clear();

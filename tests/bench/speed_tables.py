@@ -1,38 +1,85 @@
-"""What speed.py runs, and how SPEED.md and README.md show it. A new benchmark is one more entry in PARTS."""
+"""The figures of SPEED.md, kept in speed.json: what measures each part, and how SPEED.md and README.md show it."""
 import csv
-import json
-from dataclasses import dataclass
-from typing import Callable
+import os
+import pathlib
 
-PAPER = "tests/bench/paper_hills.toml"
-CITY = "tests/bench/city.toml"
+from tables import CITY, PAPER, Part, measured_at, ms, read, share, table
 
-
-@dataclass
-class Part:
-    name: str
-    title: str
-    commands: Callable  # (bin, folder) -> list of commands, programs first
-    collect: Callable   # (their outputs, folder) -> figures
-    words: Callable     # (figures) -> Markdown
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def read(path):
-    with open(path, encoding="utf-8") as file:
-        return json.load(file)
+# ---- What the qualities cost, and how far from the truth they are
+
+# As in server/control/quality_presets.cpp, with the run's name: the paper's by Embree is what the paper has.
+QUALITIES = {"paper, by Embree": ["frustum.quality=paper", "run.rays=embree"], "paper": ["frustum.quality=paper"],
+             "draft": ["frustum.quality=draft"], "standard": ["frustum.quality=standard"], "reference": ["frustum.quality=reference"]}
+# Rows of the demo's frontier: kind, planes or pixels across (512 azimuth bins), plates, sub-columns.
+OF_DEMO = {"paper": ("oblique", "2048", "nearest"), "draft": ("sweep", "512", "spread"), "standard": ("sweep", "1024", "spread")}
 
 
-def ms(seconds):
-    return f"{1000 * seconds:.0f} ms" if seconds >= 0.01 else f"{1000 * seconds:.1f} ms"
+def in_turn(programs, folder, runs, turns=7):
+    words = [word for name, sets in runs.items() for word in ("--run", name, *sets)]
+    return ["tests/bench/in_turn.py", PAPER, *words, "--turns", str(turns), "--bin", programs, "--json", folder / "turns.json"]
 
 
-def share(value):
-    return f"{100 * value:.1f} %"
+def demo_ground():
+    """The demo's elevation model where the quick start has not fetched it but the shared data have it: the same file."""
+    shared = pathlib.Path(os.environ.get("OBLIQ_SHARED", ROOT.parent / "shared")) / "data/nm_ned13_10m/USGS_NED_13_n37w108_Clipped.tif"
+    fetched = ROOT / "deploy/scenes/data/new_mexico_ned13.tif"
+    return ["--set", f'terrain.dem=["{shared}"]'] if shared.exists() and not fetched.exists() else []
 
 
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines)
+def quality_commands(programs, folder):
+    return [in_turn(programs, folder, QUALITIES),
+            [programs / "obliq", "frontier", "deploy/scenes/demo.toml", *demo_ground(), "--quick", "--kinds", "oblique,sweep", "--pixels", "2048", "--out", folder]]
+
+
+def quality_figures(_, folder):
+    turns, rows = read(folder / "turns.json"), frontier_rows(folder)
+    figures = {name: {key: f[key] for key in ("processor_s", "wall_s")} for name, f in turns.items()}
+    for name, (kind, columns, plates) in OF_DEMO.items():
+        row = next(r for r in rows if (r["kind"], r["columns"], r["plates"], r["returns"]) == (kind, columns, plates, "all"))
+        figures[name]["demo"] = {key: float(row[key]) for key in ("power_error", "median_db", "gap_fraction", "false_light_fraction",
+                                                                  "buildings_missed", "buildings_visible")}
+    return figures
+
+
+def quality_rows(figures):
+    paper_s, error = figures["paper"]["processor_s"], figures["paper"]["demo"]["power_error"]
+    rows = []
+    for name, f in figures.items():
+        demo = f.get("demo")
+        rows.append([name if name not in OF_DEMO and "," in name else f"`{name}`", ms(f["processor_s"]), f"{f['processor_s'] / paper_s:.2f}"]
+                    + ([f"{demo['power_error']:.2g}", f"{error / demo['power_error']:.2g}", f"{demo['median_db']:.2g} dB",
+                        f"{100 * demo['gap_fraction']:.2g} %", f"{100 * demo['false_light_fraction']:.2g} %",
+                        f"{demo['buildings_missed']:.0f} of {demo['buildings_visible']:.0f}"] if demo else [""] * 6))
+    return rows
+
+
+QUALITY_HEAD = ["quality", "processor time, hills", "over the paper's", "E, demo", "E lower by", "median", "gaps", "false light", "buildings missed"]
+
+
+def quality_words(figures):
+    return ("Time: `tests/bench/in_turn.py tests/bench/paper_hills.toml`, 1024 x 1024 bins over bare hills with all planes, plan included, the "
+            "least of seven frames in turn. The paper's setting marches its rays; by Embree (`run.rays = \"embree\"`) it has the same bits. "
+            "Error: `obliq frontier deploy/scenes/demo.toml --quick`, the demo's ground and towns against the reference renderer."
+            + table(QUALITY_HEAD, quality_rows(figures)))
+
+
+# ---- What a radar's parts cost
+
+BEAM = ["frustum.quality=standard", "beam.pattern=gaussian", "beam.width_deg=3", "beam.elevation=cosecant", "antenna.tilt_auto=true",
+        "pulse.kind=rectangular", "pulse.length_us=0.5"]
+RADAR = {"sharp": ["frustum.quality=standard"], "beam and pulse, `radar.speckle = \"independent\"`": [*BEAM, "radar.speckle=independent"],
+         "beam and pulse, speckle of the ground": [*BEAM, "radar.speckle=ground"]}
+
+
+def radar_words(figures):
+    sharp_s = figures["sharp"]["processor_s"]
+    rows = [[name, ms(f["processor_s"]), f"{f['processor_s'] / sharp_s:.2f}"] for name, f in figures.items()]
+    return ("`tests/bench/in_turn.py tests/bench/paper_hills.toml`, `standard`, sharp and behind a Gaussian beam of 3 degrees with a cosecant squared and a "
+            "pulse of 0.5 us; without the receiver, whose work is small. Speckle of the ground behind a beam draws each scatterer."
+            + table(["frame", "processor time", "over sharp"], rows))
 
 
 # ---- Where a frame's time goes
@@ -44,8 +91,8 @@ FRUSTA = {"the paper's (oblique, nearest bin)": [], "oblique, spread plates": ["
           "sweep, `standard`": ["--set", "frustum.quality=standard"]}
 
 
-def stage_commands(folder_of_programs, folder):
-    return [[folder_of_programs / "obliq", "render", PAPER, "--profile", "--out", folder / str(number), *more]
+def stage_commands(programs, folder):
+    return [[programs / "obliq", "render", PAPER, "--profile", "--out", folder / str(number), *more]
             for number, more in enumerate(FRUSTA.values())]
 
 
@@ -70,8 +117,8 @@ def stage_words(figures):
 
 # ---- Beside the truth
 
-def frontier_commands(folder_of_programs, folder):
-    return [[folder_of_programs / "obliq", "frontier", "deploy/scenes/losangeles.toml", "--out", folder, "--azimuths", "128",
+def frontier_commands(programs, folder):
+    return [[programs / "obliq", "frontier", "deploy/scenes/losangeles.toml", "--out", folder, "--azimuths", "128",
              "--truth-planes", "128", "--repeats", "3"]]
 
 
@@ -82,9 +129,13 @@ FRONTIER_ROWS = ("oblique 2048 x 2048 nearest", "oblique 2048 x 2048 spread", "s
                  "sweep 8192, exact")
 
 
-def frontier_figures(_, folder):
+def frontier_rows(folder):
     with open(folder / "frontier.csv", encoding="utf-8", newline="") as file:
-        return {"rows": list(csv.DictReader(file))}
+        return list(csv.DictReader(file))
+
+
+def frontier_figures(_, folder):
+    return {"rows": frontier_rows(folder)}
 
 
 def frontier_words(figures):
@@ -112,8 +163,8 @@ def frontier_words(figures):
 
 # ---- Rays
 
-def ray_commands(folder_of_programs, folder):
-    return [[folder_of_programs / "ray_bench", PAPER, "--set", f"frustum.kind={kind}", "--json", folder / f"{kind}.json"]
+def ray_commands(programs, folder):
+    return [[programs / "ray_bench", PAPER, "--set", f"frustum.kind={kind}", "--json", folder / f"{kind}.json"]
             for kind in ("oblique", "symmetric", "polar")]
 
 
@@ -130,7 +181,7 @@ def ray_words(figures):
                      f"{least['embree_frame']:.0f} ms", f"{least['embree_frame'] / least['trace']:.2f}"])
     first = next(iter(figures.values()))
     return ("`ray_bench`: the same rays traced by Embree alone and by our march alone, whole frames of nearest bins, and whole frames with "
-            f"`run.rays = \"embree\"`, the least of {first['repeats']} in turn. Target: a frame takes {first['target']} of Embree's trace or less."
+            f"`run.rays = \"embree\"`, the least of {first['repeats']} in turn."
             + table(["frustum", "rays", "Embree's trace", "march", "frame", "over Embree's trace", "of processor time", "frame by Embree",
                      "over its trace"], rows))
 
@@ -140,8 +191,8 @@ def ray_words(figures):
 SWEEPS = {"paper_hills.toml": "30 m, no buildings", "fine.toml": "10 m, no buildings", "city.toml": "30 m, 100,000 buildings"}
 
 
-def sweep_commands(folder_of_programs, folder):
-    return [["/usr/bin/env", f"OBLIQ_BENCH_SCENE=tests/bench/{scene}", folder_of_programs / "obliq_bench",
+def sweep_commands(programs, folder):
+    return [["/usr/bin/env", f"OBLIQ_BENCH_SCENE=tests/bench/{scene}", programs / "obliq_bench",
              "--benchmark_filter=WholeSweepFrame/planes_per_bin:[12]/|WholeFrame/frustum:1/speckle:0/plates:1/|MarchedRays|"
              "BareTrace/frustum:2/", "--benchmark_min_time=2", "--benchmark_format=json",
              f"--benchmark_out={folder / scene}.json"] for scene in SWEEPS]
@@ -162,38 +213,9 @@ def sweep_words(figures):
                      f"{standard / traced:.2f}", ms(found["BareTrace/frustum:2"]), ms(found["MarchedRays"]),
                      f"{found['BareTrace/frustum:2'] / found['MarchedRays']:.1f}"])
     return ("`obliq_bench`: whole frames of 1024 x 1024 bins with I&Q and all planes, and the 4.2 M rays of the polar frustum traced by "
-            "Embree (float) and answered by a march of their columns (double). Targets: 40 frames a second among 100,000 buildings, a "
-            "tenth of the paper's time, a march 10 times as fast as Embree at 10 m."
+            "Embree (float) and answered by a march of their columns (double)."
             + table(["scene", "the paper's, by Embree", "marched", "sweep, `draft`", "sweep, `standard`", "frames/s", "over the paper's by Embree",
                      "Embree's trace", "march", "Embree over march"], rows))
-
-
-# ---- Beside the last commit before cities at speed
-
-def city_commands(folder_of_programs, folder):
-    return [["tests/bench/cities.py", "--bin", folder_of_programs, "--errors", "--json", folder / "cities.json"]]
-
-
-def city_words(figures):
-    rows, memory = [], []
-    for f in figures["rows"].values():
-        if "missing" in f:
-            rows.append([f["what"], f["missing"], *[""] * 8])
-            continue
-        ours, theirs = f["ours"], f["theirs"]
-        errors = f.get("errors", {}).get("2")
-        rows.append([f["what"], ms(ours["processor_s"]), ms(theirs["processor_s"]), f"{f['ratio']:.2f}",
-                     " / ".join(f"{target:g}" for target in f["targets"]), ms(ours["wall_s"]), ms(ours["plan_s"]),
-                     *([f"{errors['power_error']:.2g}", f"{errors['energy_error']:+.1g}", f"{100 * errors['gap_fraction']:.2g} %"] if errors
-                       else ["", "", ""])])
-        if ours["buildings"] > 1e6:
-            memory = [f" {ours['buildings'] / 1e6:.2f} million buildings take {ours['memory_mb']:.0f} MB, "
-                      f"{ours['most_memory_mb']:.0f} at most, and load in {ours['load_s']:.1f} s."]
-    return (f"`tests/bench/cities.py --errors`: user and system time of plan and wedges, two threads, all planes, a moving radar, `standard` where "
-            f"nothing else is named; the least of {figures['turns']} frames, in turn with the program of commit {figures['old']} or with this "
-            "one's other setting. E, energy and gaps by `obliq frontier`: Los Angeles against the reference renderer, the others against eight "
-            "planes in each azimuth bin (a million buildings: those of 300,000)." + "".join(memory)
-            + table(["scene", "this build", "over", "ratio", "targets", "wall", "plan", "E", "energy", "gaps"], rows))
 
 
 # ---- Peers
@@ -217,17 +239,17 @@ def peer_words(figures):
         for key, row in run["tracers"].items():
             ours = key in ("obliq", "march")
             rows.append([name, row["name"], f"{row['least_ms']:.0f} ms", f"{run['rays'] / 1e3 / row['least_ms']:.1f}",
-                         f"{row['march_speedup']:.2f}" if key != "march" else "", f"{row['target']:g}" if row.get("target") else "",
+                         f"{row['march_speedup']:.2f}" if key != "march" else "",
                          "" if ours else f"{row['speedup']:.2f}"])
     return ("`tests/bench/peers.sh`: the rays of the paper's frame on the triangles of one mesh, the same for all, two threads, the "
             "least of 15 in turn. All but our march, which is what frames use, run Embree inside."
-            + table(["rays, cells", "tracer", "trace", "Mray/s", "its time over our march's", "target", "over our Embree's"], rows))
+            + table(["rays, cells", "tracer", "trace", "Mray/s", "its time over our march's", "over our Embree's"], rows))
 
 
 # ---- A client's view
 
-def light_commands(folder_of_programs, folder):
-    program = folder_of_programs / "first_light"
+def light_commands(programs, folder):
+    program = programs / "first_light"
     return [[program, PAPER, "--json", folder / "light.json"],
             [program, CITY, "--frames", "5", "--json", folder / "light_city.json"]]
 
@@ -244,14 +266,13 @@ def light_words(figures):
             for scene, of_scene in figures.items() for name, f in of_scene["frusta"].items()]
     figures = figures["hills"]
     return ("`first_light`: the time until a client on the loopback has the first wedge with all planes, and the time from binning the last "
-            f"wedge to the client's last byte, as shares of the frame's time; targets {share(figures['target_first_wedge'])} and "
-            f"{share(figures['target_last_byte'])}. A radar that stands still does not render its frame again; the last column gives the "
+            f"wedge to the client's last byte, as shares of the frame's time. A radar that stands still does not render its frame again; the last column gives the "
             "frames per second that a client gets from it."
             + table(["scene", "frustum", "frame", "first wedge", "last byte", "standing still, frames/s"], rows))
 
 
-def many_commands(folder_of_programs, folder):
-    return [[folder_of_programs / "many_radars", PAPER, "--frames", "20", "--seconds", "30", "--json", folder / "many.json"]]
+def many_commands(programs, folder):
+    return [[programs / "many_radars", PAPER, "--frames", "20", "--seconds", "30", "--json", folder / "many.json"]]
 
 
 def many_words(figures):
@@ -279,18 +300,21 @@ def text_of(outputs, _):
 
 
 PARTS = [
-    Part("stages", "Where a frame's time goes", stage_commands, stage_figures, stage_words),
+    Part("qualities", "What a quality costs, and its error", quality_commands, quality_figures, quality_words, quick=True),
+    Part("radar", "A radar's parts", lambda programs, folder: [in_turn(programs, folder, RADAR)],
+         lambda _, folder: {name: {key: f[key] for key in ("processor_s", "wall_s")} for name, f in read(folder / "turns.json").items()},
+         radar_words, quick=True),
+    Part("stages", "Where a frame's time goes", stage_commands, stage_figures, stage_words, quick=True),
     Part("frontier", "Frames beside their error", frontier_commands, frontier_figures, frontier_words),
-    Part("rays", "Beside the bare trace", ray_commands, ray_figures, ray_words),
-    Part("sweep", "The sweep", sweep_commands, sweep_figures, sweep_words),
-    Part("cities", "Cities at speed", city_commands, lambda _, folder: read(folder / "cities.json"), city_words),
+    Part("rays", "Beside the bare trace", ray_commands, ray_figures, ray_words, quick=True),
+    Part("sweep", "The sweep", sweep_commands, sweep_figures, sweep_words, quick=True),
     Part("peers", "Beside other ray tracers", peer_commands, peer_figures, peer_words),
-    Part("first_light", "First light", light_commands, light_figures, light_words),
+    Part("first_light", "First light", light_commands, light_figures, light_words, quick=True),
     Part("many_radars", "Many radars, one scene", many_commands, lambda _, folder: read(folder / "many.json"), many_words),
-    Part("stream", "The stream beside a bare socket loop", lambda bin_folder, _: [[bin_folder / "stream_bench"]], median_line,
-         lambda figures: f"`stream_bench`, {figures['line']}."),
-    Part("start", "From an elevation model to a scene", lambda bin_folder, _: [[bin_folder / "load_bench"]], text_of,
-         lambda figures: "`load_bench`:\n\n```\n" + "\n".join(figures["lines"]) + "\n```"),
+    Part("stream", "The stream beside a bare socket loop", lambda programs, _: [[programs / "stream_bench"]], median_line,
+         lambda figures: f"`stream_bench`: {figures['line']}.", quick=True),
+    Part("start", "From an elevation model to a scene", lambda programs, _: [[programs / "load_bench"]], text_of,
+         lambda figures: "`load_bench`:\n\n```\n" + "\n".join(figures["lines"]) + "\n```", quick=True),
 ]
 
 
@@ -323,4 +347,12 @@ def few_starts(figures):
              f"first {seconds['first start, which is kept']} s, second {seconds['second start']} s (GDAL alone {seconds['GDAL reads and warps']} s)"]]
 
 
-SHORT = [("sweep", few_sweeps), ("first_light", few_lights), ("many_radars", few_many), ("start", few_starts)]
+FEW = [("sweep", few_sweeps), ("first_light", few_lights), ("many_radars", few_many), ("start", few_starts)]
+
+
+def short_frames(kept):
+    return [[*row, measured_at(kept[name])] for name, few in FEW if name in kept for row in few(kept[name]["figures"])]
+
+
+SHORT = {"short_qualities": ([*QUALITY_HEAD, "measured"], lambda kept: [[*row, measured_at(kept["qualities"])] for row in quality_rows(kept["qualities"]["figures"])]),
+         "short_frames": (["what", "result", "measured"], short_frames)}

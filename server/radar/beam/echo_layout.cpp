@@ -1,0 +1,190 @@
+#include "server/radar/beam/echo_layout.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "server/radar/beam/echo_plan.h"
+#include "server/radar/beam/echo_sums.h"
+#include "server/radar/beam/sub_bins.h"
+#include "server/radar/simd/echo_filters.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kFarthest_m = 500e3;  // radar.r_max_m's limit
+/// On the ground a beam is at most so many times as wide as on the horizon: what lies steeper than 60 degrees
+/// below is seen by most of its azimuths anyway.
+constexpr double kLeastCosine = 0.5;
+/// More sharp bins than any server lets pass: what counts them stays within an int.
+constexpr double kMostBins = 1 << 28;
+/// A bin that does not meet its neighbour by so little of its width does meet it.
+constexpr double kGap_bins = 1e-6;
+
+int counted(double bins) { return static_cast<int>(std::min(bins, kMostBins)); }
+
+int up_to_wedges(int bins) { return (bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins * kWedgeAzimuthBins; }
+
+/// What std::vector has for so many elements that came one by one, and malloc(3) adds to it.
+std::int64_t grown_bytes(std::int64_t elements, std::int64_t each) {
+  constexpr std::int64_t kOfMalloc = 32;
+  return static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(elements))) * each + kOfMalloc;
+}
+
+/// I&Q, a look of the video and power in floats, count and state (SharpWedge).
+constexpr std::int64_t kSharpBytesABin = 20 + 5;
+/// An antenna so high sees all its ground steeply; one on the ground, none.
+constexpr EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0};
+
+}  // namespace
+
+double cos_elevation(const EchoPlace& place, double range_m) {
+  const double sine = std::min(1.0, std::max(0.0, place.height_m) / range_m);
+  return std::max(kLeastCosine, std::sqrt(1 - sine * sine));
+}
+
+EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, const EchoPlace& place) {
+  EchoLayout layout;
+  layout.azimuth_parts = std::min(azimuth_sub_bins(s), kMostSubBins);
+  layout.range_parts = std::min(range_sub_bins(s), kMostSubBins);
+
+  const double range_bin_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  layout.range_m = range_bin_m / layout.range_parts;
+  const int extent = s.pulse.kind == PulseKind::off ? 0 : s.pulse.extent_bins;
+  const auto with_room = [&](double room_m) {
+    return static_cast<int>(std::clamp<double>(room_m / range_bin_m, 0, extent)) * layout.range_parts;
+  };
+  layout.near = with_room(s.r_min_m - std::max(0.0, place.least_r_min_m));
+  layout.far = with_room(kFarthest_m - s.r_max_m);
+  layout.gate_reach = extent * layout.range_parts;
+  layout.sharp_ranges = s.range_bins * layout.range_parts + layout.near + layout.far;
+  layout.r_min_m = std::max(0.0, s.r_min_m - layout.near * layout.range_m);
+
+  const int own = s.azimuth_bins * layout.azimuth_parts;
+  layout.azimuth_rad = s.sector_deg * kPi / 180 / s.azimuth_bins / layout.azimuth_parts;
+  if (s.scan_mode != ScanMode::frame) layout.turn_rad = layout.azimuth_rad * layout.azimuth_parts;
+  if (s.beam.pattern != BeamPattern::off) {
+    const double narrowest = cos_elevation(place, layout.r_min_m);
+    const double extent_rad = std::min(kPi, pattern.extent_rad() / narrowest + layout.turn_rad / 2);
+    layout.reach = counted(std::ceil(extent_rad / layout.azimuth_rad));
+  }
+  const double circle = 2 * kPi / layout.azimuth_rad;
+  const int halo = up_to_wedges(layout.reach);
+  layout.wraps = layout.reach > 0 && (s.sector_deg == 360 || own + 2.0 * halo >= circle * (1 - 1e-9));
+  if (!layout.wraps) {
+    layout.first_azimuth = halo;
+    layout.sharp_azimuths = own + 2 * halo;
+    return layout;
+  }
+  layout.closes = std::abs(circle - std::round(circle)) <= kGap_bins;
+  layout.sharp_azimuths = counted(layout.closes ? std::round(circle) : std::ceil(circle));
+  layout.reach = std::min(layout.reach, (layout.sharp_azimuths - layout.azimuth_parts) / 2);
+  layout.first_azimuth = (layout.sharp_azimuths - own) / 2;
+  return layout;
+}
+
+RadarSettings sharp_frame(const RadarSettings& s, const EchoLayout& layout) {
+  RadarSettings sharp = s;
+  sharp.beam.pattern = BeamPattern::off;
+  sharp.pulse.kind = PulseKind::off;
+  sharp.speckle = draws_speckle(s) ? SpeckleKind::ground : resolved_speckle(s);
+  sharp.power_w = 1;
+  sharp.gain_db = 0;
+  sharp.range_normalisation = false;
+  sharp.receiver = {};
+
+  sharp.range_bins = layout.sharp_ranges;
+  sharp.r_min_m = layout.r_min_m;
+  sharp.r_max_m = s.r_max_m + layout.far * layout.range_m;
+
+  const int own = s.azimuth_bins * layout.azimuth_parts;
+  sharp.azimuth_bins = layout.sharp_azimuths;
+  if (layout.wraps) {
+    sharp.sector_deg = 360;
+  } else if (layout.sharp_azimuths > own) {
+    sharp.sector_deg = s.sector_deg / own * layout.sharp_azimuths;
+  }
+
+  // As many planes or pixels a bin as the settings ask for.
+  if (s.frustum == FrustumKind::sweep) {
+    const int planes = (s.pixel_columns + s.azimuth_bins - 1) / s.azimuth_bins;
+    const int a_part = (planes + layout.azimuth_parts - 1) / layout.azimuth_parts;
+    sharp.pixel_columns = counted(static_cast<double>(a_part) * sharp.azimuth_bins);
+    return sharp;
+  }
+  const auto widened = [](int pixels, double ratio) {
+    return counted(std::ceil(pixels * ratio * (1 - 1e-12)));
+  };
+  sharp.pixel_columns = widened(s.pixel_columns, sharp.azimuth_bins / static_cast<double>(own));
+  sharp.pixel_rows =
+      widened(s.pixel_rows, sharp.range_bins / (static_cast<double>(s.range_bins) * layout.range_parts));
+  return sharp;
+}
+
+EchoSize echo_size(const RadarSettings& s, std::int64_t threads) {
+  const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), kHigh);
+  EchoSize size;
+  size.sharp = sharp_frame(s, layout);
+  size.n_taps = layout.n_taps();
+  size.n_tiles = layout.n_tiles();
+
+  // Of a tile: weights and their squares.
+  constexpr std::int64_t kFloat = sizeof(float);
+  const std::int64_t n_gates = layout.n_gates();
+  size.plan_bytes = size.n_tiles * 2 * grown_bytes(size.n_taps, kFloat) +
+                    grown_bytes(size.n_tiles, sizeof(AzimuthWeights)) + 2 * grown_bytes(n_gates, kFloat) +
+                    grown_bytes(layout.sharp_ranges, kFloat);
+
+  // The same with zeros on either side; rows of I&Q and of power in three floats a bin.
+  const std::int64_t padded = size.n_taps + 2 * (AzimuthSum::kOutputs - 1) * layout.azimuth_parts;
+  constexpr auto spare = static_cast<std::int64_t>(EchoSums::kSpare);
+  const std::int64_t row = layout.stride() + 2 * (n_gates + spare);
+  size.sums_bytes = size.n_tiles * 2 * (padded * kFloat + grown_bytes(0, 0)) +
+                    2 * grown_bytes(size.n_tiles, sizeof(std::vector<float>)) +
+                    3 * kFloat * (kWedgeAzimuthBins * row + layout.stride() + spare) +
+                    2 * kFloat * layout.stride() + 2 * grown_bytes(s.range_bins, 2 * kFloat);
+
+  // An output wedge's, those of the next ones that are in hand, and lists of both.
+  constexpr std::int64_t kWedge = kWedgeAzimuthBins;
+  const std::int64_t rows = std::min(size.n_taps + kWedge * (layout.azimuth_parts + 2 * threads),
+                                     std::int64_t{layout.sharp_azimuths});
+  const std::int64_t list =
+      grown_bytes(rows / kWedge + 2, sizeof(int)) + std::int64_t{2 * sizeof(std::vector<int>)};
+  const std::int64_t row_bytes = layout.stride() * kSharpBytesABin;
+  size.rows_bytes = rows * row_bytes + wedge_count(s.azimuth_bins) * list;
+  size.sharp_bytes = layout.sharp_azimuths * row_bytes;
+  return size;
+}
+
+std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout& layout) {
+  if (!layout.closes)
+    return FieldError{
+        "bins.azimuth",
+        std::to_string(s.azimuth_bins) + " in a sector that the beam widens to the full circle",
+        "a number that divides the circle, so that the bins meet; or a narrower beam or sector"};
+  // Pixels have numbers of 32 bits (RayBatch).
+  constexpr std::int64_t kMostPixels = std::numeric_limits<std::uint32_t>::max();
+  const RadarSettings sharp = sharp_frame(s, layout);
+  if (s.frustum != FrustumKind::sweep && std::int64_t{sharp.pixel_columns} * sharp.pixel_rows > kMostPixels)
+    return FieldError{"frustum.pixel_columns",
+                      std::to_string(sharp.pixel_columns) + " x " + std::to_string(sharp.pixel_rows) +
+                          " pixels with what beam and pulse reach",
+                      "at most " + std::to_string(kMostPixels) + " in all; or the sweep, which has none"};
+  return std::nullopt;
+}
+
+std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& s) {
+  const AzimuthPattern pattern(s);
+  // The higher the antenna, the larger the sharp frame.
+  if (!layout_fault(s, lay_out_echo(s, pattern, kHigh))) return std::vector<FieldError>{};
+  // On the ground, without bins nearer than its own.
+  if (const auto fault = layout_fault(s, lay_out_echo(s, pattern, {0, s.r_min_m})))
+    return std::vector<FieldError>{*fault};
+  return std::nullopt;
+}
+
+}  // namespace obliq

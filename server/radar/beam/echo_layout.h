@@ -1,0 +1,78 @@
+#pragma once
+// How large the sharp frame behind a beam and a pulse is, and the plan of the sums over it: by arithmetic
+// alone, before anything is made.
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "server/radar/beam/patterns.h"
+#include "server/radar/bins.h"
+#include "server/radar/settings.h"
+#include "terrain/base/errors.h"
+
+namespace obliq {
+
+/// What a plan needs to know of the place.
+struct EchoPlace {
+  double height_m = 0;       ///< of the antenna above the ground
+  double least_r_min_m = 0;  ///< what the frustum allows
+};
+
+/// Sharp bins around those of the output, in whole wedges and bins.
+struct EchoLayout {
+  /// Azimuth weights are made for tiles of so many sharp range bins.
+  static constexpr int kTile = 16;
+
+  int azimuth_parts = 1;  ///< sharp bins an output bin, each way
+  int range_parts = 1;
+  double azimuth_rad = 0;  ///< width of a sharp azimuth
+  double turn_rad = 0;     ///< how far the antenna turns while it looks along one output bin
+  double range_m = 0;      ///< length of a sharp range bin
+  double r_min_m = 0;      ///< of the sharp frame
+  int near = 0;            ///< sharp range bins nearer than output bin 0
+  int far = 0;             ///< and beyond the last
+  int gate_reach = 0;      ///< sharp range bins on either side that a pulse may weigh
+  int reach = 0;           ///< sharp azimuths on either side that a beam may weigh
+  bool wraps = false;      ///< the sharp frame goes all the way round
+  bool closes = true;      ///< its bins meet there; else no such frame can be made
+  int sharp_azimuths = 0;
+  int sharp_ranges = 0;
+  int first_azimuth = 0;  ///< sharp azimuth at the left edge of output bin 0
+
+  int n_taps() const { return 2 * reach + azimuth_parts; }
+  int n_gates() const { return 2 * gate_reach + range_parts; }
+  int n_tiles() const { return (sharp_ranges + kTile - 1) / kTile; }
+  /// Sharp range bins of a row with what is behind them.
+  std::int64_t stride() const { return std::int64_t{n_tiles()} * kTile; }
+};
+
+/// Of settings that need a plan (needs_echo_plan).
+EchoLayout lay_out_echo(const RadarSettings& settings, const AzimuthPattern& pattern, const EchoPlace& place);
+
+/// The settings of the sharp frame.
+RadarSettings sharp_frame(const RadarSettings& settings, const EchoLayout& layout);
+
+/// cos(e) towards the ground at a range from the antenna; not below what a plan is made for.
+double cos_elevation(const EchoPlace& place, double range_m);
+
+/// What a plan and the sums over it take at most, wherever the antenna is.
+struct EchoSize {
+  RadarSettings sharp;           ///< of the largest sharp frame
+  std::int64_t n_taps = 0;       ///< azimuth weights of a tile
+  std::int64_t n_tiles = 0;      ///< of ranges
+  std::int64_t plan_bytes = 0;   ///< the plan, made once
+  std::int64_t sums_bytes = 0;   ///< EchoSums, each thread's
+  std::int64_t rows_bytes = 0;   ///< sharp wedges that wait for others, and lists of them
+  std::int64_t sharp_bytes = 0;  ///< all sharp wedges
+
+  std::int64_t taps() const { return n_taps * n_tiles; }
+};
+EchoSize echo_size(const RadarSettings& settings, std::int64_t threads);
+
+/// Why no sharp frame can be laid out so: its bins do not meet, or it has more pixels than can be numbered.
+std::optional<FieldError> layout_fault(const RadarSettings& settings, const EchoLayout& layout);
+
+/// The same as far as the settings say so themselves; nothing: the antenna's height above the ground decides.
+std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& settings);
+
+}  // namespace obliq

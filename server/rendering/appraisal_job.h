@@ -1,0 +1,41 @@
+#pragma once
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/rendering/job.h"
+
+namespace obliq::net {
+
+/// Says of settings whether frames of them can be planned (FrameRenderer::faults), where that needs the
+/// ground. One after the other, in the order in which they came.
+class AppraisalJob : public Job {
+ public:
+  explicit AppraisalJob(const RenderContext& context);
+
+  /// From any thread.
+  void enqueue(AppraisalPtr appraisal);
+  /// From any thread: nothing is said any more of what waits and of what is in hand.
+  void stop();
+  /// Ends what is in hand.
+  void give_up() { work_ = nullptr; }
+
+  Time date(Time now) override;
+  bool work() override;
+
+ private:
+  bool begin();
+
+  const RenderContext& context_;
+  std::mutex mutex_;  ///< guards the queue, and that another appraisal is taken in hand
+  std::deque<AppraisalPtr> queue_;
+
+  // In hand:
+  AppraisalPtr appraisal_;
+  std::vector<FieldError> faults_;
+  std::unique_ptr<ParkedWork> work_;  ///< null: none has begun
+};
+
+}  // namespace obliq::net

@@ -1,0 +1,230 @@
+// Clients that are thrown out while all clients, or all watchers, are told something.
+#include <gtest/gtest.h>
+
+#include <boost/asio.hpp>
+#include <future>
+
+#include "proto/obliq.pb.h"
+#include "server/net/io_thread.h"
+#include "server/net/room.h"
+#include "server/net/transport.h"
+#include "server/rendering/replay_control.h"
+#include "tests/integration/net_fixture.h"
+
+namespace obliq::test {
+namespace {
+
+using net::Transport;
+using wire::MessageType;
+
+/// A bar that clients drag: each wish is news for all of them.
+class Bar : public net::ReplayControl {
+ public:
+  std::vector<FieldError> set(const wire::SetReplay&) override {
+    changed();
+    return {};
+  }
+  void write_state(wire::ReplayState& state) const override { state.set_radar("main"); }
+  void watched(bool, bool) override {}
+  void on_change(std::function<void()> call) override { call_ = std::move(call); }
+  void changed() const {
+    if (call_) call_();
+  }
+
+ private:
+  std::function<void()> call_;
+};
+
+class ReplayedPattern : public PatternRenderer {
+ public:
+  std::string fixed() const override { return "a replay"; }
+  net::ReplayControl* replay() const override { return &bar; }
+
+  mutable Bar bar;
+};
+
+template <typename Message>
+wire::Bytes message_of(MessageType type, const Message& message) {
+  return wire::encode_message(type, {0, 1, 0}, message);
+}
+
+wire::Bytes hello() {
+  wire::Hello hello;
+  hello.set_major(wire::kMajorVersion);
+  return message_of(MessageType::hello, hello);
+}
+
+/// A connection whose peer has sent all that it will send. It takes what it is written, or nothing.
+class Scripted : public Transport {
+ public:
+  Scripted(boost::asio::io_context& io, wire::Bytes script, bool reads, std::function<void(MessageType)> told)
+      : io_(io), script_(std::move(script)), reads_(reads), told_(std::move(told)) {}
+
+  std::string host() const override { return "127.0.0.1"; }
+  std::string address() const override { return "127.0.0.1:1"; }
+  void start(Started done) override {
+    boost::asio::post(io_, [done] { done(Start::ready); });
+  }
+  bool is_ready() const override { return true; }
+  std::string description() const override { return "a script"; }
+  void read(std::span<std::byte> bytes, bool some, Done done) override {
+    const std::size_t left = script_.size() - taken_;
+    if (left < (some ? std::size_t{1} : bytes.size())) return wait(std::move(done));
+    const std::size_t n = std::min(left, bytes.size());
+    std::copy_n(script_.begin() + static_cast<std::ptrdiff_t>(taken_), n, bytes.begin());
+    taken_ += n;
+    answer(std::move(done), Transfer::done);
+  }
+  void write(std::span<const std::byte> message, Done done) override {
+    if (!reads_) return wait(std::move(done));
+    wire::MessageView view;
+    EXPECT_EQ(wire::decode_message(message, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+    told_(view.header.type);
+    answer(std::move(done), Transfer::done);
+  }
+  void finish(Done done) override { answer(std::move(done), Transfer::done); }
+  void close() override {
+    for (Done& done : std::exchange(waiting_, {})) answer(std::move(done), Transfer::failed);
+  }
+
+ private:
+  void answer(Done done, Transfer result) {
+    boost::asio::post(io_, [done = std::move(done), result] { done(result); });
+  }
+  void wait(Done done) { waiting_.push_back(std::move(done)); }
+
+  boost::asio::io_context& io_;
+  const wire::Bytes script_;
+  const bool reads_;
+  const std::function<void(MessageType)> told_;
+  std::size_t taken_ = 0;
+  std::vector<Done> waiting_;
+};
+
+TEST(NetLeaving, TheBarIsDraggedBesideAWatcherThatHasStoppedReading) {
+  constexpr int kDrags = 1100;  // more than wait for a client before it is thrown out
+  const ReplayedPattern renderer;
+  net::IoThread io;
+  net::ServerOptions options = small_options();
+  options.handshake_timeout_s = 60;
+  net::Server server(io.context(), renderer, {small_radar("main")}, options,
+                     net::ReservedPort("127.0.0.1", 0));
+  std::promise<void> stopped;
+  server.start([&] { stopped.set_value(); });
+
+  wire::Bytes asleep = hello();
+  const wire::Bytes subscribe = message_of(MessageType::subscribe, request_at(1));
+  asleep.insert(asleep.end(), subscribe.begin(), subscribe.end());
+  wire::Bytes drags = hello();
+  for (int k = 0; k < kDrags; ++k) {
+    wire::SetReplay wish;
+    wish.set_seek_s(k % 7);
+    const wire::Bytes bytes = message_of(MessageType::set_replay, wish);
+    drags.insert(drags.end(), bytes.begin(), bytes.end());
+  }
+  std::promise<void> dragged;
+  int acks = 0;
+  int bystander_told = 0;
+  const auto admit = [&](const wire::Bytes& script, bool reads, std::function<void(MessageType)> told) {
+    server.admit(std::make_unique<Scripted>(io.context(), script, reads, std::move(told)));
+  };
+  io.post([&] {
+    admit(asleep, false, {});
+    admit(hello(), true, [&](MessageType type) { bystander_told += type == MessageType::replay_state; });
+    admit(drags, true, [&](MessageType type) {
+      if (type == MessageType::ack && ++acks == kDrags) dragged.set_value();
+    });
+  });
+  ASSERT_EQ(dragged.get_future().wait_for(kLong), std::future_status::ready);
+  std::promise<std::size_t> clients;
+  io.post([&] { clients.set_value(server.statistics().clients); });
+  EXPECT_EQ(clients.get_future().get(), 2u) << "the one that reads nothing was thrown out";
+  server.stop();
+  ASSERT_EQ(stopped.get_future().wait_for(kLong), std::future_status::ready);
+  io.end();
+  EXPECT_EQ(bystander_told, kDrags + 1);  // once with its Welcome
+}
+
+/// A client that is gone as soon as it is sent something, as a session is whose peer has stopped reading.
+class Listener : public net::Peer, public std::enable_shared_from_this<Listener> {
+ public:
+  Listener(net::Room& room, std::uint64_t number, bool leaves)
+      : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), 2, 1 << 20),
+        room_(room),
+        leaves_(leaves) {
+    greeted = true;
+  }
+  using Peer::send;
+  void send(MessageType, const google::protobuf::MessageLite&, std::span<const std::byte>) override {
+    ++told;
+    if (leaves_ && !has_left) room_.leave(shared_from_this());
+  }
+  void kick() override {}
+  void fail(wire::ErrorNumber, const std::string&) override {}
+  void finish(wire::ErrorNumber, const std::string&) override {}
+  void drop() override {}
+
+  int told = 0;
+
+ private:
+  net::Room& room_;
+  const bool leaves_;
+};
+
+/// Three clients that watch the last bins of a radar; the first leaves when it is told anything.
+class Told : public ::testing::Test {
+ protected:
+  Told() {
+    for (std::uint64_t k = 0; k < 3; ++k) {
+      peers.push_back(std::make_shared<Listener>(room, k + 1, k == 0));
+      room.enter(peers.back());
+      net::Demand demand;
+      demand.rate_hz = 1;
+      demand.choice.format.window.azimuth.first = 10;
+      room.radars().watch(radar(), *peers.back(), demand);
+    }
+  }
+  net::LiveRadar& radar() { return room.radars().at(0); }
+  void run_posted() {
+    while (!posted.empty()) {
+      const auto work = std::move(posted.front());
+      posted.pop_front();
+      work();
+    }
+  }
+  void expect_each_told_once_and_the_first_gone() {
+    for (const auto& peer : peers) EXPECT_EQ(peer->told, 1) << peer->id;
+    run_posted();
+    EXPECT_EQ(radar().watchers.size(), 2u);
+    EXPECT_EQ(room.clients(), 2);
+  }
+
+  ReplayedPattern renderer;
+  std::deque<std::function<void()>> posted;
+  net::Room room{renderer, small_options(), {small_radar("main")}, [this](std::function<void()> work) {
+                   posted.push_back(std::move(work));
+                 }};
+  std::vector<std::shared_ptr<Listener>> peers;
+};
+
+TEST_F(Told, AllWatchersHearThatTheirBinsAreGoneThoughOneLeaves) {
+  RadarSettings settings = radar().settings.current()->settings;
+  settings.azimuth_bins = 8;
+  ASSERT_TRUE(radar().settings.set(settings).published);
+  room.radars().check_windows(radar());
+  expect_each_told_once_and_the_first_gone();
+}
+
+TEST_F(Told, AllWatchersHearThatTheRadarCannotBeRenderedThoughOneLeaves) {
+  room.radars().note_fault(0, radar().view(), {{"frustum.kind", "oblique", "polar"}});
+  expect_each_told_once_and_the_first_gone();
+}
+
+TEST_F(Told, AllClientsHearWhereTheReplayIsThoughOneLeaves) {
+  renderer.bar.changed();
+  run_posted();
+  expect_each_told_once_and_the_first_gone();
+}
+
+}  // namespace
+}  // namespace obliq::test
