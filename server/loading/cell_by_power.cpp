@@ -36,6 +36,7 @@ World bare_ground(const World& world, int step) {
   grid.cell_m = from.cell_m * step;
   grid.nx = (from.nx - 1) / step + 1;
   grid.nz = (from.nz - 1) / step + 1;
+  grid.y_m.reserve(static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.nz));
   for (int j = 0; j < grid.nz; ++j)
     for (int i = 0; i < grid.nx; ++i) grid.y_m.push_back(from.y_m[from.index(i * step, j * step)]);
   return ground;

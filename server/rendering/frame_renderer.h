@@ -64,6 +64,7 @@ class FrameRenderer {
     std::unique_ptr<PlannedFrame> frame;  ///< null when there are errors
     std::vector<FieldError> errors;
     SettingsPtr settings;  ///< what the frame was made with; null: the settings asked for
+    bool for_all = false;  ///< all watchers get it, whatever their rate: no frame may follow for long
   };
   /// Changes with the scene: a frame that failed before may be possible now.
   virtual std::uint64_t generation() const { return 0; }

@@ -71,6 +71,7 @@ bool LiveJob::plan() {
   errors_ = std::move(plan.errors);
   if (!plan.frame && errors_.empty()) stream_.give_back(start_, context_.now());  // nothing new
   if (!plan.frame) return false;
+  if (plan.for_all) stream_.take_all(start_);
   const SettingsPtr made_with = plan.settings ? plan.settings : start_.view->settings;
   Order order = order_of(start_.demands, made_with->settings);
   azimuths_ = std::move(order.azimuths);

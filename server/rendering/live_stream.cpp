@@ -155,6 +155,11 @@ std::optional<LiveStream::Start> LiveStream::begin_frame(Time now) {
   return start;
 }
 
+void LiveStream::take_all(Start& start) const {
+  const std::lock_guard lock(mutex_);
+  start.demands = demands_;
+}
+
 void LiveStream::give_back(const Start& start, Time now) {
   const std::lock_guard lock(mutex_);
   dates_.begin_at(now);

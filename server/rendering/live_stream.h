@@ -73,6 +73,8 @@ class LiveStream {
   };
   /// A whole frame, for the demands that are due, with the pose of now. Empty: nothing is to be begun.
   std::optional<Start> begin_frame(Time now);
+  /// The frame is for the demands that are not due, too.
+  void take_all(Start& start) const;
   /// The frame was not made: its demands are due again.
   void give_back(const Start& start, Time now);
   /// A dwell of a scan, for all demands, with the view as it was set.

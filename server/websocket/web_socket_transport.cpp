@@ -6,6 +6,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -58,6 +59,7 @@ class SocketStream {
     });
   }
 
+  /// Fails once the connection ends, so that whoever reads waits for no answer of ours.
   template <class Buffers, class Handler>
   void async_write_some(const Buffers& buffers, Handler&& handler) {
     std::vector<std::span<const std::byte>> parts;
@@ -67,12 +69,32 @@ class SocketStream {
     }
     const std::size_t n = asio::buffer_size(buffers);
     auto shared = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
-    socket_->write_parts(parts, [shared, n](Transfer put) {
+    if (ending_) return asio::post(executor_, [shared] { std::move (*shared)(asio::error::broken_pipe, 0); });
+    writing_ = true;
+    socket_->write_parts(parts, [this, shared, n](Transfer put) {
+      writing_ = false;
+      if (const auto next = std::exchange(after_write_, nullptr)) next();
       std::move (*shared)(error_of(put), put == Transfer::done ? n : 0);
     });
   }
 
+  /// Sends a close frame behind what is being written, and nothing after it.
+  void end(net::Transport::Done done) {
+    ending_ = true;
+    if (writing_) {
+      after_write_ = [this, done = std::move(done)] { end(done); };
+      return;
+    }
+    socket_->write(kCloseFrame, [this, done = std::move(done)](Transfer put) {
+      put == Transfer::done ? socket_->finish(done) : done(put);
+    });
+  }
+
  private:
+  /// Normal closure, without a reason (RFC 6455 sections 5.2 and 7.4.1).
+  static constexpr std::array kCloseFrame{std::byte{0x88}, std::byte{2}, std::byte{1000 >> 8},
+                                          std::byte{1000 & 0xff}};
+
   template <class Buffer, class Buffers>
   static Buffer first_of(const Buffers& buffers) {
     for (auto at = asio::buffer_sequence_begin(buffers); at != asio::buffer_sequence_end(buffers); ++at)
@@ -84,6 +106,9 @@ class SocketStream {
   std::unique_ptr<SocketTransport> socket_;
   std::string unread_;    ///< came with the request
   FrameLengths lengths_;  ///< Beast asks for nothing before the first frame
+  bool writing_ = false;
+  bool ending_ = false;
+  std::function<void()> after_write_;
 };
 
 // What Beast calls at the end of the closing handshake (its "Teardown" requirements), and when a time limit
@@ -262,8 +287,8 @@ void WebSocketTransport::write(std::span<const std::byte> message, Done done) {
 
 void WebSocketTransport::finish(Done done) {
   if (!state_->ready) return state_->below().finish(std::move(done));
-  state_->socket.async_close(bws::close_code::normal, [self = state_, done = std::move(done)](
-                                                          error_code error) { done(outcome(error)); });
+  // Not Beast's async_close: it and a read that finds a fault in what the peer sends wait for each other.
+  state_->socket.next_layer().end([self = state_, done = std::move(done)](Transfer put) { done(put); });
 }
 
 void WebSocketTransport::close() { state_->below().close(); }

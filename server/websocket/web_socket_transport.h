@@ -34,7 +34,7 @@ class WebSocketTransport final : public net::Transport {
   void read(std::span<std::byte> bytes, bool some, Done done) override;
   Fault fault() const override;
   void write(std::span<const std::byte> message, Done done) override;
-  /// The closing handshake.
+  /// Our part of the closing handshake; a read sees the peer's.
   void finish(Done done) override;
   void close() override;
 

@@ -20,21 +20,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSpeedOfLight_m_s = 299792458.0;
 
-/// Hills with houses, or level ground.
 std::shared_ptr<const Scene> scene_with_houses() {
-  static const auto scene = [] {
-    WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 9000, 60);
-    spec.terrain.shape.height_m = 150;
-    PrismSpec houses;
-    houses.per_km2 = 150;
-    spec.prisms = {houses};
-    return test::make_scene(load_world(spec));
-  }();
-  return scene;
-}
-std::shared_ptr<const Scene> level_scene() {
-  static const auto scene =
-      test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 9000, 100)));
+  static const auto scene = test::hills_with_houses(150);
   return scene;
 }
 
@@ -67,7 +54,7 @@ struct Sampling {
 class CoherentSums : public testing::TestWithParam<Sampling> {};
 
 TEST_P(CoherentSums, HaveTheMeanPowerThatThePowerPlaneSays) {
-  for (const auto& scene : {level_scene(), scene_with_houses()}) {
+  for (const auto& scene : {test::level_ground(), scene_with_houses()}) {
     RadarSettings s = blurred(GetParam().kind);
     s.pixel_columns = GetParam().columns;
     s.sub_columns = GetParam().sub_columns;
@@ -92,7 +79,7 @@ TEST_P(CoherentSums, HaveTheMeanPowerThatThePowerPlaneSays) {
     const double mean = sum / n;
     EXPECT_NEAR(mean, 1, 5 / std::sqrt(independent)) << GetParam().name;
     // Contrast 1: the mean square of an exponential law is 2. Its variance is 20 - 4.
-    if (scene == level_scene()) {
+    if (scene == test::level_ground()) {
       EXPECT_NEAR(squares / n / (mean * mean), 2, 5 * 4 / std::sqrt(independent));
     }
   }
@@ -129,8 +116,8 @@ std::complex<double> correlation(const BinBlock& bins, int da, int dr) {
 Frame level_frame(const RadarSettings& s, std::uint64_t draw = 0) {
   RenderOptions options;
   options.draw = draw;
-  return render(level_scene(), test::snapshot(s), test::pose_over_origin(level_scene()->world(), 1000),
-                {0, s.azimuth_bins}, options);
+  return render(test::level_ground(), test::snapshot(s),
+                test::pose_over_origin(test::level_ground()->world(), 1000), {0, s.azimuth_bins}, options);
 }
 
 /// Of white noise through a Hamming response whose resolution is a bin: (h * h)_j / sum h^2, h = {.., F, 1,
@@ -377,7 +364,7 @@ TEST(EchoSums, HasTheSameBitsWithAllInstructionSets) {
     std::vector<SharpWedge> rows(static_cast<std::size_t>(plan->sharp.azimuth_bins), wedge);
     std::vector<const SharpWedge*> pointers;
     EchoSums widest(*plan);
-    for (int k = 0; k < widest.rows_of(8); ++k) {
+    for (int k = 0; k < plan->rows_of(8); ++k) {
       rows[static_cast<std::size_t>(k)].first_azimuth = (plan->first_row(0) + k) / 8 * 8;
       pointers.push_back(&rows[static_cast<std::size_t>(k)]);
     }

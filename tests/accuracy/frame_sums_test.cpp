@@ -14,6 +14,7 @@
 #include <map>
 #include <string>
 
+#include "server/radar/beam/echo_rows.h"
 #include "server/scene/embree_tracer.h"
 #include "tests/support/fnv1a.h"
 #include "tests/support/made_worlds.h"
@@ -35,6 +36,7 @@ struct Case {
   std::string name;
   std::shared_ptr<const Scene> scene;
   RadarSettings settings;
+  double height_m = 1500;  ///< of the antenna above the datum
 };
 
 std::shared_ptr<const World> hills(double prisms_per_km2) {
@@ -129,6 +131,56 @@ std::vector<Case> narrow_cases(const std::string& name, const std::shared_ptr<co
   return cases;
 }
 
+/// Radars over bins of 0.1 degrees, each by draft and by standard.
+std::vector<Case> radar_cases(const std::string& name, const std::shared_ptr<const World>& world,
+                              double height_m, double r_min_m, double r_max_m) {
+  const auto scene = std::make_shared<const Scene>(world, test::two_materials(), 0, RayMethod::march);
+  std::vector<Case> cases;
+  for (const int planes : {1, 2}) {
+    RadarSettings sharp = settings_of(FrustumKind::sweep, PlateKind::spread, SpeckleKind::ground);
+    sharp.azimuth_bins = 120;
+    sharp.sector_deg = 12;
+    sharp.pixel_columns = planes * sharp.azimuth_bins;
+    sharp.r_min_m = r_min_m;
+    sharp.r_max_m = r_max_m;
+    const auto take = [&](const std::string& radar, const RadarSettings& s) {
+      const std::string quality = planes == 1 ? "draft" : "standard";
+      cases.push_back({name + "/" + quality + "/" + radar, scene, s, height_m});
+    };
+    take("sharp", sharp);
+    RadarSettings s = sharp;
+    s.beam.pattern = BeamPattern::gaussian;
+    s.beam.width_deg = 0.6;
+    take("beam", s);
+    s = sharp;
+    s.pulse.kind = PulseKind::rectangular;
+    s.pulse.length_us = 1;
+    take("pulse", s);
+    s = sharp;
+    s.receiver.noise = true;
+    s.receiver.stc_range_m = 6000;
+    s.receiver.adc_bits = 12;
+    s.atmosphere.rain_mm_h = 4;
+    take("receiver", s);
+    s = sharp;
+    s.beam.pattern = BeamPattern::taylor;
+    s.beam.width_deg = 0.8;
+    s.beam.elevation = ElevationPattern::gaussian;
+    s.beam.elevation_width_deg = 40;
+    s.pulse.kind = PulseKind::compressed;
+    take("beam and pulse", s);
+    s.receiver.noise = true;
+    s.video.looks = 4;
+    take("video", s);
+    s.scan_mode = ScanMode::sector;
+    s.speckle = SpeckleKind::ground;
+    take("dwells", s);
+    s.speckle = SpeckleKind::independent;
+    take("dwells, independent", s);
+  }
+  return cases;
+}
+
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
   const auto take = [&cases](std::vector<Case> more) {
@@ -141,7 +193,10 @@ std::vector<Case> all_cases() {
     take(cases_of(name, world, RayMethod::march, ""));
     take(odd_cases(name, world));
     take(narrow_cases(name, world));
+    take(radar_cases(name, world, 1500, 2000, 8000));
   }
+  take(radar_cases("city", hills(300), 1500, 2000, 8000));
+  take(radar_cases("street", hills(600), 560, 30, 1500));
   const auto traced = std::make_shared<const Scene>(worlds[1].second, test::two_materials(), 0,
                                                     RayMethod::embree, TracerIsa::avx2);
   for (Case k : cases_of("houses", worlds[1].second, RayMethod::embree, embree)) {
@@ -151,10 +206,32 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
-/// "iq power count state", the sum of each plane.
-std::string sums_of(const Frame& frame) {
-  return sum_of(frame.bins.iq) + " " + sum_of(frame.bins.power_w) + " " + sum_of(frame.bins.count) + " " +
-         sum_of(frame.bins.state);
+/// "iq power count state video", the sum of each plane.
+std::string sums_of(const BinBlock& bins) {
+  return sum_of(bins.iq) + " " + sum_of(bins.power_w) + " " + sum_of(bins.count) + " " + sum_of(bins.state) +
+         " " + sum_of(bins.video16);
+}
+
+/// Of a radar that scans, its dwells from an antenna that moves 3 m from one to the next.
+Frame frame_of(const Case& k, int threads) {
+  const RadarSettings& s = k.settings;
+  const int dwell = s.scan_mode == ScanMode::frame ? s.azimuth_bins : s.scan_dwell_bins;
+  SharpStore store;
+  RenderOptions options;
+  options.threads = threads;
+  options.video16 = true;
+  options.draw = 5;
+  if (dwell < s.azimuth_bins) options.sharp = &store;
+  Frame frame;
+  frame.bins = BinBlock(0, s.azimuth_bins, s.range_bins);
+  Pose pose = test::pose_over_origin(k.scene->world(), k.height_m, 40);
+  for (int first = 0; first < s.azimuth_bins; first += dwell) {
+    const Frame part = render(k.scene, test::snapshot(s), pose, {first, dwell}, options);
+    copy_azimuths(part.bins, frame.bins);
+    frame.stats.add(part.stats);
+    pose.antenna.m.x += 3;
+  }
+  return frame;
 }
 
 constexpr const char* kFile = OBLIQ_SOURCE_DIR "/tests/accuracy/frame_sums.txt";
@@ -176,23 +253,19 @@ TEST(FrameSums, AreThoseRecordedForAnyNumberOfThreads) {
   std::ofstream written;
   if (target) {
     written.open(target);
-    written << "# case, a tab, then the sums (FNV-1a, 64 bits) of the planes iq, power, count, state. "
-               "Written by\n"
-               "# frame_sums_test, see there.\n";
+    written << "# case, a tab, then the sums (FNV-1a, 64 bits) of the planes iq, power, count, state, "
+               "video.\n"
+               "# Written by frame_sums_test, see there.\n";
   }
   const auto sums = recorded();
   const auto cases = all_cases();
-  EXPECT_GE(cases.size(), 40u);
+  EXPECT_GE(cases.size(), 120u);
   for (const Case& k : cases) {
-    const Pose pose = test::pose_over_origin(k.scene->world(), 1500, 40);
     std::string by_threads[2];
     for (const int threads : {1, 3}) {
-      RenderOptions options;
-      options.threads = threads;
-      const Frame frame =
-          render(k.scene, test::snapshot(k.settings), pose, {0, k.settings.azimuth_bins}, options);
+      const Frame frame = frame_of(k, threads);
       EXPECT_GT(frame.stats.samples, 100u) << k.name;
-      by_threads[threads == 3] = sums_of(frame);
+      by_threads[threads == 3] = sums_of(frame.bins);
     }
     EXPECT_EQ(by_threads[0], by_threads[1]) << k.name << ": one thread, three threads";
     if (target) {

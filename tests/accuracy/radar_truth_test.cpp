@@ -18,14 +18,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kBinsOfPulse = 4;
 
 std::shared_ptr<const Scene> hills_with_houses() {
-  static const auto scene = [] {
-    WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 9000, 60);
-    spec.terrain.shape.height_m = 150;
-    PrismSpec houses;
-    houses.per_km2 = 40;
-    spec.prisms = {houses};
-    return test::make_scene(load_world(spec));
-  }();
+  static const auto scene = test::hills_with_houses(40);
   return scene;
 }
 

@@ -22,19 +22,7 @@ constexpr double kSpan_db = 200;
 constexpr int kSeeds = 8;
 
 std::shared_ptr<const Scene> hills_with_houses() {
-  static const auto scene = [] {
-    WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 9000, 60);
-    spec.terrain.shape.height_m = 150;
-    PrismSpec houses;
-    houses.per_km2 = 150;
-    spec.prisms = {houses};
-    return test::make_scene(load_world(spec));
-  }();
-  return scene;
-}
-std::shared_ptr<const Scene> level_ground() {
-  static const auto scene =
-      test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 9000, 100)));
+  static const auto scene = test::hills_with_houses(150);
   return scene;
 }
 
@@ -126,7 +114,7 @@ Statistics statistics(const Planes& planes) {
 /// With which level ground is as loud as the noise.
 double power_of_noise_w() {
   RadarSettings s = radar(1);
-  const BinBlock bins = frame_of(level_ground(), s);
+  const BinBlock bins = frame_of(test::level_ground(), s);
   double sum = 0;
   for (const double p : bins.power_w) sum += p;
   const double mean_w = sum / static_cast<double>(bins.power_w.size());
@@ -163,21 +151,21 @@ TEST_P(VideoLooksOf, HaveTheGrainOfOneLook) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Each, VideoLooksOf,
-                         testing::Values(Case{"level_ground", level_ground, [](RadarSettings&) {}},
+                         testing::Values(Case{"level_ground", test::level_ground, [](RadarSettings&) {}},
                                          Case{"hills_with_houses", hills_with_houses, [](RadarSettings&) {}},
-                                         Case{"independent", level_ground,
+                                         Case{"independent", test::level_ground,
                                               [](RadarSettings& s) { s.speckle = SpeckleKind::independent; }},
-                                         Case{"sharp", level_ground,
+                                         Case{"sharp", test::level_ground,
                                               [](RadarSettings& s) {
                                                 s.beam.pattern = BeamPattern::off;
                                                 s.pulse.kind = PulseKind::off;
                                               }},
-                                         Case{"noise_beside_echoes", level_ground,
+                                         Case{"noise_beside_echoes", test::level_ground,
                                               [](RadarSettings& s) {
                                                 s.receiver.noise = true;
                                                 s.power_w = power_of_noise_w();
                                               }},
-                                         Case{"noise_alone", level_ground,
+                                         Case{"noise_alone", test::level_ground,
                                               [](RadarSettings& s) {
                                                 s.receiver.noise = true;
                                                 s.power_w = 0;
@@ -185,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(Each, VideoLooksOf,
                          [](const auto& test) { return test.param.name; });
 
 TEST(VideoLooks, HaveTheirContrastAndTheMeanPower) {
-  for (const auto& scene : {level_ground(), hills_with_houses()})
+  for (const auto& scene : {test::level_ground(), hills_with_houses()})
     for (const int looks : {2, 4, 16, 64}) {
       const Statistics found = statistics(planes_of(scene, radar(looks)));
       EXPECT_NEAR(found.contrast, 1 / std::sqrt(looks), 0.01) << looks;
@@ -198,7 +186,7 @@ TEST(VideoLooks, AreGammaDistributedBehindABeam) {
   RadarSettings s = radar(4);
   std::vector<double> x;
   for (s.speckle_seed = 1; s.speckle_seed <= 40; ++s.speckle_seed) {
-    const BinBlock bins = frame_of(level_ground(), s);
+    const BinBlock bins = frame_of(test::level_ground(), s);
     for (int a = 0; a < s.azimuth_bins; a += 24)  // four beamwidths apart
       for (int r = 0; r < s.range_bins; r += 6) {
         const auto k = static_cast<std::size_t>(a * s.range_bins + r);
@@ -236,8 +224,8 @@ TEST(VideoLooks, StayWhileTheAntennaDoesAndAreNewElsewhere) {
     RenderOptions options;
     options.video16 = true;
     options.draw = draw;
-    const Pose pose = test::pose_over_origin(level_ground()->world(), 1000, bearing_deg);
-    return render(level_ground(), test::snapshot(s), pose, {0, 40}, options).bins.video16;
+    const Pose pose = test::pose_over_origin(test::level_ground()->world(), 1000, bearing_deg);
+    return render(test::level_ground(), test::snapshot(s), pose, {0, 40}, options).bins.video16;
   };
   EXPECT_EQ(video(0, 1), video(0, 2));
   const auto here = video(0, 1), there = video(0.1, 1);

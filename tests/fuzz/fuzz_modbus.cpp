@@ -9,24 +9,10 @@
 #include "server/modbus/image.h"
 #include "server/net/room.h"
 #include "tests/fuzz/input.h"
+#include "tests/fuzz/no_scene.h"
 
 namespace obliq::modbus {
 namespace {
-
-class NoScene : public net::FrameRenderer {
- public:
-  std::vector<FieldError> place(const PoseSettings& pose) const override {
-    if (pose.height_m < 5000) return {};
-    return {{"height_m", "too much", "less"}};
-  }
-  Plan plan(const SettingsPtr&, const PoseSettings&) const override { return {}; }
-};
-
-RadarConfig named_radar(const char* name) {
-  RadarConfig radar;
-  radar.name = name;
-  return radar;
-}
 
 std::vector<std::uint8_t> framed(std::uint8_t unit, std::span<const std::byte> data) {
   const std::size_t length = data.size() + 1;
@@ -61,9 +47,9 @@ void check_refused(const Registers& before, const Registers& after) {
 }
 
 void run(fuzz::Input input) {
-  const NoScene renderer;
+  const fuzz::NoScene renderer;
   std::deque<std::function<void()>> posted;
-  net::Room room(renderer, {}, {named_radar("main"), named_radar("nose")},
+  net::Room room(renderer, {}, {fuzz::small_radar("main"), fuzz::small_radar("nose")},
                  [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
   net::Panel panel(room, [](const std::function<void()>& work) { work(); });
   Image image(panel, 1);

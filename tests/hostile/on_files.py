@@ -26,7 +26,7 @@ azimuth = 32
 range = 64
 """
 HOUSE = (-99.5, 33.05)  # within the sector
-MOST_S, MOST_BY_COUNT_S, MOST_OUTLINE_S = 6.0, 2.0, 3.0  # of processor time
+MOST_S, MOST_BY_COUNT_S, MOST_OUTLINE_S = 12.0, 4.0, 6.0  # of processor time
 MOST_MB, MOST_WORDS = 1200, 3000
 SECRET = "root:$6$wK1ZqLx9:20000:0:99999:7:::"
 

@@ -10,7 +10,7 @@ POSE = wire.pb.Pose(latitude_deg=33, longitude_deg=-99.5, height_m=2500)
 PLAIN = {"frustum": "SWEEP", "sector_deg": 60, "azimuth_bins": 128, "range_bins": 256, "pixel_columns": 128, "r_min_m": 4000,
          "r_max_m": 20000}
 HALF_LIGHT_M_US = 149.896229  # c / 2
-ANSWERED_S = 1.0  # of processor time, until a request is answered or the others are
+ANSWERED_S = 2.0  # of processor time, until a request is answered or the others are
 
 
 def once(**settings):

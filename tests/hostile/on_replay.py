@@ -20,33 +20,32 @@ def pour(place, served, steer, made):
     return count
 
 
-def sleepers(place, served):
+@contextlib.contextmanager
+def paused_beside_sleepers(place):
+    """A replay in a pause, the hand that paused it and goes on at the end, and two clients that read nothing."""
+    served = place.replay(place.recording(), "--loop")
     for _ in range(2):
         place.peer(served, buffer=2048).send(wire.SUBSCRIBE, radar="main", rate_hz=100, planes=["POWER"])
+    steer = place.peer(served, timeout=30)
+    steer.demand(wire.SET_REPLAY, paused=True)
+    yield served, steer
+    steer.demand(wire.SET_REPLAY, paused=False, speed=0.2, seek_s=0)
 
 
 @attack("H5")
 def seeks_beside_sleepers(place):
     """Two clients that read nothing, one that seeks."""
-    served = place.replay(place.recording(), "--loop")
-    sleepers(place, served)
-    steer = place.peer(served, timeout=30)
-    steer.demand(wire.SET_REPLAY, paused=True)
-    count = pour(place, served, steer, lambda peer, k: peer.packed(wire.SET_REPLAY, seek_s=k % 10 / 20))
-    steer.demand(wire.SET_REPLAY, paused=False, speed=0.2, seek_s=0)
+    with paused_beside_sleepers(place) as (served, steer):
+        count = pour(place, served, steer, lambda peer, k: peer.packed(wire.SET_REPLAY, seek_s=k % 10 / 20))
     return f"{count} seeks"
 
 
 @attack("H5")
 def joins_beside_sleepers(place):
     """Two clients that read nothing, one that subscribes and leaves again in a pause."""
-    served = place.replay(place.recording(), "--loop")
-    sleepers(place, served)
-    steer = place.peer(served, timeout=30)
-    steer.demand(wire.SET_REPLAY, paused=True)
-    count = pour(place, served, steer, lambda peer, k: peer.packed(wire.UNSUBSCRIBE, radar="main") if k % 2 else
-                 peer.packed(wire.SUBSCRIBE, radar="main", rate_hz=100, planes=["STATE"]))
-    steer.demand(wire.SET_REPLAY, paused=False, speed=0.2, seek_s=0)
+    with paused_beside_sleepers(place) as (served, steer):
+        count = pour(place, served, steer, lambda peer, k: peer.packed(wire.UNSUBSCRIBE, radar="main") if k % 2 else
+                     peer.packed(wire.SUBSCRIBE, radar="main", rate_hz=100, planes=["STATE"]))
     return f"{count} requests"
 
 

@@ -47,6 +47,21 @@ inline SettingsPtr snapshot(const RadarSettings& settings) {
   return std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
 }
 
+/// Made once in a process.
+inline std::shared_ptr<const Scene> level_ground() {
+  static const auto scene = make_scene(load_world(synthetic_spec(SyntheticKind::flat, 9000, 100)));
+  return scene;
+}
+/// Made anew by each call.
+inline std::shared_ptr<const Scene> hills_with_houses(double per_km2) {
+  WorldSpec spec = synthetic_spec(SyntheticKind::hills, 9000, 60);
+  spec.terrain.shape.height_m = 150;
+  PrismSpec houses;
+  houses.per_km2 = per_km2;
+  spec.prisms = {houses};
+  return make_scene(load_world(spec));
+}
+
 /// An antenna over the origin of synthetic_spec, looking north.
 inline PoseSettings settings_over_origin(double height_m, double bearing_deg = 0) {
   PoseSettings settings;

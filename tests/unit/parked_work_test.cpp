@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -130,19 +131,21 @@ struct Trace {
   ~Trace() { ++left; }
 };
 
+std::function<void()> work_for_ever(std::atomic<int>& left) {
+  return [&left] {
+    const auto thread = thread_of([&left] {
+      const Trace trace{left};
+      for (;;) ask(1);
+    });
+    const Trace trace{left};
+    for (;;) ask(1);
+  };
+}
+
 TEST(ParkedWork, UnwindsInTheTurnAfterARequestToStop) {
   std::stop_source stop;
   std::atomic<int> left = 0;
-  ParkedWork work(
-      [&] {
-        const auto thread = thread_of([&] {
-          const Trace trace{left};
-          for (;;) ask(1);
-        });
-        const Trace trace{left};
-        for (;;) ask(1);
-      },
-      stop.get_token(), 0);
+  ParkedWork work(work_for_ever(left), stop.get_token(), 0);
   EXPECT_FALSE(work.turn(kAtOnce));
   stop.request_stop();
   while (!work.turn(kNever)) {
@@ -153,16 +156,7 @@ TEST(ParkedWork, UnwindsInTheTurnAfterARequestToStop) {
 TEST(ParkedWork, UnwindsWhenItIsDestroyed) {
   std::atomic<int> left = 0;
   {
-    ParkedWork work(
-        [&] {
-          const auto thread = thread_of([&] {
-            const Trace trace{left};
-            for (;;) ask(1);
-          });
-          const Trace trace{left};
-          for (;;) ask(1);
-        },
-        {}, 0);
+    ParkedWork work(work_for_ever(left), {}, 0);
     EXPECT_FALSE(work.turn(kAtOnce));
     EXPECT_EQ(left, 0);
   }

@@ -172,6 +172,7 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   if (!plan.errors.empty()) return plan;
   as_recorded.scan_mode = ScanMode::frame;  // its beam has swept
   plan.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{as_recorded, settings->version});
+  plan.for_all = due.at_ns <= keep_until_ns_;
   plan.frame = std::make_unique<ReplayedFrame>(due.frame, due.at_ns, clock_, jumps);
   return plan;
 }

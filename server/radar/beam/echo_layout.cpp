@@ -166,10 +166,11 @@ std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout&
         "bins.azimuth",
         std::to_string(s.azimuth_bins) + " in a sector that the beam widens to the full circle",
         "a number that divides the circle, so that the bins meet; or a narrower beam or sector"};
+  if (s.frustum == FrustumKind::sweep) return std::nullopt;
   // Pixels have numbers of 32 bits (RayBatch).
   constexpr std::int64_t kMostPixels = std::numeric_limits<std::uint32_t>::max();
   const RadarSettings sharp = sharp_frame(s, layout);
-  if (s.frustum != FrustumKind::sweep && std::int64_t{sharp.pixel_columns} * sharp.pixel_rows > kMostPixels)
+  if (std::int64_t{sharp.pixel_columns} * sharp.pixel_rows > kMostPixels)
     return FieldError{"frustum.pixel_columns",
                       std::to_string(sharp.pixel_columns) + " x " + std::to_string(sharp.pixel_rows) +
                           " pixels with what beam and pulse reach",

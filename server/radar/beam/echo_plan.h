@@ -54,6 +54,13 @@ struct EchoPlan {
   bool draws() const { return speckle == SpeckleKind::none || speckle == SpeckleKind::independent; }
   /// Sharp azimuth of tap 0 of an output bin; counted on beyond the edges where the frame wraps.
   int first_row(int output) const { return first_azimuth + output * azimuth_parts + first_tap; }
+  /// Rows of sharp azimuths that neighbouring output bins are made from.
+  int rows_of(int n_outputs) const { return (n_outputs - 1) * azimuth_parts + n_taps; }
+  /// The sharp frame's own azimuth.
+  int sharp_azimuth(int row) const {
+    const int all = sharp.azimuth_bins;
+    return wraps ? ((row % all) + all) % all : row;
+  }
 };
 
 /// Whether the bins of these settings are made from sharp ones.

@@ -48,12 +48,12 @@ EchoRows::EchoRows(const EchoPlan& plan, int first, int end)
       there_(static_cast<std::size_t>(n_wedges_)),
       users_(there_.size(), 0) {
   for (int wedge = first; wedge < end; ++wedge) {
-    const int rows = rows_of(azimuths_of(wedge));
-    const int first_sharp = sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins)) / kWedgeAzimuthBins;
+    const int rows = plan.rows_of(azimuths_of(wedge).count);
+    const int first_sharp = plan.sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins)) / kWedgeAzimuthBins;
     Output output{first_sharp, 0, 0};
     // The rows of a full circle may come back to the wedge that they begin in.
     for (int row = 0; row < rows && output.count < n_wedges_; ++output.count) {
-      const int azimuth = sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins) + row);
+      const int azimuth = plan.sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins) + row);
       const int next =
           std::min((azimuth / kWedgeAzimuthBins + 1) * kWedgeAzimuthBins, plan.sharp.azimuth_bins);
       row += next - azimuth;
@@ -69,16 +69,6 @@ EchoRows::EchoRows(const EchoPlan& plan, int first, int end)
 AzimuthRange EchoRows::azimuths_of(int wedge) const {
   const int first = wedge * kWedgeAzimuthBins;
   return {first, std::min(kWedgeAzimuthBins, plan_.n_azimuth - first)};
-}
-
-/// Sharp azimuths of output bins, from the first one's first tap on.
-int EchoRows::rows_of(AzimuthRange azimuths) const {
-  return (azimuths.count - 1) * plan_.azimuth_parts + plan_.n_taps;
-}
-
-int EchoRows::sharp_azimuth(int row) const {
-  const int all = plan_.sharp.azimuth_bins;
-  return plan_.wraps ? ((row % all) + all) % all : row;
 }
 
 /// Which of an output's sharp wedges a wedge is; not below its count: none.
@@ -117,10 +107,10 @@ bool EchoRows::next_ready(Ready& ready) {
   }
   ready.azimuths = azimuths_of(ready.wedge);
   const int first_row = plan_.first_row(ready.azimuths.first);
-  const int rows = rows_of(ready.azimuths);
+  const int rows = plan_.rows_of(ready.azimuths.count);
   ask(2 * std::int64_t{rows});
   for (int k = 0; k < rows; ++k) {
-    const int sharp = sharp_azimuth(first_row + k) / kWedgeAzimuthBins;
+    const int sharp = plan_.sharp_azimuth(first_row + k) / kWedgeAzimuthBins;
     ready.rows.push_back(ready.owners[static_cast<std::size_t>(place_in(*output, sharp))].get());
   }
   // Sums of statistics have one order.

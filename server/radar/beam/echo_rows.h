@@ -64,8 +64,6 @@ class EchoRows {
     int missing;
   };
   AzimuthRange azimuths_of(int output) const;
-  int rows_of(AzimuthRange azimuths) const;
-  int sharp_azimuth(int row) const;
   int place_in(const Output& output, int sharp_wedge) const;
   int owner_of(int sharp_wedge) const;
 

@@ -61,12 +61,6 @@ EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
   }
 }
 
-int EchoSums::sharp_azimuth(int row) const {
-  if (!plan_.wraps) return row;
-  const int all = plan_.sharp.azimuth_bins;
-  return ((row % all) + all) % all;
-}
-
 void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, bool look,
                    BinBlock& bins) {
   const int first_row = plan_.first_row(bins.first_azimuth);
@@ -74,10 +68,10 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
   const bool independent = plan_.speckle == SpeckleKind::independent;
   const bool drawn = (iq || look) && independent;
   if (look) bins.look.resize(bins.iq.size());
-  Rows iq_rows(static_cast<std::size_t>(rows_of(kLanesOut)), zeros_.data());
+  Rows iq_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
   Rows power_rows = iq_rows;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const int azimuth = sharp_azimuth(first_row + static_cast<int>(k));
+    const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
     power_rows[k] = rows[k]->power_row(azimuth);
     if (coherent) iq_rows[k] = rows[k]->iq_row(azimuth);
   }
@@ -99,9 +93,9 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
 /// One look of speckle that is drawn in the sharp bins: beam and pulse give it the grain of the I&Q.
 void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& bins) {
   const int first_row = plan_.first_row(bins.first_azimuth);
-  Rows look_rows(static_cast<std::size_t>(rows_of(kLanesOut)), zeros_.data());
+  Rows look_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
   for (std::size_t k = 0; k < rows.size(); ++k)
-    look_rows[k] = rows[k]->look_row(sharp_azimuth(first_row + static_cast<int>(k)));
+    look_rows[k] = rows[k]->look_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
   sum_azimuths(look_rows, kIq, bins.n_azimuth);
   for (int o = 0; o < bins.n_azimuth; ++o) {
     const auto lane = static_cast<std::size_t>(o);
@@ -191,7 +185,7 @@ void EchoSums::write_ground(const std::vector<const SharpWedge*>& rows, BinBlock
       const int row = a * plan_.azimuth_parts + part - plan_.first_tap;
       const SharpWedge& wedge = *rows[static_cast<std::size_t>(row)];
       const std::size_t from =
-          static_cast<std::size_t>(sharp_azimuth(first_row + row) - wedge.first_azimuth) *
+          static_cast<std::size_t>(plan_.sharp_azimuth(first_row + row) - wedge.first_azimuth) *
               static_cast<std::size_t>(wedge.n_range) +
           static_cast<std::size_t>(plan_.first_range);
       const std::size_t to = static_cast<std::size_t>(a) * static_cast<std::size_t>(plan_.n_range);

@@ -16,13 +16,11 @@ class EchoSums {
   /// kernels: for tests that compare instruction sets.
   explicit EchoSums(const EchoPlan& plan, const Kernels& kernels = widest_kernels());
 
-  /// rows: of sharp azimuth plan.first_row(bins.first_azimuth) and the following, as many as rows_of() says.
+  /// rows: of sharp azimuth plan.first_row(bins.first_azimuth) and the following, as many as
+  /// plan.rows_of() says.
   /// draw: names the frame, for independent speckle. iq: whether I&Q is wanted; look: BinBlock's.
   void sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, bool look,
            BinBlock& bins);
-
-  /// Sharp rows that `n_azimuth` output bins are made from.
-  int rows_of(int n_azimuth) const { return (n_azimuth - 1) * plan_.azimuth_parts + plan_.n_taps; }
 
  private:
   using Rows = std::vector<const float*>;
@@ -33,7 +31,6 @@ class EchoSums {
   void write(BinBlock& bins, std::size_t row, bool iq) const;
   void write_voltages(std::complex<float>* row) const;
   void write_ground(const std::vector<const SharpWedge*>& rows, BinBlock& bins) const;
-  int sharp_azimuth(int row) const;
 
   const EchoPlan& plan_;
   const Kernels& kernels_;
