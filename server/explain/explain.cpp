@@ -15,6 +15,7 @@
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/process.h"
 #include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
 #include "terrain/grid_area.h"
@@ -352,7 +353,7 @@ class Experiment {
       c.power_counts = facts.flat_plates.empty();
       const double growth = facts.cell_m * facts.cell_m / (cell_m * cell_m);
       const double needed = growth * static_cast<double>(result_.costs.bytes());
-      const auto free = static_cast<double>(available_bytes());
+      const auto free = static_cast<double>(bytes_in_line("/proc/meminfo", "MemAvailable:"));
       if (factor < 1 && growth * static_cast<double>(facts.nodes) > kMostFineNodes) {
         c.reason = fmt::format("{:.0f} million nodes are more than the {:.0f} that are tried",
                                growth * static_cast<double>(facts.nodes) / 1e6, kMostFineNodes / 1e6);

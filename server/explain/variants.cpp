@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <string>
 
 namespace obliq {
@@ -69,17 +68,6 @@ BuildingSizes median_sizes(const Buildings& buildings) {
     }
   }
   return {median(heights_m), median(sides_m)};
-}
-
-std::uint64_t available_bytes() {
-  std::ifstream file("/proc/meminfo");
-  std::string name, unit;
-  std::uint64_t kilobytes = 0;
-  while (file >> name >> kilobytes) {
-    std::getline(file, unit);
-    if (name == "MemAvailable:") return kilobytes * 1024;
-  }
-  return 0;
 }
 
 GroundProbes::GroundProbes(const FramePlan& plan, const std::vector<AzimuthRange>& wedges) {

@@ -24,9 +24,6 @@ struct BuildingSizes {
 };
 BuildingSizes median_sizes(const Buildings& buildings);
 
-/// Memory that this machine could still give, by /proc/meminfo; 0 where that does not say.
-std::uint64_t available_bytes();
-
 /// How far a change of the model moves the ground, as the antenna sees it. Metres.
 struct GroundShift {
   double slant_m = 0;     ///< greatest change of a ground point's slant range

@@ -66,8 +66,8 @@ class Room : private RenderEvents {
   /// Tokens may have been read anew: roles are taken from them; clients whose token is gone are closed.
   void check_credentials();
   void enter(const std::shared_ptr<Peer>& peer);
-  /// Its connection has ended: it counts no more. It is forgotten a little later, as whoever calls may be
-  /// walking through clients or watchers: then control is released, subscriptions end, unfinished renders are
+  /// Its connection has ended: it no longer counts as a client. The rest is posted, since the caller may be
+  /// iterating over clients or watchers: control is released, subscriptions end, unfinished renders are
   /// cancelled.
   void leave(const std::shared_ptr<Peer>& peer);
 

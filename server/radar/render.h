@@ -47,6 +47,11 @@ struct RenderOptions {
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured
 };
 
+/// Video of several looks, which behind a beam or a pulse is made of a look of its own (BinBlock::look).
+inline bool wants_look(const RenderOptions& options, const RadarSettings& settings) {
+  return (options.video8 || options.video16) && settings.video.looks > 1;
+}
+
 /// What RenderOptions::threads says; 0: all cores.
 int thread_count(int threads);
 

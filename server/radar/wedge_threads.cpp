@@ -63,6 +63,7 @@ class WedgeThreads {
         options_(options),
         traced_(options),
         tables_(plan.traced()),
+        look_key_(look_key(plan)),
         next_(first_wedge),
         end_(end_wedge) {
     if (plan.echo() == nullptr) return;
@@ -73,7 +74,7 @@ class WedgeThreads {
     next_ = 0;
     end_ = rows_->n_sharp();
     if (plan.echo()->draws()) traced_.iq = false;
-    look_ = (options.video8 || options.video16) && plan.settings().video.looks > 1;
+    look_ = wants_look(options, plan.settings());
     sharp_ = {traced_.iq, look_ && plan.echo()->speckle != SpeckleKind::independent, options.states};
   }
 
@@ -150,7 +151,7 @@ class WedgeThreads {
   void take_sharp(Wedge&& wedge) {
     const StageProbe probe(Stage::bin);
     auto sharp = std::make_shared<const SharpWedge>(*plan_.echo(), std::move(wedge.bins), wedge.stats, sharp_,
-                                                    look_key(plan_));
+                                                    look_key_);
     if (options_.sharp) options_.sharp->keep(wedge.index, sharp_, sharp);
     rows_->take(wedge.index, std::move(sharp));
   }
@@ -202,6 +203,7 @@ class WedgeThreads {
   const RenderOptions& options_;
   RenderOptions traced_;  // of the wedges that are rendered
   const FrameTables tables_;
+  const std::uint64_t look_key_;
   std::optional<EchoRows> rows_;  // of a frame that is made from sharp wedges
   AzimuthRange outputs_{};        // that are made of them
   // Wedges to render: their own numbers, or places in the order of `rows_`.

@@ -23,7 +23,7 @@ struct Part {
   AzimuthRange azimuths;
   bool iq = false;
   bool states = false;
-  bool video = false;  // what a video of several looks needs
+  bool look = false;
   std::vector<Wedge> wedges;
   std::vector<std::uint32_t> seen;  // buildings
   std::size_t bytes = 0;
@@ -59,17 +59,17 @@ class FrameCache::Place {
     frame_ = std::move(frame);
   }
 
-  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool iq, bool states, bool video) const {
+  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool iq, bool states, bool look) const {
     const std::lock_guard lock(mutex_);
     for (const auto& part : parts_)
       if (part->azimuths.first == azimuths.first && part->azimuths.count == azimuths.count &&
-          part->iq >= iq && part->states >= states && part->video >= video)
+          part->iq >= iq && part->states >= states && part->look >= look)
         return part;
     return nullptr;
   }
 
   void keep(std::shared_ptr<const Part> part) {
-    if (find(part->azimuths, part->iq, part->states, part->video)) return;
+    if (find(part->azimuths, part->iq, part->states, part->look)) return;
     const std::lock_guard lock(mutex_);
     if ((budget_->used += part->bytes) <= budget_->most) {
       parts_.push_back(std::move(part));
@@ -96,8 +96,8 @@ class FrameCache::Place {
 /// A frame from a place where there was one before.
 class FrameCache::Frame : public PlannedFrame {
  public:
-  Frame(std::shared_ptr<const PlannedFrame> frame, std::shared_ptr<Place> place)
-      : frame_(std::move(frame)), place_(std::move(place)) {}
+  Frame(std::shared_ptr<const PlannedFrame> frame, std::shared_ptr<Place> place, SettingsPtr settings)
+      : frame_(std::move(frame)), place_(std::move(place)), settings_(std::move(settings)) {}
 
   const PlannedFrame& frame() const { return *frame_; }
 
@@ -111,8 +111,8 @@ class FrameCache::Frame : public PlannedFrame {
   AirView air() const override { return frame_->air(); }
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
-    const bool video = options.video8 || options.video16;
-    if (const auto part = place_->find(azimuths, options.iq, options.states, video))
+    const bool look = wants_look(options, settings_->settings);
+    if (const auto part = place_->find(azimuths, options.iq, options.states, look))
       return repeat(*part, options);
     const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
     if (!frame) return frame_->render(azimuths, options);
@@ -120,7 +120,7 @@ class FrameCache::Frame : public PlannedFrame {
     fresh->azimuths = azimuths;
     fresh->iq = options.iq;
     fresh->states = options.states;
-    fresh->video = video;
+    fresh->look = look;
     // What is kept are the echoes: the receiver makes something else of them in each frame.
     RenderOptions with_copy = options;
     with_copy.receiver = nullptr;
@@ -156,6 +156,7 @@ class FrameCache::Frame : public PlannedFrame {
 
   std::shared_ptr<const PlannedFrame> frame_;
   std::shared_ptr<Place> place_;
+  SettingsPtr settings_;
 };
 
 FrameCache::FrameCache(const FrameRenderer& renderer, std::size_t most_bytes)
@@ -170,7 +171,8 @@ FrameRenderer::Plan FrameCache::plan(const SettingsPtr& settings, const PoseSett
   if (resolved_speckle(settings->settings) == SpeckleKind::independent) return renderer_.plan(settings, pose);
   const std::uint64_t generation = renderer_.generation();
   if (const auto place = find(settings, pose, generation))
-    if (auto again = place->again(pose)) return {std::make_unique<Frame>(std::move(again), place), {}, {}};
+    if (auto again = place->again(pose))
+      return {std::make_unique<Frame>(std::move(again), place, settings), {}, {}};
   Plan plan = renderer_.plan(settings, pose);
   // Another scene may have come while the frame was planned.
   if (!plan.frame || plan.settings || renderer_.generation() != generation) return plan;
@@ -182,7 +184,7 @@ FrameRenderer::Plan FrameCache::plan(const SettingsPtr& settings, const PoseSett
   }
   std::shared_ptr<const PlannedFrame> frame = std::move(plan.frame);
   place->keep(frame);
-  plan.frame = std::make_unique<Frame>(std::move(frame), place);
+  plan.frame = std::make_unique<Frame>(std::move(frame), place, settings);
   return plan;
 }
 

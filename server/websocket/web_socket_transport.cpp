@@ -59,7 +59,7 @@ class SocketStream {
     });
   }
 
-  /// Fails once the connection ends, so that whoever reads waits for no answer of ours.
+  /// Fails after end(): a read that would send a pong or a close then ends.
   template <class Buffers, class Handler>
   void async_write_some(const Buffers& buffers, Handler&& handler) {
     std::vector<std::span<const std::byte>> parts;

@@ -1,14 +1,13 @@
 #pragma once
-// Long computations say now and then how much they have done, and so let others have their turn or end where
-// nobody wants them any more. As a thread is measured (stage_clock.h), so it is heard: by a thread-local, so
-// that a loop deep down needs no parameter through all that calls it.
+// Long computations report their work at intervals: there they may be paused, and end when they are no longer
+// needed. The gate is thread-local, like the clock of stage_clock.h, so that inner loops need no parameter.
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
 namespace obliq {
 
-/// Thrown by ask() where the work is not wanted any more. No std::exception: handlers of faults let it pass.
+/// Thrown by ask() where the work is no longer needed. No std::exception: handlers of faults let it pass.
 struct Stopped {};
 
 /// Hears how much the threads of one piece of work have done. From any of them.

@@ -6,22 +6,13 @@
 #include <limits>
 #include <string>
 
+#include "terrain/base/process.h"
+
 namespace obliq {
 namespace {
 
 constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
 constexpr double kShare = 0.75;
-
-/// MemTotal (proc(5)).
-std::int64_t machine_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  for (std::string word; file >> word;) {
-    std::int64_t kibibytes = 0;
-    if (word == "MemTotal:" && file >> kibibytes) return kibibytes * 1024;
-    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
-  return kUnknown;
-}
 
 /// "max" is none, and so is a file that is not there.
 std::int64_t limit_in(const std::filesystem::path& path) {
@@ -45,7 +36,8 @@ std::int64_t limit_of(const std::filesystem::path& root, const std::string& grou
 }  // namespace
 
 std::int64_t memory_there_is_bytes(const MemoryFiles& files) {
-  std::int64_t least = machine_bytes(files.machine);
+  const std::int64_t machine = bytes_in_line(files.machine, "MemTotal:");
+  std::int64_t least = machine > 0 ? machine : kUnknown;
   // hierarchy:controllers:group (cgroups(7), "/proc files").
   std::ifstream membership(files.membership);
   for (std::string line; std::getline(membership, line);) {

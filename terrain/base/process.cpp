@@ -10,6 +10,16 @@
 
 namespace obliq {
 
+std::int64_t bytes_in_line(const std::filesystem::path& path, std::string_view name) {
+  std::ifstream file(path);
+  for (std::string word; file >> word;) {
+    std::int64_t kibibytes = 0;
+    if (word == name) return file >> kibibytes ? kibibytes * 1024 : 0;
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0;
+}
+
 std::int64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");
   std::int64_t total = 0;
@@ -19,17 +29,8 @@ std::int64_t resident_bytes() {
 }
 
 std::int64_t peak_resident_bytes() {
-  std::ifstream file("/proc/self/status");
-  std::string word;
-  while (file >> word) {
-    if (word == "VmHWM:") {
-      std::int64_t kilobytes = 0;
-      return file >> kilobytes ? std::max(kilobytes * 1024, resident_bytes())
-                               : 0;  // the kernel counts roughly
-    }
-    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
-  return 0;
+  const std::int64_t peak = bytes_in_line("/proc/self/status", "VmHWM:");
+  return peak > 0 ? std::max(peak, resident_bytes()) : 0;  // the kernel counts roughly
 }
 
 void give_back_freed_memory() { ::malloc_trim(0); }

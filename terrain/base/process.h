@@ -1,9 +1,15 @@
 #pragma once
 // This process and the machine that it runs on.
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace obliq {
+
+/// Bytes by a line like "MemTotal: 8000000 kB" of such files as /proc/meminfo (proc(5)); name: with its
+/// colon. 0 where there is none.
+std::int64_t bytes_in_line(const std::filesystem::path& file, std::string_view name);
 
 /// Memory of this process that is resident, from /proc/self/statm (proc(5)); 0 where that cannot be read.
 std::int64_t resident_bytes();

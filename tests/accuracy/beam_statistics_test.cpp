@@ -20,11 +20,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSpeedOfLight_m_s = 299792458.0;
 
-std::shared_ptr<const Scene> scene_with_houses() {
-  static const auto scene = test::hills_with_houses(150);
-  return scene;
-}
-
 /// Six bins a beamwidth, 0.1 deg and 15 m each.
 RadarSettings blurred(FrustumKind kind) {
   RadarSettings s;
@@ -54,7 +49,7 @@ struct Sampling {
 class CoherentSums : public testing::TestWithParam<Sampling> {};
 
 TEST_P(CoherentSums, HaveTheMeanPowerThatThePowerPlaneSays) {
-  for (const auto& scene : {test::level_ground(), scene_with_houses()}) {
+  for (const auto& scene : {test::level_ground(), test::hills_with_houses(150)}) {
     RadarSettings s = blurred(GetParam().kind);
     s.pixel_columns = GetParam().columns;
     s.sub_columns = GetParam().sub_columns;
@@ -287,7 +282,7 @@ TEST(NoSpeckle, IsTheRootOfThePowerWithThePhaseOfTheBinsMiddle) {
 
 void expect_part(const Frame& whole, const RadarSettings& s, const Pose& pose, AzimuthRange azimuths,
                  const RenderOptions& options) {
-  const Frame part = render(scene_with_houses(), test::snapshot(s), pose, azimuths, options);
+  const Frame part = render(test::hills_with_houses(150), test::snapshot(s), pose, azimuths, options);
   BinBlock same(azimuths.first, azimuths.count, s.range_bins);
   copy_azimuths(whole.bins, same);
   EXPECT_TRUE(test::same_bits(same.iq, part.bins.iq)) << azimuths.first;
@@ -300,7 +295,7 @@ TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
   RadarSettings s = blurred(FrustumKind::sweep);
   s.speckle = GetParam();
   s.azimuth_bins = 100;  // the last wedge is half one
-  const auto scene = scene_with_houses();
+  const auto scene = test::hills_with_houses(150);
   const Pose pose = test::pose_over_origin(scene->world(), 1000);
   RenderOptions options;
   options.threads = 1;
@@ -335,11 +330,12 @@ TEST(BeamLookingDown, WhereOuterSharpWedgesSeeTheNearGroundAlone) {
   s.sub_columns = 64;
   s.r_min_m = 1030;
   s.r_max_m = s.r_min_m + 15 * s.range_bins;
-  const Pose pose = test::pose_over_origin(scene_with_houses()->world(), 1000);
-  const EchoPlan echo = *plan_frame(scene_with_houses(), test::snapshot(s), pose).plan->echo();
+  const Pose pose = test::pose_over_origin(test::hills_with_houses(150)->world(), 1000);
+  const EchoPlan echo = *plan_frame(test::hills_with_houses(150), test::snapshot(s), pose).plan->echo();
   const AzimuthRange part{48, 8};
   EXPECT_LT(needed_range_m(echo, echo.first_row(part.first) / kWedgeAzimuthBins, part), s.r_max_m - 500);
-  expect_part(render(scene_with_houses(), test::snapshot(s), pose, {0, s.azimuth_bins}), s, pose, part, {});
+  expect_part(render(test::hills_with_houses(150), test::snapshot(s), pose, {0, s.azimuth_bins}), s, pose,
+              part, {});
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SameBitsBehindABeam,

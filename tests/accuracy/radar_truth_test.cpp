@@ -17,11 +17,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kBinsOfPulse = 4;
 
-std::shared_ptr<const Scene> hills_with_houses() {
-  static const auto scene = test::hills_with_houses(40);
-  return scene;
-}
-
 /// A beam of 3 degrees over bins of half a degree, a pulse that resolves four range bins; elevation by a
 /// cosecant. With bins as long as the pulse resolves E is 0.06, whatever the sampling: where in its bin a
 /// house stands is not known any more.
@@ -61,7 +56,7 @@ TruthBins truth_of(const std::shared_ptr<const Scene>& scene, const RadarSetting
 }
 
 BinErrors errors_of(const RadarSettings& s, const TruthBins& truth) {
-  const auto scene = hills_with_houses();
+  const auto scene = test::hills_with_houses(40);
   const Frame frame = render(scene, test::snapshot(s), antenna(*scene), {0, s.azimuth_bins}, {});
   const std::vector<double> power_w(frame.bins.power_w.begin(), frame.bins.power_w.end());
   return bin_errors(power_w, truth.power_w(Returns::all), range_bins(s));
@@ -189,7 +184,7 @@ class RadarTruthOf : public testing::TestWithParam<std::pair<FrustumKind, double
 
 TEST_P(RadarTruthOf, FramesAreWithinTheirErrorAndSeeAnotherBeam) {
   RadarSettings s = radar();
-  const TruthBins truth = truth_of(hills_with_houses(), s);
+  const TruthBins truth = truth_of(test::hills_with_houses(40), s);
   s.frustum = GetParam().first;
   s.pixel_columns = s.frustum == FrustumKind::sweep ? 80 : 320;
   s.pixel_rows = 1024;

@@ -21,10 +21,7 @@ constexpr double kFloor_db = -260;
 constexpr double kSpan_db = 200;
 constexpr int kSeeds = 8;
 
-std::shared_ptr<const Scene> hills_with_houses() {
-  static const auto scene = test::hills_with_houses(150);
-  return scene;
-}
+std::shared_ptr<const Scene> hills_with_houses() { return test::hills_with_houses(150); }
 
 /// Six azimuth bins a beamwidth and one and a half range bins a pulse, 0.1 deg and 15 m each.
 RadarSettings radar(int looks) {

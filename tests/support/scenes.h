@@ -1,6 +1,7 @@
 #pragma once
 // Small scenes for tests, and where real data is.
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,14 +53,17 @@ inline std::shared_ptr<const Scene> level_ground() {
   static const auto scene = make_scene(load_world(synthetic_spec(SyntheticKind::flat, 9000, 100)));
   return scene;
 }
-/// Made anew by each call.
+/// Made once for each density.
 inline std::shared_ptr<const Scene> hills_with_houses(double per_km2) {
+  static std::map<double, std::shared_ptr<const Scene>> scenes;
+  std::shared_ptr<const Scene>& scene = scenes[per_km2];
+  if (scene) return scene;
   WorldSpec spec = synthetic_spec(SyntheticKind::hills, 9000, 60);
   spec.terrain.shape.height_m = 150;
   PrismSpec houses;
   houses.per_km2 = per_km2;
   spec.prisms = {houses};
-  return make_scene(load_world(spec));
+  return scene = make_scene(load_world(spec));
 }
 
 /// An antenna over the origin of synthetic_spec, looking north.

@@ -18,6 +18,7 @@ constexpr double kMost = 0x1p6;  // beyond it one number in 1e24
 constexpr int kCellBits = 5;
 constexpr int kFractionBits = 52;  // of IEEE 754's binary64
 constexpr int kShift = kFractionBits - kCellBits;
+constexpr std::uint64_t kCell = std::uint64_t{1} << kShift;  // of a number's bits
 
 std::uint64_t first_bits() { return std::bit_cast<std::uint64_t>(kLeast); }
 
@@ -69,8 +70,8 @@ double LooksLaw::mean(double re, double im) const {
   const double s = std::clamp(along * along + im * im, kLeast, kMost * (1 - 0x1p-52));
   const std::uint64_t bits = std::bit_cast<std::uint64_t>(s) - first_bits();
   const auto cell = static_cast<std::size_t>(bits >> kShift);
-  const std::uint64_t within = bits & ((std::uint64_t{1} << kShift) - 1);
-  const double share = static_cast<double>(within) * 0x1p-47;  // of 2^kShift
+  const std::uint64_t within = bits & (kCell - 1);
+  const double share = static_cast<double>(within) / static_cast<double>(kCell);
   const double from = static_cast<double>(means_[cell]);
   return from + share * (static_cast<double>(means_[cell + 1]) - from);
 }
