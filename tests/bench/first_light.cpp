@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/client.h"
@@ -93,21 +94,19 @@ void check(const client::Status& status) {
 
 /// What the client sees of the frame in hand.
 struct Watcher : client::FrameHandler {
-  int planes_of_first = 0;
+  bool begun = false;
   std::uint32_t first_index = 0;
   Clock::time_point first_wedge;  ///< its last plane
   bool ended = false;
 
   client::Status on_begin(const wire::MessageHeader&, const wire::FrameBegin&) override {
-    planes_of_first = 0;
+    begun = false;
     return {};
   }
   client::Status on_block(const wire::MessageHeader&, const wire::WedgeBlock& block,
                           std::span<const std::byte>) override {
-    if (planes_of_first == 0) first_index = block.wedge_index();
-    if (planes_of_first < wire::kPlanes && block.wedge_index() == first_index &&
-        ++planes_of_first == wire::kPlanes)
-      first_wedge = Clock::now();
+    if (!std::exchange(begun, true)) first_index = block.wedge_index();
+    if (block.wedge_index() == first_index) first_wedge = Clock::now();
     return {};
   }
   client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
