@@ -61,6 +61,8 @@ struct BinBlock {
   /// surface that it covers, so that the frame's samples outnumber its hits.
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;  ///< BinState
+  /// Mean sine of elevation of what is in the bin, weighed by power; of a beam's sharp bins, else empty.
+  std::vector<float> sin_elevation;
   /// Video in 256 and in 65,536 levels: empty where it is not wanted, or not made yet.
   std::vector<std::uint8_t> video8;
   std::vector<std::uint16_t> video16;

@@ -72,10 +72,11 @@ double tilt_rad(const RadarSettings& settings, const Pose& pose, const SectorExt
 }
 
 std::shared_ptr<const AntennaGain> antenna_gain(const RadarSettings& settings, const Pose& pose,
-                                                const SectorExtent& extent, const WorldFrame& frame) {
+                                                const SectorExtent& extent, const WorldFrame& frame,
+                                                const BeamWidths* widths) {
   AntennaGain::View view;
   view.tilt_rad = tilt_rad(settings, pose, extent, frame);
-  if (settings.beam.elevation != ElevationPattern::off) {
+  if (settings.beam.elevation != ElevationPattern::off || widths != nullptr) {
     const glm::dvec3& at = pose.antenna.m;
     constexpr double kStep_m = 1;
     view.lean_x =
@@ -94,7 +95,7 @@ std::shared_ptr<const AntennaGain> antenna_gain(const RadarSettings& settings, c
                            lean;
     }
   }
-  return std::make_shared<const AntennaGain>(settings, view);
+  return std::make_shared<const AntennaGain>(settings, view, widths);
 }
 
 std::string degrees_text(double degrees) {
@@ -113,7 +114,8 @@ void check_elevation(const BeamSettings& beam, double tilt_deg, std::vector<Fiel
 
 }  // namespace
 
-FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose)
+FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose,
+                     const BeamWidths* widths)
     : scene_(std::move(scene)),
       snapshot_(snapshot),
       pose_(pose),
@@ -126,7 +128,7 @@ FramePlan::FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot&
       buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m(),
                                                           snapshot_.settings.frustum != FrustumKind::sweep)),
       seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())),
-      antenna_gain_(obliq::antenna_gain(snapshot_.settings, pose_, extent_, scene_->world().frame)) {
+      antenna_gain_(obliq::antenna_gain(snapshot_.settings, pose_, extent_, scene_->world().frame, widths)) {
   snapshot_.settings.speckle = resolved_speckle(snapshot_.settings);
 }
 
@@ -171,7 +173,8 @@ class FramePlanner {
       : scene_(std::move(scene)), pose_(pose) {}
 
   /// A frame whose bins are traced themselves.
-  PlanResult traced(const SettingsSnapshot& snapshot, const Pose& pose, bool adds_voltages) const;
+  PlanResult traced(const SettingsSnapshot& snapshot, const Pose& pose, bool adds_voltages,
+                    const BeamWidths* widths) const;
   /// One whose bins are made from those of a sharp frame.
   PlanResult summed(const SettingsSnapshot& snapshot) const;
   EchoPlace place(const RadarSettings& settings) const;
@@ -187,7 +190,8 @@ EchoPlace FramePlanner::place(const RadarSettings& settings) const {
   if (std::isnan(pose_.ground_y_m)) extent = measure_sector(*scene_, Sector(settings, pose_));
   const double above_m = pose_.antenna.m.y - ground_y_m(pose_, extent);
   if (std::isnan(above_m)) return place;
-  place.height_m = above_m;
+  const TileBounds& ground = scene_->tiles();
+  place.height_m = std::max(pose_.antenna.m.y - ground.lowest_m(), ground.highest_m() - pose_.antenna.m.y);
   const bool camera = settings.frustum == FrustumKind::symmetric || settings.frustum == FrustumKind::oblique;
   if (camera) place.least_r_min_m = above_m;
   return place;
@@ -200,7 +204,7 @@ PlanResult FramePlanner::summed(const SettingsSnapshot& snapshot) const {
   if (!echo) return result;
   Pose turned = pose_;
   turned.bearing_world_rad += echo->turn_bins * echo->sharp.sector_deg * kPi / 180 / echo->sharp.azimuth_bins;
-  result = traced({echo->sharp, snapshot.version}, turned, blurs(settings));
+  result = traced({echo->sharp, snapshot.version}, turned, blurs(settings), echo->widths.get());
   if (!result.plan) return result;
   std::shared_ptr<FramePlan> plan(new FramePlan(*result.plan));
   plan->snapshot_ = snapshot;
@@ -237,13 +241,13 @@ std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const Ra
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {
   const FramePlanner planner(std::move(scene), pose);
   return needs_echo_plan(snapshot->settings) ? planner.summed(*snapshot)
-                                             : planner.traced(*snapshot, pose, false);
+                                             : planner.traced(*snapshot, pose, false, nullptr);
 }
 
-PlanResult FramePlanner::traced(const SettingsSnapshot& snapshot, const Pose& pose,
-                                bool adds_voltages) const {
+PlanResult FramePlanner::traced(const SettingsSnapshot& snapshot, const Pose& pose, bool adds_voltages,
+                                const BeamWidths* widths) const {
   PlanResult result;
-  auto plan = std::make_shared<FramePlan>(scene_, snapshot, pose);
+  auto plan = std::make_shared<FramePlan>(scene_, snapshot, pose, widths);
   plan->adds_voltages_ = adds_voltages;
   check_frustum(*plan, result.errors);
   check_elevation(plan->settings().beam, plan->antenna_gain().tilt_rad() * 180 / kPi, result.errors);

@@ -80,7 +80,9 @@ class SeenBuildings {
 /// Everything about a frame that its wedges share, worked out once. Immutable but for the buildings seen.
 class FramePlan {
  public:
-  FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose);
+  /// widths: of the beam that its bins are the sharp ones of; null: of none.
+  FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose,
+            const BeamWidths* widths = nullptr);
 
   /// The same for another frame, with another number and date of the same antenna, and no building seen yet.
   std::shared_ptr<FramePlan> again(const PoseSettings& pose) const;

@@ -24,6 +24,8 @@ constexpr double kLeastScatterers = 8192;
 /// light.
 constexpr double kBytesOfSums = 57;
 constexpr double kBytesAShare = 4;
+/// Sines of elevation behind a beam: sums by samples and by echoes, and the block's.
+constexpr std::int64_t kBytesOfSines = 2 * 8 + 4;
 /// A node of a plane's profile. Nodes stand at least so close together, in range bins (BuildingView).
 constexpr double kBytesANode = 16;
 constexpr double kNodesABin = 16;
@@ -90,7 +92,9 @@ RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads) {
   const EchoSize size = echo_size(s, threads);
   const std::int64_t kept =
       s.scan_mode == ScanMode::frame ? 0 : std::min(std::int64_t{SharpStore::kMostBytes}, size.sharp_bytes);
-  return {threads * (wedge_bytes(size.sharp) + size.sums_bytes) + size.plan_bytes + size.rows_bytes + kept,
+  const std::int64_t sines = kBytesOfSines * kWedgeAzimuthBins * size.sharp.range_bins;
+  return {threads * (wedge_bytes(size.sharp) + sines + size.sums_bytes) + size.plan_bytes + size.rows_bytes +
+              kept,
           size.taps()};
 }
 

@@ -67,6 +67,7 @@ class WedgeThreads {
         next_(first_wedge),
         end_(end_wedge) {
     if (plan.echo() == nullptr) return;
+    if (options.sharp) options.sharp->fit(*plan.echo());
     rows_.emplace(*plan.echo(), first_wedge, end_wedge);
     outputs_ = {
         first_wedge * kWedgeAzimuthBins,

@@ -354,6 +354,7 @@ TEST(EchoSums, HasTheSameBitsWithAllInstructionSets) {
       const auto x = static_cast<double>(k * 2654435761u % 1000) + 1;
       sharp.power_w[k] = x * 1e-12;
       sharp.iq[k] = {static_cast<float>(std::sqrt(x)), static_cast<float>(-x)};
+      sharp.sin_elevation.push_back(static_cast<float>(-0.4 * x / 1000));
     }
     const SharpWedge wedge(*plan, std::move(sharp), {}, {.iq = true});
     // Every row of the output's is one of these eight.

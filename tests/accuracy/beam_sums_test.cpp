@@ -2,9 +2,11 @@
 // beam_statistics_test.cpp.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
@@ -163,8 +165,8 @@ TEST(BeamSums, ATowerBecomesAnArcOfTheBeamsShape) {
   for (int r = 1; r < s.range_bins; ++r)
     if (power_of(frame, 40, r) > power_of(frame, 40, range)) range = r;
   ASSERT_GT(power_of(frame, 40, range), 0);
-  const double middle_m = 4000 + (range / 16 + 0.5) * 320;
-  const double cosine = std::sqrt(1 - std::pow(kHeight_m / middle_m, 2));
+  // As wide as at the elevation of the tower's middle, in steps of 2 %.
+  const double cosine = cosine_steps::cosine(cosine_steps::nearest((15 - kHeight_m) / 6080));
   for (int a = 27; a <= 53; ++a) {
     const double on_ground = (a - 40) * 0.2 * kPi / 180;
     const double gain = pattern.power_gain(std::asin(cosine * std::sin(on_ground)));
@@ -276,7 +278,23 @@ TEST(BeamSums, ASectorThatTheBeamClosesIsPartOfTheCircle) {
       EXPECT_NEAR(power_of(part, a, r) / power_of(whole, a, r), 1, 1e-5) << a << " " << r;
 }
 
-TEST(BeamSums, ACirclesPowerIsTheSharpOnesTimesTheSumOfTheSquaredGains) {
+/// The sharp bins that a frame is made from, of 1 W, as wide as the beam is on their ground.
+BinBlock sharp_bins(const FramePlan& plan) {
+  const FramePlan& sharp = plan.traced();
+  BinBlock all(0, sharp.settings().azimuth_bins, sharp.settings().range_bins);
+  all.sin_elevation.resize(all.power_w.size());
+  RenderOptions options;
+  options.on_wedge = [&](Wedge&& wedge) {
+    copy_azimuths(wedge.bins, all);
+    std::ranges::copy(
+        wedge.bins.sin_elevation,
+        all.sin_elevation.begin() + static_cast<std::ptrdiff_t>(wedge.bins.first_azimuth) * all.n_range);
+  };
+  EXPECT_TRUE(render_wedges(sharp, {0, all.n_azimuth}, options));
+  return all;
+}
+
+TEST(BeamSums, ACirclesPowerIsThatOfTheSharpBinsEachAsWideAsTheBeamOnItsGround) {
   // Whatever the ground: the beam spreads what the sharp bins hold, it adds and loses nothing.
   RadarSettings s = settings(64);
   s.sector_deg = 360;
@@ -289,22 +307,29 @@ TEST(BeamSums, ACirclesPowerIsTheSharpOnesTimesTheSumOfTheSquaredGains) {
   s.beam.extent_deg = 12;
   const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
   ASSERT_TRUE(planned.plan);
-  const EchoPlan& plan = *planned.plan->echo();
+  const BinBlock wide = sharp_bins(*planned.plan);
   const Frame blurred = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});
+  const double bin_rad = kPi / 360;
+  const double equivalent_rad = 2 * kPi / 180 * std::sqrt(kPi / (8 * std::numbers::ln2));
+  int lit = 0;
   for (const int r : {0, 37, 100, 199}) {
-    double before = 0, after = 0, gains = 0;
+    double before = 0, after = 0;
     for (int a = 0; a < s.azimuth_bins; ++a) {
-      before += power_of(sharp, a, r);
+      const auto bin = static_cast<std::size_t>(a * s.range_bins + r);
+      before += wide.power_w[bin];
       after += power_of(blurred, a, r);
+      if (!(power_of(sharp, a, r) > 0)) continue;
+      // The bin's own spread of elevations is in the mean, not in the mean's cosine.
+      const double sine = static_cast<double>(wide.sin_elevation[bin]);
+      EXPECT_NEAR(wide.power_w[bin] / power_of(sharp, a, r) * std::sqrt(1 - sine * sine) / equivalent_rad, 1,
+                  2e-3)
+          << a << ", " << r;
+      ++lit;
     }
-    for (const float g2 : plan.tiles[static_cast<std::size_t>(r / EchoPlan::kTile)].power)
-      gains += double{g2};
-    gains *= std::pow(plan.amplitude[static_cast<std::size_t>(r + plan.first_range)], 2);
     ASSERT_GT(before, 0);
-    EXPECT_NEAR(after / before / gains, 1, 1e-6) << r;
-    // The sum itself: theta_eq over the bins' half degree, 1 / cos(e) wider within the tile's 320 m.
-    EXPECT_NEAR(gains / (2 * std::sqrt(kPi / (8 * std::numbers::ln2)) / 0.5), 1, 0.2) << r;
+    EXPECT_NEAR(after * bin_rad / before, 1, 1e-6) << r;
   }
+  EXPECT_GT(lit, 1000);
 }
 
 TEST(BeamSums, CountAndStateAreThoseOfTheBinsOwnGround) {

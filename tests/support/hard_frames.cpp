@@ -127,9 +127,10 @@ HardWork render_heard(const HardFrame& frame, HeardWork& heard) {
     if (!render_wedges(plan, {0, settings.azimuth_bins}, options)) throw Stopped{};
     work.stats = sum.total();
     if (const EchoPlan* echo = plan.echo())
-      for (const AzimuthWeights& tile : echo->tiles)
-        work.products +=
-            static_cast<std::int64_t>(tile.voltage.size()) * EchoPlan::kTile * settings.azimuth_bins;
+      // At least as many weights as level ground has.
+      work.products += static_cast<std::int64_t>(echo->n_taps - 2 * echo->kernels.unused.front()) *
+                       static_cast<std::int64_t>(echo->steepest.size()) * EchoPlan::kTile *
+                       settings.azimuth_bins;
   });
   return work;
 }

@@ -2,13 +2,16 @@
 #include <numbers>
 #include <vector>
 
+#include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/elevation_gain.h"
 
 namespace obliq {
 
 /// One-way power gain of the antenna over elevation, as samples and echoes need it: a table over the sines
-/// that surface in the swath may have. Its bearings are the beam's (AzimuthPattern). Immutable.
+/// that surface in the swath may have. Its bearings are the beam's (AzimuthPattern). In the sharp frame of a
+/// beam it is multiplied by the root of the beam's width on ground at that elevation, in radians: the sums
+/// over azimuths then keep each echo's power, whatever the elevation that they take for a row. Immutable.
 class AntennaGain {
  public:
   /// Sines of elevation about the world's vertical; lean: from those to sines about the antenna's own
@@ -20,7 +23,8 @@ class AntennaGain {
     double lean_x = 0;
     double lean_z = 0;
   };
-  AntennaGain(const RadarSettings& settings, const View& view);
+  /// widths: of the beam whose sharp frame it is; null: of none.
+  AntennaGain(const RadarSettings& settings, const View& view, const BeamWidths* widths = nullptr);
   AntennaGain(const AntennaGain&) = delete;
   AntennaGain& operator=(const AntennaGain&) = delete;
 
@@ -28,6 +32,8 @@ class AntennaGain {
   /// Power gain on the boresight.
   double peak() const { return peak_; }
   bool has_pattern() const { return table_.gain != nullptr; }
+  /// Whether its bins are a beam's sharp ones, which need the elevation of what they hold.
+  bool has_widths() const { return has_widths_; }
   const ElevationTable& elevation() const { return table_; }
 
   /// Towards a point: its horizontal offset from the antenna and its slant range.
@@ -39,6 +45,7 @@ class AntennaGain {
  private:
   double tilt_rad_;
   double peak_;
+  bool has_widths_;
   std::vector<float> gains_;
   ElevationTable table_;
 };

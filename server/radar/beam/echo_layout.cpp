@@ -7,19 +7,19 @@
 #include <numbers>
 #include <string>
 
+#include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/beam/sub_bins.h"
-#include "server/radar/simd/echo_filters.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kFarthest_m = 500e3;  // radar.r_max_m's limit
-/// On the ground a beam is at most so many times as wide as on the horizon: what lies steeper than 60 degrees
-/// below is seen by most of its azimuths anyway.
-constexpr double kLeastCosine = 0.5;
+/// Each pixel's ray costs the same, however little of it a beam sees: the halo of the frusta that cast rays
+/// holds a beam down to 60 degrees of depression; below that its skirts are cut off.
+constexpr double kLeastCosineOfRays = 0.5;
 /// More sharp bins than any server lets pass: what counts them stays within an int.
 constexpr double kMostBins = 1 << 28;
 /// A bin that does not meet its neighbour by so little of its width does meet it.
@@ -37,14 +37,61 @@ std::int64_t grown_bytes(std::int64_t elements, std::int64_t each) {
 
 /// I&Q, a look of the video and power in floats, count and state (SharpWedge).
 constexpr std::int64_t kSharpBytesABin = 20 + 5;
+/// BeamWidths: 400 steps come down to what a table of elevations can tell from straight below.
+constexpr std::int64_t kWidthsBytes = 512 * sizeof(double) + 128;
 /// An antenna so high sees all its ground steeply; one on the ground, none.
 constexpr EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0};
 
 }  // namespace
 
-double cos_elevation(const EchoPlace& place, double range_m) {
-  const double sine = std::min(1.0, std::max(0.0, place.height_m) / range_m);
-  return std::max(kLeastCosine, std::sqrt(1 - sine * sine));
+namespace {
+
+double greatest_sine(const EchoPlace& place, double range_m) {
+  if (!(place.height_m > 0)) return 0;
+  return place.height_m < range_m ? place.height_m / range_m : 1;
+}
+
+/// How far a beam reaches into a sharp frame's azimuths.
+class Halo {
+ public:
+  Halo(const RadarSettings& s, const EchoLayout& layout, const AzimuthPattern& pattern)
+      : layout_(layout),
+        beam_(pattern, layout.turn_rad, layout.azimuth_rad),
+        own_(s.azimuth_bins * layout.azimuth_parts),
+        circle_(2 * kPi / layout.azimuth_rad),
+        whole_circle_(s.sector_deg == 360) {}
+
+  double circle() const { return circle_; }
+  bool closes() const { return std::abs(circle_ - std::round(circle_)) <= kGap_bins; }
+  int reach(double cosine) const {
+    return counted(std::ceil(beam_.extent_rad(cosine) / layout_.azimuth_rad));
+  }
+  bool goes_round(int reach) const {
+    return reach > 0 && (whole_circle_ || own_ + 2.0 * up_to_wedges(reach) >= circle_ * (1 - 1e-9));
+  }
+  /// In whole wedges, so that it does not go round.
+  int longest_beside() const {
+    const auto bins = static_cast<int>((circle_ - own_) / 2) / kWedgeAzimuthBins * kWedgeAzimuthBins;
+    return goes_round(bins) ? bins - kWedgeAzimuthBins : bins;
+  }
+
+ private:
+  const EchoLayout& layout_;
+  BeamOnGround beam_;
+  int own_;
+  double circle_;
+  bool whole_circle_;
+};
+
+}  // namespace
+
+int steepest_step(const EchoPlace& place, double range_m) {
+  return cosine_steps::nearest(greatest_sine(place, range_m));
+}
+
+double least_cosine(const EchoPlace& place, double range_m) {
+  const double sine = greatest_sine(place, range_m);
+  return std::sqrt(1 - sine * sine);
 }
 
 EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, const EchoPlace& place) {
@@ -67,20 +114,27 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
   const int own = s.azimuth_bins * layout.azimuth_parts;
   layout.azimuth_rad = s.sector_deg * kPi / 180 / s.azimuth_bins / layout.azimuth_parts;
   if (s.scan_mode != ScanMode::frame) layout.turn_rad = layout.azimuth_rad * layout.azimuth_parts;
+  const Halo beam(s, layout, pattern);
   if (s.beam.pattern != BeamPattern::off) {
-    const double narrowest = cos_elevation(place, layout.r_min_m);
-    const double extent_rad = std::min(kPi, pattern.extent_rad() / narrowest + layout.turn_rad / 2);
-    layout.reach = counted(std::ceil(extent_rad / layout.azimuth_rad));
+    const double cosine = least_cosine(place, layout.r_min_m);
+    const int needed = beam.reach(std::max(kLeastCosineOfRays, cosine));
+    layout.n_kernels = steepest_step(place, layout.r_min_m) + 1;
+    layout.reach = s.frustum == FrustumKind::sweep
+                       ? beam.reach(std::max(cosine, cosine_steps::cosine(cosine_steps::kCount - 1)))
+                       : needed;
+    // Bins that do not meet behind the antenna leave the beam's skirts on the steepest ground out.
+    if (!beam.closes() && beam.goes_round(layout.reach) && !beam.goes_round(needed))
+      layout.reach = beam.longest_beside();
   }
-  const double circle = 2 * kPi / layout.azimuth_rad;
+  const double circle = beam.circle();
   const int halo = up_to_wedges(layout.reach);
-  layout.wraps = layout.reach > 0 && (s.sector_deg == 360 || own + 2.0 * halo >= circle * (1 - 1e-9));
+  layout.wraps = beam.goes_round(layout.reach);
   if (!layout.wraps) {
     layout.first_azimuth = halo;
     layout.sharp_azimuths = own + 2 * halo;
     return layout;
   }
-  layout.closes = std::abs(circle - std::round(circle)) <= kGap_bins;
+  layout.closes = beam.closes();
   layout.sharp_azimuths = counted(layout.closes ? std::round(circle) : std::ceil(circle));
   layout.reach = std::min(layout.reach, (layout.sharp_azimuths - layout.azimuth_parts) / 2);
   layout.first_azimuth = (layout.sharp_azimuths - own) / 2;
@@ -130,23 +184,24 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads) {
   EchoSize size;
   size.sharp = sharp_frame(s, layout);
   size.n_taps = layout.n_taps();
+  size.n_kernels = layout.n_kernels;
   size.n_tiles = layout.n_tiles();
 
-  // Of a tile: weights and their squares.
+  // Of each elevation weights and their squares with zeros on either side; widths on the ground.
   constexpr std::int64_t kFloat = sizeof(float);
   const std::int64_t n_gates = layout.n_gates();
-  size.plan_bytes = size.n_tiles * 2 * grown_bytes(size.n_taps, kFloat) +
-                    grown_bytes(size.n_tiles, sizeof(AzimuthWeights)) + 2 * grown_bytes(n_gates, kFloat) +
-                    grown_bytes(layout.sharp_ranges, kFloat);
+  constexpr std::int64_t kPage = 4096;  // of large arrays, which malloc(3) maps
+  size.plan_bytes = 2 * (size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage) +
+                    grown_bytes(size.n_kernels, sizeof(int)) + grown_bytes(size.n_tiles, 1) +
+                    2 * grown_bytes(n_gates, kFloat) + grown_bytes(layout.sharp_ranges, kFloat) +
+                    kWidthsBytes;
 
-  // The same with zeros on either side; rows of I&Q and of power in three floats a bin.
-  const std::int64_t padded = size.n_taps + 2 * (AzimuthSum::kOutputs - 1) * layout.azimuth_parts;
+  // Rows of I&Q and of power in three floats a bin; where the rows' weights stand.
   constexpr auto spare = static_cast<std::int64_t>(EchoSums::kSpare);
   const std::int64_t row = layout.stride() + 2 * (n_gates + spare);
-  size.sums_bytes = size.n_tiles * 2 * (padded * kFloat + grown_bytes(0, 0)) +
-                    2 * grown_bytes(size.n_tiles, sizeof(std::vector<float>)) +
-                    3 * kFloat * (kWedgeAzimuthBins * row + layout.stride() + spare) +
-                    2 * kFloat * layout.stride() + 2 * grown_bytes(s.range_bins, 2 * kFloat);
+  size.sums_bytes = 3 * kFloat * (kWedgeAzimuthBins * row + layout.stride() + spare) +
+                    2 * kFloat * layout.stride() + 2 * grown_bytes(s.range_bins, 2 * kFloat) + size.n_tiles +
+                    13 * (size.n_taps + kWedgeAzimuthBins * layout.azimuth_parts) + 4 * grown_bytes(0, 0);
 
   // An output wedge's, those of the next ones that are in hand, and lists of both.
   constexpr std::int64_t kWedge = kWedgeAzimuthBins;
@@ -154,7 +209,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads) {
                                      std::int64_t{layout.sharp_azimuths});
   const std::int64_t list =
       grown_bytes(rows / kWedge + 2, sizeof(int)) + std::int64_t{2 * sizeof(std::vector<int>)};
-  const std::int64_t row_bytes = layout.stride() * kSharpBytesABin;
+  const std::int64_t row_bytes = layout.stride() * kSharpBytesABin + size.n_tiles;
   size.rows_bytes = rows * row_bytes + wedge_count(s.azimuth_bins) * list;
   size.sharp_bytes = layout.sharp_azimuths * row_bytes;
   return size;

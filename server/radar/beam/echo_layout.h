@@ -8,19 +8,20 @@
 #include "server/radar/beam/patterns.h"
 #include "server/radar/bins.h"
 #include "server/radar/settings.h"
+#include "server/radar/simd/echo_filters.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
 
 /// What a plan needs to know of the place.
 struct EchoPlace {
-  double height_m = 0;       ///< of the antenna above the ground
+  double height_m = 0;       ///< how far the lowest ground lies below the antenna, or the highest above it
   double least_r_min_m = 0;  ///< what the frustum allows
 };
 
 /// Sharp bins around those of the output, in whole wedges and bins.
 struct EchoLayout {
-  /// Azimuth weights are made for tiles of so many sharp range bins.
+  /// Azimuth weights are chosen for tiles of so many sharp range bins.
   static constexpr int kTile = 16;
 
   int azimuth_parts = 1;  ///< sharp bins an output bin, each way
@@ -33,6 +34,7 @@ struct EchoLayout {
   int far = 0;             ///< and beyond the last
   int gate_reach = 0;      ///< sharp range bins on either side that a pulse may weigh
   int reach = 0;           ///< sharp azimuths on either side that a beam may weigh
+  int n_kernels = 1;       ///< sets of azimuth weights, by cosine_steps
   bool wraps = false;      ///< the sharp frame goes all the way round
   bool closes = true;      ///< its bins meet there; else no such frame can be made
   int sharp_azimuths = 0;
@@ -40,6 +42,9 @@ struct EchoLayout {
   int first_azimuth = 0;  ///< sharp azimuth at the left edge of output bin 0
 
   int n_taps() const { return 2 * reach + azimuth_parts; }
+  /// A set of azimuth weights with zeros on either side, for neighbouring outputs.
+  int kernel_length() const { return n_taps() + 2 * kernel_pad(); }
+  int kernel_pad() const { return (AzimuthSum::kOutputs - 1) * azimuth_parts; }
   int n_gates() const { return 2 * gate_reach + range_parts; }
   int n_tiles() const { return (sharp_ranges + kTile - 1) / kTile; }
   /// Sharp range bins of a row with what is behind them.
@@ -52,13 +57,16 @@ EchoLayout lay_out_echo(const RadarSettings& settings, const AzimuthPattern& pat
 /// The settings of the sharp frame.
 RadarSettings sharp_frame(const RadarSettings& settings, const EchoLayout& layout);
 
-/// cos(e) towards the ground at a range from the antenna; not below what a plan is made for.
-double cos_elevation(const EchoPlace& place, double range_m);
+/// The cosine step of the steepest ground that there may be at a range from the antenna and beyond.
+int steepest_step(const EchoPlace& place, double range_m);
+/// Its cosine of elevation.
+double least_cosine(const EchoPlace& place, double range_m);
 
 /// What a plan and the sums over it take at most, wherever the antenna is.
 struct EchoSize {
   RadarSettings sharp;           ///< of the largest sharp frame
-  std::int64_t n_taps = 0;       ///< azimuth weights of a tile
+  std::int64_t n_taps = 0;       ///< azimuth weights at an elevation
+  std::int64_t n_kernels = 0;    ///< elevations
   std::int64_t n_tiles = 0;      ///< of ranges
   std::int64_t plan_bytes = 0;   ///< the plan, made once
   std::int64_t sums_bytes = 0;   ///< EchoSums, each thread's

@@ -19,22 +19,8 @@ constexpr double kPi = std::numbers::pi;
 /// In units of ask(): sines, exponentials, and what is made of them.
 constexpr int kFunction = 40;
 constexpr int kTaps = 1024;
-
-/// The azimuth off the boresight at which the antenna's own angle u = cos(e) sin(azimuth) stands on the
-/// horizon.
-double on_horizon(double azimuth_rad, double cos_elevation) {
-  const double u = std::asin(std::clamp(cos_elevation * std::sin(azimuth_rad), -1.0, 1.0));
-  return std::cos(azimuth_rad) >= 0 ? u : std::copysign(kPi, azimuth_rad) - u;
-}
-
-/// The beam while the antenna turns by `turn_rad`: Simpson's rule over the bearings of the boresight.
-double gain_of_turning(const AzimuthPattern& pattern, double azimuth_rad, double cos_elevation,
-                       double turn_rad) {
-  const auto gain = [&](double from) {
-    return pattern.power_gain(on_horizon(azimuth_rad + from * turn_rad, cos_elevation));
-  };
-  return turn_rad > 0 ? (gain(-0.5) + 4 * gain(0) + gain(0.5)) / 6 : gain(0);
-}
+/// Ground so nearly below the antenna is in one step of its table of elevations.
+constexpr double kLeastCosine = 0.005;
 
 struct Planner {
   const RadarSettings& s;
@@ -92,56 +78,61 @@ struct Planner {
       plan.gate_voltage.push_back(static_cast<float>(x));
       plan.gate_power.push_back(static_cast<float>(x * x));
     }
-    const bool eclipses = s.pulse.kind != PulseKind::off && s.pulse.eclipse;
-    if (!eclipses && s.beam.pattern == BeamPattern::off) return;
+    if (s.pulse.kind == PulseKind::off || !s.pulse.eclipse) return;
     for (int m = 0; m < plan.sharp.range_bins; ++m) {
       if (m % EchoPlan::kTile == 0) ask(kFunction * EchoPlan::kTile);
       const double range_m = plan.sharp.r_min_m + (m + 0.5) * sharp_range_m;
-      const double eclipsed = eclipses ? std::min(1.0, range_m / response.half_pulse_m()) : 1;
-      plan.amplitude.push_back(static_cast<float>(eclipsed * within_tile(m)));
+      plan.amplitude.push_back(static_cast<float>(std::min(1.0, range_m / response.half_pulse_m())));
     }
-  }
-
-  double tile_middle_m(int tile) const {
-    return plan.sharp.r_min_m + (tile + 0.5) * EchoPlan::kTile * sharp_range_m;
-  }
-
-  /// A tile has one kernel, but the beam on the ground becomes narrower within it, as 1 / cos(e): so that
-  /// level ground has no steps between tiles.
-  double within_tile(int m) const {
-    if (s.beam.pattern == BeamPattern::off) return 1;
-    const double range_m = plan.sharp.r_min_m + (m + 0.5) * sharp_range_m;
-    return std::sqrt(cos_elevation(place, tile_middle_m(m / EchoPlan::kTile)) /
-                     cos_elevation(place, range_m));
   }
 
   void weigh_azimuths() {
-    for (int tile = 0; tile * EchoPlan::kTile < plan.sharp.range_bins; ++tile)
-      plan.tiles.push_back(weights(tile_middle_m(tile)));
+    AzimuthKernels& kernels = plan.kernels;
+    kernels.length = layout.kernel_length();
+    kernels.pad = layout.kernel_pad();
+    const auto all = static_cast<std::size_t>(layout.n_kernels) * static_cast<std::size_t>(kernels.length);
+    fill(kernels.voltage, all, 0.0F);
+    fill(kernels.power, all, 0.0F);
+    for (int tile = 0; tile < layout.n_tiles(); ++tile) {
+      const double from_m = plan.sharp.r_min_m + tile * EchoPlan::kTile * sharp_range_m;
+      plan.steepest.push_back(
+          static_cast<std::uint8_t>(std::min(layout.n_kernels - 1, steepest_step(place, from_m))));
+    }
+    if (s.beam.pattern == BeamPattern::off) {
+      // The output bin's own sharp one.
+      kernels.unused.push_back(0);
+      kernels.voltage[static_cast<std::size_t>(kernels.pad)] = 1;
+      kernels.power[static_cast<std::size_t>(kernels.pad)] = 1;
+      return;
+    }
+    const BeamOnGround beam(pattern, layout.turn_rad, layout.azimuth_rad);
+    plan.widths = std::make_shared<const BeamWidths>(
+        beam, std::max(kLeastCosine, least_cosine(place, plan.sharp.r_min_m)));
+    for (int k = 0; k < layout.n_kernels; ++k) add_kernel(beam, k);
   }
 
-  AzimuthWeights weights(double range_m) const {
-    AzimuthWeights w;
-    const double middle = (plan.azimuth_parts - 1) / 2.0;
-    for (int j = 0; j < plan.n_taps; ++j) {
-      if (j % kTaps == 0) ask(kFunction * std::min(kTaps, plan.n_taps - j));
-      const double offset_rad = (plan.first_tap + j - middle) * width_rad;
-      const double gain =
-          s.beam.pattern == BeamPattern::off
-              ? (plan.first_tap + j == 0 ? 1 : 0)
-              : gain_of_turning(pattern, offset_rad, cos_elevation(place, range_m), layout.turn_rad);
-      if (gain == 0 && w.voltage.empty()) {
-        ++w.first;
-        continue;
-      }
-      w.voltage.push_back(static_cast<float>(gain));
-      w.power.push_back(static_cast<float>(gain * gain));
+  void add_kernel(const BeamOnGround& beam, int step) {
+    const double cosine = cosine_steps::cosine(step);
+    const double middle = plan.first_tap + (plan.n_taps - 1) / 2.0;
+    const double farthest = beam.extent_rad(cosine) / width_rad;
+    const int unused =
+        std::clamp(static_cast<int>((plan.n_taps - 1) / 2.0 - farthest), 0, (plan.n_taps - 1) / 2);
+    std::vector<double> gains;
+    double squares = 0;
+    for (int j = unused; j < plan.n_taps - unused; ++j) {
+      if ((j - unused) % kTaps == 0) ask(kFunction * std::min(kTaps, plan.n_taps - j));
+      gains.push_back(beam.gain((plan.first_tap + j - middle) * width_rad, cosine));
+      squares += gains.back() * gains.back();
     }
-    while (w.voltage.size() > 1 && w.voltage.back() == 0) {
-      w.voltage.pop_back();
-      w.power.pop_back();
+    plan.kernels.unused.push_back(unused);
+    if (!(squares > 0)) return;
+    const double scale = 1 / std::sqrt(squares * width_rad);
+    auto at = static_cast<std::size_t>(step) * static_cast<std::size_t>(plan.kernels.length) +
+              static_cast<std::size_t>(plan.kernels.pad + unused);
+    for (const double gain : gains) {
+      plan.kernels.voltage[at] = static_cast<float>(gain * scale);
+      plan.kernels.power[at++] = static_cast<float>(gain * scale * (gain * scale));
     }
-    return w;
   }
 };
 
@@ -161,19 +152,20 @@ std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace
 
 double needed_range_m(const EchoPlan& plan, int sharp_wedge, AzimuthRange outputs) {
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-  if (plan.wraps) return kEverywhere;
   const int first = sharp_wedge * kWedgeAzimuthBins;
   const int from = plan.first_row(outputs.first);
-  const int to = plan.first_row(outputs.first + outputs.count - 1);
-  std::size_t needed = plan.tiles.size();
+  const int to = plan.first_row(outputs.first + outputs.count - 1) + plan.n_taps;
+  const auto weighs = [&](int unused) {
+    for (int turn = plan.wraps ? -1 : 0; turn <= (plan.wraps ? 1 : 0); ++turn) {
+      const int row = first + turn * plan.sharp.azimuth_bins;
+      if (row < to - unused && row + kWedgeAzimuthBins > from + unused) return true;
+    }
+    return false;
+  };
+  std::size_t needed = plan.steepest.size();
   ask(static_cast<std::int64_t>(needed));
-  for (; needed > 0; --needed) {
-    const AzimuthWeights& tile = plan.tiles[needed - 1];
-    if (first < to + tile.first + static_cast<int>(tile.voltage.size()) &&
-        first + kWedgeAzimuthBins > from + tile.first)
-      break;
-  }
-  if (needed == plan.tiles.size()) return kEverywhere;
+  while (needed > 0 && !weighs(plan.kernels.unused[plan.steepest[needed - 1]])) --needed;
+  if (needed == plan.steepest.size()) return kEverywhere;
   const double sharp_m = (plan.sharp.r_max_m - plan.sharp.r_min_m) / plan.sharp.range_bins;
   return plan.sharp.r_min_m + static_cast<double>(needed + 1) * EchoPlan::kTile * sharp_m;
 }

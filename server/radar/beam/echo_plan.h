@@ -1,9 +1,12 @@
 #pragma once
 // How the bins of a radar with a beam and a pulse follow from sharp ones: the settings of a sharp frame with
 // a wider sector and swath, and the weights of two sums over its bins (README.md beside this file).
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/beam/echo_layout.h"
 #include "server/radar/bins.h"
 #include "server/radar/settings.h"
@@ -11,12 +14,15 @@
 
 namespace obliq {
 
-/// Weights of a beam at one elevation, of sharp azimuths first .. first + n - 1 counted from those of the
-/// output bin.
-struct AzimuthWeights {
-  int first = 0;  ///< taps that are 0 are left out on either side
-  std::vector<float> voltage;
-  std::vector<float> power;  ///< their squares
+/// Weights of a beam by elevation: set k is that of ground at cosine_steps::cosine(k). The squares of a set
+/// times the width of a sharp bin add up to 1: what an echo's power gains by its own elevation is in the
+/// sharp bins already (AntennaGain), so that level ground keeps its power whichever set its rows take.
+struct AzimuthKernels {
+  int length = 1;  ///< of a set, with `pad` zeros on either side
+  int pad = 0;
+  std::vector<float> voltage;  ///< [sets][length]
+  std::vector<float> power;    ///< their squares
+  std::vector<int> unused;     ///< [sets] taps on either side that are 0
 };
 
 /// The plan of a blurred frame. Immutable once made.
@@ -36,17 +42,20 @@ struct EchoPlan {
   bool range_normalisation = false;  ///< to be done with the bins
   double power_scale = 1;            ///< from sharp powers, of 1 W and 0 dBi, to the radar's
 
-  /// Azimuth weights by tiles of kTile sharp range bins, all of the same length: the beam is wider on the
-  /// ground where it looks steeply down. The first is of sharp azimuth first_azimuth + first_tap.
+  /// A sharp row has the azimuth weights of what it sees in a tile of kTile sharp range bins
+  /// (SharpWedge::kernels), as far as there may be ground so steep. The first is of sharp azimuth
+  /// first_azimuth + first_tap.
   static constexpr int kTile = EchoLayout::kTile;
   int first_tap = 0;
   int n_taps = 1;
-  std::vector<AzimuthWeights> tiles;
+  AzimuthKernels kernels;
+  std::vector<std::uint8_t> steepest;  ///< [tiles] the last set that a tile's rows may have
+  /// Of the beam on the ground, for the sharp frame's AntennaGain; null without a beam.
+  std::shared_ptr<const BeamWidths> widths;
   /// Of sharp range bins first_range + first_gate_tap + j from an output bin's first.
   int first_gate_tap = 0;
   std::vector<float> gate_voltage, gate_power;
-  /// [sharp.range_bins] what the sharp bins are multiplied by: eclipsing, the beam's width within its tile.
-  /// Empty: 1.
+  /// [sharp.range_bins] what eclipsing leaves of the sharp bins' voltages. Empty: all.
   std::vector<float> amplitude;
   /// Gate m's phase with speckle "none": -4 pi r / lambda.
   double wavelength_m = 0;

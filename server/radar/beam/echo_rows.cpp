@@ -7,6 +7,16 @@
 
 namespace obliq {
 
+void SharpStore::fit(const EchoPlan& plan) {
+  const std::array<int, 4> layout{plan.first_azimuth, plan.first_range, plan.sharp.azimuth_bins,
+                                  plan.sharp.range_bins};
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(layout_, layout) == layout) return;
+  }
+  clear();
+}
+
 SharpWedgePtr SharpStore::find(int sharp_wedge, const SharpPlanes& wanted) const {
   const std::lock_guard lock(mutex_);
   const auto kept = kept_.find(sharp_wedge);

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -14,6 +15,9 @@ class SharpStore {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
 
+  /// Drops what is of sharp bins that stand elsewhere: how far a beam reaches follows from the antenna's
+  /// height.
+  void fit(const EchoPlan& plan);
   /// Null: not there, or without a plane that is wanted.
   SharpWedgePtr find(int sharp_wedge, const SharpPlanes& wanted) const;
   /// Keeps it for as long as there is room: what came first goes first.
@@ -30,6 +34,7 @@ class SharpStore {
   std::map<int, Kept> kept_;
   std::deque<int> order_;
   std::size_t bytes_ = 0;
+  std::array<int, 4> layout_{};  // of the sharp bins
 };
 
 /// The sharp wedges that the output wedges [first, end) of one rendering are made from, in the order in which

@@ -18,12 +18,6 @@ constexpr int kLanesOut = kWedgeAzimuthBins;  // a whole number of kOutputs
 constexpr int kRun = 1024;     // elements between two times that are asked, a multiple of all kernels' lanes
 constexpr int kProducts = 32;  // that a kernel adds up in a unit of ask()
 
-std::vector<float> padded(const std::vector<float>& taps, int step) {
-  std::vector<float> all(taps.size() + 2 * static_cast<std::size_t>((kOutputs - 1) * step));
-  std::ranges::copy(taps, all.begin() + (kOutputs - 1) * step);
-  return all;
-}
-
 /// What a bin of several sharp ones is: the first of these that one of them is.
 BinState joined(BinState a, BinState b) {
   for (const BinState state :
@@ -38,11 +32,10 @@ EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
     : plan_(plan), kernels_(kernels), stride_(sharp_stride(plan)), zeros_(2 * stride_) {
   // A kernel may reach beyond the sharp swath where the near side had no room.
   pad_ = plan.gate_voltage.size() + kSpare;
-  for (const AzimuthWeights& tile : plan.tiles) {
-    voltage_.push_back(padded(tile.voltage, plan.azimuth_parts));
-    power_.push_back(padded(tile.power, plan.azimuth_parts));
-    ask(static_cast<std::int64_t>(voltage_.back().size()));
-  }
+  const auto n_rows = static_cast<std::size_t>(plan.rows_of(kLanesOut));
+  level_.resize(plan.steepest.size());
+  row_kernels_.resize(n_rows);
+  taps_at_.resize(n_rows);
   for (const int kind : {kIq, kPower}) {
     const std::size_t floats = kind == kIq ? 2 : 1;
     rows_[kind].assign(kLanesOut, std::vector<float>(floats * (stride_ + 2 * pad_)));
@@ -75,8 +68,12 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
     power_rows[k] = rows[k]->power_row(azimuth);
     if (coherent) iq_rows[k] = rows[k]->iq_row(azimuth);
   }
-  sum_azimuths(power_rows, kPower, bins.n_azimuth);
-  if (coherent) sum_azimuths(iq_rows, kIq, bins.n_azimuth);
+  take_kernels(rows, first_row);
+  if (coherent) {
+    sum_azimuths({{kPower, &power_rows}, {kIq, &iq_rows}}, bins.n_azimuth);
+  } else {
+    sum_azimuths({{kPower, &power_rows}}, bins.n_azimuth);
+  }
   for (int o = 0; o < bins.n_azimuth; ++o) {
     const auto lane = static_cast<std::size_t>(o);
     if (drawn) draw_row(draw, bins.first_azimuth + o, lane);
@@ -96,7 +93,7 @@ void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& b
   Rows look_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
   for (std::size_t k = 0; k < rows.size(); ++k)
     look_rows[k] = rows[k]->look_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
-  sum_azimuths(look_rows, kIq, bins.n_azimuth);
+  sum_azimuths({{kIq, &look_rows}}, bins.n_azimuth);
   for (int o = 0; o < bins.n_azimuth; ++o) {
     const auto lane = static_cast<std::size_t>(o);
     sum_ranges(kIq, lane);
@@ -104,25 +101,50 @@ void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& b
   }
 }
 
+/// Which azimuth weights the rows have, tile by tile; those beyond the last output have no ground.
+void EchoSums::take_kernels(const std::vector<const SharpWedge*>& rows, int first_row) {
+  std::ranges::fill(row_kernels_, level_.data());
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    row_kernels_[k] = rows[k]->kernels_of(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
+}
+
 /// Of neighbouring output bins, into rows_. Tile by tile: what a tile reads of the rows stays in the nearest
 /// cache for the next outputs.
-void EchoSums::sum_azimuths(const Rows& rows, int kind, int n_azimuth) {
-  const int floats = kind == kIq ? 2 : 1;
-  for (std::size_t tile = 0; tile < plan_.tiles.size(); ++tile) {
-    const AzimuthWeights& weights = plan_.tiles[tile];
+void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, int n_azimuth) {
+  const AzimuthKernels& kernels = plan_.kernels;
+  const int step = plan_.azimuth_parts;
+  for (std::size_t tile = 0; tile < plan_.steepest.size(); ++tile) {
+    for (std::size_t row = 0; row < taps_at_.size(); ++row)
+      taps_at_[row] = kernel_of(row, tile) * kernels.length + kernels.pad + static_cast<std::int32_t>(row);
+    ask(static_cast<std::int64_t>(taps_at_.size()));
+    const auto unused = [&](int row) {
+      return kernels.unused[static_cast<std::size_t>(kernel_of(static_cast<std::size_t>(row), tile))];
+    };
     for (int output = 0; output < n_azimuth; output += kOutputs) {
-      AzimuthSum sum{rows.data() + weights.first + output * plan_.azimuth_parts,
-                     plan_.azimuth_parts,
-                     static_cast<int>(weights.voltage.size()),
-                     (kind == kIq ? voltage_ : power_)[tile].data(),
-                     static_cast<int>(tile) * floats * EchoPlan::kTile,
-                     floats * EchoPlan::kTile,
-                     {}};
-      for (int o = 0; o < kOutputs; ++o)
-        sum.out[o] = rows_[kind][static_cast<std::size_t>(output + o)].data() +
-                     static_cast<std::size_t>(floats) * pad_;
-      kernels_.azimuth_sum(sum);
-      ask(sum.n_taps * kOutputs * sum.n / kProducts);
+      // Without the rows on either side that have no weight for any of the outputs.
+      const int begin = output * step;
+      const int end = (output + kOutputs - 1) * step + plan_.n_taps;
+      int first = begin;
+      int last = end - 1;
+      while (first < last && first - begin < unused(first)) ++first;
+      while (first < last && end - 1 - last < unused(last)) --last;
+      for (const auto& [kind, rows] : kinds) {
+        const int floats = kind == kIq ? 2 : 1;
+        AzimuthSum sum{rows->data() + first,
+                       last - first + 1,
+                       step,
+                       (kind == kIq ? kernels.voltage : kernels.power).data(),
+                       taps_at_.data() + first,
+                       begin,
+                       floats * static_cast<int>(tile) * EchoPlan::kTile,
+                       floats * EchoPlan::kTile,
+                       {}};
+        for (int o = 0; o < kOutputs; ++o)
+          sum.out[o] = rows_[kind][static_cast<std::size_t>(output + o)].data() +
+                       static_cast<std::size_t>(floats) * pad_;
+        kernels_.azimuth_sum(sum);
+        ask(sum.n_rows * kOutputs * sum.n / kProducts);
+      }
     }
   }
 }

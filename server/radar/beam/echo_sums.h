@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <initializer_list>
 #include <vector>
 
 #include "server/radar/beam/sharp_wedge.h"
@@ -24,7 +26,16 @@ class EchoSums {
 
  private:
   using Rows = std::vector<const float*>;
-  void sum_azimuths(const Rows& rows, int kind, int n_azimuth);
+  /// Rows of one kind, I&Q or power.
+  struct Kind {
+    int kind;
+    const Rows* rows;
+  };
+  void take_kernels(const std::vector<const SharpWedge*>& rows, int first_row);
+  void sum_azimuths(std::initializer_list<Kind> kinds, int n_azimuth);
+  int kernel_of(std::size_t row, std::size_t tile) const {
+    return std::min(row_kernels_[row][tile], plan_.steepest[tile]);
+  }
   void draw_row(std::uint64_t draw, int azimuth, std::size_t lane);
   void sum_ranges(int kind, std::size_t lane);
   void sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& bins);
@@ -35,13 +46,15 @@ class EchoSums {
   const EchoPlan& plan_;
   const Kernels& kernels_;
   std::size_t stride_;
-  std::size_t pad_;                                  // bins before a row, zeros
-  std::vector<float> zeros_;                         // a row without ground
-  std::vector<std::vector<float>> voltage_, power_;  // [tiles] padded taps
-  std::vector<std::vector<float>> rows_[2];          // of iq and of power: [outputs][pad + stride + pad] bins
-  std::vector<float> ranges_[2];                     // a row, summed over ranges
-  std::vector<std::complex<float>> phase_;           // [n_range] with speckle "none"
-  std::vector<double> range2_m2_;                    // [n_range] of range normalisation; else empty
+  std::size_t pad_;                               // bins before a row, zeros
+  std::vector<float> zeros_;                      // a row without ground
+  std::vector<std::uint8_t> level_;               // [tiles] its kernels
+  std::vector<const std::uint8_t*> row_kernels_;  // of the rows in hand, [tiles] each
+  std::vector<std::int32_t> taps_at_;             // of their weights in one tile
+  std::vector<std::vector<float>> rows_[2];       // of iq and of power: [outputs][pad + stride + pad] bins
+  std::vector<float> ranges_[2];                  // a row, summed over ranges
+  std::vector<std::complex<float>> phase_;        // [n_range] with speckle "none"
+  std::vector<double> range2_m2_;                 // [n_range] of range normalisation; else empty
 };
 
 }  // namespace obliq

@@ -1,5 +1,6 @@
 #include "server/radar/beam/sharp_wedge.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/radar/simd/kernels.h"
@@ -7,7 +8,7 @@
 
 namespace obliq {
 
-std::size_t sharp_stride(const EchoPlan& plan) { return plan.tiles.size() * EchoPlan::kTile; }
+std::size_t sharp_stride(const EchoPlan& plan) { return plan.steepest.size() * EchoPlan::kTile; }
 
 SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins,
                        const SharpPlanes& planes, std::uint64_t look_key)
@@ -32,7 +33,29 @@ SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& 
       iq[2 * to + 1] = bins.iq[from].imag() * amplitude;
     }
   }
+  choose_kernels(bins);
   if (planes.look) draw_look(plan, look_key);
+}
+
+void SharpWedge::choose_kernels(const BinBlock& bins) {
+  fill(kernels, power.size() / EchoPlan::kTile, 0);
+  if (bins.sin_elevation.empty()) return;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(n_azimuth); ++a) {
+    ask(n_range);
+    const std::size_t own = a * static_cast<std::size_t>(n_range);
+    for (int first = 0; first < n_range; first += EchoPlan::kTile) {
+      double power_w = 0;
+      double sines_w = 0;
+      for (int r = first; r < std::min(first + EchoPlan::kTile, n_range); ++r) {
+        const std::size_t bin = own + static_cast<std::size_t>(r);
+        power_w += bins.power_w[bin];
+        sines_w += bins.power_w[bin] * static_cast<double>(bins.sin_elevation[bin]);
+      }
+      if (power_w > 0)
+        kernels[(a * stride + static_cast<std::size_t>(first)) / EchoPlan::kTile] =
+            static_cast<std::uint8_t>(cosine_steps::nearest(sines_w / power_w));
+    }
+  }
 }
 
 /// A draw belongs to a place in the output frame: how far beyond it the sharp one reaches does not matter.
@@ -51,7 +74,7 @@ void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
 
 std::size_t SharpWedge::bytes() const {
   return (iq.size() + look.size() + power.size()) * sizeof(float) + count.size() * sizeof(std::uint32_t) +
-         state.size();
+         state.size() + kernels.size();
 }
 
 }  // namespace obliq

@@ -28,6 +28,9 @@ struct SharpWedge {
   std::vector<float> iq;     ///< [n_azimuth][stride][2]; empty: not wanted
   std::vector<float> look;   ///< as iq: drawn bin by bin about the mean power
   std::vector<float> power;  ///< [n_azimuth][stride]
+  /// [n_azimuth][tiles] the azimuth weights (AzimuthKernels) of a row in a tile: those of the mean sine of
+  /// elevation of what it sees there, weighed by power; 0 without a beam, or where it sees nothing.
+  std::vector<std::uint8_t> kernels;
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
   FrameStats stats;
@@ -38,10 +41,14 @@ struct SharpWedge {
 
   const float* power_row(int azimuth) const { return power.data() + row(azimuth); }
   const float* iq_row(int azimuth) const { return iq.data() + 2 * row(azimuth); }
+  const std::uint8_t* kernels_of(int azimuth) const {
+    return kernels.data() + row(azimuth) / EchoPlan::kTile;
+  }
   const float* look_row(int azimuth) const { return look.data() + 2 * row(azimuth); }
   std::size_t bytes() const;
 
  private:
+  void choose_kernels(const BinBlock& bins);
   void draw_look(const EchoPlan& plan, std::uint64_t key);
   std::size_t row(int azimuth) const { return static_cast<std::size_t>(azimuth - first_azimuth) * stride; }
 };

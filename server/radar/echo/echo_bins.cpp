@@ -34,6 +34,7 @@ void EchoBins::restart(AzimuthRange range) {
   const std::size_t n =
       static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan_.bins().n_range);
   fill(power_w_, n, 0);
+  if (plan_.antenna_gain().has_widths()) fill(sines_w_, n, 0);
   fill(count_, n, 0);
   fill(voltage_, n, 0);
   if (plan_.settings().speckle == SpeckleKind::geometric) return;
@@ -62,12 +63,21 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       sigma = scattering_.cross_section_m2(
           samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
     // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
-    const double gain =
-        antenna.power_gain(samples.sin_elevation[k], samples.x_m[k] - at_m.x, samples.z_m[k] - at_m.z, r);
+    const double dx = samples.x_m[k] - at_m.x;
+    const double dz = samples.z_m[k] - at_m.z;
+    double sine = samples.sin_elevation[k];
+    if (antenna.has_widths()) {
+      // That of the surface's middle: of a beam's width, which is 1 / cos(e), it has the mean straight below
+      // as well.
+      const double height_m = r * sine;
+      sine = height_m / std::max(kNearest_m, std::sqrt(dx * dx + dz * dz + height_m * height_m));
+    }
+    const double gain = antenna.power_gain(sine, dx, dz, r);
     const double power = range_constant_ * gain * gain * sigma / placed_.spreading[k];
     const auto azimuth = static_cast<std::size_t>(samples.azimuth_bin[k] - range_.first);
     const std::size_t bin = azimuth * n_range + static_cast<std::size_t>(range_bin);
     power_w_[bin] += power;
+    if (!sines_w_.empty()) sines_w_[bin] += power * sine;
     ++count_[bin];
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
@@ -119,11 +129,14 @@ void EchoBins::add_speckle() {
 
 void EchoBins::write(BinBlock& block) {
   if (plan_.settings().speckle != SpeckleKind::geometric) add_speckle();
+  fill(block.sin_elevation, sines_w_.size(), 0);
   constexpr std::size_t kRun = 1024;
   for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
     if (bin % kRun == 0) ask(2 * kRun);
     block.iq[bin] = std::complex<float>(voltage_[bin]);
     block.power_w[bin] = power_w_[bin];
+    if (!sines_w_.empty() && power_w_[bin] > 0)
+      block.sin_elevation[bin] = static_cast<float>(sines_w_[bin] / power_w_[bin]);
     block.count[bin] = count_[bin];
     if (count_[bin] > 0) block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);
   }

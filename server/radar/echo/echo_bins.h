@@ -39,6 +39,7 @@ class EchoBins {
   Surfaces surfaces_;
   double range_constant_;  // K = P_t G^2 lambda^2 / (4 pi)^3 without the gain
   std::vector<double> power_w_;
+  std::vector<double> sines_w_;  // sines of elevation by power; empty: not wanted
   std::vector<std::uint32_t> count_;
   std::vector<std::complex<double>> voltage_;
   ScattererSums::Scratch scratch_;

@@ -26,6 +26,7 @@ EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, c
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
   table_.elevation = plan.antenna_gain().elevation();
+  table_.sines = plan.antenna_gain().has_widths();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   where_ = {};
   where_.antenna_x_m = antenna.x;
@@ -48,6 +49,7 @@ void EchoCells::restart(int first_azimuth) {
   const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   fill(cells_, n, {0, 0, 0, 0});
   fill(shadow_, n, 0);
+  if (table_.sines) fill(sines_w_, n, 0);
   if (voltages_) fill(last_, n, {0, 0, 0});
   echoes_ = 0;
   n_ = 0;
@@ -76,6 +78,7 @@ void EchoCells::add(GroundEchoes& echoes) {
     Cell& cell = cells_[at];
     cell.power_w += power_w;
     cell.count += 1;
+    if (table_.sines) sines_w_[at] += static_cast<double>(echoes.sine[k]) * table_.factor;
     if (!voltages_) continue;
     const Scatterer here{list_place_[k], list_kind_[k], power_w};
     Scatterer& last = last_[at];
@@ -123,6 +126,7 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
     faces_.power_w[k] *= gain * gain;
   }
   faces_.sec2[k] = echo.sec2_incidence;
+  face_sine_[k] = (echo.at_m.y - plan_.sector().antenna_m.y) / echo.range_m;
   if (voltages_) {
     const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, echo.material);
     const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
@@ -143,6 +147,7 @@ void EchoCells::take_faces() {
   for (int k = 0; k < faces_.n; ++k) {
     Cell& cell = cells_[faces_.at[k]];
     cell.power_w += faces_.power_w[k];
+    if (table_.sines) sines_w_[faces_.at[k]] += faces_.power_w[k] * face_sine_[k];
     cell.re += re_[k];
     cell.im += im_[k];
     cell.count += 1;
@@ -157,6 +162,7 @@ void EchoCells::write(BinBlock& block) {
     if (last_[at].power_w > 0) put(at, last_[at]);
   }
   if (voltages_) take_scatterers();
+  if (table_.sines) fill(block.sin_elevation, block.power_w.size(), 0);
   for (int a = 0; a < block.n_azimuth; ++a) {
     ask(2 * block.n_range);
     for (int r = 0; r < block.n_range; ++r) {
@@ -165,6 +171,8 @@ void EchoCells::write(BinBlock& block) {
           static_cast<std::size_t>(a) * static_cast<std::size_t>(block.n_range) + static_cast<std::size_t>(r);
       block.iq[bin] = voltages_ ? std::complex<float>(std::complex<double>(cell.re, cell.im)) : 0.0F;
       block.power_w[bin] = cell.power_w;
+      if (table_.sines && cell.power_w > 0)
+        block.sin_elevation[bin] = static_cast<float>(sines_w_[index(a, r)] / cell.power_w);
       block.count[bin] = static_cast<std::uint32_t>(cell.count);
       if (cell.count > 0) {
         block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);

@@ -83,6 +83,7 @@ class EchoCells {
   std::vector<std::uint64_t> level_bits_;  // [n_range]
   PlaceOfEchoes where_;
   std::vector<Cell> cells_;           // [n_range][8]
+  std::vector<double> sines_w_;       // [n_range][8] sines of elevation by power; empty: not wanted
   std::vector<Scatterer> last_;       // [n_range][8] of the last plane; without power: none
   std::vector<std::uint8_t> shadow_;  // [n_range][8]
   std::uint64_t echoes_ = 0;
@@ -98,6 +99,7 @@ class EchoCells {
   std::uint64_t list_place_[GroundEchoes::kMost + GroundEchoes::kSpare];
   std::uint64_t list_kind_[GroundEchoes::kMost + GroundEchoes::kSpare];
   FaceEchoes faces_{};
+  double face_sine_[FaceEchoes::kMost];
 };
 
 }  // namespace obliq

@@ -12,6 +12,7 @@ struct EchoTable {
   double factor;             ///< K = P_t G^2 lambda^2 / (4 pi)^3
   bool range_normalisation;  ///< powers times r^4
   bool any_lobes;            ///< a peak that is not 0
+  bool sines;                ///< the elevation of echoes is wanted
   double gamma[256];
   float gamma_f[256];
   double peak[256];

@@ -8,17 +8,15 @@ namespace obliq::OBLIQ_ISA {
 void azimuth_sum(const AzimuthSum& sum) {
   constexpr int kOutputs = AzimuthSum::kOutputs;
   constexpr int kAhead = 2 * kFloatLanes;  // rows are far apart: their next lines are asked for
-  const int n_rows = (kOutputs - 1) * sum.step + sum.n_taps;
-  // Of output 0, row 0: the others' taps lie `step` earlier.
-  const float* const taps = sum.padded_taps + (kOutputs - 1) * sum.step;
   for (int x = sum.first; x < sum.first + sum.n; x += kFloatLanes) {
     f32x16 total[kOutputs] = {};
-    for (int row = 0; row < n_rows; ++row) {
+    for (int row = 0; row < sum.n_rows; ++row) {
       const float* const from = sum.rows[row] + x;
       __builtin_prefetch(from + kAhead);
       const f32x16 here = load_floats(from);
+      const float* const taps = sum.taps + (sum.taps_at[row] - sum.skipped);
 #pragma GCC unroll 4
-      for (int o = 0; o < kOutputs; ++o) total[o] += taps[row - o * sum.step] * here;
+      for (int o = 0; o < kOutputs; ++o) total[o] += taps[-o * sum.step] * here;
     }
 #pragma GCC unroll 4
     for (int o = 0; o < kOutputs; ++o) store(sum.out[o] + x, total[o]);

@@ -1,17 +1,21 @@
 #pragma once
+#include <cstdint>
+
 #include "server/radar/simd/kernel.h"
 
 namespace obliq {
 
-/// A beam's azimuths added up over part of a row, for neighbouring outputs together:
-/// out[o][x] = sum of taps[j] rows[o step + j][x], j from 0 to n_taps - 1, in this order.
+/// A beam's azimuths added up over part of a row, for neighbouring outputs together, each row with weights of
+/// its own: out[o][x] = sum of taps[taps_at[k] - skipped - o step] rows[k][x], k from 0 to n_rows - 1, in
+/// this order.
 struct AzimuthSum {
   static constexpr int kOutputs = 4;
-  const float* const* rows;  ///< [(kOutputs - 1) step + n_taps]; each of at least first + n floats
+  const float* const* rows;  ///< [n_rows]; each of at least first + n floats
+  int n_rows;
   int step;
-  int n_taps;
-  /// [n_taps + 2 (kOutputs - 1) step], zeros on either side of the taps.
-  const float* padded_taps;
+  const float* taps;            ///< of all sets of weights
+  const std::int32_t* taps_at;  ///< [n_rows]
+  int skipped;
   int first;
   int n;  ///< a multiple of 16
   float* out[kOutputs];

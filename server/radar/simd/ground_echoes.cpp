@@ -9,9 +9,10 @@ namespace {
 
 /// The range bin that each profile is in.
 struct Running {
-  f32x16 bin, distance, light, material;
+  f32x16 bin, distance, light, material, sine;
 };
 
+template <bool kSines>
 OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
   int n = out.n;
 #if defined(__AVX512F__)
@@ -24,6 +25,7 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
   put_words(out.distance_m + n, __builtin_bit_cast(__m512i, now.distance));
   put_words(out.light + n, __builtin_bit_cast(__m512i, now.light));
   put_words(out.material + n, __builtin_bit_cast(__m512i, truncated(now.material)));
+  if constexpr (kSines) put_words(out.sine + n, __builtin_bit_cast(__m512i, now.sine));
   n += __builtin_popcount(ended);
 #else
   for (; ended != 0; ended &= ended - 1) {
@@ -32,6 +34,7 @@ OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
         static_cast<std::uint32_t>(now.bin[lane]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(lane);
     out.distance_m[n] = now.distance[lane];
     out.light[n] = now.light[lane];
+    if constexpr (kSines) out.sine[n] = now.sine[lane];
     out.material[n++] = static_cast<std::uint32_t>(now.material[lane]);
   }
 #endif
@@ -93,6 +96,7 @@ OBLIQ_INLINE f32x16 cross_section_of_area(const EchoTable& table, f32x16 materia
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
 /// those that are not done are in `wanted`, from parts.at on.
+template <bool kSines>
 OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Running& now, GroundEchoes& out) {
   const auto r_min = static_cast<float>(cut.axis.r_min_m);
   const auto spacing = static_cast<float>(cut.axis.range_spacing_m);
@@ -167,9 +171,15 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
         gain *= cross_section_of_area(
             cut.echo, parts.material,
             max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all_lanes(1.0F)));
-      if (cut.echo.elevation.gain != nullptr) {
-        const f32x16 height = 0.5F * (h0 + h1) + load_floats(cut.lean) * (0.5F * (d0 + d1));
-        const f32x16 towards = elevation_gain(cut.echo.elevation, height / sqrt(r01));
+      f32x16 sine{};
+      if (kSines || cut.echo.elevation.gain != nullptr) {
+        const f32x16 middle_d = 0.5F * (d0 + d1);
+        const f32x16 middle_h = 0.5F * (h0 + h1);
+        // Of a beam's width, which is 1 / cos(e), the middle of the strip has the mean straight below as
+        // well.
+        const f32x16 range2 = kSines ? middle_d * middle_d + middle_h * middle_h : r01;
+        sine = (middle_h + load_floats(cut.lean) * middle_d) / sqrt(range2);
+        const f32x16 towards = elevation_gain(cut.echo.elevation, sine);
         gain *= towards * towards;
       }
       f32x16 light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
@@ -183,7 +193,10 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
       const mask16 has = in_swath & (light > 0.0F);
       const mask16 same = has & (bin == now.bin);
       const mask16 fresh = has & ~same;
-      if (const unsigned ended = movemask(fresh & (now.bin >= 0.0F)); ended != 0) put(ended, now, out);
+      if (const unsigned ended = movemask(fresh & (now.bin >= 0.0F)); ended != 0)
+        put<kSines>(ended, now, out);
+      if constexpr (kSines)
+        now.sine = select(same, now.sine + light * sine, select(fresh, light * sine, now.sine));
       now.light = select(same, now.light + light, select(fresh, light, now.light));
       now.bin = select(fresh, bin, now.bin);
       now.distance = select(fresh, d0 + 0.5F * spacing, now.distance);
@@ -206,11 +219,10 @@ OBLIQ_INLINE void keep(const SegmentRows& rows, unsigned left, f64x8 at) {
   rows.segments->seen[rows.first] = left;
 }
 
-}  // namespace
-
-bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
+template <bool kSines>
+OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
   Running now{load_floats(out.bin_now), load_floats(out.distance_now_m), load_floats(out.light_now),
-              load_floats(out.material_now)};
+              load_floats(out.material_now), load_floats(out.sine_now)};
   bool room = true;
   for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
     const Row left(a);
@@ -236,17 +248,17 @@ bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundE
       const f32x16 whole = parts.end;
       const f32x16 turn = clamp(-along / rate2, f32x16{}, whole);
       parts.end = select(turns, turn, whole);
-      room = add(cut, parts, wanted, now, out);
+      room = add<kSines>(cut, parts, wanted, now, out);
       left_over = wanted | turns;
       parts.end = whole;
       if (room) {
         parts.at = turn;
         wanted = turns;
-        room = add(cut, parts, wanted, now, out);
+        room = add<kSines>(cut, parts, wanted, now, out);
         left_over = wanted;
       }
     } else {
-      room = add(cut, parts, wanted, now, out);
+      room = add<kSines>(cut, parts, wanted, now, out);
       left_over = wanted;
     }
     if (!room) {
@@ -260,7 +272,14 @@ bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundE
   store(out.distance_now_m, now.distance);
   store(out.light_now, now.light);
   store(out.material_now, now.material);
+  if constexpr (kSines) store(out.sine_now, now.sine);
   return room;
+}
+
+}  // namespace
+
+bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
+  return cut.echo.sines ? add_rows<true>(cut, a, b, out) : add_rows<false>(cut, a, b, out);
 }
 
 }  // namespace obliq::OBLIQ_ISA

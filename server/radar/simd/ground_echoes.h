@@ -35,11 +35,13 @@ struct GroundEchoes {
   float distance_now_m[kRuns];
   float light_now[kRuns];
   float material_now[kRuns];
+  float sine_now[kRuns];
   int n;
   std::uint32_t at[kMost + kSpare];  ///< range bin x 16 + run
   float distance_m[kMost + kSpare];  ///< ground distance of its middle, as if all of the bin were seen
   float light[kMost + kSpare];       ///< power over EchoTable::factor, W
   std::uint32_t material[kMost + kSpare];
+  float sine[kMost + kSpare];  ///< sine of elevation times light, where the table wants sines
 };
 
 /// Rows [first, end) of segments.

@@ -144,7 +144,7 @@ void SweepEchoes::start_planes() {
   }
   for (std::size_t k = 0; k < GroundEchoes::kRuns; ++k) {
     echoes_.bin_now[k] = -1;
-    echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = 0;
+    echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = echoes_.sine_now[k] = 0;
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
@@ -202,6 +202,7 @@ void SweepEchoes::end_run(std::size_t run) {
                   static_cast<std::uint32_t>(run);
   echoes_.distance_m[n] = echoes_.distance_now_m[run];
   echoes_.light[n] = echoes_.light_now[run];
+  echoes_.sine[n] = echoes_.sine_now[run];
   echoes_.material[n] = static_cast<std::uint32_t>(echoes_.material_now[run]);
 }
 
