@@ -180,7 +180,7 @@ TEST_F(PlanSize, OfARadarWithoutABeamIsNothing) {
 TEST(LayoutFaults, AreThoseOfThePlanWhereverTheAntennaIs) {
   Draw draw(29);
   int open = 0, undecided = 0;
-  for (int k = 0; k < 400; ++k) {
+  for (int k = 0; k < 150; ++k) {
     const RadarSettings s = draw.legal();
     const auto known = layout_faults(s);
     for (const double height_m : {0.0, 1000.0, 100e3}) {

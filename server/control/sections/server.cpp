@@ -62,10 +62,10 @@ constexpr std::array kRows{
     Limit::row<&ServerLimits::max_work_queued>(
         "server.max_work_queued", closed(1, 1e15),
         "Most pixels and bins in the unfinished RenderOnce requests of all clients together."),
-    Limit::row<&ServerLimits::max_plan_taps>(
-        "server.max_plan_taps", closed(1, 1e12),
-        "Most weights in the plan of a frame behind a beam: sharp azimuths that the beam reaches, times "
-        "tiles of 16 sharp ranges."),
+    Limit::row<&ServerLimits::max_plan_taps>("server.max_plan_taps", closed(1, 1e12),
+                                             "Most weights that an azimuth of a frame behind a beam takes, "
+                                             "however high the antenna: sharp azimuths "
+                                             "that the beam reaches, times tiles of 16 sharp ranges."),
     Limit::row<&ServerLimits::max_memory_mb>(
         "server.max_memory_mb", "MB", from(0),
         "A request is refused if the memory in use, the scene's included, plus the request's estimated need "
