@@ -48,7 +48,9 @@ def parameters_text(rows, messages):
             out.append(f"    # {row['text']} Allowed: {row['allowed']}")
             out.append(f"    {field}: {PYTHON_TYPES[row['type']]} | None = None")
             if row["type"] == "choice":
-                found[field] = choices(row["limits"]["one_of"], enumerators(messages, message, field))
+                # Recordings have the retired ones; a server refuses them.
+                names = row["limits"]["one_of"] + row["limits"].get("retired", [])
+                found[field] = choices(names, enumerators(messages, message, field))
         out += ["", "", f"{python_name}.choices = {json.dumps(found, indent=4)}"]
         keys = {row["key"]: field for field, row in by_message[message]}
         out += [f"{python_name}.keys = {json.dumps(keys, indent=4)}", ""]

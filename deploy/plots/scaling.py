@@ -13,7 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-COLOURS = {"oblique": "tab:orange", "polar": "tab:green", "sweep": "tab:blue"}
+COLOURS = {"oblique": "tab:orange", "sweep": "tab:blue"}
 
 
 def law(at, seconds):

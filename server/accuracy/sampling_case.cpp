@@ -46,10 +46,6 @@ std::vector<SamplingCase> all_samplings(const RadarSettings& settings, const Fro
   }
   for (const PlateKind plates : kPlates)
     for (const int n : pixels) list.add(FrustumKind::oblique, plates, n, n);
-  for (const PlateKind plates : kPlates)
-    for (const double columns : range.per_azimuth)
-      for (const double rows : range.per_range)
-        list.add(FrustumKind::polar, plates, columns * settings.azimuth_bins, rows * settings.range_bins);
   for (const int sub_columns : range.sub_columns)
     for (const double planes : range.sweeps)
       list.add(FrustumKind::sweep, PlateKind::spread, planes * settings.azimuth_bins, 0, sub_columns);
@@ -61,10 +57,6 @@ std::vector<SamplingCase> few_samplings(const RadarSettings& settings, const Fro
                                         double cell_m) {
   CaseList list(cell_m);
   list.add(FrustumKind::oblique, PlateKind::spread, kPaperPixels, kPaperPixels);
-  if (!range.per_azimuth.empty() && !range.per_range.empty())
-    list.add(FrustumKind::polar, PlateKind::spread,
-             range.per_azimuth[range.per_azimuth.size() / 2] * settings.azimuth_bins,
-             range.per_range.front() * settings.range_bins);
   for (std::size_t k = 0; k < std::min<std::size_t>(3, range.sweeps.size()); ++k)
     list.add(FrustumKind::sweep, PlateKind::spread, range.sweeps[k] * settings.azimuth_bins, 0,
              range.sub_columns.front());
@@ -85,8 +77,17 @@ RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling
   settings.plates = sampling.plates;
   settings.pixel_columns = sampling.columns;
   settings.sub_columns = sampling.sub_columns;
+  if (sampling.kind == FrustumKind::sweep && settings.speckle == SpeckleKind::geometric)
+    settings.speckle = SpeckleKind::ground;
   if (sampling.kind != FrustumKind::sweep) settings.pixel_rows = sampling.rows;
   return settings;
+}
+
+RadarSettings settings_for_truth(const RadarSettings& settings, const std::vector<Material>& materials) {
+  if (!flat_plates(materials).empty()) return settings;
+  SamplingCase sweep;
+  sweep.kind = FrustumKind::sweep;
+  return with_sampling(settings, sweep);
 }
 
 std::string sampling_text(const SamplingCase& c) {
@@ -112,16 +113,13 @@ std::vector<SamplingCase> frontier_cases(const RadarSettings& settings, const Fr
 
 std::vector<SamplingCase> sampling_ladder(const RadarSettings& s, double cell_m) {
   std::vector<SamplingCase> ladder;
-  const bool sweep = s.frustum == FrustumKind::sweep;
-  if (!sweep && s.frustum != FrustumKind::polar) {
+  if (s.frustum != FrustumKind::sweep) {
     for (const int side : kSides) ladder.push_back({s.frustum, s.plates, side, side, cell_m, s.sub_columns});
     return ladder;
   }
   for (const int per_bin : kPerBin) {
-    const int columns = per_bin * s.azimuth_bins;
-    const int rows = sweep ? 0 : per_bin * s.range_bins;
-    if (columns <= kMostSide && rows <= kMostSide)
-      ladder.push_back({s.frustum, s.plates, columns, rows, cell_m, s.sub_columns});
+    const int planes = per_bin * s.azimuth_bins;
+    if (planes <= kMostSide) ladder.push_back({s.frustum, s.plates, planes, 0, cell_m, s.sub_columns});
   }
   return ladder;
 }

@@ -29,7 +29,12 @@ struct SamplingCase {
 SamplingCase paper_sampling(double cell_m);
 inline bool is_paper_sampling(const SamplingCase& c) { return c == paper_sampling(c.cell_m); }
 
+/// The paper's speckle, which the sweep has not, becomes the ground's there: powers are the same.
 RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling);
+
+/// Settings for the truth's plan: a sweep's, which looks from any pose as the truth does. Flat plates have no
+/// truth, and it says so itself: their scenes keep their own.
+RadarSettings settings_for_truth(const RadarSettings& settings, const std::vector<Material>& materials);
 
 /// "oblique 2048 x 2048 nearest", "sweep 2048, 64 sub-columns", "sweep 2048, exact".
 std::string sampling_text(const SamplingCase& sampling);
@@ -37,8 +42,6 @@ std::string sampling_text(const SamplingCase& sampling);
 /// What a frontier goes over.
 struct FrontierRange {
   std::vector<int> pixels{1024, 2048, 4096};  ///< on each side of the symmetric and the oblique frustum
-  std::vector<double> per_azimuth{1, 2, 4};   ///< polar columns per azimuth bin
-  std::vector<double> per_range{0.5, 1, 2};   ///< polar rows per range bin
   std::vector<double> sweeps{1, 2, 4, 8};     ///< the sweep's azimuths per azimuth bin
   /// With each of the sweeps' azimuths, exact strands for 0. The first stands for all where nothing is built.
   std::vector<int> sub_columns{64, 16, 0};
@@ -67,7 +70,7 @@ struct TriedSampling {
 };
 
 /// Samplings of the settings' own kind and plates, each about four (the sweep: two) times the work of the one
-/// before, up to the limit of 16384 pixels. Polar and sweep follow the bins.
+/// before, up to the limit of 16384 pixels. The sweep's follow the bins.
 std::vector<SamplingCase> sampling_ladder(const RadarSettings& settings, double cell_m);
 
 /// Climbs the ladder until the errors meet the limit. `measure` throws InputError where a sampling cannot see

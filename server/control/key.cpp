@@ -80,7 +80,8 @@ std::string limits_text(const Limits& limits, std::string_view unit) {
 
 std::string choices_text(std::span<const Choice> choices) {
   std::string text;
-  for (const Choice& choice : choices) text += (text.empty() ? "" : " | ") + toml_string(choice.name);
+  for (const Choice& choice : choices)
+    if (!choice.retired) text += (text.empty() ? "" : " | ") + toml_string(choice.name);
   return text;
 }
 

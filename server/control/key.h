@@ -65,6 +65,7 @@ std::string_view change_name(Change change);
 struct Choice {
   std::string_view name;
   std::string_view wire_name = {};  ///< of the protobuf enumerator, where there is one
+  bool retired = false;             ///< recordings have it; not allowed any more
 };
 
 struct Key {

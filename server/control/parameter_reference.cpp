@@ -105,7 +105,8 @@ Json limits_json(const Key& key) {
   if (std::isfinite(key.limits.high)) limits[key.limits.high_open ? "below" : "at_most"] = key.limits.high;
   if (!key.choices.empty()) {
     limits["one_of"] = Json::array();
-    for (const Choice& choice : key.choices) limits["one_of"].push_back(choice.name);
+    for (const Choice& choice : key.choices)
+      limits[choice.retired ? "retired" : "one_of"].push_back(choice.name);
   }
   return limits;
 }

@@ -49,7 +49,7 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
   }
   if (s.frustum == FrustumKind::symmetric && s.sector_deg >= 180) {
     errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with frustum.kind = \"symmetric\"",
-                      "below 180 deg, or frustum.kind = \"oblique\", \"polar\" or \"sweep\""});
+                      "below 180 deg, or frustum.kind = \"oblique\" or \"sweep\""});
   }
 }
 
@@ -104,6 +104,7 @@ std::vector<FieldError> validate(const RadarSettings& settings) {
   std::vector<FieldError> errors;
   check_limits({"", settings, {}}, WireMessage::radar_settings, errors);
   check_together(settings, errors);
+  for (FieldError& error : sampling_faults(settings)) errors.push_back(std::move(error));
   check_scan(settings, errors);
   check_beam(settings, errors);
   check_receiver(settings, errors);

@@ -45,6 +45,7 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   read_list(scene, kBuildings);
   read_list(scene, kPrisms);
   read_list(scene, kSurfaces);
+  mark_used_materials(config);
   const std::vector<MissingPosition> missing = read_radars(scene);
   top.finish();
   complaints.throw_if_any();
@@ -188,7 +189,7 @@ constexpr double kAutoShare = 4;
 constexpr double kFinestFootprint_m = 1.0;
 
 /// How densely a radar samples the ground along range: the finer of its range bins and its pixel rows, both
-/// taken as evenly spread over the swath, as the oblique and polar frusta do at the terrain's top. The sweep
+/// taken as evenly spread over the swath, as the oblique frustum does at the terrain's top. The sweep
 /// has no rows; it sees whatever ground there is, and two cells a bin are as fine as rays are by default.
 double sampling_footprint_m(const RadarSettings& s) {
   if (s.frustum == FrustumKind::sweep) return (s.r_max_m - s.r_min_m) / s.range_bins / 2;

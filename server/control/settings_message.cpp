@@ -132,9 +132,7 @@ void write_message(const PoseSettings& pose, wire::Pose& message) {
 }
 
 SettingsStore::SettingsStore(const RadarSettings& initial)
-    : current_(std::make_shared<const SettingsSnapshot>(SettingsSnapshot{initial, 1})) {
-  if (const auto errors = validate(initial); !errors.empty()) throw InputError(errors.front().text());
-}
+    : current_(std::make_shared<const SettingsSnapshot>(SettingsSnapshot{initial, 1})) {}
 
 SettingsPtr SettingsStore::current() const {
   const std::lock_guard lock(mutex_);

@@ -29,7 +29,7 @@ void write_message(const PoseSettings& pose, wire::Pose& message);
 /// the next version, and a renderer keeps the one it began with. Safe from any thread.
 class SettingsStore {
  public:
-  /// Publishes version 1. Throws InputError if these settings are not valid.
+  /// Publishes version 1 as it is: a scene file's settings are valid, a recording's need not be.
   explicit SettingsStore(const RadarSettings& initial);
 
   SettingsPtr current() const;

@@ -180,7 +180,7 @@ std::string threshold(const Comparison& c, const Explanation& all) {
     case Ingredient::material:
       return material_threshold(c, all.facts);
     case Ingredient::speckle:
-      return speckle_threshold(all);
+      return c.reason.empty() ? speckle_threshold(all) : "";
   }
   return {};
 }
@@ -276,7 +276,7 @@ void decide(Comparison& c, const Explanation& all) {
   // Another material changes no ray: nothing of it is noise.
   const PowerChange none;
   const PowerChange& noise = c.ingredient == Ingredient::material ? none
-                             : c.ingredient == Ingredient::walls  ? all.wall_noise
+                             : c.ingredient == Ingredient::walls  ? all.wall_noise.value_or(none)
                                                                   : all.measurement_noise;
   const Measure measures[] = {
       {c.power.median_db, kNoticeableMedian_db, noise.median_db},

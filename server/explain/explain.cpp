@@ -8,6 +8,7 @@
 
 #include "server/explain/explanation.h"
 #include "server/explain/radar_powers.h"
+#include "server/explain/scene_facts.h"
 #include "server/explain/table.h"
 #include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
@@ -24,7 +25,6 @@ namespace obliq {
 namespace {
 
 constexpr int kTimings = 3;  ///< of a frame; the quickest counts
-constexpr double kStandardEarth = 4.0 / 3;
 /// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
 constexpr double kMostFineNodes = 0x1p25;
 
@@ -40,7 +40,11 @@ struct LoadedScene {
 
 class Experiment {
  public:
-  Experiment(const ExplainInput& input, const Progress& progress) : input_(input), progress_(progress) {}
+  Experiment(const ExplainInput& input, const Progress& progress)
+      : input_(input),
+        progress_(progress),
+        source_(comparison_source(input.settings, input.materials)),
+        wall_source_(ray_source(input.settings, PlateKind::nearest)) {}
 
   Explanation run() {
     if (!(input_.settings.power_w > 0))
@@ -110,7 +114,7 @@ class Experiment {
     if (!loaded.own->extent().any)
       throw InputError("radar \"" + input_.radar + "\": no known ground in its sector");
     if (columns_factor_ == 0) columns_factor_ = columns_factor(input_.settings, loaded.world->grid.cell_m);
-    loaded.fine = plan(loaded, comparison(kComparisonSource, kComparisonDensity));
+    loaded.fine = plan(loaded, comparison(source_, kComparisonDensity));
   }
 
   /// What is compared are sharp echoes: beam and receiver have rows of their own.
@@ -179,11 +183,8 @@ class Experiment {
     loaded.costs.load_s = 0;  // what is made of this world from now on is not loaded again
 
     begin("sampling noise");
-    result_.measurement_noise = noise_of(loaded, kComparisonSource, power_w_);
-    if (!loaded.world->buildings.list.empty()) {
-      wall_power_w_ = power_by(loaded, kWallSource, kComparisonDensity);
-      result_.wall_noise = noise_of(loaded, kWallSource, wall_power_w_);
-    }
+    result_.measurement_noise = noise_of(loaded, source_, power_w_);
+    if (!loaded.world->buildings.list.empty()) measure_walls(loaded);
     RadarSettings own = input_.settings;
     own.range_normalisation = false;
     own.power_w = 1;
@@ -194,25 +195,19 @@ class Experiment {
     result_.frustum_noise = power_change(power_w_, power(*plan(loaded, own)), ranges_);
   }
 
+  /// Rays may not see from where the sweep does.
+  void measure_walls(const LoadedScene& loaded) {
+    try {
+      wall_power_w_ = power_by(loaded, wall_source_, kComparisonDensity);
+      result_.wall_noise = noise_of(loaded, wall_source_, wall_power_w_);
+    } catch (const InputError& error) {
+      wall_fault_ = error.what();
+    }
+  }
+
   void note_facts(const LoadedScene& loaded) {
     SceneFacts& f = result_.facts;
-    const World& world = *loaded.world;
-    f.scene = input_.scene;
-    f.radar = input_.radar;
-    f.settings = input_.settings;
-    f.materials = input_.materials;
-    f.radius_factor = world.frame.radius_factor();
-    f.earth_factor = std::isfinite(f.radius_factor) ? f.radius_factor : kStandardEarth;
-    f.height_m =
-        world.frame.geodetic_from_world(loaded.pose.antenna).height_m - loaded.own->extent().median_height_m;
-    f.range_spacing_m = loaded.own->bins().range_spacing_m;
-    f.cell_m = world.grid.cell_m;
-    f.nodes = world.grid.y_m.size();
-    f.source_error = world.report.source_error;
-    f.buildings = world.buildings.list.size();
-    f.sizes = median_sizes(world.buildings);
-    if (f.buildings > 0) f.building_material = world.buildings.list.front().material;
-    f.flat_plates = flat_plates_used(world, f.materials);
+    f = facts_of(input_, *loaded.own);
     f.threads = threads_of(input_.threads);
     f.measured_azimuth_bins = azimuth_bins_in(wedges_);
     f.ground_points = probes_->size();
@@ -230,24 +225,33 @@ class Experiment {
 
   void compare_speckle(LoadedScene& loaded) {
     begin("speckle");
-    const auto frame = [&](SpeckleKind kind) {
-      RadarSettings settings = input_.settings;
-      settings.speckle = kind;
-      return render_sample(*plan(loaded, settings), wedges_, input_.threads, kTimings, true);
-    };
-    const WedgePlanes ground = frame(SpeckleKind::ground);
-    const WedgePlanes geometric = frame(SpeckleKind::geometric);
-    result_.ground_speckle = measure_speckle(ground);
-    result_.geometric_speckle = measure_speckle(geometric);
     const bool is_ground = resolved_speckle(input_.settings) != SpeckleKind::geometric;
-    Comparison c = named(Ingredient::speckle, "speckle", is_ground ? "geometric" : "ground");
-    RangeBins ranges = ranges_;
-    ranges.range_normalisation = input_.settings.range_normalisation;
-    c.power = power_change(ground.power_w, geometric.power_w, ranges);
-    c.costs = result_.costs;
-    c.costs.build_s = 0;  // nothing is built again
-    c.costs.frame_s = is_ground ? geometric.frame_s : ground.frame_s;
-    c.costs.load_s = 0;
+    const bool sweeps = input_.settings.frustum == FrustumKind::sweep;
+    Comparison c = named(Ingredient::speckle, "speckle",
+                         sweeps      ? "geometric, with oblique rays"
+                         : is_ground ? "geometric"
+                                     : "ground");
+    try {
+      const auto frame = [&](SpeckleKind kind) {
+        RadarSettings settings = input_.settings;
+        settings.frustum = wall_source_.frustum;
+        settings.speckle = kind;
+        return render_sample(*plan(loaded, settings), wedges_, input_.threads, kTimings, true);
+      };
+      const WedgePlanes ground = frame(SpeckleKind::ground);
+      const WedgePlanes geometric = frame(SpeckleKind::geometric);
+      result_.ground_speckle = measure_speckle(ground);
+      result_.geometric_speckle = measure_speckle(geometric);
+      RangeBins ranges = ranges_;
+      ranges.range_normalisation = input_.settings.range_normalisation;
+      c.power = power_change(ground.power_w, geometric.power_w, ranges);
+      c.costs = result_.costs;
+      c.costs.build_s = 0;  // nothing is built again
+      c.costs.frame_s = is_ground ? geometric.frame_s : ground.frame_s;
+      c.costs.load_s = 0;
+    } catch (const InputError& error) {
+      c.reason = error.what();
+    }
     keep(std::move(c));
   }
 
@@ -271,8 +275,12 @@ class Experiment {
     const auto compare = [&](Ingredient ingredient, const std::string& name, const std::string& change) {
       Comparison c = named(ingredient, name, change);
       begin(name + ", " + change);
-      build(loaded, input_.materials);
-      finish(c, loaded, ingredient == Ingredient::walls ? wall_power_w_ : power_w_);
+      const bool walls = ingredient == Ingredient::walls;
+      if (walls) c.reason = wall_fault_;
+      if (c.reason.empty()) {
+        build(loaded, input_.materials);
+        finish(c, loaded, walls ? wall_power_w_ : power_w_);
+      }
       keep(std::move(c));
     };
     // No one else holds this world between two scenes: it may be changed.
@@ -288,7 +296,7 @@ class Experiment {
   void finish(Comparison& c, LoadedScene& loaded, const std::vector<double>& against_w) {
     const bool walls = c.ingredient == Ingredient::walls;
     c.power = power_change(
-        against_w, walls ? power_by(loaded, kWallSource, kComparisonDensity) : power(*loaded.fine), ranges_);
+        against_w, walls ? power_by(loaded, wall_source_, kComparisonDensity) : power(*loaded.fine), ranges_);
     own_frame(loaded);
     c.costs = loaded.costs;
   }
@@ -368,6 +376,9 @@ class Experiment {
 
   const ExplainInput& input_;
   const Progress& progress_;
+  SampleKind source_;       ///< of the comparisons
+  SampleKind wall_source_;  ///< of that without walls: they exist as triangles alone, which rays see
+  std::string wall_fault_;  ///< why those rays cannot look from here; empty: they can
   Explanation result_;
   std::vector<AzimuthRange> wedges_;
   RangeBins ranges_;

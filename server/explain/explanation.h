@@ -76,7 +76,7 @@ struct SceneFacts {
   std::uint64_t buildings = 0;
   BuildingSizes sizes;
   std::uint8_t building_material = 1;
-  std::vector<std::string> flat_plates;  ///< names of the materials in use that are flat plates
+  std::vector<std::string> flat_plates;  ///< names of the materials in use that are
   int threads = 0;
   int measured_azimuth_bins = 0;
   std::size_t ground_points = 0;
@@ -86,9 +86,9 @@ struct SceneFacts {
 struct Explanation {
   SceneFacts facts;
   Costs costs;
-  PowerChange measurement_noise;  ///< the comparison source against itself at another density
-  PowerChange wall_noise;         ///< the same of the source that walls are compared with
-  PowerChange frustum_noise;      ///< the scene's own frustum against the comparison source
+  PowerChange measurement_noise;          ///< the comparison source against itself at another density
+  std::optional<PowerChange> wall_noise;  ///< the same of the rays that walls are compared with
+  PowerChange frustum_noise;              ///< the scene's own frustum against the comparison source
   std::string unsampled;  ///< where too many lit bins hold no sample: how many, and what would mend it
   SpeckleMeasure ground_speckle;
   SpeckleMeasure geometric_speckle;

@@ -130,6 +130,15 @@ WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>
   return planes;
 }
 
+SampleKind comparison_source(const RadarSettings& settings, const std::vector<Material>& materials) {
+  if (flat_plates(materials).empty()) return {FrustumKind::sweep, PlateKind::spread};
+  return {settings.frustum, settings.plates};
+}
+
+SampleKind ray_source(const RadarSettings& settings, PlateKind plates) {
+  return {settings.frustum == FrustumKind::sweep ? FrustumKind::oblique : settings.frustum, plates};
+}
+
 RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Density density) {
   settings.frustum = source.frustum;
   settings.plates = source.plates;

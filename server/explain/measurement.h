@@ -16,12 +16,11 @@ struct SampleKind {
   bool operator==(const SampleKind&) const = default;
 };
 
-/// What the comparisons are rendered with, whatever frustum the scene has: the source with the least sampling
-/// noise of its own.
-constexpr SampleKind kComparisonSource{FrustumKind::sweep, PlateKind::spread};
-/// Buildings without walls exist as triangles only: sweep and plates know footprints, rays alone see through
-/// them.
-constexpr SampleKind kWallSource{FrustumKind::polar, PlateKind::nearest};
+/// What the comparisons are rendered with: the sweep, the source with the least sampling noise of its own,
+/// or, where flat plates ask for them, the radar's own rays.
+SampleKind comparison_source(const RadarSettings& settings, const std::vector<Material>& materials);
+/// The radar's own rays, or those of the oblique frustum for a sweep: what only rays can do.
+SampleKind ray_source(const RadarSettings& settings, PlateKind plates);
 
 /// How densely a source samples the bins.
 struct Density {

@@ -49,11 +49,11 @@ std::vector<std::string> scene_lines(const Explanation& all) {
       fmt::format("The antenna is {:.0f} m above its median ground; {}; cells of {} m; {} buildings.",
                   f.height_m, earth, short_number(f.cell_m, 4), f.buildings));
   for (std::string& line : beam_lines(f)) lines.push_back(std::move(line));
-  std::string density =
-      kComparisonSource.frustum == FrustumKind::sweep
-          ? fmt::format("the sweep, {} planes an azimuth bin", f.columns)
-          : fmt::format("rays of the polar frustum, {} x {:.0f} a bin", f.columns, kComparisonDensity.rows);
-  if (f.buildings > 0)
+  std::string density = f.flat_plates.empty()
+                            ? fmt::format("the sweep, {} planes an azimuth bin", f.columns)
+                            : fmt::format("rays of the {} frustum, {} x {:.0f} a bin",
+                                          frustum_name(s.frustum), f.columns, kComparisonDensity.rows);
+  if (all.wall_noise)
     density += fmt::format(" (walls with rays, {} x {:.0f} a bin)", f.columns, kComparisonDensity.rows);
   lines.push_back(
       fmt::format("Measured in {} of {} azimuth bins, even wedges, with {}; shifts at {} ground points.",
@@ -109,8 +109,8 @@ struct NamedText {
 std::vector<NamedText> noises(const Explanation& all) {
   std::vector<NamedText> list{{"sampling noise of this frustum", noise_text(all.frustum_noise)},
                               {"sampling noise of this measurement", noise_text(all.measurement_noise)}};
-  if (all.facts.buildings > 0)
-    list.push_back({"sampling noise where walls are compared", noise_text(all.wall_noise)});
+  if (all.wall_noise)
+    list.push_back({"sampling noise where walls are compared", noise_text(*all.wall_noise)});
   return list;
 }
 
@@ -250,7 +250,7 @@ std::string csv_report(const Explanation& all) {
   };
   noise("sampling noise of this frustum", all.frustum_noise);
   noise("sampling noise of this measurement", all.measurement_noise);
-  noise("sampling noise where walls are compared", all.wall_noise);
+  noise("sampling noise where walls are compared", all.wall_noise.value_or(PowerChange{}));
   for (const Comparison& c : all.comparisons) {
     std::vector<std::string> fields{c.name, c.change, verdict_word(c)};
     if (c.reason.empty()) {

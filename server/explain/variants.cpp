@@ -44,18 +44,6 @@ std::vector<std::uint8_t> materials_used(const World& world) {
   return ids;
 }
 
-std::vector<std::string> flat_plates_used(const World& world, const std::vector<Material>& materials) {
-  std::vector<std::uint8_t> ids = materials_used(world);
-  if (world.surface_material.empty() ||
-      std::ranges::find(world.surface_material, 0) != world.surface_material.end())
-    ids.insert(ids.begin(), 0);
-  std::vector<std::string> names;
-  for (const std::uint8_t id : ids)
-    if (id < materials.size() && materials[id].model == ScatteringModel::flat_plate)
-      names.push_back(materials[id].name);
-  return names;
-}
-
 BuildingSizes median_sizes(const Buildings& buildings) {
   std::vector<double> heights_m, sides_m;
   for (const Building& building : buildings.list) {

@@ -1,20 +1,15 @@
 #pragma once
 // Changed copies of what a scene is made of.
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "server/explain/measurement.h"
-#include "server/scene/materials.h"
 #include "terrain/world.h"
 
 namespace obliq {
 
 /// Material ids that ground or buildings of a world have, 0 (the terrain's) left out, rising.
 std::vector<std::uint8_t> materials_used(const World& world);
-
-/// Names of the flat plates among the materials that a world has, the terrain's included.
-std::vector<std::string> flat_plates_used(const World& world, const std::vector<Material>& materials);
 
 /// Middle sizes of a world's buildings, metres: roofs above the ground, roots of the outlines' areas. 0
 /// without any.

@@ -34,8 +34,6 @@ Colour colour_of(FrustumKind kind) {
       return {0.55, 0.55, 0.55};
     case FrustumKind::oblique:
       return {0.835, 0.369, 0};
-    case FrustumKind::polar:
-      return {0, 0.447, 0.698};
     default:
       return {0, 0.620, 0.451};
   }
@@ -163,8 +161,7 @@ class Plot {
     const double y = 118;
     double x = 32;
     face(true);
-    for (const FrustumKind kind :
-         {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
+    for (const FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep}) {
       if (std::ranges::none_of(rows_, [&](const auto& r) { return r.sampling.kind == kind; })) continue;
       circle(x + 6, y - 5, 5.5);
       ink(colour_of(kind));
@@ -285,8 +282,7 @@ class Plot {
   /// Joins, for each kind and way with plates, the samplings over the scene's ground that none of the same is
   /// both quicker and better than.
   void lines(const Axes& axes, const Measure& measure) {
-    for (const FrustumKind kind :
-         {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep})
+    for (const FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep})
       for (const PlateKind plates : {PlateKind::nearest, PlateKind::spread}) {
         std::vector<const FrontierRow*> series;
         for (const FrontierRow& row : rows_)

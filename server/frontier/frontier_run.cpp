@@ -168,9 +168,7 @@ class FrontierRun {
   }
 
   std::shared_ptr<const FramePlan> plan_for_truth() const {
-    RadarSettings settings = radar_.settings;
-    settings.frustum = FrustumKind::polar;  // any: the truth looks from any pose, as the polar frustum does
-    const View view = view_of(finest_, settings);
+    const View view = view_of(finest_, settings_for_truth(radar_.settings, config_.materials));
     const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);
     if (!planned.plan) throw InputError("radar \"" + radar_.name + "\": " + all_text(planned.errors));
     return planned.plan;

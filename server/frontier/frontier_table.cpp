@@ -80,8 +80,7 @@ std::optional<FrontierRow> row_of(const std::string& line) {
   const auto rows = number_of(fields[2]);
   const auto sub_columns = number_of(fields[4]);
   const auto cell_m = number_of(fields[5]);
-  const std::array kinds{FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar,
-                         FrustumKind::sweep};
+  const std::array kinds{FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep};
   if (!choose(fields[0], kinds, frustum_name, c.kind) ||
       !choose(fields[3], std::array{PlateKind::spread, PlateKind::nearest}, plates_name, c.plates) ||
       !choose(fields[6], std::array{Returns::all, Returns::terrain, Returns::buildings}, returns_name,
@@ -209,8 +208,7 @@ std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& 
                            ratio(paper->gap_fraction, row.gap_fraction)};
   };
   std::vector<PaperComparison> table{compared(*paper)};
-  for (const FrustumKind kind :
-       {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
+  for (const FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep}) {
     const FrontierRow* best = nullptr;
     const auto late = [&](const FrontierRow& row) { return row.frame_ms > paper->frame_ms; };
     for (const FrontierRow& row : rows) {

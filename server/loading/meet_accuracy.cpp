@@ -105,12 +105,11 @@ class AccuracySearch {
 
   void probe(RadarConfig& radar) {
     ProbedRadar p{&radar, {}, {}, {}};
-    RadarSettings any = sharp_settings(radar.settings);
-    any.frustum = FrustumKind::polar;  // sees from any pose, as the truth does
-    const View view = view_of(finest_, radar, any);
+    const View view =
+        view_of(finest_, radar, settings_for_truth(sharp_settings(radar.settings), config_.materials));
     const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);
     if (!planned.plan) throw InputError("radar \"" + radar.name + "\": " + all_text(planned.errors));
-    const AzimuthRuns runs = choose_azimuths(any.azimuth_bins, kProbeAzimuths);
+    const AzimuthRuns runs = choose_azimuths(radar.settings.azimuth_bins, kProbeAzimuths);
     // What is asked stands for the smallest error shown: the truth is to be ten times better.
     const auto asked = [&](const TruthBins&) {
       SmallestErrors smallest;

@@ -61,7 +61,7 @@ bool is_yes_or_no(const Parameter& parameter) {
 std::optional<Value> decode_integer(const Parameter& parameter, std::int64_t count) {
   const auto index = static_cast<std::uint64_t>(count);
   if (!parameter.key.choices.empty()) {
-    if (index >= parameter.key.choices.size()) return std::nullopt;
+    if (index >= parameter.key.choices.size() || parameter.key.choices[index].retired) return std::nullopt;
     return std::string(parameter.key.choices[index].name);
   }
   if (is_yes_or_no(parameter))

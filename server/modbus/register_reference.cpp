@@ -44,7 +44,8 @@ std::string allowed(const Setpoint& setpoint) {
   if (!key.choices.empty()) {
     std::string text;
     for (std::size_t i = 0; i < key.choices.size(); ++i)
-      text += fmt::format("{}{} {}", (i == 0 ? "" : ", "), i, key.choices[i].name);
+      text += fmt::format("{}{} {}{}", (i == 0 ? "" : ", "), i, key.choices[i].name,
+                          key.choices[i].retired ? " (refused)" : "");
     return text;
   }
   RadarConfig any;

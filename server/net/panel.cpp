@@ -99,6 +99,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
                       "0 (none) to " + std::to_string(max_rate_hz)});
   }
   if (new_settings || new_pose) append(errors, validate(config));
+  if (new_settings && errors.empty()) errors = room_.renderer().scene_faults(config.settings);
   if (new_settings && errors.empty()) {
     over = room_.over_live_limit(config.settings, wire::kAllPlanes);
     if (over) errors.push_back(over->field);

@@ -215,6 +215,7 @@ void Requests::set_settings(const wire::SetSettings& request) {
   RadarSettings candidate = before->settings;
   std::vector<FieldError> errors = merge_message(request.settings(), candidate);
   append(errors, validate(candidate));
+  if (errors.empty()) errors = room_.renderer().scene_faults(candidate);
   if (errors.empty()) {
     if (const auto over = room_.over_live_limit(candidate, wire::kAllPlanes))
       return refuse(request.request_id(), *over);

@@ -97,6 +97,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
   if (errors.empty()) errors = room_.renderer().place(pose);
+  if (errors.empty()) errors = room_.renderer().scene_faults(settings);
   if (!errors.empty())
     return refuse(request.request_id(), ErrorNumber::invalid_value, "frame refused", errors);
 

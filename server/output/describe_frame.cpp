@@ -85,9 +85,30 @@ std::string refraction_warning(const FramePlan& plan) {
       above_m, k, kLowAltitude_m, 1 / standard, range_m / 1000, moved_m, change_db);
 }
 
+/// Level ground more than 87 degrees below the antenna, where a beam is wider than its weights over azimuth
+/// are made for (cosine_steps). Empty where no bin holds any.
+std::string steep_beam_warning(const FramePlan& plan) {
+  if (plan.settings().beam.pattern == BeamPattern::off || std::isnan(plan.pose().ground_y_m)) return {};
+  const double above_m = plan.pose().antenna.m.y - plan.pose().ground_y_m;
+  const BinGrid& bins = plan.bins();
+  const double to_m = std::min(above_m / std::sin(87 * kDegree_rad), bins.r_max_m);
+  if (!(above_m > 0 && to_m > bins.r_min_m && above_m < bins.r_max_m)) return {};
+  const double from_m = std::max(above_m, bins.r_min_m);
+  const int first = bins.range_bin(from_m);
+  const int last =
+      std::max(first, static_cast<int>(std::ceil((to_m - bins.r_min_m) / bins.range_spacing_m)) - 1);
+  return fmt::format(
+      "level ground in range bins {} to {} lies more than 87 degrees below the antenna: their power is "
+      "right, the "
+      "azimuths over which the beam spreads it are not",
+      first, last);
+}
+
 void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescriptor& descriptor) {
   const WorldFrame& frame = plan.scene().world().frame;
   if (const std::string warning = refraction_warning(plan); !warning.empty())
+    descriptor.add_warnings(warning);
+  if (const std::string warning = steep_beam_warning(plan); !warning.empty())
     descriptor.add_warnings(warning);
   const bool far = off_origin_m > kFarFromOrigin_m;
   if (!plan.extent().any)

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
@@ -32,7 +31,7 @@ BinGrid bin_grid(const RadarSettings& settings) {
 /// What the chosen frustum asks of scene and pose, beyond what validate() can know.
 void check_frustum(const FramePlan& plan, std::vector<FieldError>& errors) {
   const RadarSettings& settings = plan.settings();
-  if (settings.frustum == FrustumKind::polar || settings.frustum == FrustumKind::sweep) return;
+  if (settings.frustum == FrustumKind::sweep) return;
   const Pose& pose = plan.pose();
   if (std::isnan(pose.ground_y_m) && !plan.extent().any) return;
   const double ground_y_m = std::isnan(pose.ground_y_m) ? plan.extent().bottom_y_m : pose.ground_y_m;
@@ -158,8 +157,7 @@ double FramePlan::building_reach_m() const { return sector_.r_max_m + 2 * scene_
 
 bool needs_tracer(const Scene& scene, FrustumKind frustum) {
   if (frustum == FrustumKind::sweep) return false;
-  if (scene.rays() == RayMethod::embree) return true;
-  return frustum != FrustumKind::polar && !scene.world().buildings.list.empty();
+  return scene.rays() == RayMethod::embree || !scene.world().buildings.list.empty();
 }
 
 int sweep_columns_per_bin(const RadarSettings& settings) {
@@ -192,8 +190,7 @@ EchoPlace FramePlanner::place(const RadarSettings& settings) const {
   if (std::isnan(above_m)) return place;
   const TileBounds& ground = scene_->tiles();
   place.height_m = std::max(pose_.antenna.m.y - ground.lowest_m(), ground.highest_m() - pose_.antenna.m.y);
-  const bool camera = settings.frustum == FrustumKind::symmetric || settings.frustum == FrustumKind::oblique;
-  if (camera) place.least_r_min_m = above_m;
+  if (settings.frustum != FrustumKind::sweep) place.least_r_min_m = above_m;
   return place;
 }
 
@@ -239,6 +236,9 @@ std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const Ra
 }
 
 PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& snapshot, const Pose& pose) {
+  std::vector<FieldError> errors = sampling_faults(snapshot->settings);
+  if (errors.empty()) errors = flat_plate_faults(snapshot->settings, scene->materials());
+  if (!errors.empty()) return {nullptr, std::move(errors)};
   const FramePlanner planner(std::move(scene), pose);
   return needs_echo_plan(snapshot->settings) ? planner.summed(*snapshot)
                                              : planner.traced(*snapshot, pose, false, nullptr);
@@ -267,14 +267,7 @@ PlanResult FramePlanner::traced(const SettingsSnapshot& snapshot, const Pose& po
           return result;
         }
         break;
-      case FrustumKind::polar:
-        plan->polar_ = polar_rows(plan->sector_, plan->extent_, plan->box_, plan->scene_->world().frame,
-                                  settings.pixel_rows);
-        if (plan->scene_->rays() == RayMethod::march)
-          plan->swept_rays_ =
-              std::make_shared<const ProfileRays>(*plan->scene_, plan->sector_.antenna_m, plan->polar_.ray,
-                                                  std::numeric_limits<double>::infinity());
-        break;
+      case FrustumKind::polar:  // refused by now
       case FrustumKind::sweep:
         break;
     }

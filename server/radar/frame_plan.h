@@ -11,10 +11,8 @@
 #include "server/radar/bins.h"
 #include "server/radar/geometry/azimuth_buildings.h"
 #include "server/radar/geometry/perspective_frustum.h"
-#include "server/radar/geometry/polar_rows.h"
 #include "server/radar/geometry/pose.h"
 #include "server/radar/geometry/sector_extent.h"
-#include "server/radar/profile/profile_rays.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/scatterer_owner.h"
 #include "server/scene/scene.h"
@@ -39,8 +37,7 @@ std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const Ra
 std::optional<std::vector<FieldError>> known_beam_faults(const RadarSettings& settings,
                                                          const PoseSettings& pose);
 
-/// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings and are not
-/// marched as vertical planes.
+/// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings.
 bool needs_tracer(const Scene& scene, FrustumKind frustum);
 
 /// Columns that the sweep cuts an azimuth bin into.
@@ -95,11 +92,8 @@ class FramePlan {
   const SectorExtent& extent() const { return extent_; }
   const SectorBox& box() const { return box_; }
   const BinGrid& bins() const { return bins_; }
-  /// Symmetric and oblique frusta; meaningless for polar and the sweep.
+  /// Symmetric and oblique frusta; meaningless for the sweep.
   const PerspectiveFrustum& camera() const { return camera_; }
-  const PolarRows& polar() const { return polar_; }
-  /// The polar frustum's rays in any column; where Embree traces them, there is none.
-  const ProfileRays& swept_rays() const { return *swept_rays_; }
   double wavelength_m() const { return wavelength_m_; }
   /// World angle of an azimuth position, in bins from the sector's left edge.
   double bearing_rad(double position) const { return sector_.bearing_rad + bins_.azimuth_edge_rad(position); }
@@ -143,8 +137,6 @@ class FramePlan {
   SectorBox box_;
   BinGrid bins_;
   PerspectiveFrustum camera_;
-  PolarRows polar_;
-  std::shared_ptr<const ProfileRays> swept_rays_;
   double wavelength_m_;
   std::shared_ptr<const AzimuthBuildings> buildings_;
   std::shared_ptr<SeenBuildings> seen_;

@@ -23,6 +23,35 @@ SpeckleKind resolved_speckle(const RadarSettings& settings) {
   return turns ? SpeckleKind::independent : SpeckleKind::ground;
 }
 
+std::vector<FieldError> sampling_faults(const RadarSettings& settings) {
+  std::vector<FieldError> errors;
+  if (settings.frustum == FrustumKind::polar)
+    errors.push_back(
+        {"frustum.kind", "\"polar\", which only recordings have", "\"symmetric\" | \"oblique\" | \"sweep\""});
+  if (settings.frustum == FrustumKind::sweep && settings.speckle == SpeckleKind::geometric)
+    errors.push_back({"radar.speckle", "\"geometric\" with frustum.kind = \"sweep\"",
+                      "\"ground\", \"none\", \"independent\" or \"auto\", or frustum.kind = \"oblique\" or "
+                      "\"symmetric\", whose rays it needs"});
+  return errors;
+}
+
+std::vector<std::string> flat_plates(const std::vector<Material>& materials) {
+  std::vector<std::string> names;
+  for (const Material& material : materials)
+    if (material.used && material.model == ScatteringModel::flat_plate) names.push_back(material.name);
+  return names;
+}
+
+std::vector<FieldError> flat_plate_faults(const RadarSettings& settings,
+                                          const std::vector<Material>& materials) {
+  if (settings.frustum != FrustumKind::sweep) return {};
+  std::string names;
+  for (const std::string& name : flat_plates(materials)) names += (names.empty() ? "" : ", ") + name;
+  if (names.empty()) return {};
+  return {{"frustum.kind", "\"sweep\" with flat plates (" + names + ")",
+           "\"oblique\" or \"symmetric\", whose rays they need, or another materials.NAME.model"}};
+}
+
 RadarSettings sharp_settings(RadarSettings settings) {
   if (draws_speckle(settings) || settings.speckle == SpeckleKind::automatic)
     settings.speckle = SpeckleKind::ground;

@@ -6,10 +6,12 @@
 
 #include "server/radar/beam_settings.h"
 #include "server/radar/receiver_settings.h"
+#include "server/scene/materials.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
 
+/// polar makes no frames any more: recordings of 1.0 and 1.1 have it, and its number stays.
 enum class FrustumKind { symmetric, oblique, polar, sweep };
 /// How a hit is given to range bins: spread over all that its pixel covers, or whole to the bin of its own
 /// range, as the paper does it.
@@ -61,6 +63,15 @@ struct RadarSettings {
 
 /// The kind that `automatic` stands for; others are themselves.
 SpeckleKind resolved_speckle(const RadarSettings& settings);
+
+/// Why no frame can be sampled like this, whatever the scene: a frustum that only recordings have, or the
+/// paper's speckle without rays.
+std::vector<FieldError> sampling_faults(const RadarSettings& settings);
+/// Names of the materials in use that are flat plates.
+std::vector<std::string> flat_plates(const std::vector<Material>& materials);
+/// Why none can in a scene of these materials: the sweep knows no flat plates.
+std::vector<FieldError> flat_plate_faults(const RadarSettings& settings,
+                                          const std::vector<Material>& materials);
 
 /// Bins are sums over neighbouring sharp ones: of azimuths, of ranges.
 inline bool blurs(const RadarSettings& s) {

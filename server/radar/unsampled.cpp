@@ -15,11 +15,11 @@ std::string unsampled_warning(const FrameStats& stats, const RadarSettings& sett
           "as does a larger frustum.pixels";
       break;
     case FrustumKind::symmetric:
-    case FrustumKind::polar:
       remedy =
           "frustum.quality = \"standard\" (the sweep) samples nearly all of them, or take a larger "
           "frustum.pixels";
       break;
+    case FrustumKind::polar:  // of recordings, which warn of nothing
     case FrustumKind::sweep:
       remedy = "take a larger frustum.pixel_columns, or frustum.quality = \"reference\"";
       break;

@@ -7,7 +7,6 @@
 #include "server/radar/beam/echo_layout.h"
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_rows.h"
-#include "server/radar/rays/first_hits.h"
 #include "server/radar/render.h"
 
 namespace obliq {
@@ -31,10 +30,7 @@ constexpr double kBytesANode = 16;
 constexpr double kNodesABin = 16;
 /// Rays, hits and samples of one batch, and samples that wait.
 constexpr double kBytesOfBatches = 2.5e6;
-/// A column of the polar frustum with its newest plate, and a part of a plate.
-constexpr double kBytesAColumn = 600;
-constexpr double kBytesAPart = 2 * 80;
-/// A pixel of the perspective frusta that waits for its ray; they wait by squares of 8 rows.
+/// A pixel that waits for its ray; they wait by squares of 8 rows.
 constexpr double kBytesAPixel = 48;
 constexpr double kRowsOfSquares = 8;
 
@@ -76,15 +72,7 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
                kBytesANode * planes * kNodesABin * s.r_max_m / spacing_m;
     return std::llround(bytes);
   }
-  if (s.frustum == FrustumKind::polar) {
-    const double kept = std::max<double>(PolarFirstHits::kMostKept, columns * PolarFirstHits::kLeastRows);
-    bytes += PolarFirstHits::kBytesAHit * std::min(kept, columns * s.pixel_rows);
-    const double parts = 4 + 2.0 * s.range_bins / s.pixel_rows;
-    bytes += columns * (s.plates == PlateKind::spread ? kBytesAColumn + kBytesAPart * parts : 0);
-  } else {
-    bytes += kBytesAPixel * kRowsOfSquares * s.pixel_columns;
-  }
-  return std::llround(bytes);
+  return std::llround(bytes + kBytesAPixel * kRowsOfSquares * s.pixel_columns);
 }
 
 RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads) {

@@ -21,6 +21,9 @@ class FrameCache : public FrameRenderer {
   ~FrameCache() override;
 
   std::vector<FieldError> place(const PoseSettings& pose) const override { return renderer_.place(pose); }
+  std::vector<FieldError> scene_faults(const RadarSettings& settings) const override {
+    return renderer_.scene_faults(settings);
+  }
   std::vector<FieldError> faults(const RadarSettings& settings, const PoseSettings& pose) const override {
     return renderer_.faults(settings, pose);
   }

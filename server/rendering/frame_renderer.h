@@ -56,6 +56,9 @@ class FrameRenderer {
   /// Why an antenna cannot be at this pose; empty: it can. Fast.
   virtual std::vector<FieldError> place(const PoseSettings& pose) const = 0;
 
+  /// Why what the scene is made of does not go with these settings; empty: it does. Fast.
+  virtual std::vector<FieldError> scene_faults(const RadarSettings&) const { return {}; }
+
   /// Why a frame of these settings from this pose could not be planned, as far as that is seen without a
   /// plan. May have to look at the ground: for the render thread.
   virtual std::vector<FieldError> faults(const RadarSettings&, const PoseSettings&) const { return {}; }

@@ -87,6 +87,10 @@ std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
   return errors;
 }
 
+std::vector<FieldError> SceneRenderer::scene_faults(const RadarSettings& settings) const {
+  return flat_plate_faults(settings, scene()->materials());
+}
+
 std::vector<FieldError> SceneRenderer::faults(const RadarSettings& settings, const PoseSettings& pose) const {
   const auto here = scene();
   std::vector<FieldError> errors;
@@ -116,8 +120,7 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
     std::string fault;
     const TracerBuilder::State state = tracer_.ensure(scene, fault);
     if (state == TracerBuilder::State::failed)
-      result.errors = {
-          {"frustum.kind", "a frustum whose rays are traced", "\"polar\" or \"sweep\": " + fault}};
+      result.errors = {{"frustum.kind", "a frustum whose rays are traced", "\"sweep\": " + fault}};
     if (state != TracerBuilder::State::built) return result;
   }
   if (before != nullptr) planned.plan->seen().mark(before->seen().list());  // the dwells of a pass add up

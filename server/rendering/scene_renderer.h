@@ -32,6 +32,7 @@ class SceneRenderer : public FrameRenderer {
  public:
   SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);
   std::vector<FieldError> place(const PoseSettings& pose) const override;
+  std::vector<FieldError> scene_faults(const RadarSettings& settings) const override;
   std::vector<FieldError> faults(const RadarSettings& settings, const PoseSettings& pose) const override;
   std::uint64_t generation() const override { return generation_; }
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;

@@ -4,8 +4,8 @@
 // The order. A pixel whose plate is not spread lies in one bin whole, so a bin's power is a count of lattice
 // points in a region of the sphere, weighted smoothly. Across boundaries at any angle to the lattice the
 // count of N^2 points is off by O(N^1/2) (Kendall, "On the number of lattice points inside a random oval", Q.
-// J. Math. 1948): a relative error of O(N^-3/2). Boundaries along the lattice (the polar frustum's rows on
-// level range-bin edges, walls' edges and shadows) take or leave whole rows or columns: O(N^-1). Spread
+// J. Math. 1948): a relative error of O(N^-3/2). Boundaries along the lattice (walls' edges
+// and shadows) take or leave whole rows or columns: O(N^-1). Spread
 // plates leave the second kind at the sides of buildings, and nothing but the midpoint rule's O(N^-2) where
 // ground alone is in sight. The sweep is exact along range and a midpoint rule across azimuth: O(N^-2) over
 // ground, O(N^-1) and more where walls meet range-bin edges. So E falls at least like 1 / N: by 2^3 over

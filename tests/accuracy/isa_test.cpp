@@ -62,7 +62,7 @@ TEST(InstructionSets, AnswerTheSameButForRaysWithinFloatStepsOfAnEdge) {
   spec.prisms[0].per_km2 = 60;
   const auto world = std::make_shared<const World>(load_world(spec));
   RadarSettings s;
-  s.frustum = FrustumKind::polar;
+  s.frustum = FrustumKind::oblique;
   s.plates = PlateKind::nearest;
   s.r_min_m = 2000;
   s.r_max_m = 8000;

@@ -79,13 +79,6 @@ Tally tally_of(FrustumKind kind) {
   return tally;
 }
 
-TEST(MarchedRays, OfThePolarFrustumMeetWhatTheirOwnWalksMeet) {
-  const Tally tally = tally_of(FrustumKind::polar);
-  EXPECT_GT(tally.hits, 150000);
-  EXPECT_GT(tally.on_buildings, 2000);
-  EXPECT_EQ(tally.by_embree, 0);
-}
-
 TEST(MarchedRays, OfTheObliqueFrustumMeetWhatTheirOwnWalksMeet) {
   const Tally tally = tally_of(FrustumKind::oblique);
   EXPECT_GT(tally.hits, 20000);

@@ -42,14 +42,6 @@ constexpr Case kCases[] = {
      FrustumKind::oblique,
      SpeckleKind::geometric,
      {0x86c9ef3817710053, 0x86c9ef3817710053, 0x86c9ef3817710053, 0x86c9ef3817710053}},
-    {"polar, ground speckle",
-     FrustumKind::polar,
-     SpeckleKind::ground,
-     {0xa5c3ad6a8052e481, 0xa5c3ad6a8052e481, 0xa5c3ad6a8052e481, 0xa5c3ad6a8052e481}},
-    {"polar, geometric speckle",
-     FrustumKind::polar,
-     SpeckleKind::geometric,
-     {0x0fc4e782d102d61f, 0x0fc4e782d102d61f, 0x0fc4e782d102d61f, 0x0fc4e782d102d61f}},
 };
 
 /// Fractal hills over a 4/3 earth with 60 random prisms a square kilometre.

@@ -242,7 +242,6 @@ TEST_P(RadarTruthOf, FramesAreWithinTheirErrorAndSeeAnotherBeam) {
 }
 INSTANTIATE_TEST_SUITE_P(EachFrustum, RadarTruthOf,
                          testing::Values(std::pair{FrustumKind::sweep, 0.022},
-                                         std::pair{FrustumKind::polar, 0.022},
                                          std::pair{FrustumKind::oblique, 0.025}),
                          [](const auto& test) { return std::string(frustum_name(test.param.first)); });
 

@@ -67,12 +67,12 @@ class SameBits : public testing::Test {
 };
 std::shared_ptr<const Scene> SameBits::scene_;
 
-constexpr FrustumKind kKinds[] = {FrustumKind::sweep, FrustumKind::polar, FrustumKind::oblique,
-                                  FrustumKind::symmetric};
+constexpr FrustumKind kKinds[] = {FrustumKind::sweep, FrustumKind::oblique, FrustumKind::symmetric};
 
 TEST_F(SameBits, ComeFromOneTwoAndEightThreadsForEveryFrustumAndSpeckle) {
   for (const FrustumKind kind : kKinds) {
     for (const SpeckleKind speckle : {SpeckleKind::ground, SpeckleKind::geometric}) {
+      if (kind == FrustumKind::sweep && speckle == SpeckleKind::geometric) continue;  // has none
       RadarSettings s = settings(kind);
       s.speckle = speckle;
       const std::string what = "frustum " + std::to_string(static_cast<int>(kind)) + " speckle " +
@@ -109,15 +109,15 @@ TEST_F(SameBits, ComeFromPartsOfAFrame) {
 }
 
 TEST_F(SameBits, ComeFromTheWholeCircleForTheSameBearings) {
-  // 360 degrees in 1-degree bins, centre 40: bins 120..239 look at -20..100 degrees. A polar sector of 120
-  // degrees has the same columns; its rows follow from its own terrain, so only the states can be compared,
-  // and rounding of the bin's bearing may move a bin's edge across a mountain top.
-  RadarSettings full = settings(FrustumKind::polar, 360);
+  // 360 degrees in 1-degree bins, centre 40: bins 120..239 look at -20..100 degrees. The pixels of a sector
+  // of 120 degrees lie elsewhere, so only the states can be compared, and rounding of the bin's bearing may
+  // move a bin's edge across a mountain top.
+  RadarSettings full = settings(FrustumKind::oblique, 360);
   full.pixel_columns = 720;
   full.azimuth_bins = 360;
   const Frame circle = frame(full);
   EXPECT_EQ(circle.stats.hits + circle.stats.rejected <= circle.stats.rays, true);
-  RadarSettings part = settings(FrustumKind::polar, 120);
+  RadarSettings part = settings(FrustumKind::oblique, 120);
   part.pixel_columns = 240;
   part.azimuth_bins = 120;
   const Frame sector = frame(part);

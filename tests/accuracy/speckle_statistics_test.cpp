@@ -136,6 +136,7 @@ TEST_P(SpeckleOfEverySource, IsExponentialWithAContrastOfOneAtAnySampling) {
 
 TEST_P(SpeckleOfEverySource, WouldFailTheTestWithThePapersPhases) {
   // The check can fail: with the paper's own phases a bin of one sample has |v|^2 = power exactly.
+  if (GetParam().kind == FrustumKind::sweep) GTEST_SKIP() << "the sweep has no speckle from samples";
   const Intensities found = intensities(settings(0.5, SpeckleKind::geometric));
   std::printf("    contrast %.4f, D %.4f\n", moments(found.independent).contrast,
               distance_from_exponential(found.independent));

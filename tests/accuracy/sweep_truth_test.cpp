@@ -43,7 +43,7 @@ TEST(SweepAndTruth, AgreeOnRandomScenes) {
     RadarSettings& s = random.settings;
     s.frustum = FrustumKind::sweep;
     s.pixel_columns = kPlanesPerBin * s.azimuth_bins;
-    s.speckle = SpeckleKind::geometric;  // no groups of scatterers: power alone is looked at
+    s.sub_columns = 0;  // exact planes
     ReferenceView view = test::view_from(random.pose.antenna.m, random.pose.bearing_world_rad / kDegree_rad,
                                          s.sector_deg, s.azimuth_bins, s.r_min_m, s.r_max_m, s.range_bins);
     view.wavelength_m = 299792458.0 / (s.frequency_ghz * 1e9);

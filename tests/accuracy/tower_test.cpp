@@ -214,16 +214,16 @@ void check_tower(double bearing_deg, const std::string& frustum, double radius_f
 }
 
 TEST(Tower, AppearsAtItsCoordinatesAndInItsBin) {
-  check_tower(17, "polar", 4.0 / 3);
+  check_tower(17, "sweep", 4.0 / 3);
   check_tower(73, "oblique", 4.0 / 3);
 }
 
 TEST(Tower, AppearsAtItsCoordinatesAndInItsBinFarFromTheScenesOrigin) {
   // 46 km: true north turns by 0.28 degrees, 2.4 azimuth bins.
-  check_tower(17, "polar", 4.0 / 3, 0.5);
+  check_tower(17, "sweep", 4.0 / 3, 0.5);
 }
 
-TEST(Tower, AppearsInItsBinWithoutRefraction) { check_tower(40, "polar", 1.0); }
+TEST(Tower, AppearsInItsBinWithoutRefraction) { check_tower(40, "sweep", 1.0); }
 
 }  // namespace
 }  // namespace obliq

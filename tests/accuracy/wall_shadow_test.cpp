@@ -81,8 +81,7 @@ void check_shadow(const World& world, const Wall& wall, FrustumKind kind) {
               spacing);
 }
 
-constexpr FrustumKind kKinds[] = {FrustumKind::polar, FrustumKind::oblique, FrustumKind::symmetric,
-                                  FrustumKind::sweep};
+constexpr FrustumKind kKinds[] = {FrustumKind::oblique, FrustumKind::symmetric, FrustumKind::sweep};
 
 TEST(WallShadow, OfAWallOfGroundEndsWhereSimilarTrianglesSay) {
   WorldSpec spec = test::synthetic_spec(SyntheticKind::wall, 13000, 20);

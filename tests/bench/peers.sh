@@ -4,7 +4,7 @@
 #
 #   tests/bench/peers.sh [SCENE.toml [--set KEY=VALUE] [--threads N] [--repeats N] [--json FILE]]
 #
-# Without a scene: the paper's, at cells of 30 m and of 10 m (20 GB of memory), and polar at 10 m. BIN is where obliq and ray_bench are.
+# Without a scene: the paper's, at cells of 30 m and of 10 m (20 GB of memory). BIN is where obliq and ray_bench are.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bin=${BIN:-build/release/bin}
@@ -30,5 +30,4 @@ if [ $# -gt 0 ]; then
 else
   compare tests/bench/paper_hills.toml
   compare tests/bench/paper_hills.toml --set terrain.cell_m=10
-  compare tests/bench/paper_hills.toml --set terrain.cell_m=10 --set frustum.kind=polar
 fi

@@ -19,7 +19,6 @@
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/profile/profile_rays.h"
 #include "server/radar/rays/ray_batch.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/render.h"
@@ -130,48 +129,6 @@ void BareTrace(benchmark::State& state) {
       benchmark::Counter(rays / 1e6 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
-/// The polar frustum's rays again, answered by marching their columns: range in double and surface of each.
-/// Beside BareTrace, which has ranges in float alone.
-void MarchedRays(benchmark::State& state) {
-  const auto plan = plan_of(FrustumKind::polar);
-  const int columns = plan->settings().pixel_columns;
-  const ProfileRays rays(plan->scene(), plan->sector().antenna_m, plan->polar().ray, plan->bins().r_max_m);
-  const auto n = static_cast<std::size_t>(columns) * rays.rays();
-  std::vector<double> slant_range_m(n);
-  std::vector<std::uint32_t> surface(n);
-  for (auto _ : state) {
-    std::atomic<int> next{0};
-    const auto run = [&] {
-      for (int first = next.fetch_add(ProfileRays::kMostProfiles); first < columns;
-           first = next.fetch_add(ProfileRays::kMostProfiles)) {
-        const int end = std::min(first + ProfileRays::kMostProfiles, columns);
-        const auto share = [&](int column) { return (column + 0.5) / columns; };
-        const auto bin = [&](int column) {
-          return static_cast<int>(share(column) * plan->settings().azimuth_bins);
-        };
-        std::vector<SinCos> bearings;
-        for (int column = first; column < end; ++column) {
-          const SinCos offset =
-              sincos_turns((plan->bins().azimuth_start_rad + share(column) * plan->sector().width_rad) /
-                           (2 * std::numbers::pi));
-          const glm::dvec3 ahead = plan->sector().world_from_antenna(offset.sin, 0, offset.cos);
-          bearings.push_back({ahead.x, ahead.z});
-        }
-        const auto buildings = plan->buildings_in(AzimuthRange{bin(first), bin(end - 1) - bin(first) + 1});
-        const std::size_t at = static_cast<std::size_t>(first) * rays.rays();
-        const std::size_t count = bearings.size() * rays.rays();
-        rays.answer(bearings, buildings, std::span(slant_range_m).subspan(at, count),
-                    std::span(surface).subspan(at, count));
-      }
-    };
-    std::vector<std::jthread> helpers;
-    for (int t = 1; t < threads(); ++t) helpers.emplace_back(run);
-    run();
-  }
-  state.counters["Mray/s"] = benchmark::Counter(
-      static_cast<double>(n) / 1e6 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
-}
-
 void WholeFrame(benchmark::State& state) {
   const auto plan =
       plan_of(static_cast<FrustumKind>(state.range(0)), static_cast<SpeckleKind>(state.range(1)),
@@ -265,7 +222,7 @@ void WholeSweepFrame(benchmark::State& state) {
 
 /// Scattering and binning of made-up samples spread over one wedge.
 void Binning(benchmark::State& state) {
-  const auto plan = plan_of(FrustumKind::polar, static_cast<SpeckleKind>(state.range(0)));
+  const auto plan = plan_of(FrustumKind::oblique, static_cast<SpeckleKind>(state.range(0)));
   const ScatteringTable scattering(plan->scene().materials(), plan->wavelength_m());
   const SpeckleField speckle(plan->scene().world(), plan->sector().antenna_m, plan->wavelength_m(),
                              plan->bins().range_spacing_m, plan->bins().azimuth_width_rad, 1);
@@ -299,7 +256,7 @@ void Binning(benchmark::State& state) {
 
 /// All profiles of a frame, whole, as spread plates need them; states need less.
 void Profiles(benchmark::State& state) {
-  const auto plan = plan_of(FrustumKind::polar);
+  const auto plan = plan_of(FrustumKind::oblique);
   for (auto _ : state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
       benchmark::DoNotOptimize(WedgeVisibility(*plan, range).whole_marks(range.first).visible.data());
@@ -309,14 +266,13 @@ void Profiles(benchmark::State& state) {
 
 void PlanFrame(benchmark::State& state) {
   RadarSettings settings = setting().settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::oblique;
   const SettingsPtr snapshot = test::snapshot(settings);
   for (auto _ : state) benchmark::DoNotOptimize(plan_frame(setting().scene, snapshot, setting().pose).plan);
 }
 
 constexpr auto kOblique = static_cast<std::int64_t>(FrustumKind::oblique);
 constexpr auto kSymmetric = static_cast<std::int64_t>(FrustumKind::symmetric);
-constexpr auto kPolar = static_cast<std::int64_t>(FrustumKind::polar);
 constexpr auto kGround = static_cast<std::int64_t>(SpeckleKind::ground);
 constexpr auto kGeometric = static_cast<std::int64_t>(SpeckleKind::geometric);
 constexpr auto kSpread = static_cast<std::int64_t>(PlateKind::spread);
@@ -329,22 +285,19 @@ BENCHMARK(RayGeneration)
     ->ArgName("frustum")
     ->Arg(kSymmetric)
     ->Arg(kOblique)
-    ->Arg(kPolar)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(BareTrace)
     ->ArgName("frustum")
     ->Arg(kSymmetric)
     ->Arg(kOblique)
-    ->Arg(kPolar)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-BENCHMARK(MarchedRays)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(Binning)->ArgName("speckle")->Arg(kGround)->Arg(kGeometric)->Unit(benchmark::kMillisecond);
 BENCHMARK(Profiles)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(Samples)
     ->ArgNames({"frustum", "plates"})
-    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kSpread, kNearest}})
+    ->ArgsProduct({{kSymmetric, kOblique}, {kSpread, kNearest}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(Sweep)
@@ -363,10 +316,9 @@ BENCHMARK(WholeSweepFrame)
     ->UseRealTime();
 BENCHMARK(WholeFrame)
     ->ArgNames({"frustum", "speckle", "plates", "rays"})
-    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kGround}, {kSpread, kNearest}, {kMarch}})
-    ->ArgsProduct({{kSymmetric, kOblique, kPolar}, {kGround}, {kNearest}, {kEmbree}})
+    ->ArgsProduct({{kSymmetric, kOblique}, {kGround}, {kSpread, kNearest}, {kMarch}})
+    ->ArgsProduct({{kSymmetric, kOblique}, {kGround}, {kNearest}, {kEmbree}})
     ->Args({kOblique, kGeometric, kNearest, kMarch})
-    ->Args({kPolar, kGeometric, kNearest, kMarch})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
@@ -376,7 +328,7 @@ BENCHMARK(WholeFrame)
 int main(int argc, char** argv) {
   benchmark::AddCustomContext("tracer", obliq::EmbreeTracer::version());
   benchmark::AddCustomContext("threads", std::to_string(obliq::threads()));
-  benchmark::AddCustomContext("frustum", "0 symmetric, 1 oblique, 2 polar");
+  benchmark::AddCustomContext("frustum", "0 symmetric, 1 oblique");
   benchmark::AddCustomContext("speckle", "0 ground, 1 geometric");
   benchmark::AddCustomContext("plates", "0 spread, 1 nearest");
   benchmark::AddCustomContext("rays", "0 march, 1 embree");

@@ -313,8 +313,7 @@ void run(const Arguments& arguments) {
   const SceneConfig config = load_scene_file(arguments.scene, arguments.options);
   const RadarConfig& radar = choose_radar(config, "");
   if (radar.settings.frustum == FrustumKind::sweep)
-    throw InputError(
-        "frustum.kind: found \"sweep\"; allowed: \"symmetric\", \"oblique\", \"polar\", which have rays");
+    throw InputError("frustum.kind: found \"sweep\"; allowed: \"symmetric\" or \"oblique\", which have rays");
   const auto world = std::make_shared<const World>(load_world(config.world));
   const auto settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   const auto plan = [&](RayMethod method) {

@@ -23,8 +23,8 @@
 #include "server/output/frame_files.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/profile/ground_walk.h"
-#include "server/radar/profile/profile_rays.h"
 #include "server/radar/render.h"
+#include "server/radar/simd/kernels.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -154,8 +154,7 @@ Json measure(const Axis& axis, int repeats, std::shared_ptr<const Scene>& common
     Json point{{"at", value}};
     std::printf("%-10s %10.4g", axis.name.c_str(), value);
     for (const auto& [name, kind] :
-         {std::pair{"oblique", FrustumKind::oblique}, std::pair{"polar", FrustumKind::polar},
-          std::pair{"sweep", FrustumKind::sweep}}) {
+         {std::pair{"oblique", FrustumKind::oblique}, std::pair{"sweep", FrustumKind::sweep}}) {
       if (kind != FrustumKind::sweep && setup.buildings > kMostForRays) continue;
       Setup sampled = setup;
       // Two planes a bin unless planes are what is looked at.
@@ -211,9 +210,35 @@ void on_threads(int threads, const std::function<void(int)>& work) {
 
 volatile double kept = 0;  // so that results are needed
 
+constexpr int kThreads = 2;
+
+/// One thread's share of planes over bare ground, below a horizon that hides everything: they go through all
+/// cells and note nothing.
+void march_hidden(const HeightGrid& grid, const glm::dvec3& antenna_m, double range_m,
+                  const std::vector<SinCos>& bearings, int thread) {
+  constexpr auto kPlanes = static_cast<std::size_t>(SightProfiles::kLanes);
+  constexpr double kWidth_rad = 1, kTo_m = HUGE_VAL;
+  const GroundView ground = ground_view(grid, antenna_m);
+  const auto segments = std::make_unique<VisibleSegments>();
+  for (std::size_t k = kPlanes * static_cast<std::size_t>(thread); k < bearings.size();
+       k += kPlanes * kThreads) {
+    SightProfiles planes{};
+    planes.last_start_m = range_m;
+    for (std::size_t lane = 0; lane < kPlanes; ++lane) {
+      planes.end_m[lane] = -1;
+      if (k + lane >= bearings.size()) continue;
+      set_out(planes, lane, bearings[k + lane], grid, antenna_m, {&kWidth_rad, &kTo_m});
+      planes.horizon_d_m[lane] = 1;
+      planes.horizon_h_m[lane] = 1e9;
+    }
+    do {
+      segments->n = 0;
+    } while (widest_kernels().visible_ground(ground, planes, *segments));
+  }
+}
+
 /// What the machine does at best, on two threads, and what a march over bare ground needs of it.
 Json limits(int repeats) {
-  constexpr int kThreads = 2;
   constexpr std::size_t kDoubles = std::size_t{32} << 20;  // 256 MiB a thread
   std::vector<std::vector<double>> memory(kThreads, std::vector<double>(kDoubles, 1.0));
   const double read_s = least_seconds(repeats, [&] {
@@ -232,7 +257,7 @@ Json limits(int repeats) {
     Setup setup;
     setup.cell_m = cell_m;
     const auto scene = scene_of(setup);
-    const auto plan = plan_of(scene, setup, FrustumKind::polar);
+    const auto plan = plan_of(scene, setup, FrustumKind::sweep);
     const Sector& sector = plan->sector();
     const HeightGrid& grid = scene->world().grid;
     std::vector<SinCos> bearings;
@@ -240,17 +265,8 @@ Json limits(int repeats) {
       const double offset = plan->bins().azimuth_start_rad + (column + 0.5) * sector.width_rad / setup.pixels;
       bearings.push_back(sincos_turns((sector.bearing_rad + offset) / (2 * std::numbers::pi)));
     }
-    // One ray above everything: the march goes through all cells and answers nothing.
-    const SinCos up{std::sin(1.5), std::cos(1.5)};
-    const ProfileRays march(*scene, sector.antenna_m, std::span(&up, 1), setup.range_m);
     const double march_s = least_seconds(repeats, [&] {
-      on_threads(kThreads, [&](int t) {
-        double range_m[ProfileRays::kMostProfiles];
-        std::uint32_t surface[ProfileRays::kMostProfiles];
-        for (std::size_t k = ProfileRays::kMostProfiles * static_cast<std::size_t>(t); k < bearings.size();
-             k += ProfileRays::kMostProfiles * kThreads)
-          march.answer(std::span(bearings).subspan(k, ProfileRays::kMostProfiles), {}, range_m, surface);
-      });
+      on_threads(kThreads, [&](int t) { march_hidden(grid, sector.antenna_m, setup.range_m, bearings, t); });
     });
     struct Count {
       std::int64_t cells = 0;

@@ -123,11 +123,11 @@ TEST(HardAntenna, BelowSurroundingPeaksSeesThemAllAroundAndNothingBehind) {
   const double height_m = 60;
   for (const test::Sampling& sampling : test::kSamplings) {
     SCOPED_TRACE(sampling.name);
-    RadarSettings s = test::sampled(settings(sampling.perspective() ? 100 : 10, 5500), sampling);
+    RadarSettings s = test::sampled(settings(sampling.rays() ? 100 : 10, 5500), sampling);
     if (sampling.frustum != FrustumKind::symmetric) s.sector_deg = 360;
     const Rendered r =
         rendered(scene, s, test::pose_at(scene->world(), {3.25, height_m, -41.5}, 77), sampling, kOnSurface);
-    EXPECT_TRUE(!r.refused || sampling.perspective());
+    EXPECT_TRUE(!r.refused || sampling.rays());
     if (r.refused) continue;
     // The crest is sqrt(3000^2 + 740^2) = 3,090 m away, +- 42 m of the antenna's offset and 25 m of the mesh.
     const double bin_m = (s.r_max_m - s.r_min_m) / s.range_bins;
@@ -155,7 +155,7 @@ TEST(HardAntenna, InACanyonSeesItsWallsAndItsFloor) {
       const RadarSettings s = test::sampled(settings(150, 5500), sampling);
       const Rendered r = rendered(scene, s, test::pose_at(scene->world(), {12.5, 100, -41.5}, bearing_deg),
                                   sampling, kOnSurface);
-      EXPECT_TRUE(!r.refused || sampling.perspective());
+      EXPECT_TRUE(!r.refused || sampling.rays());
       if (r.refused) continue;
       if (sampling.frustum == FrustumKind::symmetric) continue;
       EXPECT_GT(r.totals.power_w, 0);

@@ -151,7 +151,7 @@ TEST(HardBinEdges, OneBinHoldsTheEnergyOfAll) {
   for (const test::Sampling& sampling : test::kSamplings) {
     SCOPED_TRACE(sampling.name);
     RadarSettings s = test::sampled(settings(), sampling);
-    s.speckle = SpeckleKind::geometric;
+    if (sampling.rays()) s.speckle = SpeckleKind::geometric;
     const Pose pose = test::pose_over_origin(hills_scene()->world(), 1450, 33);
     const Frame many = render(hills_scene(), test::snapshot(s), pose, {0, s.azimuth_bins});
     const double total = test::expect_sane(many, s, hills_scene()->materials()).power_w;
@@ -220,7 +220,7 @@ TEST(HardBinEdges, ASwathFromTheAntennaOnIsRenderedDescribedAndWritten) {
       const Pose pose = test::pose_at(flat_scene()->world(), {200, height_m, 100}, 0);
       const PlanResult planned = plan_frame(flat_scene(), test::snapshot(s), pose);
       if (!planned.plan) {
-        EXPECT_TRUE(sampling.perspective());
+        EXPECT_TRUE(sampling.rays());
         EXPECT_EQ(planned.errors.front().field, "radar.r_min_m");
         continue;
       }
@@ -241,7 +241,7 @@ TEST(HardBinEdges, ASwathFromTheAntennaOnIsRenderedDescribedAndWritten) {
 
 TEST(HardBinEdges, EightThousandBinsBothWaysAreWhole) {
   // 1.4 GB of planes. Few pixels: hardly any bin has samples and the profile decides the rest.
-  RadarSettings s = test::sampled(settings(), test::kSamplings[2]);
+  RadarSettings s = test::sampled(settings(), test::kSamplings[1]);
   s.plates = PlateKind::nearest;
   s.azimuth_bins = s.range_bins = 8192;
   s.pixel_columns = s.pixel_rows = 128;
@@ -250,7 +250,7 @@ TEST(HardBinEdges, EightThousandBinsBothWaysAreWhole) {
   const Frame frame = render(flat_scene(), test::snapshot(s), pose, {0, 8192});
   const test::Totals totals = test::expect_sane(frame, s, flat_scene()->materials());
   EXPECT_EQ(totals.of_state[0] + totals.of_state[1], std::size_t{8192} * 8192) << "all of it is lit ground";
-  EXPECT_GT(totals.of_state[1], 10000u);
+  EXPECT_GT(totals.of_state[1], 9000u);
   EXPECT_LE(totals.of_state[1], 128u * 128u);
 }
 

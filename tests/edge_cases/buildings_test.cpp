@@ -260,12 +260,12 @@ TEST(HardBuildings, AnAntennaOverARoofsEdgeOnItsCornerOrAgainstAWallSeesFiniteTh
                      std::to_string(antenna.y) + ", " + std::to_string(antenna.z) + " looking " +
                      std::to_string(bearing_deg));
         RadarSettings s = test::sampled(settings(), sampling);
-        s.r_min_m = sampling.perspective() ? 110 : 0;
+        s.r_min_m = sampling.rays() ? 110 : 0;
         s.sector_deg = sampling.frustum == FrustumKind::symmetric ? 60 : 360;
         const Pose pose = test::pose_at(scene->world(), antenna, bearing_deg);
         const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
         if (!planned.plan) {
-          EXPECT_TRUE(sampling.perspective()) << planned.errors.front().text();
+          EXPECT_TRUE(sampling.rays()) << planned.errors.front().text();
           continue;
         }
         const Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});

@@ -33,7 +33,7 @@ std::optional<Frame> render_or_refuse(const std::shared_ptr<const Scene>& scene,
                                       const Pose& pose, const test::Sampling& sampling) {
   const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
   if (!planned.plan) {
-    EXPECT_TRUE(sampling.perspective()) << sampling.name << ": " << planned.errors.front().text();
+    EXPECT_TRUE(sampling.rays()) << sampling.name << ": " << planned.errors.front().text();
     EXPECT_FALSE(planned.errors.front().allowed.empty());
     return std::nullopt;
   }
@@ -250,7 +250,7 @@ TEST(HardGrazing, IncidenceAlongTheNormalIsExactlyOneAndNeverAbove) {
     s.sector_deg = 90;
     // Over a node, over a grid line, over a diagonal, over nothing special.
     for (const auto& [x, z] : {std::pair{100.0, -50.0}, {25.0, 50.0}, {25.0, 25.0}, {13.7, 21.9}}) {
-      if (sampling.perspective()) s.r_min_m = 1000;
+      if (sampling.rays()) s.r_min_m = 1000;
       const Pose pose = test::pose_at(flat->world(), {x, 1000, z}, 45);
       const auto frame = render_or_refuse(flat, s, pose, sampling);
       ASSERT_TRUE(frame);

@@ -167,14 +167,14 @@ TEST(HardRange, PhaseAtFortyKilometresAndThirtyFiveGigahertzIsThatOfTheRange) {
   // off by radians.
   const auto scene = test::make_scene(test::made_world(2000, 100, [](double, double) { return 0.0; }));
   RadarSettings settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::oblique;
   settings.frequency_ghz = 35;
   settings.speckle = SpeckleKind::geometric;
   settings.r_min_m = 100;
   settings.r_max_m = 41000;
   settings.azimuth_bins = 1;
   settings.range_bins = 4090;  // of 10 m
-  const Pose pose = test::pose_at(scene->world(), {0, 600, 0}, 0);
+  const Pose pose = test::pose_at(scene->world(), {0, 100, 0}, 0);
   const PlanResult planned = plan_frame(scene, test::snapshot(settings), pose);
   ASSERT_TRUE(planned.plan);
   const ScatteringTable scattering(scene->materials(), planned.plan->wavelength_m());

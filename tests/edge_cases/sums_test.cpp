@@ -23,7 +23,7 @@ constexpr int kMillion = 1000000;
 class HardSums : public testing::Test {
  protected:
   HardSums() : scene_(test::make_scene(test::made_world(2000, 100, [](double, double) { return 0.0; }))) {
-    settings_.frustum = FrustumKind::polar;
+    settings_.frustum = FrustumKind::oblique;
     settings_.r_min_m = 1000;
     settings_.r_max_m = 1400;
     settings_.azimuth_bins = 1;

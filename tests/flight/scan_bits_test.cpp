@@ -127,10 +127,6 @@ TEST(ScanBits, EachDwellOfTheSweepIsThatOfAWholeFrameAtItsPose) {
   expect_bits_of_whole_frames({FrustumKind::sweep});
 }
 
-TEST(ScanBits, EachDwellOfThePolarFrustumIsThatOfAWholeFrameAtItsPose) {
-  expect_bits_of_whole_frames({FrustumKind::polar});
-}
-
 TEST(ScanBits, EachDwellOfTheObliqueFrustumIsThatOfAWholeFrameAtItsPose) {
   expect_bits_of_whole_frames({FrustumKind::oblique});
 }
@@ -138,7 +134,7 @@ TEST(ScanBits, EachDwellOfTheObliqueFrustumIsThatOfAWholeFrameAtItsPose) {
 // A radar that moves shares sharp bins between neighbouring dwells: its dwells are not those of whole frames.
 TEST(ScanBits, ThroughARadarTheDwellsOfAnAntennaThatStandsAreAWholeFrame) {
   expect_bits_of_whole_frames({FrustumKind::sweep, false, true});
-  expect_bits_of_whole_frames({FrustumKind::polar, false, true});
+  expect_bits_of_whole_frames({FrustumKind::oblique, false, true});
 }
 
 }  // namespace

@@ -300,7 +300,7 @@ height_m = 1500.0
 height_reference = "ground"
 bearing_deg = 20.0
 [frustum]
-kind = "polar"
+kind = "oblique"
 pixels = [64, 32]
 [bins]
 azimuth = 36

@@ -163,7 +163,7 @@ def extremes(place):
              {**beam, "r_min_m": 0, "r_max_m": 500e3, "sector_deg": 360, "azimuth_bins": 720, "range_bins": 2048},
              {"speckle": "INDEPENDENT_SPECKLE", "azimuth_bins": 4096, "range_bins": 4096, "pixel_columns": 4096},
              {**many, "rain_mm_h": 200, "rain_top_m": 20000, "gas": True, "frequency_ghz": 300},
-             {"frustum": "POLAR", "azimuth_bins": 1, "range_bins": 1, "pixel_columns": 16384, "pixel_rows": 16384},
+             {"frustum": "SYMMETRIC", "azimuth_bins": 1, "range_bins": 1, "pixel_columns": 16384, "pixel_rows": 16384},
              {**beam, **many, "frustum": "OBLIQUE", "pixel_columns": 16384, "pixel_rows": 16384},
              {**beam, **many, "frustum": "SYMMETRIC", "pixel_columns": 16384, "pixel_rows": 16384},
              {"window": wire.pb.BinWindow(n_azimuth=1, n_range=1), **beam, "sector_deg": 360, "azimuth_bins": 4096,

@@ -159,7 +159,7 @@ def switches(place):
                "range_bins": [256, 1, 512],
                "speckle": ["AUTO_SPECKLE", "NONE_SPECKLE", "INDEPENDENT_SPECKLE", "GROUND_SPECKLE", "GEOMETRIC_SPECKLE"],
                "beam_pattern": ["OFF_BEAM", "GAUSSIAN_BEAM", "TAYLOR_BEAM"], "noise": [False, True],
-               "frustum": ["SWEEP", "POLAR"],
+               "frustum": ["SWEEP", "OBLIQUE", "POLAR"],
                "pulse_kind": ["OFF_PULSE", "RECTANGULAR_PULSE", "COMPRESSED_PULSE"], "scan_dwell_bins": [8, 16, 360]}
     while time.monotonic() < until:
         name = draw.choice(list(choices))

@@ -173,8 +173,9 @@ TEST_F(CommandLine, FlagsAndVariablesReachTheScene) {
   };
   EXPECT_NE(print({"--set", "bins.range=77"}, "OBLIQ_BINS_RANGE=66").find("range = 77 "), std::string::npos);
   EXPECT_NE(print({"--set", "bins.azimuth=7"}, "OBLIQ_BINS_RANGE=66").find("range = 66 "), std::string::npos);
-  EXPECT_NE(print({"--set", "frustum.kind=polar", "--set", "bins.azimuth=7"}, "").find("kind = \"polar\""),
-            std::string::npos);
+  EXPECT_NE(
+      print({"--set", "frustum.kind=symmetric", "--set", "bins.azimuth=7"}, "").find("kind = \"symmetric\""),
+      std::string::npos);
   expect_refused(check(scene(kFlat), {"--set", "radar.r_max=9"}), "did you mean radar.r_max_m?");
   expect_refused(check(scene(kFlat), {"--set", "nonsense"}), "KEY=VALUE");
   expect_refused(check(scene(kFlat), {"--set"}), "--set");
@@ -188,7 +189,7 @@ TEST_F(CommandLine, TheSweepHasNoPixelsToWriteSamplesOf) {
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(
       outcome.err.find("render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
-                       "\"symmetric\", \"oblique\" or \"polar\""),
+                       "\"symmetric\" or \"oblique\""),
       std::string::npos)
       << outcome.err;
 }
@@ -239,8 +240,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"[frustum]\npixels = 99999999999999999", "allowed: integer 1 to 16384"},
         BadLine{"[frustum]\npixels = -2048", "found -2048"},
         BadLine{"[frustum]\nkind = \"symmetric\"\n[radar]\nsector_deg = 180",
-                "or frustum.kind = \"oblique\", \"polar\" or \"sweep\""},
-        BadLine{"[frustum]\nkind = \"round\"", "\"symmetric\" | \"oblique\" | \"polar\" | \"sweep\""},
+                "or frustum.kind = \"oblique\" or \"sweep\""},
+        BadLine{"[frustum]\nkind = \"round\"", "\"symmetric\" | \"oblique\" | \"sweep\""},
         BadLine{"[radar]\nfrequency_ghz = nan", "scene.toml:2: radar.frequency_ghz: found nan"},
         BadLine{"[radar]\nr_max_m = inf", "scene.toml:2: radar.r_max_m: found inf"},
         BadLine{"[antenna]\nlatitude_deg = nan", "scene.toml:2: antenna.latitude_deg: found nan"},

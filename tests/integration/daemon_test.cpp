@@ -61,7 +61,7 @@ TEST_F(DaemonTest, GetWritesTheFilesOfRenderBitForBit) {
   ASSERT_NE(daemon.address(), "") << daemon.log();
   const std::vector<std::vector<std::string>> variants = {
       {"--radar", "main"},
-      {"--radar", "nose", "--set", "frustum.kind=polar", "--set", "antenna.bearing_deg=100"},
+      {"--radar", "nose", "--set", "frustum.kind=symmetric", "--set", "antenna.bearing_deg=100"},
       {"--radar", "nose", "--set", "frustum.pixels=[40, 50]", "--set", "radar.speckle=geometric"}};
   for (const auto& variant : variants) {
     std::vector<std::string> get = {"get", "--server", daemon.address(), "--out", folder / "got"};

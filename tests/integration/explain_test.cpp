@@ -89,7 +89,7 @@ std::string flat_scene(const std::string& earth, double r_min_m, double r_max_m,
   text << "[terrain]\nsynthetic = \"flat\"\ncell_m = " << cell_m << ".0\n"
        << earth << "[antenna]\nheight_m = 1000\n"
        << "[radar]\nsector_deg = 30\nr_min_m = " << r_min_m << "\nr_max_m = " << r_max_m
-       << "\n[frustum]\nkind = \"polar\"\npixels = [256, 512]\n[bins]\nazimuth = 32\nrange = 128\n";
+       << "\n[frustum]\nkind = \"oblique\"\npixels = [256, 512]\n[bins]\nazimuth = 32\nrange = 128\n";
   return text.str();
 }
 
@@ -235,6 +235,25 @@ TEST_F(Explain, AFlatPlateIsNamedAndTheCellSizeHasNoVerdictInPower) {
   EXPECT_NE(row_named(all, "buildings").at("median_db"), "");
 }
 
+TEST_F(Explain, WhatNeedsRaysIsComparedWithObliqueOnesForASweepOrSaidNotToBe) {
+  Outcome outcome = explain(kTown, {"--set", "frustum.quality=draft"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(row_named(rows(), "speckle").at("changed_to"), "geometric, with oblique rays");
+  EXPECT_EQ(number(row_named(rows(), "speckle"), "median_db"), 0);
+  EXPECT_LT(number(row_named(rows(), "building walls"), "total_db"), -0.05);
+  EXPECT_NE(outcome.out.find("sampling noise where walls are compared"), std::string::npos);
+  // The sweep sees straight down, a camera does not.
+  outcome = explain(kTown, {"--set", "frustum.quality=draft", "--set", "radar.r_min_m=500"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* name : {"speckle", "building walls"}) {
+    EXPECT_EQ(row_named(rows(), name).at("verdict"), "not measured") << name;
+    EXPECT_NE(row_named(rows(), name).at("advice").find("radar.r_min_m: found 500"), std::string::npos)
+        << row_named(rows(), name).at("advice");
+  }
+  EXPECT_LT(number(row_named(rows(), "buildings"), "total_db"), -0.05);
+  EXPECT_EQ(outcome.out.find("sampling noise where walls are compared"), std::string::npos);
+}
+
 TEST_F(Explain, TheThresholdOfABuildingsMaterialCountsItsWalls) {
   // Roofs return what the ground does, walls the lobe of a mirror as well: R / (2 s^2) sec^5 exp(-tan^2 /
   // 2s^2) at r_max, where sin e = h / r_max: +9 dB. Level pieces alone said "not needed" against the verdict.
@@ -276,7 +295,7 @@ TEST_F(Explain, MistakesAreRefusedAsByRender) {
 TEST_F(Explain, OneOfSeveralRadarsIsExplained) {
   const std::string two =
       "[terrain]\nsynthetic = \"hills\"\ncell_m = 100.0\n"
-      "[[radar]]\nname = \"a\"\nr_min_m = 3000\nr_max_m = 6000\nfrustum.kind = \"polar\"\n"
+      "[[radar]]\nname = \"a\"\nr_min_m = 3000\nr_max_m = 6000\nfrustum.kind = \"oblique\"\n"
       "[[radar]]\nname = \"b\"\nr_min_m = 3000\nr_max_m = 6000\nsector_deg = 90\nfrustum.kind = "
       "\"symmetric\"\n"
       "antenna.longitude_deg = -99.45\n"

@@ -18,7 +18,7 @@ r_min_m = 2000.0
 r_max_m = 5000.0
 sector_deg = 60.0
 [frustum]
-kind = "polar"
+kind = "oblique"
 pixels = 32
 [bins]
 azimuth = 16

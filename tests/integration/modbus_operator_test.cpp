@@ -165,11 +165,29 @@ TEST(ModbusOperator, ARadarThatCannotBeRenderedIsInFaultUntilItIsMended) {
   EXPECT_EQ(master.input(113), 5);
   EXPECT_TRUE(master.discrete(1));
   EXPECT_FALSE(master.discrete(0));
-  EXPECT_EQ(master.write(250, {2}), 0);  // polar
+  EXPECT_EQ(master.write(250, {3}), 0);  // the sweep
   EXPECT_EQ(master.coil(2, true), 0);
   EXPECT_TRUE(master.reaches(100, 1));
   EXPECT_TRUE(master.discrete(0));
   EXPECT_EQ(master.input(113), 0);
+}
+
+TEST(ModbusOperator, AFrustumThatCannotLookIsRefusedByApply) {
+  WatchedServer s;
+  RawMaster master(s.service.port());
+  EXPECT_EQ(master.write(250, {2}), 3) << "polar, which only recordings have";
+  EXPECT_EQ(master.input(114), 250);
+  EXPECT_EQ(master.write(242, {1, 0x2CC8}), 0);  // kGainOverPlates_db in mdB: 77000
+  EXPECT_EQ(master.write(250, {3}), 0);
+  EXPECT_EQ(master.coil(2, true), 3) << "a sweep over flat plates";
+  EXPECT_EQ(master.input(113), 2);
+  EXPECT_EQ(master.input(114), 250);
+  EXPECT_EQ(master.write(242, {0, 0}), 0);
+  EXPECT_EQ(master.write(245, {1}), 0);
+  EXPECT_EQ(master.coil(2, true), 3) << "the paper's speckle of a sweep";
+  EXPECT_EQ(master.input(114), 245);
+  EXPECT_EQ(master.write(250, {1}), 0);  // with rays
+  EXPECT_EQ(master.coil(2, true), 0);
 }
 
 TEST(ModbusOperator, AConsoleThatDiesHasItsRadarFrozenUntilSomebodyUndoesIt) {

@@ -50,7 +50,7 @@ class Setpoint:
     def another(self, value):
         """A value near this one, so that what belongs together still does."""
         if self.choices:
-            return (value + 1) % len(self.choices)
+            return self.choices[(self.choices.index(value) + 1) % len(self.choices)]
         if self.type == "f32":
             return value * 1.5
         if self.type in ("i64", "u64"):

@@ -75,11 +75,16 @@ std::vector<FieldError> PatternRenderer::place(const PoseSettings& pose) const {
   return {{"height_m", std::to_string(pose.height_m), "above the ground"}};
 }
 
+std::vector<FieldError> PatternRenderer::scene_faults(const RadarSettings& settings) const {
+  if (settings.gain_db != kGainOverPlates_db || settings.frustum != FrustumKind::sweep) return {};
+  return {{"frustum.kind", "\"sweep\" with flat plates (steel)", "\"oblique\""}};
+}
+
 net::FrameRenderer::Plan PatternRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
   Plan plan;
   // Stands for what only the scene can tell, such as an oblique frustum below the terrain top.
   if (settings->settings.frustum == FrustumKind::oblique && pose.height_m < 10) {
-    plan.errors.push_back({"frustum.kind", "oblique", "polar, for an antenna so low"});
+    plan.errors.push_back({"frustum.kind", "oblique", "sweep, for an antenna so low"});
     return plan;
   }
   plan.frame = std::make_unique<PatternFrame>(settings, pose);

@@ -25,8 +25,12 @@ constexpr std::uint32_t number(wire::ErrorNumber error) { return static_cast<std
 class PatternRenderer : public net::FrameRenderer {
  public:
   std::vector<FieldError> place(const PoseSettings& pose) const override;
+  std::vector<FieldError> scene_faults(const RadarSettings& settings) const override;
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
 };
+
+/// A radar of this gain stands for one over flat plates.
+constexpr double kGainOverPlates_db = 77;
 
 /// What the pattern holds: r_max_m stands in for all settings, bearing_deg for the pose.
 double pattern_power(const RadarSettings& settings, const PoseSettings& pose, int azimuth, int range);

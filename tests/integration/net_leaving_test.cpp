@@ -216,7 +216,7 @@ TEST_F(Told, AllWatchersHearThatTheirBinsAreGoneThoughOneLeaves) {
 }
 
 TEST_F(Told, AllWatchersHearThatTheRadarCannotBeRenderedThoughOneLeaves) {
-  room.radars().note_fault(0, radar().view(), {{"frustum.kind", "oblique", "polar"}});
+  room.radars().note_fault(0, radar().view(), {{"frustum.kind", "oblique", "sweep"}});
   expect_each_told_once_and_the_first_gone();
 }
 

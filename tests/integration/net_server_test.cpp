@@ -99,6 +99,35 @@ TEST(Server, SendsOnlyThePlanesAskedFor) {
   EXPECT_TRUE(frames.frame().iq.empty());
 }
 
+TEST(Server, RefusesFrustaThatCannotLookOfSettingsAndOfSingleFrames) {
+  const TestServer server;
+  client::Client client = connect(server);
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::RadarSettings polar, speckle, plates;
+  polar.set_frustum(wire::POLAR);  // of recordings alone
+  for (wire::RadarSettings* sweep : {&speckle, &plates}) sweep->set_frustum(wire::SWEEP);
+  speckle.set_speckle(wire::GEOMETRIC_SPECKLE);
+  plates.set_gain_db(kGainOverPlates_db);
+  for (const auto& [settings, field] :
+       {std::pair{polar, "frustum.kind"}, {speckle, "radar.speckle"}, {plates, "frustum.kind"}}) {
+    wire::Ack ack;
+    wire::RenderOnce once;
+    *once.mutable_settings() = settings;
+    once.mutable_pose()->set_latitude_deg(33);
+    once.mutable_pose()->set_longitude_deg(-99.5);
+    once.mutable_pose()->set_height_m(500);
+    for (const client::Status& status :
+         {client.set_settings("main", settings, ack), client.render_once(once)}) {
+      EXPECT_EQ(status.number, number(ErrorNumber::invalid_value)) << status.sentence();
+      ASSERT_EQ(status.fields.size(), 1u) << status.sentence();
+      EXPECT_EQ(status.fields[0].field, field);
+    }
+  }
+  wire::Ack ack;
+  plates.set_frustum(wire::OBLIQUE);
+  EXPECT_TRUE(client.set_settings("main", plates, ack).ok()) << "rays can";
+}
+
 TEST(Server, SendsWedgesAsTheyAreFinished) {
   constexpr int kLastWedge = 2;
   Gate gate;
@@ -254,10 +283,10 @@ TEST(Server, ARadarThatCannotBeRenderedSaysWhyAndRecovers) {
   while (status.ok()) status = client.receive(kLong);
   ASSERT_EQ(status.outcome, Outcome::refused) << status.sentence();
   ASSERT_EQ(status.fields.size(), 1u);
-  EXPECT_EQ(status.fields[0].allowed, "polar, for an antenna so low");
+  EXPECT_EQ(status.fields[0].allowed, "sweep, for an antenna so low");
   wire::RadarInfo info;
   ASSERT_TRUE(client.get_radar("main", info).ok());
-  EXPECT_NE(info.fault().find("polar"), std::string::npos);
+  EXPECT_NE(info.fault().find("sweep"), std::string::npos);
 
   pose.set_height_m(500);
   ASSERT_TRUE(client.set_pose("main", pose, ack).ok());

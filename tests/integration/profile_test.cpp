@@ -47,7 +47,7 @@ struct Case {
 
 const Case kCases[] = {
     {"nearest", "kind = \"oblique\"\nplates = \"nearest\"\n", {"rays", "trace", "refine"}},
-    {"spread", "kind = \"polar\"\n", {"rays", "trace", "refine", "plates"}},
+    {"spread", "kind = \"symmetric\"\n", {"rays", "trace", "refine", "plates"}},
     {"sweep", "kind = \"sweep\"\n", {"ground", "buildings"}},
 };
 

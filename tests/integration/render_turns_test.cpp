@@ -107,7 +107,7 @@ constexpr int kTurns = kSide * kSide / kRaysATurn;
 
 RadarSettings small_radar() {
   RadarSettings settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::symmetric;
   settings.sector_deg = 80;
   settings.azimuth_bins = 64;
   settings.range_bins = 8;

@@ -341,6 +341,22 @@ TEST_F(RecordTest, FramesThatAreLostAreCountedAndReplayedAroundWithAnExitCodeOfT
   EXPECT_NE(help.out.find("Exit code: 0 all frames replayed"), std::string::npos) << help.out;
 }
 
+TEST_F(RecordTest, AFrustumThatMakesNoFramesAnyMoreIsReplayedPrintedAndServed) {
+  const std::string old = folder.write("old.obliq", made(2));
+  const std::string polar = "\"frustum\": \"polar\"";
+  Outcome outcome = obliq({"replay", old, "--speed", "max", "--out", folder / "files"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(text_of(folder / "files" / "frame.json").find(polar), std::string::npos);
+  Running replay({"replay", old, "--serve", "--port", "0", "--loop"}, folder / "replay.log");
+  const std::string address = replay.await(" on ");
+  ASSERT_NE(address, "") << replay.log();
+  outcome = obliq({"watch", "--server", address, "--frames", "1", "--rate", "20", "--out", folder / "seen"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(text_of(folder / "seen" / "frame.json").find(polar), std::string::npos);
+  outcome = obliq({"set", "--server", address, "--radar", "main"});
+  EXPECT_NE(outcome.out.find("frustum.kind = \"polar\""), std::string::npos) << outcome.out << outcome.err;
+}
+
 TEST_F(RecordTest, AServedRecordingThatLostFramesEndsWithThatExitCodeToo) {
   Running replay({"replay", folder.write("gap.obliq", made_with_a_gap()), "--serve", "--port", "0"},
                  folder / "replay.log");

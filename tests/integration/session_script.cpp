@@ -189,17 +189,19 @@ class Script {
     viewer.ask(subscribe, watch("main"), error);
     viewer.ask(get_radar, kMain, radar_info);
     viewer.ask(unsubscribe, kMain, ack);
-    controller.ask(set_settings, "radar: 'main' settings { frustum: POLAR }", ack);
+    controller.ask(set_settings, "radar: 'main' settings { frustum: POLAR }", error);
+    controller.ask(set_settings, "radar: 'main' settings { frustum: SYMMETRIC }", ack);
     viewer.ask(subscribe, watch("main"), frame_end);
     viewer.ask(unsubscribe, kMain, ack);
   }
 
   void single_frames(RecordedPeer& viewer) {
     viewer.ask(render_once, once("frustum: SWEEP"), frame_end);
-    viewer.ask(render_once, once("frustum: POLAR plates: NEAREST_PLATES", "iq_encoding: CI16_LE"), frame_end);
+    viewer.ask(render_once, once("frustum: SYMMETRIC plates: NEAREST_PLATES", "iq_encoding: CI16_LE"),
+               frame_end);
     viewer.ask(render_once, once("frustum: SWEEP range_normalisation: true", "compression: ZSTD"), frame_end);
     viewer.ask(render_once,
-               once("frustum: POLAR speckle_seed: 5", "planes: [IQ, COUNT] window { first_azimuth: 9 }"),
+               once("frustum: SYMMETRIC speckle_seed: 5", "planes: [IQ, COUNT] window { first_azimuth: 9 }"),
                frame_end);
     viewer.ask(render_once, "radar: 'alone'", error);
     viewer.ask(render_once, once("frustum: OBLIQUE", "", kLow), error);

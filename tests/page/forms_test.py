@@ -66,7 +66,7 @@ class Forms(unittest.TestCase):
         self.page.await_script("obliq.panes[0].info", "the radar")
         self.page.script("document.getElementById('two').click()")
         self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture")
-        self.assertEqual(self.page.script("return obliq.panes[1].source"), "frustum polar")
+        self.assertEqual(self.page.script("return obliq.panes[1].source"), "frustum oblique")
         self.assertNotIn("frustum symmetric", self.page.script("return [...obliq.panes[1].pick.options].map(({ value }) => value)"))
         self.show("panes=2", daemon.url)
         self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture of a bookmark")

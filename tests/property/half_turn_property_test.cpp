@@ -49,8 +49,8 @@ Turned turn_scenes(FrustumKind kind, PlateKind plates) {
   // Flat earth: the ellipsoid is not the same towards north and south.
   test::RandomSceneOptions options;
   options.curved = false;
-  // The polar frustum lays its rows by a median height over one post of each tile of 32 x 32 cells, counted
-  // from the south-west: only a grid of whole tiles turns into itself.
+  // What bounds the ground (SectorExtent) goes by tiles of 32 x 32 cells, counted from the south-west: only a
+  // grid of whole tiles turns into itself.
   options.square = true;
   Turned all;
   for (std::uint64_t seed = 20000; seed < 21500; ++seed) {
@@ -91,8 +91,8 @@ TEST_P(HalfTurnOfEverySource, ChangesPowerByRoundingOnly) {
   // Ranges from Embree's float distances (the named wrong version) leave 1e-7.
   EXPECT_EQ(nearest.moved, 0);
   EXPECT_EQ(nearest.other_state, 0);
-  // Spread plates end at bin edges, and the polar frustum's rows begin at one over flat ground: rounding says
-  // on which side of it the first plate ends. One bin in 1000 has one sample more or less.
+  // Spread plates end at bin edges: rounding says on which side of one a plate ends. One bin in 1000 has one
+  // sample more or less.
   const Turned spread = turn_scenes(GetParam().kind, PlateKind::spread);
   EXPECT_LE(spread.moved, spread.bins / 500);
   EXPECT_EQ(spread.other_state, 0);

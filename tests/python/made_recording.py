@@ -13,6 +13,7 @@ def begin_of(number, begin_ns, azimuths, ranges, scan_s):
     frame = begin.frame
     frame.radar, frame.frame_id, frame.wedge_azimuth_bins = "main", number + 1, DWELL
     frame.settings.azimuth_bins, frame.settings.range_bins, frame.settings.video_span_db = azimuths, ranges, 100.0
+    frame.settings.frustum = wire.POLAR  # as of old recordings: it makes no frames now
     frame.azimuth_width_deg, frame.range_start_m, frame.range_spacing_m = 360.0 / azimuths, 2000.0, 20.0
     frame.pose.latitude_deg, frame.pose.longitude_deg, frame.pose.height_m = 33.0 + number * 1e-5, -99.5, 1500.0
     frame.pose.sim_time_ns, frame.pose.pose_id = SIM_START_NS + begin_ns, number + 1

@@ -23,6 +23,8 @@ class Replayed(Folder):
     def test_its_state_is_that_of_the_recording(self):
         with obliq.connect(self.address) as server:
             state = server.replay.state()
+            self.assertEqual(server.radar().settings.frustum, "polar")
+            self.assertEqual(server.radar().frame(planes="video").settings.frustum, "polar")
         self.assertEqual((state.radar, state.position_s, state.speed), ("main", 0.0, 1.0))
         self.assertAlmostEqual(state.duration_s, 59.91, places=2)
         self.assertEqual(state.start.astype("i8"), made_recording.START_NS)

@@ -9,6 +9,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
+#include "server/scene/embree_tracer.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
@@ -47,8 +48,8 @@ RadarSettings random_settings(Dice& dice) {
   s.sector_deg = dice.one_of({1e-9, 0.05, 0.5, 8.0, 60.0, 120.0, 179.0, 360.0});
   s.r_min_m = dice.one_of({0.0, 50.0, 900.0, 2500.0});
   s.r_max_m = s.r_min_m + dice.one_of({0.5, 300.0, 6000.0, 60e3, 400e3});
-  s.frustum = dice.one_of({FrustumKind::sweep, FrustumKind::sweep, FrustumKind::polar, FrustumKind::oblique,
-                           FrustumKind::symmetric});
+  s.frustum =
+      dice.one_of({FrustumKind::sweep, FrustumKind::sweep, FrustumKind::oblique, FrustumKind::symmetric});
   s.plates = dice.one_of({PlateKind::spread, PlateKind::nearest});
   s.speckle =
       dice.one_of({SpeckleKind::ground, SpeckleKind::geometric, SpeckleKind::none, SpeckleKind::independent});
@@ -80,6 +81,7 @@ bool make_legal(RadarSettings& s, Dice& dice) {
     const RadarSettings other = random_settings(dice);
     if (attempt < 4)
       s.azimuth_bins = other.azimuth_bins, s.range_bins = other.range_bins, s.pulse = other.pulse;
+    if (s.frustum == FrustumKind::sweep && s.speckle == SpeckleKind::geometric) s.speckle = other.speckle;
     s.beam = attempt < 6 ? other.beam : BeamSettings{};
     if (attempt >= 4) s.pulse = {}, s.speckle = SpeckleKind::ground, s.scan_mode = ScanMode::frame;
   }

@@ -29,6 +29,10 @@ void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& 
   descriptor.set_frame_id(frame_id);
   descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);
   descriptor.mutable_settings()->set_range_bins(kMadeRanges);
+  descriptor.set_azimuth_width_deg(1);
+  descriptor.set_range_spacing_m(100);
+  descriptor.set_radius_factor(1);
+  descriptor.mutable_settings()->set_frustum(wire::POLAR);  // as of old recordings: it makes no frames now
   if (sim_time_ns != 0) descriptor.mutable_pose()->set_sim_time_ns(sim_time_ns);
   for (const auto& block : encoder.begin(descriptor)) add(block);
   for (int wedge = 0; wedge < (whole ? 2 : 1); ++wedge) {

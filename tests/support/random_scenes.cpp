@@ -217,10 +217,10 @@ RadarSettings random_settings(const HeightGrid& grid, const Pose& pose, double m
   const double above_m =
       pose.antenna.m.y - (std::isnan(pose.ground_y_m) ? grid.node_y_m(0, 0) : pose.ground_y_m);
   RadarSettings settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::sweep;
   settings.sector_deg =
       std::min(most_sector_deg, dice.one_of({dice.logarithmic(1, 60), 60.0, 120.0, 179.0, 200.0, 360.0}));
-  // The perspective frusta need r_min of at least the height above ground; polar and sweep take any.
+  // The perspective frusta need r_min of at least the height above ground; the sweep takes any.
   settings.r_min_m = dice.chance(0.5) ? above_m * dice.uniform(1, 1.5) : diagonal_m * dice.uniform(0, 0.2);
   settings.r_max_m = settings.r_min_m + diagonal_m * dice.uniform(0.3, 1.2);
   settings.azimuth_bins = dice.one_of({1, 3, 8, 12, 17});

@@ -51,7 +51,7 @@ struct RandomSceneOptions {
 };
 
 /// A world, an antenna in it that place_antenna() would accept, and settings with few bins and pixels. The
-/// frustum is polar, which any pose allows; plan_frame() says whether another kind fits.
+/// frustum is the sweep, which any pose allows; plan_frame() says whether another kind fits.
 ///
 /// Ground: flat, white noise, terraces, ridges, a cliff, spikes, smooth hills; with voids; with or without
 /// curvature. Prisms: rectangles at any angle, needles, courtyards, overlapping, nested, tiny (down to 10 cm)

@@ -32,7 +32,7 @@ inline Rendered rendered(const std::shared_ptr<const Scene>& scene, const RadarS
   Rendered result;
   const PlanResult planned = plan_frame(scene, snapshot(s), pose);
   if (!planned.plan) {
-    EXPECT_TRUE(sampling.perspective()) << planned.errors.front().text();
+    EXPECT_TRUE(sampling.rays()) << planned.errors.front().text();
     EXPECT_FALSE(planned.errors.front().allowed.empty());
     result.refused = true;
     return result;

@@ -10,9 +10,8 @@ struct Sampling {
   FrustumKind frustum;
   PlateKind plates = PlateKind::spread;  ///< rays only
 
-  bool perspective() const { return frustum == FrustumKind::symmetric || frustum == FrustumKind::oblique; }
   /// Casts one ray a pixel, laid out whatever the bins and the buildings are.
-  bool rays() const { return perspective() || frustum == FrustumKind::polar; }
+  bool rays() const { return frustum != FrustumKind::sweep; }
   /// Then every hit is one sample, exactly where the ray met the surface.
   bool one_sample_a_ray() const { return rays() && plates == PlateKind::nearest; }
 };
@@ -20,11 +19,9 @@ struct Sampling {
 inline constexpr Sampling kSamplings[] = {
     {"symmetric", FrustumKind::symmetric},
     {"oblique", FrustumKind::oblique},
-    {"polar", FrustumKind::polar},
     {"sweep", FrustumKind::sweep},
     {"symmetric, nearest bin", FrustumKind::symmetric, PlateKind::nearest},
     {"oblique, nearest bin", FrustumKind::oblique, PlateKind::nearest},
-    {"polar, nearest bin", FrustumKind::polar, PlateKind::nearest},
 };
 
 /// The settings with one way of sampling.

@@ -17,7 +17,6 @@ struct NamedSource {
 inline constexpr NamedSource kEverySource[] = {
     {FrustumKind::symmetric, "symmetric"},
     {FrustumKind::oblique, "oblique"},
-    {FrustumKind::polar, "polar"},
     {FrustumKind::sweep, "sweep"},
 };
 

@@ -29,7 +29,7 @@ TEST(SamplingCases, ThePapersSettingIsAlwaysThereAndEachOnce) {
   EXPECT_TRUE(std::ranges::is_sorted(cases, {}, &SamplingCase::cell_m));
 }
 
-TEST(SamplingCases, PolarAndSweepFollowTheBins) {
+TEST(SamplingCases, TheSweepsFollowTheBins) {
   FrontierRange range;
   range.cells_m = {30};
   const auto cases = frontier_cases(few_bins(), range);
@@ -38,7 +38,7 @@ TEST(SamplingCases, PolarAndSweepFollowTheBins) {
       return c.kind == kind && c.columns == columns && c.rows == rows;
     });
   };
-  EXPECT_TRUE(has(FrustumKind::polar, 400, 100));  // 4 x 100 columns, 2 x 50 rows
+  EXPECT_TRUE(has(FrustumKind::sweep, 800, 0));
   EXPECT_TRUE(has(FrustumKind::sweep, 200, 0));
   RadarSettings many = few_bins();
   many.azimuth_bins = 8192;
@@ -52,6 +52,15 @@ TEST(SamplingCases, ASamplingBecomesSettings) {
   EXPECT_EQ(s.pixel_columns, 2048);
   EXPECT_EQ(s.pixel_rows, 2048);
   EXPECT_EQ(s.azimuth_bins, 100);
+}
+
+TEST(SamplingCases, TheSweepsAreOfRadarsWithAnySpeckle) {
+  RadarSettings s = few_bins();
+  s.speckle = SpeckleKind::geometric;
+  EXPECT_EQ(with_sampling(s, paper_sampling(30)).speckle, SpeckleKind::geometric);
+  SamplingCase sweep = paper_sampling(30);
+  sweep.kind = FrustumKind::sweep;
+  EXPECT_TRUE(sampling_faults(with_sampling(s, sweep)).empty());
 }
 
 TEST(ChosenAzimuths, AreWholeWedgesSpreadOverTheSector) {
@@ -126,7 +135,7 @@ TEST(TruthSearch, RaisesThePlanesUntilATenthOfTheErrorIsHeld) {
   spec.terrain.shape.height_m = 300;
   const auto scene = test::make_scene(load_world(spec));
   RadarSettings settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::sweep;
   settings.sector_deg = 90;
   settings.r_min_m = 500;
   settings.r_max_m = 2500;

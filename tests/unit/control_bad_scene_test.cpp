@@ -130,10 +130,26 @@ TEST_F(BadSceneFile, ImpossibleRadarsAreRefused) {
   EXPECT_SAYS(radar("[frustum]\npixels = [2048, 0]"), "frustum.pixel_rows: found 0");
   EXPECT_SAYS(radar("[bins]\nrange = 0"), "integer 1 to 8192");
   const std::string symmetric = radar("[frustum]\nkind = \"symmetric\"\n[radar]\nsector_deg = 180");
-  EXPECT_SAYS(symmetric, "\"oblique\", \"polar\" or \"sweep\"");
+  EXPECT_SAYS(symmetric, "\"oblique\" or \"sweep\"");
   EXPECT_SAYS(radar("[antenna]\nheight_reference = \"ellipsoid\""),
               "antenna.geoid_undulation_m: found nothing");
   EXPECT_EQ(radar("[antenna]\nheight_reference = \"ellipsoid\"\ngeoid_undulation_m = 0"), "accepted");
+}
+
+TEST_F(BadSceneFile, WhatTheSweepCannotDoIsRefusedWithItsRemedy) {
+  const auto radar = [&](const std::string& lines) { return complaint(lines + "\n" + kFlat); };
+  EXPECT_SAYS(radar("[frustum]\nkind = \"polar\""),
+              "FILE:2: frustum.kind: found \"polar\", which only recordings have; allowed: \"symmetric\" | "
+              "\"oblique\" | \"sweep\"");
+  EXPECT_SAYS(radar("[radar]\nspeckle = \"geometric\""),
+              "FILE:2: radar.speckle: found \"geometric\" with frustum.kind = \"sweep\"");
+  EXPECT_EQ(radar("[radar]\nspeckle = \"geometric\"\n[frustum]\nkind = \"oblique\""), "accepted");
+  const std::string plates = "[materials.steel]\nmodel = \"flat_plate\"\n";
+  EXPECT_EQ(radar(plates), "accepted") << "nothing is made of it";
+  EXPECT_SAYS(radar("[frustum]\nquality = \"draft\"\n[[prisms]]\nmaterial = \"steel\"\n" + plates),
+              "FILE:2: frustum.kind: found \"sweep\" with flat plates (steel); allowed: \"oblique\" or");
+  EXPECT_SAYS(radar("[materials.terrain]\nmodel = \"flat_plate\""), "with flat plates (terrain)");
+  EXPECT_EQ(radar("[frustum]\nquality = \"paper\"\n[[prisms]]\nmaterial = \"steel\"\n" + plates), "accepted");
 }
 
 TEST_F(BadSceneFile, TerrainIsNeededAndOnlyOne) {

@@ -129,11 +129,12 @@ latitude_deg = 32.987654321
 longitude_deg = -99.123456789
 [[radar]]
 name = "one"
+frustum = { kind = "oblique" }
 [[radar]]
 name = "two"
 frequency_ghz = 0.435
 antenna.height_reference = "ground"
-frustum = { kind = "polar", pixels = [100, 200] }
+frustum = { kind = "symmetric", pixels = [100, 200] }
 [run]
 threads = 2
 [server]

@@ -49,7 +49,7 @@ TEST_F(Quality, PixelsOrPlatesAloneMeanTheObliqueFrustumAndThatIsSaid) {
         << config.notes[0];
   }
   EXPECT_EQ(read(kFlat, {"frustum.pixels=300"}).radars[0].settings.frustum, FrustumKind::oblique);
-  EXPECT_EQ(read(std::string(kFlat) + "[frustum]\nkind = \"polar\"\n").notes.size(), 0u);
+  EXPECT_EQ(read(std::string(kFlat) + "[frustum]\nkind = \"symmetric\"\n").notes.size(), 0u);
   EXPECT_EQ(read(std::string(kFlat) + "[frustum]\npixels = 300\n", {"frustum.quality=draft"}).notes.size(),
             0u);
 }
@@ -71,7 +71,7 @@ TEST_F(Quality, ObliqueIsToFindItsPixelsUnlessTheyAreNamed) {
   EXPECT_TRUE(radar.finds_pixels);
   EXPECT_FALSE(read(std::string(kFlat) + quality + "pixels = 300\n").radars[0].finds_pixels);
   EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.pixels=300"}).radars[0].finds_pixels);
-  EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.kind=polar"}).radars[0].finds_pixels);
+  EXPECT_FALSE(read(std::string(kFlat) + quality, {"frustum.kind=symmetric"}).radars[0].finds_pixels);
   EXPECT_TRUE(read(kFlat, {"frustum.quality=oblique"}).radars[0].finds_pixels);
   EXPECT_FALSE(
       read(std::string(kFlat) + quality + "[[radar]]\nfrustum.pixels = 300\n").radars[0].finds_pixels);
@@ -109,13 +109,13 @@ TEST_F(Quality, EachRadarHasTheBinsOfItsOwn) {
 
 TEST_F(Quality, KeysOfTheSameLayerWin) {
   const RadarSettings file =
-      settings("[frustum]\nkind = \"polar\"\nquality = \"draft\"\npixels = [30, 20]\n");
-  EXPECT_EQ(file.frustum, FrustumKind::polar);
+      settings("[frustum]\nkind = \"symmetric\"\nquality = \"draft\"\npixels = [30, 20]\n");
+  EXPECT_EQ(file.frustum, FrustumKind::symmetric);
   EXPECT_EQ(file.pixel_columns, 30);
   EXPECT_EQ(file.pixel_rows, 20);
-  for (const auto& flags : {std::vector<std::string>{"frustum.quality=draft", "frustum.kind=polar"},
-                            std::vector<std::string>{"frustum.kind=polar", "frustum.quality=draft"}})
-    EXPECT_EQ(settings("", flags).frustum, FrustumKind::polar) << flags[0];
+  for (const auto& flags : {std::vector<std::string>{"frustum.quality=draft", "frustum.kind=symmetric"},
+                            std::vector<std::string>{"frustum.kind=symmetric", "frustum.quality=draft"}})
+    EXPECT_EQ(settings("", flags).frustum, FrustumKind::symmetric) << flags[0];
 }
 
 TEST_F(Quality, ALaterLayerWinsOverTheKeysOfAnEarlierOne) {

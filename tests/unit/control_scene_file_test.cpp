@@ -117,13 +117,13 @@ TEST_F(SceneFile, FlagsBeatEnvironmentBeatFileBeatDefaults) {
   const std::string text = std::string(kFlat) + "[radar]\nr_max_m = 1e4\nr_min_m = 100\n";
   EXPECT_EQ(read(text).radars[0].settings.r_max_m, 1e4);
   setenv("OBLIQ_RADAR_R_MAX_M", "20000", 1);
-  setenv("OBLIQ_FRUSTUM_KIND", "polar", 1);
+  setenv("OBLIQ_FRUSTUM_KIND", "symmetric", 1);
   const SceneConfig by_environment = read(text);
   const SceneConfig by_flag = read(text, {"radar.r_max_m=25000", "radar.r_max_m=30000"});
   unsetenv("OBLIQ_RADAR_R_MAX_M");
   unsetenv("OBLIQ_FRUSTUM_KIND");
   EXPECT_EQ(by_environment.radars[0].settings.r_max_m, 20000);
-  EXPECT_EQ(by_environment.radars[0].settings.frustum, FrustumKind::polar);
+  EXPECT_EQ(by_environment.radars[0].settings.frustum, FrustumKind::symmetric);
   EXPECT_EQ(by_environment.radars[0].settings.r_min_m, 100);
   EXPECT_EQ(by_flag.radars[0].settings.r_max_m, 30000);  // the later flag wins
 }

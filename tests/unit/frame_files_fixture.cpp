@@ -23,7 +23,7 @@ void FrameFilesTest::SetUp() {
   folder_ = fs::path(testing::TempDir()) /
             ("obliq_files_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
   fs::remove_all(folder_);
-  settings_.frustum = FrustumKind::polar;
+  settings_.frustum = FrustumKind::symmetric;
   settings_.r_min_m = 1500;
   settings_.r_max_m = 9000;
   settings_.pixel_columns = 90;

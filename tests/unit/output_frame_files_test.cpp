@@ -71,7 +71,7 @@ TEST_F(FrameFilesTest, FrameJsonNamesEveryParameterAndTheBinEdges) {
   EXPECT_EQ(json["range_edges_m"].size(), 34u);
   EXPECT_DOUBLE_EQ(json["range_edges_m"][33], 9000);
   EXPECT_DOUBLE_EQ(json["azimuth_edges_deg"][0], 40 - 60);
-  EXPECT_EQ(json["frame"]["settings"]["frustum"], "polar");
+  EXPECT_EQ(json["frame"]["settings"]["frustum"], "symmetric");
   EXPECT_TRUE(json["frame"]["radius_factor"].is_null()) << "JSON has no infinity, and a text is no number";
   EXPECT_EQ(json["planes"], nlohmann::json({"iq", "power", "count", "state"}));
   EXPECT_NE(json["notes"]["range_edges_m"].get<std::string>().find("slant"), std::string::npos);
@@ -122,7 +122,7 @@ TEST_F(FrameFilesTest, OpenExrTexturesHoldDoubleRangesInTwoChannels) {
   buffer.insert("material", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(material.data()), 4, 4 * 90));
   file.setFrameBuffer(buffer);
   file.readPixels(0, 69);
-  ASSERT_GT(textures.ranges.size(), 4000u);
+  ASSERT_GT(textures.ranges.size(), 3500u);
   for (std::uint32_t pixel = 0; pixel < 90 * 70; ++pixel) {
     const auto found = textures.ranges.find(pixel);
     if (found == textures.ranges.end()) {

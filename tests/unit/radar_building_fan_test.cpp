@@ -30,9 +30,9 @@ std::shared_ptr<const Scene> houses_all_around() {
 std::shared_ptr<const FramePlan> plan_of(const std::shared_ptr<const Scene>& scene, double sector_deg,
                                          int azimuth_bins, double bearing_deg) {
   RadarSettings s;
-  s.frustum = FrustumKind::polar;
+  s.frustum = FrustumKind::oblique;
   s.sector_deg = sector_deg;
-  s.r_min_m = 0;
+  s.r_min_m = 100;
   s.r_max_m = 6000;
   s.azimuth_bins = azimuth_bins;
   s.range_bins = 64;

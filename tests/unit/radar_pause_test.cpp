@@ -111,11 +111,11 @@ TEST(ABatch, LooksAtABoundedNumberOfPixelsThatNeedNoRay) {
   settings.azimuth_bins = 1;
   settings.r_min_m = 5990;  // a thin ring: hardly any pixel lies in it
   settings.pixel_columns = settings.pixel_rows = 512;
-  EXPECT_GE(batches_of(*plan_of(settings)), 512 * 512 / RaySource::kMostPixels);
+  EXPECT_GE(batches_of(*plan_of(settings)), 512 * 512 / PerspectiveRays::kMostPixels);
 }
 
 TEST(ABatch, EndsThoughItsRaysMeetNothing) {
-  RadarSettings settings = small_frame(FrustumKind::polar);
+  RadarSettings settings = small_frame(FrustumKind::oblique);
   settings.azimuth_bins = 1;
   settings.r_min_m = 2300;  // and the ground that is known ends soon after
   const auto scene = make_scene(load_world(synthetic_spec(SyntheticKind::hills, 2000, 100)));

@@ -42,7 +42,6 @@ TEST_F(PlanTest, ObliqueBelowTheTerrainTopNamesTheSweep) {
       << result.errors[0].found;
   EXPECT_NE(result.errors[0].allowed.find("frustum.quality = \"standard\", the sweep"), std::string::npos);
   EXPECT_TRUE(plan_frame(scene_, test::snapshot(settings(FrustumKind::sweep)), pose).plan);
-  EXPECT_TRUE(plan_frame(scene_, test::snapshot(settings(FrustumKind::polar)), pose).plan);
 }
 
 TEST_F(PlanTest, NearestRangeBelowTheHeightAboveGroundIsRefusedForCamerasOnlyAndEqualityIsLegal) {
@@ -56,7 +55,7 @@ TEST_F(PlanTest, NearestRangeBelowTheHeightAboveGroundIsRefusedForCamerasOnlyAnd
     EXPECT_EQ(result.errors[0].field, "radar.r_min_m");
     EXPECT_NE(result.errors[0].allowed.find("1000.00 m"), std::string::npos) << result.errors[0].allowed;
   }
-  RadarSettings s = settings(FrustumKind::polar);
+  RadarSettings s = settings(FrustumKind::sweep);
   s.r_min_m = 10;
   EXPECT_TRUE(plan_frame(scene_, test::snapshot(s), pose).plan);
 }
@@ -143,8 +142,7 @@ TEST_F(PlanTest, AFrameFarFromAllGroundIsEmptyAndSaysSo) {
   place.longitude_deg = -99.5;
   std::vector<FieldError> errors;
   const Pose pose = *place_antenna(scene_->world(), place, errors);
-  for (FrustumKind kind :
-       {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
+  for (FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep}) {
     const Frame frame = render(scene_, test::snapshot(settings(kind)), pose, {0, 32});
     EXPECT_EQ(frame.stats.rays, 0u);
     EXPECT_EQ(frame.stats.samples, 0u);
@@ -161,7 +159,7 @@ TEST_F(PlanTest, ARoofWithinReachIsSeenThoughAllGroundIsTooFar) {
   ASSERT_EQ(stand_outline(world, shaper, outline, {250, 1, 7}), 1u);
   const auto scene = test::make_scene(std::move(world));
   RadarSettings settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::sweep;
   settings.r_min_m = 20;
   settings.r_max_m = 200;
   settings.azimuth_bins = settings.range_bins = 32;
@@ -171,6 +169,39 @@ TEST_F(PlanTest, ARoofWithinReachIsSeenThoughAllGroundIsTooFar) {
   ASSERT_TRUE(planned.plan);
   EXPECT_TRUE(planned.plan->extent().any);
   EXPECT_GT(render(scene, test::snapshot(settings), pose, {0, 32}).stats.samples, 100u);
+}
+
+TEST_F(PlanTest, WhatNeedsRaysAndWhatOnlyRecordingsHaveIsRefusedByName) {
+  const Pose pose = test::pose_over_origin(scene_->world(), 1000);
+  const auto refused = [&](const std::shared_ptr<const Scene>& scene, const RadarSettings& s) {
+    const PlanResult result = plan_frame(scene, test::snapshot(s), pose);
+    EXPECT_EQ(result.plan == nullptr, !result.errors.empty());
+    return all_text(result.errors);
+  };
+  EXPECT_EQ(
+      refused(scene_, settings(FrustumKind::polar)),
+      "frustum.kind: found \"polar\", which only recordings have; allowed: \"symmetric\" | \"oblique\" | "
+      "\"sweep\"");
+  RadarSettings s = settings(FrustumKind::sweep);
+  s.speckle = SpeckleKind::geometric;
+  EXPECT_NE(refused(scene_, s).find("radar.speckle: found \"geometric\""), std::string::npos);
+  s.frustum = FrustumKind::oblique;
+  EXPECT_EQ(refused(scene_, s), "");
+  // Range bins below a metre are not refused.
+  s = settings(FrustumKind::sweep);
+  s.r_max_m = 1010;
+  EXPECT_EQ(refused(scene_, s), "");
+  std::vector<Material> materials = test::two_materials();
+  materials[1].name = "steel";
+  materials[1].model = ScatteringModel::flat_plate;
+  const auto scene = [&] {
+    return test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 12000, 200)), materials);
+  };
+  EXPECT_NE(refused(scene(), settings(FrustumKind::sweep)).find("found \"sweep\" with flat plates (steel)"),
+            std::string::npos);
+  EXPECT_EQ(refused(scene(), settings(FrustumKind::oblique)), "");
+  materials[1].used = false;
+  EXPECT_EQ(refused(scene(), settings(FrustumKind::sweep)), "");
 }
 
 TEST_F(PlanTest, SymmetricSectorWithACornerBehindTheCameraIsRefused) {
@@ -195,7 +226,7 @@ TEST_F(PlanTest, TheNarrowestSectorsSortBuildingsWithoutOverflow) {
   ASSERT_GT(scene->world().buildings.list.size(), 100u);
   const Pose pose = test::pose_over_origin(scene->world(), 900);
   for (double sector_deg : {1e-3, 1e-9, 1e-300, 5e-324}) {
-    RadarSettings s = settings(FrustumKind::polar);
+    RadarSettings s = settings(FrustumKind::sweep);
     s.sector_deg = sector_deg;
     s.azimuth_bins = 4096;
     const PlanResult result = plan_frame(scene, test::snapshot(s), pose);

@@ -71,9 +71,9 @@ TEST_P(AWedge, EndsInItsMiddleWhenItIsToldToStop) {
 INSTANTIATE_TEST_SUITE_P(EverySource, AWedge, testing::ValuesIn(kEverySource),
                          source_name<testing::TestParamInfo<NamedSource>>);
 
-TEST(WedgeMemory, OfHostilePolarFramesIsSmallAndGrowsWithWhatABinNeeds) {
+TEST(WedgeMemory, OfHostileFramesIsSmallAndGrowsWithWhatABinNeeds) {
   // 16384 x 16384 pixels in one bin took 7 GB.
-  RadarSettings settings = one_bin(FrustumKind::polar, 16384);
+  RadarSettings settings = one_bin(FrustumKind::oblique, 16384);
   EXPECT_LT(wedge_bytes(settings), 100'000'000);
   // Millions of scatterers in each of few azimuth bins cannot be had for less.
   settings.azimuth_bins = 8;

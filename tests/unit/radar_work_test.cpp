@@ -51,7 +51,7 @@ TEST(AFrame, AsksAfterAMillionUnitsOfWorkAtMostWhateverItsSettings) {
 /// 16,384 columns of 8 degrees are 737,280 all the way round, and pixels have numbers of 32 bits.
 TEST(AFrame, WhoseBeamWidensItToMorePixelsThanHaveNumbersIsRefused) {
   RadarSettings settings;
-  settings.frustum = FrustumKind::polar;
+  settings.frustum = FrustumKind::oblique;
   settings.sector_deg = 8;
   settings.azimuth_bins = 1;
   settings.pixel_columns = 16384;

@@ -30,7 +30,7 @@ TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
 TEST(SceneRenderer, BareGroundNeedsNoRayTracer) {
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)));
   const net::SceneRenderer renderer(scene, "flat");
-  for (const FrustumKind kind : {FrustumKind::oblique, FrustumKind::symmetric, FrustumKind::polar})
+  for (const FrustumKind kind : {FrustumKind::oblique, FrustumKind::symmetric})
     EXPECT_TRUE(renderer.plan(test::small_settings(kind), test::settings_over_origin(2000)).frame);
   EXPECT_EQ(scene->built_tracer(), nullptr);
 }

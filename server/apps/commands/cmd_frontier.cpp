@@ -25,16 +25,13 @@ struct FrontierArguments {
 /// A few samplings over the scene's own cells, compared on a few azimuths; options of their own win.
 void make_quick(const CLI::App& command, FrontierOptions& options) {
   if (command.count("--pixels") == 0) options.range.pixels = {1024, 2048};
-  options.range.per_azimuth = {1, 2};
-  options.range.per_range = {0.5};
   options.range.sweeps = {1, 2, 4};
   if (command.count("--sub-columns") == 0) options.range.sub_columns = {64};
   options.scene_cell_only = true;
   if (command.count("--azimuths") == 0) options.azimuths = 64;
 }
 
-constexpr FrustumKind kKinds[] = {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar,
-                                  FrustumKind::sweep};
+constexpr FrustumKind kKinds[] = {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep};
 
 }  // namespace
 
@@ -64,7 +61,7 @@ void add_frontier(CLI::App& app) {
       ->check(CLI::IsMember({"truth", "reference"}));
   command->add_option("--kinds", arguments->kinds, "Frusta to measure; without: all")
       ->delimiter(',')
-      ->check(CLI::IsMember({"symmetric", "oblique", "polar", "sweep"}));
+      ->check(CLI::IsMember({"symmetric", "oblique", "sweep"}));
   command
       ->add_option("--pixels", options.range.pixels, "Sides of the symmetric and oblique frusta's pictures")
       ->delimiter(',')

@@ -76,16 +76,6 @@ void print_camera(const FramePlan& plan) {
   std::printf("\n");
 }
 
-void print_polar(const FramePlan& plan) {
-  const PolarRows& rows = plan.polar();
-  const auto n = rows.ray.size();
-  if (n == 0) return;
-  std::printf("  %d rows even in slant range at the median height, %zu even in elevation above them\n",
-              rows.ground_rows, n - static_cast<std::size_t>(rows.ground_rows));
-  std::printf("  elevations %.4f to %.4f deg, %.4g deg a column\n", rows.edge_rad.front() / kDegree_rad,
-              rows.edge_rad.back() / kDegree_rad, plan.settings().sector_deg / plan.settings().pixel_columns);
-}
-
 void print_sweep(const FramePlan& plan) {
   const RadarSettings& s = plan.settings();
   const int columns = sweep_columns_per_bin(s) * s.azimuth_bins;
@@ -102,8 +92,7 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
   const auto scene = std::make_shared<const Scene>(world, config.materials, config.threads);
   const Pose pose = place_radar(*world, radar);
   bool first = true;
-  for (const FrustumKind kind :
-       {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::polar, FrustumKind::sweep}) {
+  for (const FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep}) {
     RadarSettings settings = radar.settings;
     settings.frustum = kind;
     const std::string name = frustum_name(kind);
@@ -129,10 +118,7 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
       continue;
     }
     std::printf("%s, %d x %d pixels\n", name.c_str(), settings.pixel_columns, settings.pixel_rows);
-    if (kind == FrustumKind::polar)
-      print_polar(plan);
-    else
-      print_camera(plan);
+    print_camera(plan);
   }
 }
 

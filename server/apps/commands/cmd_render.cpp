@@ -83,7 +83,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   if (arguments.samples && radar.settings.frustum == FrustumKind::sweep)
     throw InputError(
         "render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
-        "\"symmetric\", \"oblique\" or \"polar\"");
+        "\"symmetric\" or \"oblique\"");
   if (arguments.samples && needs_echo_plan(radar.settings))
     throw InputError(
         "render: --samples: found a beam, a pulse or drawn speckle, whose bins have no pixels of their own; "

@@ -21,7 +21,7 @@ constexpr std::array kRows{
     Flight::row<&FlightConfig::max_megaposts>(
         "flight.max_megaposts", "million", above(0, 268),
         "Most posts of terrain to load while serving; they take 32 MB of memory per million, or 5 "
-        "MB where every frustum is polar or a sweep."),
+        "MB where every frustum is a sweep."),
 };
 
 }  // namespace

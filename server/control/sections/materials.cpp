@@ -113,6 +113,20 @@ void read_materials(SceneReading& scene) {
   });
 }
 
+void mark_used_materials(SceneConfig& config) {
+  for (Material& material : config.materials) material.used = false;
+  const auto use = [&config](std::uint8_t id) { config.materials.at(id).used = true; };
+  const WorldSpec& world = config.world;
+  use(0);  // ground that nothing else claims
+  if (world.terrain.water_material) use(*world.terrain.water_material);
+  for (const BuildingSourceSpec& buildings : world.buildings) use(buildings.material);
+  for (const PrismSpec& prisms : world.prisms) use(prisms.material);
+  for (const SurfaceSpec& surface : world.surfaces) {
+    if (surface.scheme.empty()) use(surface.material);
+    for (const auto& [value, id] : surface.scheme_materials) use(id);
+  }
+}
+
 std::string printed_materials(const SceneConfig& config) {
   std::string text;
   for (const Material& m : config.materials)

@@ -31,6 +31,8 @@ std::span<const Row<MaterialKeys>> material_rows();
 
 /// [materials.*]; before the sections that name materials.
 void read_materials(SceneReading& scene);
+/// Finds out which are used, when all that names them has been read.
+void mark_used_materials(SceneConfig& config);
 std::string printed_materials(const SceneConfig& config);
 
 double from_db(double decibel);

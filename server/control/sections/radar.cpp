@@ -15,7 +15,7 @@ namespace {
 
 // The lists follow their enumerations.
 constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
-                                   Choice{"polar", "POLAR"}, Choice{"sweep", "SWEEP"}};
+                                   Choice{"polar", "POLAR", true}, Choice{"sweep", "SWEEP"}};
 constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
 constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
                                    Choice{"geometric", "GEOMETRIC_SPECKLE"}, Choice{"none", "NONE_SPECKLE"},
@@ -88,15 +88,15 @@ const std::array kParameters{
                                              "Multiply amplitudes by range squared; phases stay."),
     row<&RadarSettings::speckle>(
         "radar.speckle", "", kSpeckleKinds, "speckle", {245, u16},
-        "Speckle fixed to the ground; the paper's, from the ranges of the samples; none; or drawn anew for "
-        "each "
-        "azimuth bin. auto: independent where an antenna with a beam scans, else ground."),
+        "Speckle fixed to the ground; the paper's, from the ranges of rays, so not with the sweep; none; or "
+        "drawn anew for each azimuth bin. auto: independent where an antenna with a beam scans, else "
+        "ground."),
     row<&RadarSettings::speckle_seed>("radar.speckle_seed", "", kAny, "speckle_seed", {246, i64},
                                       "Each seed gives another speckle pattern on the same ground."),
     row<&RadarSettings::frustum>(
         "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
-        "How the ground is sampled: rays through pixels in one of three layouts, or vertical planes "
-        "without rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
+        "How the ground is sampled: rays through the pixels of a camera, or vertical planes without "
+        "rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
         "\"standard\")."),
     row<&RadarSettings::plates>(
         "frustum.plates", "", kPlateKinds, "plates", {251, u16},
@@ -287,7 +287,10 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
 
   radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
-  for (const FieldError& error : validate(radar.config)) {
+  std::vector<FieldError> errors = validate(radar.config);
+  for (FieldError& error : flat_plate_faults(radar.config.settings, scene.config.materials))
+    errors.push_back(std::move(error));
+  for (const FieldError& error : errors) {
     const auto at = radar.set_at.find(error.field);
     scene.complaints.add(at != radar.set_at.end() ? at->second : table.where, error);
   }

@@ -101,7 +101,8 @@ export class Field {
     if (type === "boolean") return value ? "on" : "off";
     if (type === "choice") {
       const name = String(value ?? "");
-      return limits.one_of.find((w) => name === w.toUpperCase() || name.startsWith(`${w.toUpperCase()}_`)) ?? "";
+      const words = [...limits.one_of, ...(limits.retired ?? [])]; // of recordings
+      return words.find((w) => name === w.toUpperCase() || name.startsWith(`${w.toUpperCase()}_`)) ?? "";
     }
     return value === undefined ? "0" : String(type === "integer" ? value : Number(Number(value).toPrecision(12)));
   }

@@ -2,7 +2,7 @@
 
 import { number } from "./messages.js";
 
-const FRUSTA = ["sweep", "oblique", "symmetric", "polar"];
+const FRUSTA = ["sweep", "oblique", "symmetric"];
 const HALF_TURN_DEG = 180; // a symmetric frustum sees less
 
 /** @typedef {import("./main.js").App} App */
@@ -21,7 +21,7 @@ export function otherSource(app) {
   const other = radars.find((radar) => radar !== app.panes[0].radar);
   if (other) return `radar ${other}`;
   const own = String(app.panes[0].info?.settings?.frustum ?? "").toLowerCase();
-  const allowed = isWide(app) ? ["polar", "sweep"] : ["oblique", "symmetric"];
+  const allowed = isWide(app) ? ["oblique", "sweep"] : ["oblique", "symmetric"];
   return rendersNothing ? "" : `frustum ${allowed.find((one) => one !== own)}`;
 }
 

@@ -34,9 +34,7 @@ struct Sector {
   }
   /// Sine and cosine of the world angle at an offset.
   SinCos world_bearing(double offset_rad) const {
-    return world_bearing(sincos_turns(offset_rad / (2 * std::numbers::pi)));
-  }
-  SinCos world_bearing(SinCos offset) const {
+    const SinCos offset = sincos_turns(offset_rad / (2 * std::numbers::pi));
     const glm::dvec3 ahead = world_from_antenna(offset.sin, 0, offset.cos);
     return {ahead.x, ahead.z};
   }

@@ -162,8 +162,7 @@ class MarchedCells {
 };
 
 /// Puts a profile where a walk stands.
-template <typename Walk>
-void stand_at(WalkingProfiles& profiles, std::size_t lane, const Walk& walk) {
+inline void stand_at(WalkingProfiles& profiles, std::size_t lane, const GroundWalk& walk) {
   profiles.d_m[lane] = walk.at_m();
   profiles.i[lane] = walk.cell_i();
   profiles.j[lane] = walk.cell_j();

@@ -18,12 +18,6 @@ void LineOfSight::cut_roofs(double from_m) {
   entered_ = step_ < steps_.size() && steps_[step_].near_m < from_m;
 }
 
-const RoofSpan* LineOfSight::next_roof() const {
-  const auto ahead = std::find_if(steps_.begin() + static_cast<std::ptrdiff_t>(step_), steps_.end(),
-                                  [&](const RoofSpan& step) { return step.far_m > walk_.at_m(); });
-  return ahead == steps_.end() ? nullptr : &*ahead;
-}
-
 bool LineOfSight::covers(const RoofSpan& span) const {
   return std::any_of(spans_.begin(), spans_.end(), [&](const RoofSpan& other) {
     return other.building != span.building && other.roof_y_m >= span.roof_y_m &&

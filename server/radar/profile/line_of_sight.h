@@ -68,15 +68,10 @@ class LineOfSight {
   const Horizon<double>& horizon() const { return horizon_; }
   const std::vector<RoofSpan>& spans() const { return spans_; }
   double at_m() const { return walk_.at_m(); }
-  int cell_i() const { return walk_.cell_i(); }
-  int cell_j() const { return walk_.cell_j(); }
   bool done() const { return walk_.done(); }
   /// Nothing of a building can be seen or casts its shadow any more: the terrain has risen above the horizon
   /// that the last roof set, and no roof is ahead.
   bool out_of_shadow() const { return step_ == steps_.size() && !horizon_.building; }
-
-  /// The first roof that does not end before at_m(), or nothing.
-  const RoofSpan* next_roof() const;
 
   /// More footprints that the profile crosses, all beyond at_m().
   void add(const std::vector<RoofSpan>& spans) {

@@ -231,8 +231,8 @@ void LocalSurface::add_flat_roof(const RoofSpan& roof, double d0, double d1) {
   segment.material = world_.buildings.list[roof.building].material;
 }
 
-double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-                std::vector<SurfaceSegment>& visible) {
+void walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
+              std::vector<SurfaceSegment>& visible) {
   WalkedCells walked;
   // Whatever lies nearer than the hit is lower in elevation, or it would hide the hit: the running horizon
   // passes over it, and the whole first cell may be looked at.
@@ -240,7 +240,7 @@ double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, 
   int unseen = 0;
   LocalSurface::Cell cell = surface.cell_at(from.d_m - kTouching_m);
   for (; surface.known(cell) && unseen <= kLook_cells; cell = surface.next_out(cell)) {
-    if (cell.from_m > to_d_m + kTouching_m) return to_slope;
+    if (cell.from_m > to_d_m + kTouching_m) return;
     walked.one_more();
     ++unseen;
     for (const SurfaceSegment& segment : surface.segments(cell)) {
@@ -251,10 +251,9 @@ double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, 
       if (high > low) visible.push_back(segment.between_slopes(low, high));
       horizon = std::max(horizon, high);
       unseen = 0;
-      if (horizon >= to_slope) return to_slope;
+      if (horizon >= to_slope) return;
     }
   }
-  return horizon;
 }
 
 void walk_in(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,

@@ -100,11 +100,10 @@ struct SightPoint {
 /// Cells walked behind a crest, or in front of a foot, to find the surface that is visible next.
 constexpr int kLook_cells = 16;
 
-/// Appends the visible segments beyond `from`, outwards, with slopes from from.slope to `to_slope`. Stops at
-/// distance `to_d_m`, where another ray's hit is known. Returns the slope up to which visibility is known:
-/// to_slope, or the slope of the crest behind which the walk saw nothing more.
-double walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-                std::vector<SurfaceSegment>& visible);
+/// Appends the visible segments beyond `from`, outwards, with slopes from from.slope to `to_slope`, up to
+/// distance `to_d_m`.
+void walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
+              std::vector<SurfaceSegment>& visible);
 
 /// Appends the visible segments nearer than `from`, inwards, with slopes from from.slope down to `to_slope`.
 /// What rises in front hides what lies behind.

@@ -9,12 +9,18 @@
 
 namespace obliq {
 
-/// Symmetric and oblique frusta. The pixels of one azimuth bin in a row are a run of columns, because all
-/// directions of a row lie in one line: the run's ends are where that line meets the bin's edges.
-class PerspectiveRays : public RaySource {
+/// Generates the rays of one wedge, of the symmetric and oblique frusta, in a fixed order that keeps packets
+/// compact: squares of pixels (packets.h), back and forth. Every pixel of the frame belongs to exactly one
+/// azimuth bin, known before its ray is traced, because a ray stays in its vertical plane. The pixels of one
+/// azimuth bin in a row are a run of columns, because all directions of a row lie in one line: the run's ends
+/// are where that line meets the bin's edges.
+class PerspectiveRays {
  public:
+  static constexpr int kMostPixels = kBatch;
+
   PerspectiveRays(const FramePlan& plan, AzimuthRange range);
-  bool generate(RayBatch& batch) override;
+  /// Fills the batch, possibly with nothing: looks at kMostPixels at most. False when no pixel was left.
+  bool generate(RayBatch& batch);
 
  private:
   /// Part of an azimuth bin, all of it ahead of the antenna or all behind.

@@ -24,18 +24,6 @@ struct RayBatch {
   bool full() const { return n == kBatch; }
 };
 
-/// Generates the rays of one wedge in a fixed order that keeps packets compact: squares of pixels
-/// (packets.h), back and forth. Every pixel of the frame belongs to exactly one azimuth bin, known before its
-/// ray is traced, because a ray stays in its vertical plane.
-class RaySource {
- public:
-  static constexpr int kMostPixels = kBatch;
-
-  virtual ~RaySource() = default;
-  /// Fills the batch, possibly with nothing: looks at kMostPixels at most. False when no pixel was left.
-  virtual bool generate(RayBatch& batch) = 0;
-};
-
 /// What each ray of a batch hits first, in double precision.
 struct HitBatch : GroundHits {
   std::array<std::uint32_t, kBatch> face;  ///< kNoFace on ground

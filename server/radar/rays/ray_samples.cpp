@@ -4,10 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "server/radar/rays/perspective_rays.h"
-#include "server/radar/rays/plates/column_plates.h"
-#include "server/radar/rays/plates/pixel_plates.h"
-#include "server/radar/rays/polar_rays.h"
 #include "server/radar/simd/kernels.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "server/scene/ray_answer.h"
@@ -24,17 +20,10 @@ constexpr std::int64_t kARay = 10;
 constexpr std::int64_t kAHit = 4;
 constexpr std::int64_t kAnOddHit = 100;
 
-std::unique_ptr<PlateSource> make_plate_source(const FramePlan& plan, AzimuthRange range,
-                                               WedgeVisibility& profile) {
-  if (plan.settings().frustum == FrustumKind::polar) return std::make_unique<ColumnPlates>(plan);
-  return std::make_unique<PixelPlates>(plan, range, profile);
-}
-
 }  // namespace
 
-std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange range) {
+std::unique_ptr<PerspectiveRays> make_ray_source(const FramePlan& plan, AzimuthRange range) {
   if (!plan.extent().any) return nullptr;
-  if (plan.settings().frustum == FrustumKind::polar) return std::make_unique<PolarRays>(plan, range);
   return std::make_unique<PerspectiveRays>(plan, range);
 }
 
@@ -46,7 +35,7 @@ RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, HitObserver* o
       first_hits_(plan, range, observer != nullptr) {
   if (plan.settings().plates == PlateKind::nearest) return;
   if (!profile) own_profile_ = std::make_unique<WedgeVisibility>(plan, range);
-  plates_ = make_plate_source(plan, range, profile ? *profile : *own_profile_);
+  plates_ = std::make_unique<PixelPlates>(plan, range, profile ? *profile : *own_profile_);
 }
 
 RaySamples::~RaySamples() = default;
@@ -76,7 +65,7 @@ bool RaySamples::generate(FrameStats& stats) {
   const StageProbe probe(Stage::rays);
   if (!source_ || !source_->generate(rays_)) return false;
   stats.rays += static_cast<std::uint64_t>(rays_.n);
-  ask(kAPixel * RaySource::kMostPixels);
+  ask(kAPixel * PerspectiveRays::kMostPixels);
   return true;
 }
 
@@ -162,11 +151,7 @@ void RaySamples::take_nearest(SampleBatch& samples) const {
 void RaySamples::spread(SampleBatch& samples, FrameStats& stats) {
   finished_ = spread_rays_ == rays_.n && !next_hits(stats);
   const StageProbe probe(Stage::plates);
-  if (finished_) {
-    plates_->finish(waiting_);
-  } else {
-    spread_rays_ = plates_->spread(rays_, hits_, spread_rays_, samples, waiting_);
-  }
+  if (!finished_) spread_rays_ = plates_->spread(rays_, hits_, spread_rays_, samples, waiting_);
 }
 
 /// Moves waiting samples into the batch.

@@ -5,20 +5,19 @@
 
 #include "server/radar/rays/first_hits.h"
 #include "server/radar/rays/hit_observer.h"
-#include "server/radar/rays/plates/plate.h"
+#include "server/radar/rays/perspective_rays.h"
+#include "server/radar/rays/plates/pixel_plates.h"
 #include "server/radar/rays/ray_batch.h"
 
 namespace obliq {
 
 /// Rays of azimuth bins [range.first, range.first + range.count), from the plan's frustum; null where the
 /// sector holds no known ground.
-std::unique_ptr<RaySource> make_ray_source(const FramePlan& plan, AzimuthRange range);
+std::unique_ptr<PerspectiveRays> make_ray_source(const FramePlan& plan, AzimuthRange range);
 
-class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
-
-/// The three frusta, in four stages: generate rays through pixels, trace them to their first hits, refine
-/// those in double, and spread each pixel's solid angle: with nearest plates one sample a hit, with spread
-/// plates one for every range bin and surface that the pixel's footprint covers.
+/// The symmetric and the oblique frustum, in four stages: generate rays through pixels, trace them to their
+/// first hits, refine those in double, and spread each pixel's solid angle: with nearest plates one sample a
+/// hit, with spread plates one for every range bin and surface that the pixel's footprint covers.
 class RaySamples : public SampleSource {
  public:
   RaySamples(const FramePlan& plan, AzimuthRange range, HitObserver* observer, WedgeVisibility* profile);
@@ -39,9 +38,9 @@ class RaySamples : public SampleSource {
 
   const FramePlan& plan_;
   HitObserver* observer_;
-  std::unique_ptr<RaySource> source_;             // null: no rays
+  std::unique_ptr<PerspectiveRays> source_;       // null: no rays
   std::unique_ptr<WedgeVisibility> own_profile_;  // null when one was handed in, or none is needed
-  std::unique_ptr<PlateSource> plates_;           // null: nearest plates
+  std::unique_ptr<PixelPlates> plates_;           // null: nearest plates
   FirstHits first_hits_;
   RayBatch rays_;
   std::array<RoughHit, kBatch> rough_;  // first hits as they were traced

@@ -14,7 +14,6 @@
 #include "server/radar/simd/ground_speckle.h"
 #include "server/radar/simd/highest_ground.h"
 #include "server/radar/simd/pixel_rays.h"
-#include "server/radar/simd/profile_ray_hits.h"
 #include "server/radar/simd/refine_hits.h"
 #include "server/radar/simd/speckle_draw.h"
 #include "server/radar/simd/sub_columns.h"
@@ -26,32 +25,31 @@
 
 namespace obliq {
 
-#define OBLIQ_KERNELS(K)    \
-  K(pixel_rays)             \
-  K(first_hits_on_ground)   \
-  K(first_hits_in_profiles) \
-  K(refine_ground_hits)     \
-  K(highest_ground)         \
-  K(visible_ground)         \
-  K(cut_at_range_bins)      \
-  K(ground_echoes)          \
-  K(ground_places)          \
-  K(profile_nodes)          \
-  K(see_part)               \
-  K(face_voltages)          \
-  K(mark_visible_ranges)    \
-  K(ground_plates)          \
-  K(plate_samples)          \
-  K(bin_samples)            \
-  K(sum_scatterers)         \
-  K(ground_speckle)         \
-  K(azimuth_sum)            \
-  K(range_sum)              \
-  K(draw_speckle)           \
-  K(white_noise)            \
-  K(filter_row)             \
-  K(video_levels)           \
-  K(circle_bins)            \
+#define OBLIQ_KERNELS(K)  \
+  K(pixel_rays)           \
+  K(first_hits_on_ground) \
+  K(refine_ground_hits)   \
+  K(highest_ground)       \
+  K(visible_ground)       \
+  K(cut_at_range_bins)    \
+  K(ground_echoes)        \
+  K(ground_places)        \
+  K(profile_nodes)        \
+  K(see_part)             \
+  K(face_voltages)        \
+  K(mark_visible_ranges)  \
+  K(ground_plates)        \
+  K(plate_samples)        \
+  K(bin_samples)          \
+  K(sum_scatterers)       \
+  K(ground_speckle)       \
+  K(azimuth_sum)          \
+  K(range_sum)            \
+  K(draw_speckle)         \
+  K(white_noise)          \
+  K(filter_row)           \
+  K(video_levels)         \
+  K(circle_bins)          \
   K(idle_circles)
 
 /// Those of one instruction set.

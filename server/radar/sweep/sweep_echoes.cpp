@@ -29,12 +29,6 @@ constexpr int kABuilding = 200;     // its silhouette, in units of ask()
 /// What lies beyond the last range that matters may have its scatterers before it: so many cells.
 constexpr double kMoreCells = 4;
 
-bool has_flat_plates(const Scene& scene) {
-  return std::ranges::any_of(scene.materials(), [](const Material& material) {
-    return material.model == ScatteringModel::flat_plate;
-  });
-}
-
 double height_of(const Building& building) {
   return static_cast<double>(building.roof_y_m) - static_cast<double>(building.base_y_m);
 }
@@ -67,8 +61,7 @@ SubColumnBins::SubColumnBins(const FramePlan& plan)
   const RadarSettings& settings = plan.settings();
   const BinGrid& bins = plan.bins();
   if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
-      settings.speckle == SpeckleKind::geometric || bins.azimuth_width_rad > kWidest_rad ||
-      bins.range_spacing_m < kFinest_m || has_flat_plates(plan.scene()))
+      bins.azimuth_width_rad > kWidest_rad || bins.range_spacing_m < kFinest_m)
     return;
   suffices_.assign(suffices_.size(), true);
   const double lowest_slope = lowest_slope_in_swath(plan);

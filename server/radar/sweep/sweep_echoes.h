@@ -8,8 +8,7 @@
 namespace obliq {
 
 /// Which azimuth bins have sub-columns. Those do not whose buildings stand very near to the antenna, and none
-/// do that are very wide or have materials whose power is not proportional to area; frustum.sub_columns = 0
-/// wants none.
+/// do that are very wide or have very short range bins; frustum.sub_columns = 0 wants none.
 class SubColumnBins {
  public:
   explicit SubColumnBins(const FramePlan& plan);

@@ -24,11 +24,11 @@ class Settings(Fields):
     gain_db: float | None = None
     # Multiply amplitudes by range squared; phases stay. Allowed: true | false
     range_normalisation: bool | None = None
-    # Speckle fixed to the ground; the paper's, from the ranges of the samples; none; or drawn anew for each azimuth bin. auto: independent where an antenna with a beam scans, else ground. Allowed: "ground" | "geometric" | "none" | "independent" | "auto"
+    # Speckle fixed to the ground; the paper's, from the ranges of rays, so not with the sweep; none; or drawn anew for each azimuth bin. auto: independent where an antenna with a beam scans, else ground. Allowed: "ground" | "geometric" | "none" | "independent" | "auto"
     speckle: str | None = None
     # Each seed gives another speckle pattern on the same ground. Allowed: any integer
     speckle_seed: int | None = None
-    # How the ground is sampled: rays through pixels in one of three layouts, or vertical planes without rays. A scene file whose [frustum] is empty gets "sweep" (frustum.quality = "standard"). Allowed: "symmetric" | "oblique" | "polar" | "sweep"
+    # How the ground is sampled: rays through the pixels of a camera, or vertical planes without rays. A scene file whose [frustum] is empty gets "sweep" (frustum.quality = "standard"). Allowed: "symmetric" | "oblique" | "sweep"
     frustum: str | None = None
     # Spread a pixel's power over all range bins that it covers, or put it into the bin of its hit, as the paper does. Allowed: "spread" | "nearest"
     plates: str | None = None
@@ -133,8 +133,8 @@ Settings.choices = {
     "frustum": {
         "symmetric": 1,
         "oblique": 0,
-        "polar": 2,
-        "sweep": 3
+        "sweep": 3,
+        "polar": 2
     },
     "plates": {
         "spread": 0,

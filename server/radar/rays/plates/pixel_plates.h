@@ -8,19 +8,21 @@ namespace obliq {
 
 class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 
-/// Plates of the symmetric and the oblique frustum. Neighbouring pixels lie in different vertical planes, so
-/// each plate is walked on its own: from its hit outwards and inwards to the pixel's edges, as they lie in
-/// the ray's plane. So short a walk misses what stands far in front: no light goes to range bins that the
-/// profiles of the azimuth bin call hidden.
+/// Spreads the pixels of one wedge over their plates, those whose rays hit something. Neighbouring pixels lie
+/// in different vertical planes, so each plate is walked on its own: from its hit outwards and inwards to the
+/// pixel's edges, as they lie in the ray's plane. So short a walk misses what stands far in front: no light
+/// goes to range bins that the profiles of the azimuth bin call hidden.
 ///
 /// Eight plates over bare ground are walked side by side (simd/ground_plates.h). Those that have a building
 /// in them or are left there are walked one by one.
-class PixelPlates : public PlateSource {
+class PixelPlates {
  public:
   PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile);
+  /// Takes rays of the batch from number `first` on, until about a batch of samples is there, and returns the
+  /// first one that it has not taken; batches come as PerspectiveRays generates them. Samples go to the batch
+  /// or, where a pixel may have any number of them, to those that wait.
   int spread(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
-             std::vector<Sample>& waiting) override;
-  void finish(std::vector<Sample>&) override {}
+             std::vector<Sample>& waiting);
 
  private:
   const BuildingsByBearing& buildings(const RayBatch& rays, std::size_t k) const {

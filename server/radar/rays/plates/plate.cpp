@@ -23,8 +23,7 @@ Plate::End Plate::end_at(const BinGrid& bins, double d_m, double h_m) const {
   return {d_m, h_m, r, h_m / r, bin_or_outside(bins, r)};
 }
 
-void Plate::add(const BinGrid& bins, const SurfaceSegment& segment, double weight) {
-  weight_ = weight;
+void Plate::add(const BinGrid& bins, const SurfaceSegment& segment) {
   const double dd = segment.far_d_m - segment.near_d_m;
   const double dh = segment.far_h_m - segment.near_h_m;
   const double along = -(segment.near_d_m * dd + segment.near_h_m * dh);
@@ -68,7 +67,7 @@ void Plate::add_monotone(const BinGrid& bins, const SurfaceSegment& segment, con
 }
 
 void Plate::add_part(int bin, const SurfaceSegment& segment, const End& from, const End& to) {
-  const double share = weight_ * (to.sine - from.sine);
+  const double share = to.sine - from.sine;
   if (!(share > 0)) return;
   const double d = (from.d_m + to.d_m) / 2;
   const double h = (from.h_m + to.h_m) / 2;

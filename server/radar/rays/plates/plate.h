@@ -39,9 +39,8 @@ class Plate {
   }
 
   /// Adds a visible segment of the pixel's plane, cut at the edges of the range bins. A segment's range need
-  /// not be monotone: it is cut at the foot of the antenna's perpendicular too. `weight`: of the segment's
-  /// plane among those of the pixel.
-  void add(const BinGrid& bins, const SurfaceSegment& segment, double weight = 1);
+  /// not be monotone: it is cut at the foot of the antenna's perpendicular too.
+  void add(const BinGrid& bins, const SurfaceSegment& segment);
 
   /// The parts, their shares scaled to add up to `solid_angle_sr`. Empty when nothing was added.
   const std::vector<PlatePart>& finish(double solid_angle_sr);
@@ -63,7 +62,6 @@ class Plate {
   void add_monotone(const BinGrid& bins, const SurfaceSegment& segment, const End& from, const End& to);
   void add_part(int bin, const SurfaceSegment& segment, const End& from, const End& to);
 
-  double weight_ = 1;
   End end_;  // where the last segment ended: mostly the next one begins there
   std::vector<PlatePart> parts_;
 };
@@ -72,18 +70,5 @@ class Plate {
 /// `nearest`, the pixel as one sample. That is its only sample when the plate has no part.
 void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
                 double cos_bearing, std::vector<Sample>& samples);
-
-/// Spreads the pixels of one wedge over their plates, those whose rays hit something.
-class PlateSource {
- public:
-  virtual ~PlateSource() = default;
-  /// Takes rays of the batch from number `first` on, until about a batch of samples is there, and returns the
-  /// first one that it has not taken; batches come as RaySource generates them. Samples go to the batch or,
-  /// where a pixel may have any number of them, to those that wait. Some come only when later rays are taken.
-  virtual int spread(const RayBatch& rays, const HitBatch& hits, int first, SampleBatch& samples,
-                     std::vector<Sample>& waiting) = 0;
-  /// After the last ray.
-  virtual void finish(std::vector<Sample>& waiting) = 0;
-};
 
 }  // namespace obliq
