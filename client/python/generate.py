@@ -19,16 +19,9 @@ FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py"]
 PYTHON_TYPES = {"number": "float", "integer": "int", "boolean": "bool", "choice": "str", "text": "str"}
 
 
-def enumerators(messages, message, field):
-    """The wire's name and number of each choice of a field."""
-    kind = messages.DESCRIPTOR.message_types_by_name[message].fields_by_name[field].enum_type
-    return {value.name.lower(): value.number for value in kind.values}
-
-
-def choices(names, wire):
+def choices(row, kind):
     """Name in scene files -> number on the wire: "ground" is GROUND_SPECKLE there."""
-    return {name: number for name in names for wire_name, number in wire.items()
-            if wire_name == name or wire_name.startswith(name + "_")}
+    return {name: kind.values_by_name[wire_name].number for name, wire_name in row["enumerators"].items()}
 
 
 def parameters_text(rows, messages):
@@ -48,10 +41,11 @@ def parameters_text(rows, messages):
             out.append(f"    # {row['text']} Allowed: {row['allowed']}")
             out.append(f"    {field}: {PYTHON_TYPES[row['type']]} | None = None")
             if row["type"] == "choice":
-                # Recordings have the retired ones; a server refuses them.
-                names = row["limits"]["one_of"] + row["limits"].get("retired", [])
-                found[field] = choices(names, enumerators(messages, message, field))
+                found[field] = choices(row, messages.DESCRIPTOR.message_types_by_name[message].fields_by_name[field].enum_type)
         out += ["", "", f"{python_name}.choices = {json.dumps(found, indent=4)}"]
+        ideal = {field: row["default"] for field, row in by_message[message] if row.get("not_ideal")}
+        if ideal:
+            out.append(f"{python_name}.ideal = {ideal!r}")
         keys = {row["key"]: field for field, row in by_message[message]}
         out += [f"{python_name}.keys = {json.dumps(keys, indent=4)}", ""]
     return "\n".join(out)
@@ -81,7 +75,7 @@ def main():
         stale = [name for name in FILES
                  if (pathlib.Path(folder) / name).read_text() != (given.out / name).read_text()]
     if stale:
-        sys.exit(f"client/python: {', '.join(stale)} not what generate.py writes: run it again")
+        sys.exit(f"client/python: {', '.join(stale)} not what generate.py writes; run: cmake --build --preset release --target generated")
 
 
 if __name__ == "__main__":

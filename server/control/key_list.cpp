@@ -15,7 +15,7 @@ void add(std::vector<KeyText>& list, KeyGroup group, const std::string& prefix, 
   for (const auto& [key, form, read, print, default_text, change] : keys.special) {
     const std::string value = default_text.empty() ? print(defaults, scene) : std::string(default_text);
     list.push_back({group, prefix + std::string(key.name), key, key.choices.empty() ? "other" : "choice",
-                    value, allowed_text(key, form), change, "", -1, true});
+                    value, allowed_text(key, form), change, nullptr, true});
   }
   for (const auto& [key, slot, change] : keys.rows)
     list.push_back({group, prefix + std::string(key.name), key, std::string(type_name(slot(defaults))),
@@ -34,10 +34,8 @@ std::vector<KeyText> all_keys() {
   RadarConfig radar;
   for (const Parameter& p : parameters()) {
     const Slot slot = p.slot(radar);
-    const std::string message = p.message == WireMessage::pose ? "Pose." : "RadarSettings.";
     list.push_back({KeyGroup::radar, std::string(p.key.name), p.key, std::string(type_name(slot)),
-                    toml_text(load(p.key, slot)), allowed_text(p.key, slot), p.change,
-                    message + std::string(p.wire_field), p.modbus.address});
+                    toml_text(load(p.key, slot)), allowed_text(p.key, slot), p.change, &p});
   }
   add<RadarConfig>(list, KeyGroup::short_form, "", {{}, radar_special_keys()});
   for (const Section* section : sections()) add(list, KeyGroup::section, "", section->keys);

@@ -8,6 +8,8 @@
 
 namespace obliq {
 
+struct Parameter;
+
 enum class KeyGroup {
   radar,       ///< a parameter of a radar
   short_form,  ///< stands for several parameters: frustum.quality
@@ -24,9 +26,8 @@ struct KeyText {
   std::string default_text;
   std::string allowed;
   Change change;
-  std::string message_field = {};  ///< "RadarSettings.r_max_m"
-  int modbus_address = -1;
-  bool special = false;  ///< no row holds it
+  const Parameter* parameter = nullptr;  ///< of a radar's
+  bool special = false;                  ///< no row holds it
 };
 
 /// In the order of the reference page.

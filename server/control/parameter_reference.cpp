@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/control/key_list.h"
+#include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
@@ -121,9 +122,10 @@ Json default_json(const std::string& text) {
 
 std::string parameters_json() {
   Json list = Json::array();
-  for (const KeyText& key : all_keys())
+  for (const KeyText& key : all_keys()) {
+    const Parameter* p = key.parameter;
     list.push_back({{"key", key.name},
-                    {"message_field", key.message_field.empty() ? Json() : Json(key.message_field)},
+                    {"message_field", p == nullptr ? Json() : Json(p->message_field())},
                     {"type", key.type},
                     {"unit", key.key.unit},
                     {"default", default_json(key.default_text)},
@@ -131,6 +133,13 @@ std::string parameters_json() {
                     {"allowed", key.allowed},
                     {"change", change_name(key.change)},
                     {"text", key.key.summary}});
+    if (p == nullptr) continue;
+    for (const Choice& choice : p->key.choices)
+      list.back()["enumerators"][std::string(choice.name)] = choice.wire_name;
+    if (!p->meaning.knob.empty()) list.back()["knob"] = p->meaning.knob;
+    if (p->meaning.of_programs) list.back()["of_programs"] = true;
+    if (p->meaning.not_ideal) list.back()["not_ideal"] = true;
+  }
   return list.dump(1) + "\n";
 }
 
@@ -145,8 +154,9 @@ std::string parameters_text() {
 
 std::string parameters_markdown() {
   std::string page =
-      "# Parameters\n\nWritten by `obliq parameters --markdown` from the tables in `sections/`; do not "
-      "edit. `obliq parameters --json` prints the same keys for programs.\n\n## Radar parameters\n\nEach can "
+      "# Parameters\n\nWritten by `cmake --build --preset release --target generated` from the tables in "
+      "`sections/`; do not edit. `obliq parameters --json` prints the same keys for programs.\n\n## Radar "
+      "parameters\n\nEach can "
       "be set in a scene file, by an "
       "environment variable (`OBLIQ_` plus the key in capitals with underscores for\npoints: "
       "`OBLIQ_RADAR_R_MAX_M`), by the flag `--set KEY=VALUE` (`--set RADAR:KEY=VALUE` for one of several "
@@ -158,10 +168,11 @@ std::string parameters_markdown() {
       "ground.\n\n| key | type | default | allowed | change | message field | Modbus | meaning "
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const KeyText& key : all_keys()) {
-    if (key.group != KeyGroup::radar) continue;
+    const Parameter* p = key.parameter;
+    if (p == nullptr) continue;
     page += markdown_row({markdown_code(key.name), key.type, markdown_code(key.default_text), key.allowed,
-                          change_name(key.change), markdown_code(key.message_field),
-                          key.modbus_address < 0 ? "" : std::to_string(key.modbus_address), key.key.summary});
+                          change_name(key.change), markdown_code(p->message_field()),
+                          p->modbus.address < 0 ? "" : std::to_string(p->modbus.address), key.key.summary});
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n"

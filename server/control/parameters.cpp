@@ -96,6 +96,10 @@ const Parameter* find_parameter(std::string_view name) {
   return found == parameters().end() ? nullptr : &*found;
 }
 
+std::string Parameter::message_field() const {
+  return (message == WireMessage::pose ? "Pose." : "RadarSettings.") + std::string(wire_field);
+}
+
 Value value_of(const Parameter& parameter, RadarConfig config) {
   return load(parameter.key, parameter.slot(config));
 }

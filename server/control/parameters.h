@@ -31,6 +31,13 @@ struct ModbusColumn {
   double counts_per_unit = 1;  ///< of integers: 1000 for a length in mm
 };
 
+/// What a parameter means, beside its value, to those that show a radar or its bins.
+struct Meaning {
+  std::string_view knob = {};  ///< its name among what an operator turns; empty: not there
+  bool of_programs = false;    ///< goes with each pose that a program sends: nothing for a form
+  bool not_ideal = false;      ///< other than by default the bins are more than an ideal map's echoes
+};
+
 struct Parameter {
   Key key;
   Change change;
@@ -38,6 +45,9 @@ struct Parameter {
   std::string_view wire_field;  ///< and in which field
   ModbusColumn modbus;
   Slot (*slot)(RadarConfig&);
+  Meaning meaning;
+
+  std::string message_field() const;  ///< "RadarSettings.r_max_m"
 };
 
 /// Every parameter once, in the order of the reference page.

@@ -3,6 +3,7 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -129,6 +130,15 @@ void write_message(const RadarSettings& settings, wire::RadarSettings& message) 
 
 void write_message(const PoseSettings& pose, wire::Pose& message) {
   write_fields(WireMessage::pose, {"", {}, pose}, message);
+}
+
+bool is_ideal(const wire::RadarSettings& message) {
+  return std::ranges::none_of(parameters(), [&](const Parameter& p) {
+    if (!p.meaning.not_ideal) return false;
+    const FieldDescriptor& field = field_of(p, message);
+    return message.GetReflection()->HasField(message, &field) &&
+           read_field(p, field, message) != value_of(p, {});
+  });
 }
 
 SettingsStore::SettingsStore(const RadarSettings& initial)

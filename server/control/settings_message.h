@@ -25,6 +25,10 @@ namespace obliq {
 void write_message(const RadarSettings& settings, wire::RadarSettings& message);
 void write_message(const PoseSettings& pose, wire::Pose& message);
 
+/// An ideal map's settings: none is set that makes bins more than its echoes (Meaning::not_ideal). Else every
+/// bin with a value is drawn, whatever its state, and nothing is made up for the range.
+bool is_ideal(const wire::RadarSettings& message);
+
 /// The published settings of one live radar. What is published never changes: a change is a new snapshot with
 /// the next version, and a renderer keeps the one it began with. Safe from any thread.
 class SettingsStore {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "server/explain/explanation.h"
-#include "server/explain/radar_powers.h"
+#include "server/explain/radar_rows.h"
 #include "server/explain/scene_facts.h"
 #include "server/explain/table.h"
 #include "server/radar/air_view.h"
@@ -48,8 +48,7 @@ class Experiment {
 
   Explanation run() {
     if (!(input_.settings.power_w > 0))
-      throw InputError("radar \"" + input_.radar +
-                       "\": found radar.power_w = 0, which lights no bin; allowed to explain: more than 0");
+      fail("found radar.power_w = 0, which lights no bin; allowed to explain: more than 0");
     begin("loading terrain");
     LoadedScene loaded = load(input_.world);
     if (input_.on_loaded) input_.on_loaded(*loaded.world);
@@ -71,6 +70,9 @@ class Experiment {
   }
 
  private:
+  [[noreturn]] void fail(const std::string& why) const {
+    throw InputError("radar \"" + input_.radar + "\": " + why);
+  }
   void tell(const std::string& what, double fraction) const {
     if (progress_) progress_(what, fraction);
   }
@@ -108,11 +110,10 @@ class Experiment {
     }
     std::vector<FieldError> errors;
     const auto pose = place_antenna(*loaded.world, input_.pose, errors);
-    if (!pose) throw InputError("radar \"" + input_.radar + "\": " + all_text(errors));
+    if (!pose) fail(all_text(errors));
     loaded.pose = *pose;
     loaded.own = plan(loaded, input_.settings);
-    if (!loaded.own->extent().any)
-      throw InputError("radar \"" + input_.radar + "\": no known ground in its sector");
+    if (!loaded.own->extent().any) fail("no known ground in its sector");
     if (columns_factor_ == 0) columns_factor_ = columns_factor(input_.settings, loaded.world->grid.cell_m);
     loaded.fine = plan(loaded, comparison(source_, kComparisonDensity));
   }
@@ -122,7 +123,7 @@ class Experiment {
     const auto snapshot =
         std::make_shared<const SettingsSnapshot>(SettingsSnapshot{sharp_settings(settings), 1});
     const PlanResult planned = plan_frame(loaded.scene, snapshot, loaded.pose);
-    if (!planned.plan) throw InputError("radar \"" + input_.radar + "\": " + all_text(planned.errors));
+    if (!planned.plan) fail(all_text(planned.errors));
     return planned.plan;
   }
 
@@ -175,9 +176,7 @@ class Experiment {
         static_cast<int>(materials_used(*loaded.world).size()) + (result_.facts.buildings > 0 ? 2 : 0);
     power_w_ = power(*loaded.fine);
     if (std::ranges::none_of(power_w_, [](double w) { return w > 0; }))
-      throw InputError("radar \"" + input_.radar +
-                       "\": found no power in the bins; allowed: a scene with visible, "
-                       "reflecting ground in sector and range");
+      fail("found no power in the bins; allowed: visible, reflecting ground in sector and range");
     result_.unsampled = unsampled_warning(own_frame(loaded).stats, input_.settings);
     result_.costs = loaded.costs;
     loaded.costs.load_s = 0;  // what is made of this world from now on is not loaded again

@@ -6,10 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "server/accuracy/truth_bins.h"
+#include "server/radar/frame_plan.h"
 #include "server/radar/receiver/decibel.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/receiver/video.h"
+#include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 #include "terrain/base/wavelength.h"
 
@@ -36,6 +39,13 @@ std::string thirds_text(const Thirds& db) {
     return value < kNothing_db ? fmt::format("under {}", kNothing_db) : fmt::format("{:.0f}", value);
   };
   return fmt::format("{}, {}, {} dB", one(db[0]), one(db[1]), one(db[2]));
+}
+
+std::vector<double> power_of(const RadarView& view, const RadarSettings& settings) {
+  const PlanResult planned = plan_frame(
+      view.scene, std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1}), view.pose);
+  if (!planned.plan) throw InputError("radar \"" + view.radar + "\": " + all_text(planned.errors));
+  return render_sample(*planned.plan, view.wedges, view.threads, 1, false).power_w;
 }
 
 /// The scene's echoes as this radar receives them.
@@ -182,6 +192,27 @@ double detectable_snr_db(int looks) {
   const double b = std::log(0.9 / (1 - 0.9));
   return -5 * std::log10(looks) +
          (6.2 + 4.54 / std::sqrt(looks + 0.44)) * std::log10(a + 0.12 * a * b + 1.7 * b);
+}
+
+RadarPowers measure_radar_powers(const RadarView& view, RadarSettings settings) {
+  settings.receiver = {};
+  settings.atmosphere = {};
+  settings.speckle = SpeckleKind::ground;
+  RadarPowers powers;
+  powers.own_w = power_of(view, settings);
+  const RangeBins ranges = range_bins(settings);
+  const auto without = [&](auto&& change) {
+    RadarSettings changed = settings;
+    change(changed);
+    return power_change(powers.own_w, power_of(view, changed), ranges);
+  };
+  if (settings.beam.pattern != BeamPattern::off)
+    powers.without_beam = without([](RadarSettings& s) { s.beam.pattern = BeamPattern::off; });
+  if (settings.beam.elevation != ElevationPattern::off)
+    powers.without_elevation = without([](RadarSettings& s) { s.beam.elevation = ElevationPattern::off; });
+  if (settings.pulse.kind != PulseKind::off)
+    powers.without_pulse = without([](RadarSettings& s) { s.pulse.kind = PulseKind::off; });
+  return powers;
 }
 
 std::vector<RadarRow> radar_rows(const RadarSettings& settings, const AirView& air,

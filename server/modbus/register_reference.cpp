@@ -107,8 +107,9 @@ std::string errors() {
 }
 
 constexpr auto kIntroduction =
-    "# Modbus registers\n\nWritten by `obliq parameters --modbus` from the tables in `register_map.cpp` and "
-    "`server/control/sections/radar.cpp`; do not edit.\n\n`[modbus] enabled = true` makes obliqd a "
+    "# Modbus registers\n\nWritten by `cmake --build --preset release --target generated` from the tables "
+    "in `register_map.cpp` and `server/control/sections/`; do not edit.\n\n`[modbus] enabled = true` makes "
+    "obliqd a "
     "Modbus/TCP "
     "slave, by default on 127.0.0.1:1502. Unit id 1 is the first radar\nof the scene file, 2 the second, and "
     "so on. Addresses below are those in the frame, counted from 0: a master that\ncounts from 1 adds 1, or "

@@ -10,10 +10,6 @@ class FrameDescriptor;
 class FrameSummary;
 }  // namespace obliq::wire
 
-namespace google::protobuf {
-class Message;
-}
-
 namespace obliq {
 
 class FramePlan;
@@ -38,11 +34,5 @@ std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
 /// double; infinity, which JSON lacks, as null.
 std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
                        const std::vector<std::string>& planes);
-
-/// Every field of a message under its protobuf name, in one line.
-std::string message_json(const google::protobuf::Message& message);
-
-/// The scene file's word for a protobuf enumerator: GROUND_SPECKLE is "ground".
-std::string enum_word(std::string enumerator);
 
 }  // namespace obliq

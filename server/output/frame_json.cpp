@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "proto/bin_window.h"
+#include "proto/json_text.h"
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
 
@@ -12,64 +13,6 @@ namespace obliq {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using google::protobuf::FieldDescriptor;
-using google::protobuf::Message;
-using google::protobuf::Reflection;
-
-/// JSON has no infinity: null, whose meaning the notes say.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json from_message(const Message& message) {
-  Json object = Json::object();
-  const Reflection& reflection = *message.GetReflection();
-  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
-    const FieldDescriptor* field = message.GetDescriptor()->field(i);
-    if (field->is_repeated()) {
-      Json list = Json::array();
-      for (int k = 0; k < reflection.FieldSize(message, field); ++k) {
-        if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE)
-          list.push_back(from_message(reflection.GetRepeatedMessage(message, field, k)));
-        else
-          list.push_back(reflection.GetRepeatedString(message, field, k));
-      }
-      object[field->name()] = std::move(list);
-      continue;
-    }
-    switch (field->cpp_type()) {
-      case FieldDescriptor::CPPTYPE_MESSAGE:
-        object[field->name()] = from_message(reflection.GetMessage(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_STRING:
-        object[field->name()] = reflection.GetString(message, field);
-        break;
-      case FieldDescriptor::CPPTYPE_DOUBLE:
-        object[field->name()] = number(reflection.GetDouble(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_BOOL:
-        object[field->name()] = reflection.GetBool(message, field);
-        break;
-      case FieldDescriptor::CPPTYPE_INT32:
-        object[field->name()] = reflection.GetInt32(message, field);
-        break;
-      case FieldDescriptor::CPPTYPE_INT64:
-        object[field->name()] = reflection.GetInt64(message, field);
-        break;
-      case FieldDescriptor::CPPTYPE_UINT32:
-        object[field->name()] = reflection.GetUInt32(message, field);
-        break;
-      case FieldDescriptor::CPPTYPE_UINT64:
-        object[field->name()] = reflection.GetUInt64(message, field);
-        break;
-      case FieldDescriptor::CPPTYPE_ENUM:
-        object[field->name()] = enum_word(reflection.GetEnum(message, field)->name());
-        break;
-      case FieldDescriptor::CPPTYPE_FLOAT:
-        object[field->name()] = number(static_cast<double>(reflection.GetFloat(message, field)));
-        break;
-    }
-  }
-  return object;
-}
 
 /// The edges of a run of bins, many numbers a line: n + 1 where they touch; where only every few are kept,
 /// the two edges of each.
@@ -126,21 +69,11 @@ Json notes() {
 
 }  // namespace
 
-std::string enum_word(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  for (const std::string_view suffix : {"_speckle", "_plates"})
-    if (text.ends_with(suffix)) text.resize(text.size() - suffix.size());
-  return text;
-}
-
-std::string message_json(const Message& message) { return from_message(message).dump(); }
-
 std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
                        const std::vector<std::string>& planes) {
   Json root;
-  root["frame"] = from_message(descriptor);
-  root["summary"] = from_message(summary);
+  root["frame"] = Json::parse(file_json(descriptor));
+  root["summary"] = Json::parse(file_json(summary));
   // A live server numbers its frames; the files of a frame do not depend on how many came before.
   root["frame"].erase("frame_id");
   root["frame"].erase("settings_version");

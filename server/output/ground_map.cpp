@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/height_grid.h"
@@ -233,13 +234,6 @@ bool can_be_drawn(const BinBlock& bins) {
   return !bins.iq.empty() || !bins.power_w.empty() || !bins.video8.empty() || !bins.video16.empty();
 }
 
-bool is_ideal(const wire::FrameDescriptor& descriptor) {
-  const wire::RadarSettings& s = descriptor.settings();
-  const bool sharp = s.beam_pattern() == wire::OFF_BEAM && s.beam_elevation() == wire::OFF_ELEVATION &&
-                     s.pulse_kind() == wire::OFF_PULSE;
-  return sharp && !s.noise() && s.stc_range_m() == 0 && s.adc_bits() == 0 && s.rain_mm_h() == 0;
-}
-
 namespace {
 
 /// Of a video's values, on the scale that the descriptor gives.
@@ -269,7 +263,7 @@ BinLevels bin_levels(const wire::FrameDescriptor& descriptor, const BinBlock& bi
       add_video(bins.video16, descriptor, levels);
     return levels;
   }
-  const bool ideal = is_ideal(descriptor);
+  const bool ideal = is_ideal(descriptor.settings());
   for (std::size_t bin = 0; bin < levels.db.size(); ++bin) {
     if (ideal && !bins.count.empty() && bins.count[bin] == 0) continue;
     const double power = levels.of_power ? bins.power_w[bin] : std::norm(std::complex<double>(bins.iq[bin]));

@@ -56,10 +56,6 @@ struct BinLevels {
 /// Whether there is something to see in them: I&Q, power or video.
 bool can_be_drawn(const BinBlock& bins);
 
-/// An ideal map: no receiver has added anything to its echoes or changed their law in range. Else every bin
-/// with a value is drawn, whatever its state, and nothing is made up for the range.
-bool is_ideal(const wire::FrameDescriptor& descriptor);
-
 BinLevels bin_levels(const wire::FrameDescriptor& descriptor, const BinBlock& bins);
 
 /// A bin's BinState; kUnknown where nothing came back and the frame has no states.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
 #include "server/output/ground_map.h"
 #include "server/output/picture_canvas.h"
 #include "terrain/base/constants.h"
@@ -20,7 +21,7 @@ constexpr double kLeastSpan_dB = 10;
 
 /// Whether the picture makes up for the range: of an ideal map, that is not normalised.
 bool is_compensated(const wire::FrameDescriptor& d, const BinLevels& levels) {
-  return !levels.of_video && !d.settings().range_normalisation() && is_ideal(d);
+  return !levels.of_video && !d.settings().range_normalisation() && is_ideal(d.settings());
 }
 
 /// The levels of a picture: those of the bins with the display's range compensation.
@@ -162,7 +163,7 @@ std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, c
   const std::vector<float> shown = shown_levels(d, levels, bins.n_range);
   const std::optional<DbRange> range = options.db_range ? options.db_range : range_of(map, shown);
   const DbRange scale = range.value_or(DbRange{});
-  std::vector<std::uint32_t> colours = bin_colours(bins, levels, shown, scale, is_ideal(d));
+  std::vector<std::uint32_t> colours = bin_colours(bins, levels, shown, scale, is_ideal(d.settings()));
   const double bins_a_pixel = std::min<double>(map.pixel_m / d.range_spacing_m(), bins.n_range);
   if (bins_a_pixel >= 1.5) soften_ranges(colours, bins.n_range, static_cast<int>(std::lround(bins_a_pixel)));
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "proto/json_text.h"
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
 
@@ -66,7 +67,7 @@ std::string time_text(std::int64_t sim_time_ns) {
 }
 
 std::string sampling_text(const wire::FrameDescriptor& d, const wire::FrameSummary& s) {
-  const std::string kind = enum_word(wire::FrustumKind_Name(d.settings().frustum()));
+  const std::string kind = wire::enum_word(wire::FrustumKind_Name(d.settings().frustum()));
   const auto looks = static_cast<double>(s.rays());
   if (d.settings().frustum() == wire::SWEEP) return fmt::format("sweep of {:.0f} planes", looks);
   return fmt::format("{} frustum, {} x {} px, {:.1f} M rays", kind, d.settings().pixel_columns(),
@@ -93,7 +94,7 @@ PictureCaption::PictureCaption(const Facts& facts, double width) : facts_(facts)
   const wire::FrameDescriptor& d = facts.frame;
   const wire::FrameSummary& s = facts.summary;
   title_ = d.scene_name().empty() ? "radar " + d.radar() : d.scene_name() + " · radar " + d.radar();
-  const std::string reference = enum_word(wire::HeightReference_Name(d.pose().height_reference()));
+  const std::string reference = wire::enum_word(wire::HeightReference_Name(d.pose().height_reference()));
   const double r_min_km = d.range_start_m() / 1000;
   const double r_max_km = r_min_km + d.range_spacing_m() * d.settings().range_bins() / 1000;
   lines_ =

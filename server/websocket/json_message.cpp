@@ -8,10 +8,10 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/json_text.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/websocket/json_reader.h"
-#include "server/websocket/json_writer.h"
 
 namespace obliq::websocket {
 namespace {
@@ -169,7 +169,7 @@ bool to_json(std::span<const std::byte> message, JsonMessage& json) {
   if (!wire::parse_descriptor(payload.first(header.descriptor_length), *descriptor)) return false;
   json.plane = payload.subspan(header.descriptor_length);
   json.head.assign(wire::kHeaderBytes, '\0');
-  append_json(*descriptor, json.head);
+  wire::append_json(*descriptor, json.head);
   header.header_length = wire::kHeaderBytes;
   header.descriptor_length = static_cast<std::uint32_t>(json.head.size() - wire::kHeaderBytes);
   header.payload_length = header.descriptor_length + static_cast<std::uint32_t>(json.plane.size());

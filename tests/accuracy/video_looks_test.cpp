@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
 

@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "proto/json_text.h"
 #include "proto/obliq.pb.h"
 #include "server/http/answering.h"
 #include "server/http/http_server.h"
 #include "server/net/io_thread.h"
 #include "server/net/server.h"
-#include "server/websocket/json_writer.h"
 #include "server/websocket/upgrade.h"
 #include "tests/bench/prepared_renderer.h"
 #include "tests/bench/readers.h"
@@ -79,7 +79,7 @@ void measure_json() {
   std::string text;
   const double ours = microseconds([&] {
     text.clear();
-    websocket::append_json(block, text);
+    wire::append_json(block, text);
   });
   const double theirs = microseconds([&] {
     text.clear();

@@ -175,7 +175,7 @@ def settle(check):
             (ROOT / path).write_text(written(path, page, kept), encoding="utf-8")
     if faults:
         sys.stdout.writelines(faults)
-        sys.exit("documents have other figures than those that are kept; run tests/figures/figures.py")
+        sys.exit("documents have other figures than those that are kept; run: cmake --build --preset release --target generated")
     print(f"{len(DOCUMENTS)} documents have the figures that are kept")
 
 

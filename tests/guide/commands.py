@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 
+COMMAND = "cmake --build --preset release --target generated"
 PAGE = pathlib.Path(__file__).resolve().parent.parent.parent / "server" / "apps" / "COMMANDS.md"
 
 
@@ -22,7 +23,7 @@ def said(*words):
 def page(folder):
     overview = said(folder / "obliq", "--help")
     names = re.findall(r"^  (\w+) ", overview.split("Subcommands:")[1], re.M)
-    parts = ["# Commands", "", "Written by `tests/guide/commands.py` from `--help`; do not edit. A test compares it.", "",
+    parts = ["# Commands", "", f"Written by `{COMMAND}` from `--help`; do not edit. A test compares it.", "",
              "## obliqd", "", "```text", said(folder / "obliqd", "--help"), "```", ""]
     for name in names:
         parts += [f"## obliq {name}", "", "```text", said(folder / "obliq", name, "--help"), "```", ""]
@@ -38,7 +39,7 @@ def main():
     if not given.check:
         PAGE.write_text(text)
     elif PAGE.read_text() != text:
-        sys.exit(f"{PAGE} is not what the programs say: run tests/guide/commands.py --bin {given.bin}")
+        sys.exit(f"{PAGE} is not what the programs say: run: {COMMAND}")
     else:
         print(f"{text.count('## ')} commands")
 

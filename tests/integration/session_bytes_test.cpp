@@ -2,7 +2,7 @@
 // encodings, a scan, aborted frames, refusals. A change of the code that should not move them does not. One
 // that should is recorded anew, and CHANGES.md says so:
 //
-//   OBLIQ_WRITE_SESSION_BYTES=tests/integration/session_bytes.txt build/release/bin/session_bytes_test
+//   cmake --build --preset release --target generated
 //
 // Clients take turns: each reads all that the server has to say before the next one speaks, and live radars
 // give one frame and then rest. Not in it, as they would depend on the time: dwells missed, frames skipped or

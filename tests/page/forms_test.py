@@ -1,4 +1,5 @@
 """The page's forms and words: numbers that no radar takes, what a second picture shows, what is said and where."""
+import json
 import unittest
 
 import support
@@ -49,6 +50,23 @@ class Forms(unittest.TestCase):
         self.page.script("const f = document.querySelector('#setup [data-key=\"radar.sector_deg\"]'); f.value = '50'; f.dispatchEvent(new Event('change'))")
         self.page.await_script("obliq.panes[0].info.settings.sector_deg === 50", "a value that is allowed")
         self.assertTrue(self.page.script("return obliq.link.isLive && obliq.controls.isMine"))
+
+    def test_the_tab_radar_has_what_the_table_calls_knobs_and_no_form_what_is_of_programs(self):
+        table = [p for p in json.loads(self.daemon.run("parameters", "--json")) if p["message_field"]]
+        self.show("a=main&tab=radar")
+        self.page.await_script("document.querySelector('#radar [data-key]')", "the forms")
+        shown = self.page.script("return [...document.querySelectorAll('#radar .field')].map((field) => "
+                                 "[field.querySelector('[data-key]').dataset.key, field.querySelector('.name').textContent])")
+        self.assertEqual(shown, [[p["key"], p["knob"]] for p in table if "knob" in p])
+        self.assertIn(["receiver.stc_range_m", "STC range"], shown)
+        forms = self.page.script("""const { section } = obliq.controls;
+            return [...section.options].flatMap(({ value }) => {
+              section.value = value;
+              section.onchange();
+              return [...document.querySelectorAll('#setup [data-key]')].map(({ dataset }) => dataset.key);
+            });""")
+        self.assertEqual(sorted(forms), sorted(p["key"] for p in table if "of_programs" not in p))
+        self.assertNotIn("antenna.pose_id", forms)
 
     def test_a_session_that_ends_by_an_error_is_said_and_begun_anew(self):
         self.show()

@@ -99,11 +99,13 @@ class Readings(unittest.TestCase):
         self.show("a=main")
         self.assertTrue(self.page.script("return obliq.panes[0].bins.mayCompensate"))
         with self.server.radar("main").control() as control:
-            control.set(noise=True)
-            self.page.await_script("obliq.panes[0].bins.mayCompensate === false", "a receiver")
-            self.page.await_script("document.getElementById('compensated').disabled", "no choice of compensation")
-            control.set(noise=False)
-        self.page.await_script("obliq.panes[0].bins.mayCompensate", "an ideal map")
+            for field, value, off in (("noise", True, False), ("rain_mm_h", 4.0, 0.0), ("beam_elevation", "gaussian", "off")):
+                with self.subTest(field=field):
+                    control.set(**{field: value})
+                    self.page.await_script("obliq.panes[0].bins.mayCompensate === false", "more than echoes")
+                    self.page.await_script("document.getElementById('compensated').disabled", "no choice of compensation")
+                    control.set(**{field: off})
+                    self.page.await_script("obliq.panes[0].bins.mayCompensate", "an ideal map")
 
     def test_a_frustum_that_is_refused_is_said_and_another_is_shown(self):
         self.show("a=round&panes=2&b=frustum%20symmetric")

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <thread>
+#include <type_traits>
 
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
@@ -13,37 +15,37 @@
 namespace obliq {
 namespace {
 
+/// Another value within the limits than the parameter has there: the end of its type or limits that is
+/// further away, the last of the choices or the first, the other truth.
+void set_otherwise(const Parameter& p, RadarConfig& config) {
+  const Limits& limits = p.key.limits;
+  const auto far = [&](double value) {
+    return std::abs(limits.high - value) < std::abs(value - limits.low) ? limits.low : limits.high;
+  };
+  std::visit(
+      [&](auto* place) {
+        using T = std::remove_pointer_t<decltype(place)>;
+        if constexpr (std::is_same_v<T, bool>)
+          *place = !*place;
+        else if constexpr (std::is_enum_v<T>)
+          *place = static_cast<T>(*place == T{} ? p.key.choices.size() - 1 : 0);
+        else if constexpr (std::is_same_v<T, double>)
+          *place = far(*place) / 3 + *place * 2 / 3;  // with all its bits
+        else if constexpr (std::is_integral_v<T>)
+          *place = std::isfinite(limits.high) ? static_cast<T>(far(static_cast<double>(*place)))
+                   : std::is_signed_v<T>      ? std::numeric_limits<T>::min()
+                                              : std::numeric_limits<T>::max();
+        else
+          FAIL() << p.key.name << ": of a type that no message has";
+      },
+      p.slot(config));
+}
+
 /// Settings that differ from the defaults in every field.
 RadarConfig unlike_defaults() {
-  RadarConfig c;
-  c.settings = {35,
-                60,
-                100,
-                9000,
-                5,
-                30,
-                true,
-                SpeckleKind::geometric,
-                -9,
-                FrustumKind::polar,
-                PlateKind::nearest,
-                3,
-                4,
-                17,
-                5,
-                6,
-                ScanMode::sector,
-                7,
-                16,
-                {},
-                {BeamPattern::taylor, 2.5, 35, 5, 12, ElevationPattern::cosecant, 4, 25, nullptr},
-                {PulseKind::compressed, 2, 3, PulseWindow::hann, 40, 6, 8, true},
-                {true, 7, 500, 3, -8, ~0ULL, 20, 5000, 3.5, 40, 12, 10},
-                {16, false, -90, 60},
-                {16, 3000, true, Polarisation::vertical}};
-  c.pose = {-33.25, 151.5, 777.125, HeightReference::ellipsoid, -12.5, 359, -4'000'000'000'000'000'000, ~0ULL,
-            2.5,    -7.5,  true};
-  return c;
+  RadarConfig config;
+  for (const Parameter& p : parameters()) set_otherwise(p, config);
+  return config;
 }
 
 TEST(SettingsMessage, EveryFieldSurvivesTheRoundTrip) {
@@ -79,15 +81,16 @@ TEST(SettingsMessage, NumbersOfTheWireAreThoseOfTheProtocol) {
 }
 
 TEST(SettingsMessage, AbsentFieldsKeepTheirValueAndZeroIsAValue) {
-  RadarSettings settings = unlike_defaults().settings;
+  const RadarSettings before = unlike_defaults().settings;
+  RadarSettings settings = before;
   wire::RadarSettings message;
   message.set_gain_db(0);
   message.set_range_normalisation(false);
   EXPECT_TRUE(merge_message(message, settings).empty());
   EXPECT_EQ(settings.gain_db, 0);
   EXPECT_FALSE(settings.range_normalisation);
-  EXPECT_EQ(settings.r_max_m, 9000);
-  EXPECT_EQ(settings.frustum, FrustumKind::polar);
+  EXPECT_EQ(settings.r_max_m, before.r_max_m);
+  EXPECT_EQ(settings.frustum, before.frustum);
 }
 
 TEST(SettingsMessage, UnknownEnumeratorsAreRefusedByName) {
@@ -101,6 +104,26 @@ TEST(SettingsMessage, UnknownEnumeratorsAreRefusedByName) {
   EXPECT_EQ(errors[0].found, "42");
   EXPECT_EQ(errors[0].allowed, "\"symmetric\" | \"oblique\" | \"sweep\"");
   EXPECT_EQ(settings.frustum, FrustumKind::oblique);
+}
+
+TEST(SettingsMessage, AnIdealMapHasNothingButItsEchoes) {
+  EXPECT_TRUE(is_ideal(wire::RadarSettings{}));  // of a server that knew no receiver
+  const auto ideal_otherwise = [](const Parameter& p) {
+    RadarConfig config;
+    set_otherwise(p, config);
+    wire::RadarSettings message;
+    write_message(config.settings, message);
+    return is_ideal(message);
+  };
+  for (const Parameter& p : parameters()) EXPECT_EQ(ideal_otherwise(p), !p.meaning.not_ideal) << p.key.name;
+  // What adds to the echoes, spreads them, or changes their law in range.
+  for (const auto* name : {"beam.pattern", "beam.elevation", "pulse.kind", "receiver.noise",
+                           "receiver.stc_range_m", "receiver.adc_bits", "atmosphere.rain_mm_h"})
+    EXPECT_FALSE(ideal_otherwise(*find_parameter(name))) << name;
+  // beam_pattern is field 20: a pattern of a later version.
+  wire::RadarSettings unknown;
+  ASSERT_TRUE(unknown.ParseFromString("\xa0\x01\x2a"));
+  EXPECT_FALSE(is_ideal(unknown));
 }
 
 TEST(SettingsStore, VersionsRiseAndSnapshotsStay) {

@@ -20,8 +20,7 @@ TEST(ModbusMap, ThePageInTheRepositoryIsTheTable) {
   std::ifstream file(OBLIQ_SOURCE_DIR "/server/modbus/REGISTERS.md");
   std::stringstream text;
   text << file.rdbuf();
-  EXPECT_EQ(text.str(), registers_markdown())
-      << "run: obliq parameters --modbus > server/modbus/REGISTERS.md";
+  EXPECT_EQ(text.str(), registers_markdown()) << "run: cmake --build --preset release --target generated";
 }
 
 TEST(ModbusMap, NoRegisterMeansTwoThings) {

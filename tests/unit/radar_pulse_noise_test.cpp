@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/radar/beam/point_response.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "tests/support/silent_radar.h"
 
 namespace obliq::test {

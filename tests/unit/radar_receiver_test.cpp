@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/radar/receiver/decibel.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/radar/simd/kernels.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/radar/receiver/looks_law.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/receiver/video.h"
 #include "server/radar/simd/kernels.h"

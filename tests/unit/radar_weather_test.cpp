@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/weather.h"
 #include "server/radar/render.h"
 #include "tests/support/scenes.h"

@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "proto/json_text.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/websocket/json_message.h"
 #include "server/websocket/json_reader.h"
-#include "server/websocket/json_writer.h"
 #include "tests/integration/web_peer.h"
 
 namespace obliq::websocket {
@@ -165,7 +165,7 @@ TEST(WebSocketTranslation, EveryFieldOfEveryTypeIsWhatProtobufWrites) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     for (const Sample& sample : samples(1000 * seed)) {
       std::string ours, theirs;
-      append_json(*sample.message, ours);
+      wire::append_json(*sample.message, ours);
       ASSERT_TRUE(google::protobuf::util::MessageToJsonString(*sample.message, &theirs, options).ok());
       ASSERT_EQ(nlohmann::json::parse(ours), nlohmann::json::parse(theirs)) << sample.message->GetTypeName();
       const std::unique_ptr<Message> back(sample.message->New());
@@ -312,7 +312,7 @@ TEST(WebSocketTranslation, AnAbsentFieldAndOneThatIsZeroAreTwoThings) {
   wire::SetPose pose;
   pose.mutable_pose()->set_bearing_deg(0);
   std::string json;
-  append_json(pose, json);
+  wire::append_json(pose, json);
   EXPECT_EQ(json, R"({"pose":{"bearing_deg":0}})");
 }
 
@@ -320,7 +320,7 @@ TEST(WebSocketTranslation, BytesThatAreNoTextAreReplaced) {
   wire::Error error;
   error.set_text("a \xff name");
   std::string json;
-  append_json(error, json);
+  wire::append_json(error, json);
   EXPECT_EQ(json, "{\"text\":\"a \xef\xbf\xbd name\"}");
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "proto/json_text.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
@@ -24,8 +25,8 @@ struct StatusArguments {
 
 /// "sweep, 2048 columns (standard)", "oblique, 4096 x 2048 pixels, spread plates".
 std::string sampling_text(const wire::RadarSettings& settings) {
-  const std::string kind = enum_word(wire::FrustumKind_Name(settings.frustum()));
-  const std::string plates = enum_word(wire::PlateKind_Name(settings.plates()));
+  const std::string kind = wire::enum_word(wire::FrustumKind_Name(settings.frustum()));
+  const std::string plates = wire::enum_word(wire::PlateKind_Name(settings.plates()));
   const bool sweeps = settings.frustum() == wire::SWEEP;
   std::string text = fmt::format("{}, {}", kind, settings.pixel_columns());
   if (!sweeps) text += fmt::format(" x {}", settings.pixel_rows());
@@ -92,13 +93,13 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
 void print_json(const client::Client& client, const wire::Status& status,
                 const std::vector<wire::RadarInfo>& infos, const std::string& only) {
   using Json = nlohmann::ordered_json;
-  Json root = Json::parse(message_json(status));
+  Json root = Json::parse(wire::file_json(status));
   root.erase("request_id");
   root["scene_name"] = client.welcome().scene_name();
   Json radars = Json::array();
   for (std::size_t i = 0; i < infos.size(); ++i) {
     Json radar = root["radars"][i];
-    const Json info = Json::parse(message_json(infos[i]));
+    const Json info = Json::parse(wire::file_json(infos[i]));
     radar["pose"] = info["pose"];
     radar["settings"] = info["settings"];
     if (!status.radars(static_cast<int>(i)).has_coverage()) radar.erase("coverage");

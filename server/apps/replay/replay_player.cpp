@@ -167,13 +167,16 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
     frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
   }
   net::FrameRenderer::Plan plan;
+  const wire::FrameDescriptor& recorded = *due.frame->frame.descriptor;
   RadarSettings as_recorded = settings->settings;
-  plan.errors = merge_message(due.frame->frame.descriptor->settings(), as_recorded);
+  plan.errors = merge_message(recorded.settings(), as_recorded);
   if (!plan.errors.empty()) return plan;
+  as_recorded.video.floor_auto = false;  // it was found
+  as_recorded.video.floor_db = recorded.video_floor_db();
   as_recorded.scan_mode = ScanMode::frame;  // its beam has swept
   plan.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{as_recorded, settings->version});
   plan.for_all = due.at_ns <= keep_until_ns_;
-  plan.frame = std::make_unique<ReplayedFrame>(due.frame, due.at_ns, clock_, jumps);
+  plan.frame = std::make_unique<ReplayedFrame>(due.frame, video_scale(as_recorded), due.at_ns, clock_, jumps);
   return plan;
 }
 

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/control/settings_message.h"
+#include "server/radar/receiver/video.h"
 
 namespace obliq {
 
@@ -18,10 +20,12 @@ std::string ReplayRenderer::fixed() const {
 
 wire::PlaneSet ReplayRenderer::planes() const {
   const wire::PlaneSet recorded = player_->start().planes;
-  const wire::RadarSettings& settings = player_->start().descriptor->settings();
+  const wire::RadarSettings& message = player_->start().descriptor->settings();
+  RadarSettings settings;
   // Servers before the video plane name no span.
-  const bool follows = (recorded & wire::plane_bit(wire::Plane::iq)) != 0 && settings.video_looks() == 1 &&
-                       settings.video_span_db() > 0;
+  const bool has_video = merge_message(message, settings).empty() && message.video_span_db() > 0;
+  const bool follows =
+      (recorded & wire::plane_bit(wire::Plane::iq)) != 0 && has_video && video_needs_iq(settings);
   return follows ? static_cast<wire::PlaneSet>(recorded | wire::plane_bit(wire::Plane::video)) : recorded;
 }
 

@@ -7,7 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "proto/plane_coding.h"
 #include "server/apps/replay/recorded_time.h"
-#include "server/radar/receiver/video_coder.h"
+#include "server/radar/receiver/video.h"
 #include "server/stream/frame_encoder.h"
 
 namespace obliq {
@@ -51,9 +51,9 @@ std::int64_t by_this_clock(std::int64_t recorded_ns, std::int64_t recorded_now_n
 
 }  // namespace
 
-ReplayedFrame::ReplayedFrame(std::shared_ptr<const client::RecordedFrame> recorded, std::int64_t begins_ns,
-                             PlaybackClock& clock, std::uint64_t jumps)
-    : recorded_(std::move(recorded)), begins_ns_(begins_ns), clock_(clock), jumps_(jumps) {}
+ReplayedFrame::ReplayedFrame(std::shared_ptr<const client::RecordedFrame> recorded, const VideoScale& video,
+                             std::int64_t begins_ns, PlaybackClock& clock, std::uint64_t jumps)
+    : recorded_(std::move(recorded)), video_(video), begins_ns_(begins_ns), clock_(clock), jumps_(jumps) {}
 ReplayedFrame::~ReplayedFrame() = default;
 
 void ReplayedFrame::describe(const std::string&, wire::FrameDescriptor& descriptor) const {
@@ -133,9 +133,7 @@ bool ReplayedFrame::render(AzimuthRange azimuths, const RenderOptions& options) 
     if (!frame.video.empty() && (options.video8 || options.video16)) {
       add_video(rows_of(frame.video), frame.video_bits, options, wedge.bins);
     } else if (options.video8 || options.video16) {
-      const VideoScale scale{frame.descriptor->video_floor_db(),
-                             frame.descriptor->settings().video_span_db()};
-      add_video_of_iq(scale, options.video8, options.video16, wedge.bins);
+      add_video_of_iq(video_, options.video8, options.video16, wedge.bins);
     }
     take_dwell(recorded);
     options.on_wedge(std::move(wedge));

@@ -7,6 +7,7 @@
 
 #include "client/recorded_frames.h"
 #include "server/apps/replay/playback_clock.h"
+#include "server/radar/receiver/video.h"
 #include "server/rendering/frame_renderer.h"
 
 namespace obliq {
@@ -14,9 +15,10 @@ namespace obliq {
 /// For the render thread alone.
 class ReplayedFrame : public net::PlannedFrame {
  public:
-  /// begins_ns: by the clock, which must outlive this. jumps: of the clock; with another one, the frame ends.
-  ReplayedFrame(std::shared_ptr<const client::RecordedFrame> recorded, std::int64_t begins_ns,
-                PlaybackClock& clock, std::uint64_t jumps);
+  /// video: the recorded one's. begins_ns: by the clock, which must outlive this. jumps: of the clock; with
+  /// another one, the frame ends.
+  ReplayedFrame(std::shared_ptr<const client::RecordedFrame> recorded, const VideoScale& video,
+                std::int64_t begins_ns, PlaybackClock& clock, std::uint64_t jumps);
   ~ReplayedFrame() override;
 
   void describe(const std::string&, wire::FrameDescriptor& descriptor) const override;
@@ -32,6 +34,7 @@ class ReplayedFrame : public net::PlannedFrame {
   void take_dwell(const client::RecordedWedge& recorded) const;
 
   std::shared_ptr<const client::RecordedFrame> recorded_;
+  VideoScale video_;
   std::int64_t begins_ns_;
   PlaybackClock& clock_;
   std::uint64_t jumps_;

@@ -27,7 +27,8 @@ constexpr Limits kSidelobe_db = closed(13, 60);
 const std::array kParameters{
     row<&RadarSettings::beam, &BeamSettings::pattern>(
         "beam.pattern", "", kBeamPatterns, "beam_pattern", {261, u16},
-        "The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone."),
+        "The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone.",
+        {.not_ideal = true}),
     row<&RadarSettings::beam, &BeamSettings::width_deg>("beam.width_deg", "deg", closed(0.05, 90),
                                                         "beam_width_deg", {262, i32, 1e3},
                                                         "One-way half-power beamwidth in azimuth."),
@@ -42,7 +43,8 @@ const std::array kParameters{
     row<&RadarSettings::beam, &BeamSettings::elevation>(
         "beam.elevation", "", kElevationPatterns, "beam_elevation", {268, u16},
         "The antenna's pattern in elevation about antenna.tilt_deg: a pencil (gaussian) or a fan "
-        "(cosecant)."),
+        "(cosecant).",
+        {.not_ideal = true}),
     row<&RadarSettings::beam, &BeamSettings::elevation_width_deg>(
         "beam.elevation_width_deg", "deg", closed(0.05, 90), "beam_elevation_width_deg", {269, i32, 1e3},
         "One-way half-power beamwidth in elevation."),
@@ -51,7 +53,7 @@ const std::array kParameters{
         "Depression to which a cosecant-squared pattern reaches."),
     row<&RadarSettings::pulse, &PulseSettings::kind>(
         "pulse.kind", "", kPulseKinds, "pulse_kind", {273, u16},
-        "What a point becomes in range; off: it stays in its range bin."),
+        "What a point becomes in range; off: it stays in its range bin.", {.not_ideal = true}),
     row<&RadarSettings::pulse, &PulseSettings::length_us>(
         "pulse.length_us", "us", closed(0.001, 10000), "pulse_length_us", {274, i32, 1e3},
         "Length of the pulse; a rectangular one resolves c/2 times it."),

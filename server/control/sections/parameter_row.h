@@ -13,10 +13,10 @@ namespace obliq {
 namespace parameter_table {
 
 /// The row of a member of RadarSettings, of one of its parts or of PoseSettings: what it accepts, the field
-/// of its message, its place in the Modbus map, its sentence.
+/// of its message, its place in the Modbus map, its sentence, what it means to others.
 template <auto member, auto... inner>
 Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
-              ModbusColumn modbus, std::string_view summary) {
+              ModbusColumn modbus, std::string_view summary, Meaning meaning = {}) {
   constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
   return {{name, unit, accepts.limits, accepts.choices, summary},
           Change::live,
@@ -28,7 +28,8 @@ Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std
               return &(radar.pose.*member);
             else
               return &((radar.settings.*member).*....*inner);
-          }};
+          },
+          meaning};
 }
 
 }  // namespace parameter_table

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
-#include "server/control/sections/parameter_row.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -12,122 +12,6 @@
 namespace obliq {
 
 namespace {
-
-// The lists follow their enumerations.
-constexpr std::array kFrustumKinds{Choice{"symmetric", "SYMMETRIC"}, Choice{"oblique", "OBLIQUE"},
-                                   Choice{"polar", "POLAR", true}, Choice{"sweep", "SWEEP"}};
-constexpr std::array kPlateKinds{Choice{"spread", "SPREAD_PLATES"}, Choice{"nearest", "NEAREST_PLATES"}};
-constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
-                                   Choice{"geometric", "GEOMETRIC_SPECKLE"}, Choice{"none", "NONE_SPECKLE"},
-                                   Choice{"independent", "INDEPENDENT_SPECKLE"},
-                                   Choice{"auto", "AUTO_SPECKLE"}};
-constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
-                                Choice{"circular", "CIRCULAR_SCAN"}};
-constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
-                                       Choice{"ellipsoid", "ELLIPSOID"}};
-
-using enum ModbusWords;
-using parameter_table::row;
-
-// Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
-// 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
-// 8192 x 8192 takes 1.4 GB. Undulation: the geoid lies -107 to +86 m from the ellipsoid (EGM2008).
-//
-// Modbus: an integer's count is the finest round one that fits the limits into 32 bits: 1e-7 deg of longitude
-// is 1 cm, 1e-6 deg of bearing 2 mm at 100 km. Addresses never change their meaning: new parameters go into
-// the gaps.
-const std::array kParameters{
-    row<&PoseSettings::latitude_deg>(
-        "antenna.latitude_deg", "deg", closed(-90, 90), "latitude_deg", {200, i32, 1e7},
-        "Geodetic latitude of the antenna; a scene file that names none gets the terrain's centre."),
-    row<&PoseSettings::longitude_deg>(
-        "antenna.longitude_deg", "deg", closed(-180, 180), "longitude_deg", {202, i32, 1e7},
-        "Longitude of the antenna, east positive; a scene file that names none gets the terrain's centre."),
-    row<&PoseSettings::height_m>("antenna.height_m", "m", closed(-1000, 100000), "height_m", {204, i32, 1e3},
-                                 "Height of the antenna above antenna.height_reference."),
-    row<&PoseSettings::height_reference>(
-        "antenna.height_reference", "", kHeightReferences, "height_reference", {206, u16},
-        "Zero of antenna.height_m: the terrain's datum, the ground below, or the WGS84 ellipsoid."),
-    row<&PoseSettings::geoid_undulation_m>(
-        "antenna.geoid_undulation_m", "m", closed(-120, 120), "geoid_undulation_m", {207, i32, 1e3},
-        "Height of the datum above the ellipsoid at the antenna; used with \"ellipsoid\" only."),
-    row<&PoseSettings::bearing_deg>("antenna.bearing_deg", "deg", closed(-360, 360), "bearing_deg",
-                                    {210, i32, 1e6},
-                                    "Centre of the sector, clockwise from true north at the antenna."),
-    row<&PoseSettings::sim_time_ns>(
-        "antenna.sim_time_ns", "ns", closed(-4e18, 4e18), "sim_time_ns", {212, i64},
-        "Time of the pose by the controller's clock; the server interpolates between poses that have one."),
-    row<&PoseSettings::pose_id>("antenna.pose_id", "", kAny, "pose_id", {216, u64},
-                                "The controller's number for the pose; echoed, not used."),
-    row<&PoseSettings::valid_s>(
-        "antenna.valid_s", "s", closed(0, 86400), "valid_s", {220, i32, 1e3},
-        "A pose is marked stale this long after it arrived if no other has arrived since; 0: never."),
-    row<&PoseSettings::tilt_deg>(
-        "antenna.tilt_deg", "deg", closed(-90, 90), "tilt_deg", {222, i32, 1e3},
-        "Elevation of the boresight, up positive; of patterns in elevation. \"auto\" "
-        "in a scene file is antenna.tilt_auto."),
-    row<&PoseSettings::tilt_auto>(
-        "antenna.tilt_auto", "", kAny, "tilt_auto", {224, u16},
-        "Tilt towards level ground in the middle of the swath instead of by antenna.tilt_deg."),
-    row<&RadarSettings::frequency_ghz>("radar.frequency_ghz", "GHz", closed(0.03, 300), "frequency_ghz",
-                                       {232, wavelength}, "Carrier frequency."),
-    row<&RadarSettings::sector_deg>(
-        "radar.sector_deg", "deg", above(0, 360), "sector_deg", {234, i32, 1e6},
-        "Width of the sector in azimuth; the symmetric frustum needs less than 180."),
-    row<&RadarSettings::r_min_m>("radar.r_min_m", "m", closed(0, 500e3), "r_min_m", {236, i32, 1e3},
-                                 "Slant range of the near edge of the first range bin."),
-    row<&RadarSettings::r_max_m>("radar.r_max_m", "m", above(0, 500e3), "r_max_m", {238, i32, 1e3},
-                                 "Slant range of the far edge of the last range bin."),
-    row<&RadarSettings::power_w>("radar.power_w", "W", closed(0, 1e12), "power_w", {240, f32},
-                                 "Transmitted power; 0: a silent radar."),
-    row<&RadarSettings::gain_db>(
-        "radar.gain_db", "dB", closed(-100, 100), "gain_db", {242, i32, 1e3},
-        "One-way antenna gain at its peak; without [beam] the same in all directions."),
-    row<&RadarSettings::range_normalisation>("radar.range_normalisation", "", kAny, "range_normalisation",
-                                             {244, u16},
-                                             "Multiply amplitudes by range squared; phases stay."),
-    row<&RadarSettings::speckle>(
-        "radar.speckle", "", kSpeckleKinds, "speckle", {245, u16},
-        "Speckle fixed to the ground; the paper's, from the ranges of rays, so not with the sweep; none; or "
-        "drawn anew for each azimuth bin. auto: independent where an antenna with a beam scans, else "
-        "ground."),
-    row<&RadarSettings::speckle_seed>("radar.speckle_seed", "", kAny, "speckle_seed", {246, i64},
-                                      "Each seed gives another speckle pattern on the same ground."),
-    row<&RadarSettings::frustum>(
-        "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
-        "How the ground is sampled: rays through the pixels of a camera, or vertical planes without "
-        "rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
-        "\"standard\")."),
-    row<&RadarSettings::plates>(
-        "frustum.plates", "", kPlateKinds, "plates", {251, u16},
-        "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "
-        "hit, as the paper does."),
-    row<&RadarSettings::pixel_columns>(
-        "frustum.pixel_columns", "", closed(1, 16384), "pixel_columns", {252, u16},
-        "Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth "
-        "bin. frustum.pixels sets columns and rows."),
-    row<&RadarSettings::pixel_rows>(
-        "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
-        "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
-    row<&RadarSettings::sub_columns>("frustum.sub_columns", "", closed(0, 1024), "sub_columns", {260, u16},
-                                     "Parts of an azimuth bin that see its buildings, of the sweep; 16 or "
-                                     "more, a power of two or the next "
-                                     "one; 0: exact planes at each building."),
-    row<&RadarSettings::azimuth_bins>("bins.azimuth", "", closed(1, 8192), "azimuth_bins", {254, u16},
-                                      "Azimuth bins in the sector."),
-    row<&RadarSettings::range_bins>("bins.range", "", closed(1, 8192), "range_bins", {255, u16},
-                                    "Range bins between r_min and r_max."),
-    row<&RadarSettings::scan_mode>(
-        "scan.mode", "", kScanModes, "scan_mode", {256, u16},
-        "How a live radar scans: whole frames, back and forth across the sector, or round and round."),
-    row<&RadarSettings::scan_rate_deg_s>(
-        "scan.rate_deg_s", "deg/s", closed(0.1, 7200), "scan_rate_deg_s", {257, i32, 1e3},
-        "Turning rate of the antenna; 36 is 6 turns per minute. A pass over the "
-        "sector takes 10 ms to 60 s."),
-    row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
-                                         {259, u16},
-                                         "Azimuth bins rendered together from one pose; a multiple of 8."),
-};
 
 using Kind = ConfigNode::Kind;
 
@@ -331,16 +215,6 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
 }
 
 }  // namespace
-
-std::span<const Parameter> parameters() {
-  static const std::vector<Parameter> all = [] {
-    std::vector<Parameter> list(kParameters.begin(), kParameters.end());
-    list.insert(list.end(), beam_parameters().begin(), beam_parameters().end());
-    list.insert(list.end(), receiver_parameters().begin(), receiver_parameters().end());
-    return list;
-  }();
-  return all;
-}
 
 std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortForms; }
 

@@ -13,7 +13,8 @@ using parameter_table::row;
 
 const std::array kParameters{
     row<&RadarSettings::receiver, &ReceiverSettings::noise>("receiver.noise", "", kAny, "noise", {280, u16},
-                                                            "Add the receiver's noise, k T B, to the bins."),
+                                                            "Add the receiver's noise, k T B, to the bins.",
+                                                            {.not_ideal = true}),
     row<&RadarSettings::receiver, &ReceiverSettings::noise_figure_db>(
         "receiver.noise_figure_db", "dB", closed(0, 40), "noise_figure_db", {281, i32, 1e3},
         "Noise figure of the receiver at 290 K."),
@@ -28,21 +29,22 @@ const std::array kParameters{
     row<&RadarSettings::receiver, &ReceiverSettings::noise_frame>(
         "receiver.noise_frame", "", kAny, "noise_frame", {},
         "Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts."),
-    row<&RadarSettings::receiver, &ReceiverSettings::gain_db>("receiver.gain_db", "dB", closed(-200, 200),
-                                                              "receiver_gain_db", {283, i32, 1e3},
-                                                              "Gain of the receiver, of echoes and noise."),
+    row<&RadarSettings::receiver, &ReceiverSettings::gain_db>(
+        "receiver.gain_db", "dB", closed(-200, 200), "receiver_gain_db", {283, i32, 1e3},
+        "Gain of the receiver, of echoes and noise.", {.knob = "gain"}),
     row<&RadarSettings::receiver, &ReceiverSettings::stc_range_m>(
         "receiver.stc_range_m", "m", closed(0, 500e3), "stc_range_m", {285, i32, 1e3},
-        "Sensitivity time control lowers the gain up to this slant range; 0: none."),
+        "Sensitivity time control lowers the gain up to this slant range; 0: none.",
+        {.knob = "STC range", .not_ideal = true}),
     row<&RadarSettings::receiver, &ReceiverSettings::stc_power>(
         "receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
         "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
-    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>("receiver.stc_db", "dB", closed(0, 200),
-                                                             "stc_db", {288, i32, 1e3},
-                                                             "It lowers the gain by at most this."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>(
+        "receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
+        "It lowers the gain by at most this.", {.knob = "STC depth"}),
     row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>(
         "receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
-        "Bits of the converter, of I and of Q, 2 or more; 0: none."),
+        "Bits of the converter, of I and of Q, 2 or more; 0: none.", {.not_ideal = true}),
     row<&RadarSettings::receiver, &ReceiverSettings::full_scale_dbm>(
         "receiver.full_scale_dbm", "dBm", closed(-200, 100), "full_scale_dbm", {},
         "Power of a sine that just fills the converter."),
@@ -61,7 +63,8 @@ const std::array kParameters{
                                                         "From there to the video's highest level."),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_mm_h>(
         "atmosphere.rain_mm_h", "mm/h", closed(0, 200), "rain_mm_h", {297, i32, 1e3},
-        "Rain everywhere up to rain_top_m: attenuation and an echo of its own."),
+        "Rain everywhere up to rain_top_m: attenuation and an echo of its own.",
+        {.knob = "rain", .not_ideal = true}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_top_m>(
         "atmosphere.rain_top_m", "m", closed(-1000, 20000), "rain_top_m", {},
         "Height of the rain's top above the datum."),

@@ -1,6 +1,7 @@
 // The bins of one radar as they arrive: values as sent, the levels that are shown, when each azimuth was seen.
 
 import { Placement } from "./placement.js";
+import { fieldOf, isDefault } from "./form.js";
 import { number } from "./messages.js";
 
 const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long for their turn
@@ -15,6 +16,9 @@ const MS = 1e-6; // of a nanosecond
  */
 
 export class Bins {
+  /** @type {import("./form.js").Parameter[]|null} those that are not_ideal; null: not known yet */
+  static notIdeal = null;
+
   constructor() {
     /** @type {any} the newest FrameDescriptor */
     this.descriptor = null;
@@ -58,10 +62,7 @@ export class Bins {
   /** An ideal map, as in ground_map.png: no receiver has added to its echoes or changed their law in range. */
   get isIdeal() {
     const s = this.descriptor?.settings;
-    if (!s) return false;
-    const off = (value, word) => value === undefined || value === word;
-    return off(s.beam_pattern, "OFF_BEAM") && off(s.beam_elevation, "OFF_ELEVATION") && off(s.pulse_kind, "OFF_PULSE") &&
-      !s.noise && !number(s.stc_range_m) && !number(s.adc_bits) && !number(s.rain_mm_h);
+    return Boolean(s && Bins.notIdeal?.every((parameter) => isDefault(parameter, s[fieldOf(parameter)])));
   }
   get mayCompensate() {
     return this.isIdeal && !this.descriptor.settings.range_normalisation;
@@ -99,11 +100,11 @@ export class Bins {
       return false;
     }
     const moved = this.placement?.key !== placement.key;
-    const rescaled = this.#levelsOf(d) !== this.#levelsOf(this.descriptor);
     if (sameShape && scan) this.#turn(placement);
+    const levels = this.#levelsOf();
     this.#take(d, placement, sameShape);
     this.scan = scan;
-    if (rescaled) this.rescale();
+    if (levels !== this.#levelsOf()) this.rescale();
     return moved;
   }
 
@@ -116,9 +117,9 @@ export class Bins {
     return this.spareStates;
   }
 
-  #levelsOf(d) {
-    const s = d?.settings;
-    return d && [d.video_floor_db, s.video_span_db, s.range_normalisation, s.noise, s.stc_range_m, s.beam_pattern].join();
+  /** What a level follows from beside its value. */
+  #levelsOf() {
+    return [this.floor_dB, this.step_dB, this.mayCompensate].join();
   }
 
   #take(d, placement, sameShape) {
@@ -280,13 +281,13 @@ export class Bins {
     for (const span of body.missed ?? []) this.#miss(number(span.first_azimuth), number(span.n_azimuth));
     if (!this.next) return false;
     const { d, placement, video, state, times } = this.next;
-    const rescaled = this.#levelsOf(d) !== this.#levelsOf(this.descriptor);
+    const levels = this.#levelsOf();
     [this.spare, this.spareStates] = [this.video, this.state];
     this.#take(d, placement, true);
     [this.video, this.state] = [video, state];
     this.scan = null;
     this.next = null;
-    if (rescaled || times) this.#levels(0, placement.azimuths);
+    if (levels !== this.#levelsOf() || times) this.#levels(0, placement.azimuths);
     if (times) this.newest = times;
     this.seen_ms.fill(times?.at_ms ?? performance.now());
     return true;

@@ -4,12 +4,20 @@
  * @typedef {object} Parameter of /parameters.json
  * @property {string} key
  * @property {string|null} message_field "RadarSettings.r_max_m"
+ * @property {any} default
  * @property {"number"|"integer"|"boolean"|"choice"|string} type
  * @property {string} unit
  * @property {any} limits
  * @property {string} allowed
  * @property {string} text
+ * @property {Record<string, string>} [enumerators] of a choice: what the stream calls each word
+ * @property {string} [knob] its name among what an operator turns
+ * @property {boolean} [of_programs] nothing for a form
+ * @property {boolean} [not_ideal] other than by default, bins are more than an ideal map's echoes
  */
+
+/** The field of its message. */
+export const fieldOf = ({ message_field }) => message_field.split(".")[1];
 
 /** "scan.dwell_bins" in words: "dwell bins". */
 const nameOf = ({ key, unit }) => {
@@ -26,10 +34,14 @@ function fault({ type, limits, allowed, unit }, text) {
   return isWrong ? `found ${text.trim() ? `${text} ${unit}`.trim() : "no number"}; allowed: ${allowed}` : "";
 }
 
-/** The enumerator of a word: that of the current value with the word in place of its own. */
-function enumerator(word, words, current) {
-  const was = words.find((w) => current === w.toUpperCase() || current.startsWith(`${w.toUpperCase()}_`));
-  return was === undefined ? word.toUpperCase() : word.toUpperCase() + current.slice(was.length);
+/** The word of a choice's value; "" for one that this page does not know. */
+const wordOf = ({ enumerators }, value) => Object.keys(enumerators).find((word) => enumerators[word] === value) ?? "";
+
+/** @param {Parameter} parameter @param {any} value of its field; one that is absent is the default */
+export function isDefault(parameter, value) {
+  const { type, default: usual } = parameter;
+  if (value === undefined) return true;
+  return type === "choice" ? wordOf(parameter, value) === usual : Number(value) === Number(usual);
 }
 
 export class Field {
@@ -41,7 +53,7 @@ export class Field {
   constructor(parameter, send, called) {
     this.parameter = parameter;
     this.send = send;
-    this.field = parameter.message_field.split(".")[1];
+    this.field = fieldOf(parameter);
     this.isPose = parameter.message_field.startsWith("Pose.");
     this.element = document.createElement("label");
     this.element.className = "field";
@@ -97,21 +109,17 @@ export class Field {
   }
 
   #text(value) {
-    const { type, limits } = this.parameter;
+    const { type } = this.parameter;
     if (type === "boolean") return value ? "on" : "off";
-    if (type === "choice") {
-      const name = String(value ?? "");
-      const words = [...limits.one_of, ...(limits.retired ?? [])]; // of recordings
-      return words.find((w) => name === w.toUpperCase() || name.startsWith(`${w.toUpperCase()}_`)) ?? "";
-    }
+    if (type === "choice") return wordOf(this.parameter, value);
     return value === undefined ? "0" : String(type === "integer" ? value : Number(Number(value).toPrecision(12)));
   }
 
   async #changed() {
-    const { type, limits } = this.parameter;
+    const { type, enumerators } = this.parameter;
     const text = this.input.value;
     if (type === "boolean") return this.send(this.parameter, this.input.checked);
-    if (type === "choice") return text && this.send(this.parameter, enumerator(text, limits.one_of, String(this.current ?? "")));
+    if (type === "choice") return text && this.send(this.parameter, enumerators[text]);
     this.refuse(fault(this.parameter, text));
     if (this.refusal.textContent) return;
     // 64 bits go as text, which is exact.

@@ -1,5 +1,6 @@
 // The page: it joins connection, pictures, controls and words.
 
+import { Bins } from "./bins.js";
 import { Debrief } from "./debrief.js";
 import { Display, readFragment, writeFragment } from "./controls.js";
 import { KEYS, listenKeys, listenPointer } from "./input.js";
@@ -101,8 +102,11 @@ export class App {
 
   async loadParameters() {
     try {
-      const answer = await fetch("parameters.json");
-      this.controls.use(await answer.json());
+      const table = await (await fetch("parameters.json")).json();
+      this.controls.use(table);
+      Bins.notIdeal = table.filter(({ not_ideal }) => not_ideal);
+      this.change({ compensated: this.look.compensated });
+      this.display.show();
     } catch {
       setTimeout(() => this.loadParameters(), 3000);
     }

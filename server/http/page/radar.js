@@ -6,15 +6,6 @@ import { number } from "./messages.js";
 
 const SCALES_NM = [10, 20, 40, 80];
 const NM_M = 1852;
-// The tab Radar has what an operator turns; the tab Settings has all, by section of the scene file.
-/** @type {[string, string?][]} keys, and names where those of the keys say too little */
-const QUICK = [["antenna.bearing_deg"], ["antenna.tilt_deg"], ["antenna.tilt_auto"], ["antenna.height_m"], ["radar.sector_deg"],
-  ["receiver.gain_db"], ["receiver.stc_range_m", "STC range"], ["receiver.stc_db", "STC depth"], ["scan.rate_deg_s", "scan rate"],
-  ["atmosphere.rain_mm_h"], ["frustum.kind", "frustum"]];
-
-// Of a pose's journey rather than of the antenna: nothing for a form.
-const UNSEEN = ["antenna.sim_time_ns", "antenna.pose_id", "antenna.valid_s", "antenna.geoid_undulation_m"];
-
 const $ = (id) => document.getElementById(id);
 const isSame = (a_m, b_m) => Math.abs(a_m - b_m) < 20;
 const TABS = ["view", "radar", "setup"];
@@ -111,15 +102,15 @@ export class RadarControls {
     $("setup").append(this.section, this.all);
   }
 
-  /** @param {import("./form.js").Parameter[]} table of /parameters.json */
+  /**
+   * The tab Radar gets what an operator turns; the tab Settings all, by section of the scene file.
+   * @param {import("./form.js").Parameter[]} table of /parameters.json
+   */
   use(table) {
-    this.table = table.filter(({ message_field, key }) => message_field && !UNSEEN.includes(key));
-    this.quick.replaceChildren();
+    this.table = table.filter(({ message_field, of_programs }) => message_field && !of_programs);
     this.fields = [];
-    for (const [key, name] of QUICK) {
-      const parameter = this.table.find((p) => p.key === key);
-      if (parameter) this.quick.append(this.#field(parameter, name).element);
-    }
+    const knobs = this.table.filter(({ knob }) => knob);
+    this.quick.replaceChildren(...knobs.map((parameter) => this.#field(parameter, parameter.knob).element));
     const sections = [...new Set(this.table.map(({ key }) => key.split(".")[0]))];
     this.section.replaceChildren(...sections.map((name) => new Option(name, name)));
     this.#fillSection();

@@ -6,9 +6,7 @@
 #include <type_traits>
 
 #include "server/radar/receiver/decibel.h"
-#include "server/radar/receiver/noise_kernels.h"
-#include "server/radar/receiver/noise_power.h"
-#include "server/radar/receiver/video_coder.h"
+#include "server/radar/receiver/noise.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
@@ -78,7 +76,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
       noise_power_w_(obliq::noise_power_w(settings)),
       noise_kernels_(obliq::noise_kernels(settings)),
       rain_power_(rain_echo_power_w(settings, air)),
-      video_{video_floor_db(settings), settings.video.span_db},
+      video_(obliq::video_scale(settings)),
       looks_(settings.video.looks > 1 ? LooksLaw::of(settings.video.looks) : nullptr) {
   const ReceiverSettings& receiver = settings.receiver;
   const double echo_power = ratio_of_db(-receiver.loss_db);
@@ -108,9 +106,7 @@ void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
   if (is_on_ || integrates) {
     const auto n_range = static_cast<std::size_t>(bins.n_range);
     Scratch scratch(wanted.iq || integrates ? n_range : 0, longest(noise_kernels_));
-    VideoCoder coder(video_, integrates ? n_range : 0);
-    if (integrates && wanted.video8) bins.video8.resize(bins.state.size());
-    if (integrates && wanted.video16) bins.video16.resize(bins.state.size());
+    VideoCoder coder(video_, integrates && wanted.video8, integrates && wanted.video16, bins);
     for (int a = 0; a < bins.n_azimuth; ++a) {
       const std::size_t row = static_cast<std::size_t>(a) * n_range;
       ask(kReceptionABin * bins.n_range);
@@ -121,8 +117,7 @@ void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
       if (wanted.iq || integrates) make_noise(static_cast<std::uint64_t>(bins.first_azimuth + a), scratch);
       if (integrates) {
         integrate_row(bins, a, scratch, coder.power());
-        if (wanted.video8) coder.code(row, bins.video8);
-        if (wanted.video16) coder.code(row, bins.video16);
+        coder.code(a);
       }
       if (is_on_ && wanted.iq) receive_row(bins.iq.data() + row, scratch);
     }

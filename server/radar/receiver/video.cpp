@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 
 #include "server/radar/receiver/decibel.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
+#include "server/radar/simd/kernels.h"
 #include "terrain/base/wavelength.h"
 
 namespace obliq {
@@ -19,7 +21,13 @@ constexpr double kBelowGround_db = 20;
 /// Of a radar that sends nothing and hears nothing.
 constexpr double kLowestFloor_db = -400;
 
+constexpr std::size_t kSpare = 8;  // lanes of a kernel
+
 }  // namespace
+
+VideoScale video_scale(const RadarSettings& settings) {
+  return {video_floor_db(settings), settings.video.span_db};
+}
 
 double level_ground_power_w(const RadarSettings& s, double gamma_db, double slant_range_m, double height_m) {
   const double wavelength_m = wavelength_at(s.frequency_ghz);
@@ -40,6 +48,42 @@ double video_floor_db(const RadarSettings& settings) {
   if (settings.range_normalisation) power *= r_max_m * r_max_m * r_max_m * r_max_m;
   return std::max(kLowestFloor_db,
                   std::floor(db_of_ratio(std::max(power, std::numeric_limits<double>::min()))));
+}
+
+VideoCoder::VideoCoder(const VideoScale& scale, bool video8, bool video16, BinBlock& bins)
+    : scale_(scale),
+      video8_(video8),
+      video16_(video16),
+      bins_(bins),
+      power_(static_cast<std::size_t>(bins.n_range) + kSpare),
+      level_(power_.size()) {
+  if (video8) bins.video8.resize(bins.state.size());
+  if (video16) bins.video16.resize(bins.state.size());
+}
+
+void VideoCoder::code(int azimuth) {
+  const std::size_t first = static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(bins_.n_range);
+  if (video8_) code(first, bins_.video8);
+  if (video16_) code(first, bins_.video16);
+}
+
+template <typename Level>
+void VideoCoder::code(std::size_t first, std::vector<Level>& plane) {
+  constexpr double kMost = std::numeric_limits<Level>::max();  // the highest level
+  widest_kernels().video_levels(
+      {bins_.n_range, power_.data(), scale_.floor_db, (kMost - 1) / scale_.span_db, kMost, level_.data()});
+  std::transform(level_.begin(), level_.begin() + bins_.n_range,
+                 plane.begin() + static_cast<std::ptrdiff_t>(first),
+                 [](std::int32_t level) { return static_cast<Level>(level); });
+}
+
+void add_video_of_iq(const VideoScale& scale, bool video8, bool video16, BinBlock& bins) {
+  VideoCoder coder(scale, video8, video16, bins);
+  const std::complex<float>* iq = bins.iq.data();
+  for (int azimuth = 0; azimuth < bins.n_azimuth; ++azimuth) {
+    for (int r = 0; r < bins.n_range; ++r) coder.power()[r] = std::norm(std::complex<double>(*iq++));
+    coder.code(azimuth);
+  }
 }
 
 }  // namespace obliq

@@ -1,12 +1,19 @@
 #pragma once
+// The plane that a display shows: powers as levels.
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/bins.h"
 #include "server/radar/settings.h"
 
 namespace obliq {
 
+/// What makes levels of powers.
 struct VideoScale {
   double floor_db = 0;   ///< of level 1, in dB re the unit of power
   double span_db = 100;  ///< to the highest level
 };
+VideoScale video_scale(const RadarSettings& settings);
 
 /// Where the video's scale begins, in dB re the unit of power: video.floor_db, or, if that is automatic and
 /// rounded down to a whole dB, the noise before gain and sensitivity time control (at r_max where ranges are
@@ -22,7 +29,29 @@ double level_ground_power_w(const RadarSettings& settings, double gamma_db, doub
 /// Whether video follows from I&Q: of one look. Of more it follows from the mean power.
 inline bool video_needs_iq(const RadarSettings& settings) { return settings.video.looks == 1; }
 
-/// Levels of a plane with so many bits, 8 or 16: 0 to this less one.
-constexpr int video_levels(int bits) { return 1 << bits; }
+/// Writes the video of bins, a row at a time: all video is made here. For one thread at a time.
+class VideoCoder {
+ public:
+  /// Makes room in the planes that are wanted; one that is not stays as it is.
+  VideoCoder(const VideoScale& scale, bool video8, bool video16, BinBlock& bins);
+
+  /// [n_range], to be filled: finite, 0 or more, in the unit of power.
+  double* power() { return power_.data(); }
+  /// Writes their levels as the row of an azimuth bin of the block.
+  void code(int azimuth);
+
+ private:
+  template <typename Level>
+  void code(std::size_t first, std::vector<Level>& plane);
+
+  VideoScale scale_;
+  bool video8_, video16_;
+  BinBlock& bins_;
+  std::vector<double> power_;        ///< with what the kernel reads beyond
+  std::vector<std::int32_t> level_;  ///< as long
+};
+
+/// The video of one look follows from I&Q.
+void add_video_of_iq(const VideoScale& scale, bool video8, bool video16, BinBlock& bins);
 
 }  // namespace obliq

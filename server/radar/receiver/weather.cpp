@@ -9,7 +9,7 @@
 #include "server/radar/beam/point_response.h"
 #include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/gas_lines.h"
-#include "server/radar/receiver/noise_power.h"
+#include "server/radar/receiver/noise.h"
 #include "terrain/base/wavelength.h"
 
 namespace obliq {

@@ -143,7 +143,7 @@ def world_of(server, job):
     """Of a server: by a frame of one bin with nothing in it that could be refused, from where its radar stands, or else from
     the first pose that it takes."""
     tiny = Settings(azimuth_bins=1, range_bins=1, pixel_columns=1, pixel_rows=1, frustum="sweep", scan_mode="frame",
-                    beam_pattern="off", beam_elevation="off", pulse_kind="off")
+                    **Settings.ideal)
     for place in [server.radar(job.radar).pose, *(Pose.of(pose) for _, pose, _, _ in job.poses[:20])]:
         for result in server.render_many([place], tiny, planes="state", timeout=job.timeout, return_exceptions=True):
             if not isinstance(result, Exception):

@@ -28,6 +28,7 @@ class Fields:
 
     choices: typing.ClassVar[dict] = {}
     keys: typing.ClassVar[dict] = {}
+    ideal: typing.ClassVar[dict] = {}  # the values that an ideal map has: with another, bins are more than its echoes
 
     @classmethod
     @functools.cache

@@ -151,9 +151,7 @@ def _between(values, strip, width):
 def is_ideal(frame):
     """No receiver has added anything to the echoes or changed their law in range: a bin without a sample has no value, and a
     picture may make up for the range. As in `obliq get`."""
-    s = frame.settings
-    sharp = s.beam_pattern in (None, "off") and s.beam_elevation in (None, "off") and s.pulse_kind in (None, "off")
-    return sharp and not (s.noise or s.stc_range_m or s.adc_bits or s.rain_mm_h)
+    return all(getattr(frame.settings, name) in (None, value) for name, value in frame.settings.ideal.items())
 
 
 def levels(frame):

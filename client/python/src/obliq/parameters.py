@@ -133,8 +133,8 @@ Settings.choices = {
     "frustum": {
         "symmetric": 1,
         "oblique": 0,
-        "sweep": 3,
-        "polar": 2
+        "polar": 2,
+        "sweep": 3
     },
     "plates": {
         "spread": 0,
@@ -175,6 +175,7 @@ Settings.choices = {
         "vertical": 1
     }
 }
+Settings.ideal = {'beam_pattern': 'off', 'beam_elevation': 'off', 'pulse_kind': 'off', 'noise': False, 'stc_range_m': 0.0, 'adc_bits': 0, 'rain_mm_h': 0.0}
 Settings.keys = {
     "radar.frequency_ghz": "frequency_ghz",
     "radar.sector_deg": "sector_deg",

@@ -1,4 +1,7 @@
 #pragma once
+// The receiver's noise: its power, and how the pulse colours it.
+#include <vector>
+
 #include "server/radar/settings.h"
 
 namespace obliq {
@@ -26,5 +29,11 @@ double noise_power_w(const RadarSettings& settings);
 /// losses). Gain one way, loss there and back.
 double echo_power_w(double power_w, double gain_db, double wavelength_m, double loss_db,
                     double cross_section_m2, double slant_range_m);
+
+/// How the receiver colours its noise in range: filters of independent white noises whose outputs add up to
+/// noise of mean square 1. Without a pulse {{1}}. Behind the matched filter of a rectangular pulse its
+/// autocorrelation is the triangle of the pulse itself, exactly at whole bins; behind a compressed one that
+/// of the point response, p * p.
+std::vector<std::vector<double>> noise_kernels(const RadarSettings& settings);
 
 }  // namespace obliq
