@@ -61,9 +61,7 @@ cmake --build --preset release --parallel "$(parallel_jobs)" --target obliqd obl
 
 step "3/6 ground"
 scene=deploy/scenes/demo.toml
-if tile=$(deploy/fetch-demo-terrain.sh); then
-  mkdir -p deploy/scenes/data
-  ln -sfn "$tile" deploy/scenes/data/new_mexico_ned13.tif
+if tile=$(deploy/fetch-demo-terrain.sh --link); then
   echo "real ground: $tile"
 else
   scene=deploy/scenes/demo_hills.toml

@@ -245,8 +245,8 @@ const Named kScenes[] = {
     {"hills with prisms", [] { return load_world(with_prisms(spec(SyntheticKind::hills))); }, 300, 0, 0,
      3e-3},
     {"void", [] { return with_void(load_world(spec(SyntheticKind::flat)), 300, 4000, 1500); }, 0, 200, 240},
-    {"void under the antenna", [] { return with_void(load_world(spec(SyntheticKind::flat)), 0, 0, 400); }, 0,
-     240, 0},
+    {"void under the antenna", [] { return with_void(load_world(spec(SyntheticKind::flat)), 0, 0, 900); }, 0,
+     60, 0},
     {"void behind a ridge",
      [] { return with_void(load_world(spec(SyntheticKind::ridge)), 1500, 5200, 1200); }, 300, 200, 240},
     {"edge of the elevation model", [] { return load_world(spec(SyntheticKind::hills, 5000)); }, 0, 1000, 0},
@@ -306,7 +306,7 @@ TEST(BinStates, WithSamplesAreThoseOfTheBruteForceProfile) {
     EXPECT_GE(tally.of_state[1], 1000) << scene.name;
     EXPECT_GE(tally.of_state[4], scene.hole) << scene.name;
     // Strands stand between the corners of buildings and see slits that evenly spaced profiles pass by.
-    EXPECT_LE(tally.between, 4e-3 * tally.of_state[1]) << scene.name;
+    EXPECT_LE(tally.between, 6e-3 * tally.of_state[1]) << scene.name;
   }
 }
 

