@@ -100,8 +100,9 @@ void fill_errors(const View& view, const TruthBins& truth, const std::vector<std
     measured.errors[static_cast<int>(Returns::terrain)] = measured.errors[static_cast<int>(Returns::all)];
     return;
   }
-  const BuildingErrors missed = missed_buildings(
-      truth.buildings, [&](std::uint32_t i) { return match[i] != kNoBuilding && plan.seen().has(match[i]); });
+  const BuildingErrors missed = missed_buildings(truth.buildings, [&](std::uint32_t i) {
+    return match[i] != kNoBuilding && plan.looks_at().seen().has(match[i]);
+  });
   measured.errors[static_cast<int>(Returns::all)].buildings = missed;
   measured.errors[static_cast<int>(Returns::buildings)].buildings = missed;
   const auto fresh = plan_or_throw(view);
@@ -140,7 +141,7 @@ TruthBins render_truth(const View& view, const AzimuthRuns& runs, int threads) {
   truth.building_w = render_runs(*plan, runs, Surfaces::buildings, threads);
   truth.buildings.resize(view.scene->world().buildings.list.size());
   for (std::uint32_t i = 0; i < truth.buildings.size(); ++i)
-    if (plan->seen().has(i)) truth.buildings[i] = {1, 1, 1};
+    if (plan->looks_at().seen().has(i)) truth.buildings[i] = {1, 1, 1};
   return truth;
 }
 

@@ -66,14 +66,14 @@ ReferenceView reference_view(const FramePlan& plan) {
   view.r_min_m = settings.r_min_m;
   view.r_max_m = settings.r_max_m;
   view.range_bins = settings.range_bins;
-  view.wavelength_m = plan.wavelength_m();
+  view.wavelength_m = plan.looks_at().wavelength_m();
   view.power_w = settings.power_w;
   view.gain = std::pow(10.0, settings.gain_db / 10);
   view.range_normalisation = settings.range_normalisation;
   if (settings.beam.elevation == ElevationPattern::off) return view;
   // About the antenna's own vertical.
-  const ElevationTable& table = plan.antenna_gain().elevation();
-  view.two_way_gain = [pattern = ElevationGain(settings, plan.antenna_gain().tilt_rad()),
+  const ElevationTable& table = plan.looks_at().antenna_gain().elevation();
+  view.two_way_gain = [pattern = ElevationGain(settings, plan.looks_at().antenna_gain().tilt_rad()),
                        lean_x = table.lean_x, lean_z = table.lean_z](double sine, double bearing_rad) {
     const double level = std::sqrt(std::max(0.0, 1 - sine * sine));
     const double own = sine + level * (lean_x * std::sin(bearing_rad) + lean_z * std::cos(bearing_rad));

@@ -113,7 +113,7 @@ class Experiment {
     if (!pose) fail(all_text(errors));
     loaded.pose = *pose;
     loaded.own = plan(loaded, input_.settings);
-    if (!loaded.own->extent().any) fail("no known ground in its sector");
+    if (!loaded.own->looks_at().extent().any) fail("no known ground in its sector");
     if (columns_factor_ == 0) columns_factor_ = columns_factor(input_.settings, loaded.world->grid.cell_m);
     loaded.fine = plan(loaded, comparison(source_, kComparisonDensity));
   }
@@ -189,7 +189,7 @@ class Experiment {
     own.power_w = 1;
     own.gain_db = 0;
     result_.radar = radar_rows(
-        input_.settings, air_view(*loaded.own),
+        input_.settings, air_view(loaded.own->looks_at()),
         measure_radar_powers({loaded.scene, loaded.pose, input_.radar, wedges_, input_.threads}, own));
     result_.frustum_noise = power_change(power_w_, power(*plan(loaded, own)), ranges_);
   }

@@ -16,7 +16,8 @@ SceneFacts facts_of(const ExplainInput& input, const FramePlan& own) {
   f.materials = input.materials;
   f.radius_factor = world.frame.radius_factor();
   f.earth_factor = std::isfinite(f.radius_factor) ? f.radius_factor : kStandardEarth;
-  f.height_m = world.frame.geodetic_from_world(own.pose().antenna).height_m - own.extent().median_height_m;
+  f.height_m =
+      world.frame.geodetic_from_world(own.pose().antenna).height_m - own.looks_at().extent().median_height_m;
   f.range_spacing_m = own.bins().range_spacing_m;
   f.cell_m = world.grid.cell_m;
   f.nodes = world.grid.y_m.size();

@@ -44,7 +44,7 @@ const char* model_name(ScatteringModel model) {
 /// The lift y -= (1 - 1/k) y0(x, z) tilts by (1 - 1/k) rho / R at distance rho from the origin: y changes by
 /// that share of the horizontal distance d, and a slant range by (dy / r) of it, dy d / r <= |dy|.
 double shear_bound_m(const FramePlan& plan, double off_origin_m) {
-  const SectorExtent& extent = plan.extent();
+  const SectorExtent& extent = plan.looks_at().extent();
   const double antenna_y_m = plan.pose().antenna.m.y;
   const double tilt =
       std::abs(1 - 1 / plan.scene().world().frame.radius_factor()) * off_origin_m / kMeanEarthRadius_m;
@@ -63,10 +63,10 @@ double standard_curvature(double low_m, double high_m) {
 std::string refraction_warning(const FramePlan& plan) {
   const WorldFrame& frame = plan.scene().world().frame;
   const double k = frame.radius_factor();
-  if (k == 1 || !std::isfinite(k) || !plan.extent().any) return {};
+  if (k == 1 || !std::isfinite(k) || !plan.looks_at().extent().any) return {};
   const double antenna_m = frame.geodetic_from_world(plan.pose().antenna).height_m;
   const double ground_y_m = plan.pose().ground_y_m;
-  const double above_m = std::isnan(ground_y_m) ? antenna_m - plan.extent().median_height_m
+  const double above_m = std::isnan(ground_y_m) ? antenna_m - plan.looks_at().extent().median_height_m
                                                 : plan.pose().antenna.m.y - ground_y_m;
   if (!(above_m > kLowAltitude_m)) return {};
   const double standard = standard_curvature(antenna_m - above_m, antenna_m);
@@ -111,12 +111,12 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
   if (const std::string warning = steep_beam_warning(plan); !warning.empty())
     descriptor.add_warnings(warning);
   const bool far = off_origin_m > kFarFromOrigin_m;
-  if (!plan.extent().any)
+  if (!plan.looks_at().extent().any)
     descriptor.add_warnings(far ? fmt::format("no known ground in the sector: the antenna is {:.0f} km from "
                                               "the scene's origin, and bins and picture are empty",
                                               off_origin_m / 1000)
                                 : "no known ground in the sector");
-  if (far && plan.extent().any && std::isfinite(frame.radius_factor()))
+  if (far && plan.looks_at().extent().any && std::isfinite(frame.radius_factor()))
     descriptor.add_warnings(
         fmt::format("antenna {:.1f} km from the scene origin: azimuths are off by up to {:.3g} degrees, "
                     "slant ranges by {:.3g} m",
@@ -127,12 +127,12 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
 /// tan|elevation| of the steepest line of sight into the sector's box, down or up; at most 70.7.
 double steepest_tangent(const FramePlan& plan) {
   constexpr double kGreatestSine = 0.9999;
-  const double below_m = plan.box().antenna_above_bottom_m;
+  const double below_m = plan.looks_at().box().antenna_above_bottom_m;
   const double r_min_m = plan.bins().r_min_m;
   const double down = below_m <= 0                        ? 0
                       : below_m < kGreatestSine * r_min_m ? below_m / r_min_m
                                                           : kGreatestSine;
-  const double up = std::sin(plan.extent().highest_elevation_rad);
+  const double up = std::sin(plan.looks_at().extent().highest_elevation_rad);
   const double sine = std::clamp(std::max(down, up), 0.0, kGreatestSine);
   return sine / std::sqrt(1 - sine * sine);
 }
@@ -190,7 +190,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   write_message(plan.settings(), *descriptor.mutable_settings());
   write_message(pose.settings, *descriptor.mutable_pose());
   if (pose.settings.tilt_auto)
-    descriptor.mutable_pose()->set_tilt_deg(plan.antenna_gain().tilt_rad() / kDegree_rad);
+    descriptor.mutable_pose()->set_tilt_deg(plan.looks_at().antenna_gain().tilt_rad() / kDegree_rad);
   descriptor.set_origin_latitude_deg(world.frame.origin_latitude_rad() / kDegree_rad);
   descriptor.set_origin_longitude_deg(world.frame.origin_longitude_rad() / kDegree_rad);
   descriptor.set_radius_factor(world.frame.radius_factor());
@@ -198,7 +198,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_antenna_y_m(pose.antenna.m.y);
   descriptor.set_antenna_z_m(pose.antenna.m.z);
   descriptor.set_north_rad(pose.north_rad);
-  descriptor.set_wavelength_m(plan.wavelength_m());
+  descriptor.set_wavelength_m(plan.looks_at().wavelength_m());
   descriptor.set_azimuth_start_deg(pose.settings.bearing_deg - plan.settings().sector_deg / 2);
   descriptor.set_azimuth_width_deg(plan.settings().sector_deg / bins.n_azimuth);
   descriptor.set_range_start_m(bins.r_min_m);
@@ -209,9 +209,9 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_unit(normalised ? "sqrt(W) m^2" : "sqrt(W)");
   descriptor.set_power_unit(normalised ? "W m^4" : "W");
   descriptor.set_azimuth_reference("clockwise from the antenna's true north");
-  descriptor.set_bottom_y_m(plan.extent().bottom_y_m);
-  descriptor.set_top_y_m(plan.extent().top_y_m);
-  descriptor.set_map_reference_height_m(plan.extent().median_height_m);
+  descriptor.set_bottom_y_m(plan.looks_at().extent().bottom_y_m);
+  descriptor.set_top_y_m(plan.looks_at().extent().top_y_m);
+  descriptor.set_map_reference_height_m(plan.looks_at().extent().median_height_m);
   // At most rho / (k R) tan|elevation|, rho the antenna's distance from the scene origin (design section 1).
   const double rho_m = std::hypot(pose.antenna.m.x, pose.antenna.m.z);
   descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kMeanEarthRadius_m) *
@@ -255,7 +255,7 @@ void summarise_frame(const FramePlan& plan, const FrameStats& stats, wire::Frame
   summary.set_repaired(stats.repaired);
   summary.set_rejected(stats.rejected);
   summary.set_coverage(stats.coverage());
-  summary.set_buildings_seen(plan.seen().count());
+  summary.set_buildings_seen(plan.looks_at().seen().count());
   summary.set_lit_bins(stats.lit_bins);
   summary.set_unsampled_bins(stats.unsampled_bins);
   if (const std::string warning = unsampled_warning(stats, plan.settings()); !warning.empty())

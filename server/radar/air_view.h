@@ -3,9 +3,9 @@
 
 namespace obliq {
 
-class FramePlan;
+class ScenePlan;
 
-/// Where a frame's antenna is in the air.
-AirView air_view(const FramePlan& plan);
+/// Where the antenna is in the air.
+AirView air_view(const ScenePlan& plan);
 
 }  // namespace obliq

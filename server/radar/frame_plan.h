@@ -1,21 +1,11 @@
 #pragma once
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "server/radar/beam/antenna_gain.h"
 #include "server/radar/beam/echo_plan.h"
-#include "server/radar/bins.h"
-#include "server/radar/geometry/azimuth_buildings.h"
-#include "server/radar/geometry/perspective_frustum.h"
-#include "server/radar/geometry/pose.h"
-#include "server/radar/geometry/sector_extent.h"
-#include "server/radar/settings.h"
-#include "server/radar/simd/scatterer_owner.h"
-#include "server/scene/scene.h"
+#include "server/radar/scene_plan.h"
 
 namespace obliq {
 
@@ -37,113 +27,33 @@ std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const Ra
 std::optional<std::vector<FieldError>> known_beam_faults(const RadarSettings& settings,
                                                          const PoseSettings& pose);
 
-/// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings.
-bool needs_tracer(const Scene& scene, FrustumKind frustum);
-
-/// Columns that the sweep cuts an azimuth bin into.
-int sweep_columns_per_bin(const RadarSettings& settings);
-
-/// Which buildings have been seen. Marked from several threads at once.
-class SeenBuildings {
- public:
-  explicit SeenBuildings(std::size_t n_buildings) : flags_(n_buildings) {}
-
-  void mark(std::uint32_t building) {
-    // Written once, so that threads do not fight over the cache line.
-    if (!has(building)) flags_[building].store(1, std::memory_order_relaxed);
-  }
-  void mark(const std::vector<std::uint32_t>& buildings) {
-    for (const std::uint32_t b : buildings) mark(b);
-  }
-
-  bool has(std::uint32_t building) const { return flags_[building].load(std::memory_order_relaxed) != 0; }
-  std::uint32_t count() const {
-    std::uint32_t n = 0;
-    for (const auto& flag : flags_) n += flag.load(std::memory_order_relaxed);
-    return n;
-  }
-  /// Rising.
-  std::vector<std::uint32_t> list() const {
-    std::vector<std::uint32_t> seen;
-    for (std::uint32_t b = 0; b < flags_.size(); ++b)
-      if (has(b)) seen.push_back(b);
-    return seen;
-  }
-
- private:
-  std::vector<std::atomic<std::uint8_t>> flags_;
-};
-
-/// Everything about a frame that its wedges share, worked out once. Immutable but for the buildings seen.
+/// What a display gets: bins, and how they are made of what is looked at. Immutable.
 class FramePlan {
  public:
-  /// widths: of the beam that its bins are the sharp ones of; null: of none.
-  FramePlan(std::shared_ptr<const Scene> scene, const SettingsSnapshot& snapshot, const Pose& pose,
-            const BeamWidths* widths = nullptr);
-
   /// The same for another frame, with another number and date of the same antenna, and no building seen yet.
   std::shared_ptr<FramePlan> again(const PoseSettings& pose) const;
 
-  const Scene& scene() const { return *scene_; }
   const RadarSettings& settings() const { return snapshot_.settings; }
   std::uint64_t settings_version() const { return snapshot_.version; }
   const Pose& pose() const { return pose_; }
   const Sector& sector() const { return sector_; }
-  const SectorExtent& extent() const { return extent_; }
-  const SectorBox& box() const { return box_; }
   const BinGrid& bins() const { return bins_; }
-  /// Symmetric and oblique frusta; meaningless for the sweep.
-  const PerspectiveFrustum& camera() const { return camera_; }
-  double wavelength_m() const { return wavelength_m_; }
-  /// World angle of an azimuth position, in bins from the sector's left edge.
-  double bearing_rad(double position) const { return sector_.bearing_rad + bins_.azimuth_edge_rad(position); }
-
-  /// Of the wedge that begins with an azimuth bin.
-  WedgeEdges wedge_edges(int first_azimuth) const;
-
-  /// Indices, rising, of all buildings that overlap an azimuth bin within building_reach_m(), and of some
-  /// that only come close.
-  std::span<const std::uint32_t> buildings_in(int azimuth_bin) const { return buildings_->in(azimuth_bin); }
-  /// Those of several azimuth bins, each once, rising.
-  std::vector<std::uint32_t> buildings_in(AzimuthRange range) const { return buildings_->in(range); }
-
-  /// The sweep divides a bin from up to a cell in front of a building: buildings just beyond the swath count,
-  /// or nearer bins would depend on where the swath ends.
-  double building_reach_m() const;
-
-  /// Towards every direction.
-  const AntennaGain& antenna_gain() const { return *antenna_gain_; }
-
-  /// How the bins follow from those of traced(); null: they are traced themselves.
-  const EchoPlan* echo() const { return echo_.get(); }
-  /// The frame whose wedges are rendered: this one, or a sharp one with a wider sector and swath.
-  const FramePlan& traced() const { return sharp_ ? *sharp_ : *this; }
-  /// Its bins are added up as voltages, so each scatterer must be in one of them.
-  bool adds_voltages() const { return adds_voltages_; }
-
-  /// By this frame's wedges.
-  SeenBuildings& seen() const { return *seen_; }
+  /// What is looked at; behind a beam or a pulse a wider sector and a longer swath.
+  const ScenePlan& looks_at() const { return *looks_at_; }
+  const Scene& scene() const { return looks_at_->scene(); }
+  /// How the bins follow from those of looks_at(); null: they are those.
+  const EchoPlan* sum() const { return sum_.get(); }
 
  private:
   friend PlanResult plan_frame(std::shared_ptr<const Scene>, const SettingsPtr&, const Pose&);
-  friend class FramePlanner;
-  FramePlan(const FramePlan&) = default;  // shares what has been seen
+  FramePlan(const SettingsSnapshot& snapshot, const Pose& pose);
 
-  std::shared_ptr<const Scene> scene_;
   SettingsSnapshot snapshot_;  // a copy, so that a plan which is kept does not keep a radar's settings alive
   Pose pose_;
   Sector sector_;
-  SectorExtent extent_;
-  SectorBox box_;
   BinGrid bins_;
-  PerspectiveFrustum camera_;
-  double wavelength_m_;
-  std::shared_ptr<const AzimuthBuildings> buildings_;
-  std::shared_ptr<SeenBuildings> seen_;
-  std::shared_ptr<const AntennaGain> antenna_gain_;
-  std::shared_ptr<const EchoPlan> echo_;
-  std::shared_ptr<const FramePlan> sharp_;
-  bool adds_voltages_ = false;
+  std::shared_ptr<const ScenePlan> looks_at_;
+  std::shared_ptr<const EchoPlan> sum_;
 };
 
 }  // namespace obliq

@@ -61,7 +61,7 @@ void render_echoes(WedgeWork& work, AzimuthRange range, double far_m) {
   work.wedge.stats.samples += work.cells.count();
 }
 
-void find_states(const FramePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
+void find_states(const ScenePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
   const StageProbe probe(Stage::states);
   decide_states(plan, visibility, wedge.bins);
   ask(static_cast<std::int64_t>(wedge.bins.state.size()));
@@ -87,7 +87,7 @@ void measure_coverage(const FramePlan& plan, Wedge& wedge) {
   }
 }
 
-void render_wedge(WedgeWork& work, int index, double far_m, bool states, HitObserver* observer) {
+void render_wedge(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
   const int bin = index * kWedgeAzimuthBins;
   const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
   work.wedge = {};
@@ -97,25 +97,26 @@ void render_wedge(WedgeWork& work, int index, double far_m, bool states, HitObse
   const bool echoes = work.tables.sub_columns.all_of(range);
   WedgeVisibility visibility(work.plan, range, !echoes);
   if (echoes) {
-    render_echoes(work, range, far_m);
+    render_echoes(work, range, needed.far_m);
   } else {
-    render_samples(work, range, observer, visibility);
+    render_samples(work, range, needed.observer, visibility);
   }
   if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
-  if (states) find_states(work.plan, visibility, work.wedge);
+  if (needed.states) find_states(work.plan, visibility, work.wedge);
 }
 
-std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
+std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthRange range,
                                                  HitObserver* observer, WedgeVisibility* profile) {
   if (plan.settings().frustum == FrustumKind::sweep) return std::make_unique<SweepSamples>(plan, range);
   return std::make_unique<RaySamples>(plan, range, observer, profile);
 }
 
-FrameTables::FrameTables(const FramePlan& plan)
+FrameTables::FrameTables(const ScenePlan& plan)
     : scattering(plan.scene().materials(), plan.wavelength_m()),
-      speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
-              plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
-              plan.adds_voltages() ? OwnerBins{plan.bins(), 1 / plan.bins().azimuth_width_rad} : OwnerBins{}),
+      speckle(
+          plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
+          plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
+          plan.is_coherent_sum() ? OwnerBins{plan.bins(), 1 / plan.bins().azimuth_width_rad} : OwnerBins{}),
       sub_columns(plan) {
   if (!attenuates(plan.settings())) return;
   const double loss_db_km = path_loss_db_km(plan.settings(), air_view(plan));
@@ -143,7 +144,7 @@ Frame render(std::shared_ptr<const Scene> scene, SettingsPtr settings, const Pos
   Frame frame;
   frame.bins = BinBlock(azimuths.first, azimuths.count, plan.bins().n_range);
   FrameSum sum(plan.settings());
-  const Receiver own(plan.settings(), "", plan.settings().receiver.noise_frame, air_view(plan));
+  const Receiver own(plan.settings(), "", plan.settings().receiver.noise_frame, air_view(plan.looks_at()));
   RenderOptions with_copy = options;
   if (with_copy.receiver == nullptr) with_copy.receiver = &own;
   with_copy.on_wedge = [&](Wedge&& wedge) {

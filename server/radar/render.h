@@ -75,7 +75,7 @@ class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 /// Samples of azimuth bins [range.first, range.first + range.count), the way the plan's frustum looks.
 /// `observer` may be null, and so may `profile`, the visibility of the same azimuth bins: a caller that has
 /// one hands it in, so that nothing is marched twice. All of them must outlive the source.
-std::unique_ptr<SampleSource> make_sample_source(const FramePlan& plan, AzimuthRange range,
+std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthRange range,
                                                  HitObserver* observer, WedgeVisibility* profile = nullptr);
 
 /// Renders every wedge that overlaps `azimuths`, on several threads, and hands each to on_wedge

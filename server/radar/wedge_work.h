@@ -10,6 +10,7 @@
 #include "server/radar/echo/speckle.h"
 #include "server/radar/render.h"
 #include "server/radar/sweep/sweep_echoes.h"
+#include "server/radar/wedge_sums.h"
 
 namespace obliq {
 
@@ -21,24 +22,24 @@ struct FrameTables {
 
   std::vector<double> path_power;  ///< [n_range] what the atmosphere leaves; empty: all
 
-  explicit FrameTables(const FramePlan& plan);
+  explicit FrameTables(const ScenePlan& plan);
 };
 
 /// What a thread has in hand: a wedge and its buffers, reused from wedge to wedge.
 struct WedgeWork {
-  const FramePlan& plan;
+  const ScenePlan& plan;
   const FrameTables& tables;
   EchoBins echo;
   EchoCells cells;
   SampleBatch samples;
-  std::unique_ptr<EchoSums> sums;  ///< of a frame that is made from sharp wedges, when the first are there
+  std::unique_ptr<EchoSums> sums;  ///< over beam and pulse; null until there is something to add up
   Wedge wedge;
 
-  WedgeWork(const FramePlan& frame_plan, const FrameTables& frame_tables, const RenderOptions& options)
-      : plan(frame_plan),
+  WedgeWork(const ScenePlan& scene_plan, const FrameTables& frame_tables, Surfaces surfaces, bool iq)
+      : plan(scene_plan),
         tables(frame_tables),
-        echo(plan, tables.scattering, tables.speckle, {}, options.surfaces),
-        cells(plan, tables.scattering, tables.speckle, options.surfaces, options.iq) {}
+        echo(plan, tables.scattering, tables.speckle, {}, surfaces),
+        cells(plan, tables.scattering, tables.speckle, surfaces, iq) {}
 };
 
 /// Lit and unsampled bins of a wedge, by its states.
@@ -46,8 +47,8 @@ void count_states(Wedge& wedge);
 /// Ground area of a wedge's azimuth bins, added to its counts.
 void measure_coverage(const FramePlan& plan, Wedge& wedge);
 
-/// The pipeline, without the area (measure_coverage): work.wedge is wedge `index`. Its bins beyond far_m may
-/// stay dark. `observer` may be null.
-void render_wedge(WedgeWork& work, int index, double far_m, bool states, HitObserver* observer);
+/// Look and echoes: work.wedge becomes wedge `index`, as far as it is needed, without its area
+/// (measure_coverage).
+void render_wedge(WedgeWork& work, int index, const WedgeSums::Needed& needed);
 
 }  // namespace obliq

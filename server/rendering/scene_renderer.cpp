@@ -50,10 +50,10 @@ class PlannedSceneFrame : public PlannedFrame {
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);
   }
-  AirView air() const override { return air_view(*plan_); }
-  std::vector<std::uint32_t> seen() const override { return plan_->seen().list(); }
+  AirView air() const override { return air_view(plan_->looks_at()); }
+  std::vector<std::uint32_t> seen() const override { return plan_->looks_at().seen().list(); }
   void see_again(const std::vector<std::uint32_t>& buildings) const override {
-    plan_->seen().mark(buildings);
+    plan_->looks_at().seen().mark(buildings);
   }
   std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const override {
     return std::make_unique<PlannedSceneFrame>(scene_, plan_->again(pose), scene_name_);
@@ -123,7 +123,8 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
       result.errors = {{"frustum.kind", "a frustum whose rays are traced", "\"sweep\": " + fault}};
     if (state != TracerBuilder::State::built) return result;
   }
-  if (before != nullptr) planned.plan->seen().mark(before->seen().list());  // the dwells of a pass add up
+  if (before != nullptr)
+    planned.plan->looks_at().seen().mark(before->looks_at().seen().list());  // the dwells of a pass add up
   result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
   return result;
 }

@@ -143,7 +143,7 @@ class FrameRunner {
       send([&] { return encoder_->wedge(wedge.index, wedge.bins); });
     };
     const Receiver receiver(frame_.settings->settings, frame_.radar,
-                            frame_.settings->settings.receiver.noise_frame, air_view(*plan_));
+                            frame_.settings->settings.receiver.noise_frame, air_view(plan_->looks_at()));
     options.receiver = &receiver;
     render_wedges(*plan_, {0, plan_->bins().n_azimuth}, options);
     end(with_probes ? &serial : nullptr, sum, start);

@@ -330,7 +330,7 @@ TEST(BeamLookingDown, WhereOuterSharpWedgesSeeTheNearGroundAlone) {
   s.r_min_m = 1030;
   s.r_max_m = s.r_min_m + 15 * s.range_bins;
   const Pose pose = test::pose_over_origin(test::hills_with_houses(150)->world(), 1000);
-  const EchoPlan echo = *plan_frame(test::hills_with_houses(150), test::snapshot(s), pose).plan->echo();
+  const EchoPlan echo = *plan_frame(test::hills_with_houses(150), test::snapshot(s), pose).plan->sum();
   const AzimuthRange part{48, 8};
   EXPECT_LT(needed_range_m(echo, echo.first_row(part.first) / kWedgeAzimuthBins, part), s.r_max_m - 500);
   expect_part(render(test::hills_with_houses(150), test::snapshot(s), pose, {0, s.azimuth_bins}), s, pose,

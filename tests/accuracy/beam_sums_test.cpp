@@ -10,6 +10,7 @@
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
+#include "server/radar/wedge_work.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
@@ -280,17 +281,18 @@ TEST(BeamSums, ASectorThatTheBeamClosesIsPartOfTheCircle) {
 
 /// The sharp bins that a frame is made from, of 1 W, as wide as the beam is on their ground.
 BinBlock sharp_bins(const FramePlan& plan) {
-  const FramePlan& sharp = plan.traced();
-  BinBlock all(0, sharp.settings().azimuth_bins, sharp.settings().range_bins);
+  const ScenePlan& sharp = plan.looks_at();
+  BinBlock all(0, sharp.bins().n_azimuth, sharp.bins().n_range);
   all.sin_elevation.resize(all.power_w.size());
-  RenderOptions options;
-  options.on_wedge = [&](Wedge&& wedge) {
-    copy_azimuths(wedge.bins, all);
-    std::ranges::copy(
-        wedge.bins.sin_elevation,
-        all.sin_elevation.begin() + static_cast<std::ptrdiff_t>(wedge.bins.first_azimuth) * all.n_range);
-  };
-  EXPECT_TRUE(render_wedges(sharp, {0, all.n_azimuth}, options));
+  const FrameTables tables(sharp);
+  WedgeWork work(sharp, tables, Surfaces::all, true);
+  for (int wedge = 0; wedge < wedge_count(all.n_azimuth); ++wedge) {
+    render_wedge(work, wedge, {});
+    const BinBlock& bins = work.wedge.bins;
+    copy_azimuths(bins, all);
+    std::ranges::copy(bins.sin_elevation, all.sin_elevation.begin() +
+                                              static_cast<std::ptrdiff_t>(bins.first_azimuth) * all.n_range);
+  }
   return all;
 }
 

@@ -21,7 +21,7 @@ struct Tally {
   double worst_m = 0;
 };
 
-void compare(const FramePlan& plan, AzimuthRange range, const std::string& scene_text, Tally& tally) {
+void compare(const ScenePlan& plan, AzimuthRange range, const std::string& scene_text, Tally& tally) {
   const glm::dvec3& antenna = plan.sector().antenna_m;
   FirstHits trace(plan, range);
   const auto source = make_ray_source(plan, range);
@@ -66,7 +66,7 @@ Tally tally_of(FrustumKind kind) {
     if (!planned.plan) continue;  // from here this camera cannot look
     const int n = random.settings.azimuth_bins;
     for (int first = 0; first < n; first += 8)
-      compare(*planned.plan, {first, std::min(8, n - first)}, random.text, tally);
+      compare(planned.plan->looks_at(), {first, std::min(8, n - first)}, random.text, tally);
   }
   std::printf(
       "    %d rays (%d by Embree), %d hits in the swath (%d on buildings), %d beside silhouettes, %d differ; "
@@ -104,7 +104,7 @@ TEST(MarchedRays, OfOneAzimuthBinAllAroundMeetAHillOnEitherSide) {
     const auto planned = plan_frame(scene, test::snapshot(settings),
                                     test::pose_over_origin(scene->world(), 1000, bearing_deg));
     ASSERT_TRUE(planned.plan) << all_text(planned.errors);
-    compare(*planned.plan, {0, 1}, "a cone, 360 degrees in one bin", tally);
+    compare(planned.plan->looks_at(), {0, 1}, "a cone, 360 degrees in one bin", tally);
   }
   EXPECT_GT(tally.hits, 10000);
   EXPECT_EQ(tally.differ, 0);

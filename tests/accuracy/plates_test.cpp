@@ -74,7 +74,7 @@ TEST(Plates, SolidAnglesOfAPlateAddUpToThePixels) {
     const AzimuthRange range{8, 24};
     HitPixels pixels;
     const auto samples = std::make_unique<SampleBatch>();
-    const auto source = make_sample_source(*plan, range, &pixels);
+    const auto source = make_sample_source(plan->looks_at(), range, &pixels);
     FrameStats stats;
     double sum_sr = 0;
     std::uint64_t n = 0;
@@ -89,7 +89,7 @@ TEST(Plates, SolidAnglesOfAPlateAddUpToThePixels) {
     }
     double expected_sr = 0;
     const auto rays = std::make_unique<RayBatch>();
-    const auto ray_source = make_ray_source(*plan, range);
+    const auto ray_source = make_ray_source(plan->looks_at(), range);
     while (ray_source->generate(*rays))
       for (std::size_t k = 0; k < static_cast<std::size_t>(rays->n); ++k)
         if (pixels.has(rays->pixel[k])) expected_sr += rays->solid_angle_sr[k];
@@ -116,7 +116,7 @@ TEST(Plates, NoLightFallsIntoBinsThatEveryProfileCallsHidden) {
       int dark = 0;
       for (const PlateKind plates : {PlateKind::spread, PlateKind::nearest}) {
         const auto plan = plan_of(scene, settings_of(kind, plates, 256, 192));
-        WedgeVisibility profile(*plan, {0, 64});
+        WedgeVisibility profile(plan->looks_at(), {0, 64});
         const Frame frame =
             render(scene, test::snapshot(plan->settings()), plan->pose(), {0, 64}, RenderOptions{});
         dark = 0;
@@ -151,7 +151,7 @@ TEST(Plates, AreCloserToTheTruthThanTheNearestBin) {
     view.r_min_m = plan->bins().r_min_m;
     view.r_max_m = plan->bins().r_max_m;
     view.range_bins = 128;
-    view.wavelength_m = plan->wavelength_m();
+    view.wavelength_m = plan->looks_at().wavelength_m();
     ReferenceSampling sampling;
     sampling.planes_per_bin = 16;
     const ReferenceBins truth =

@@ -37,7 +37,7 @@ void look(World world, const Pose& pose, RadarSettings s, int truth_planes, Tall
     const BuildingTruth& t = truth.buildings[b];
     if (!truth_sees_building(t.visible_sr, t.unoccluded_sr, t.largest_share)) continue;
     ++tally.seen;
-    if (plan->seen().has(b)) continue;
+    if (plan->looks_at().seen().has(b)) continue;
     ++tally.missed;
     std::printf("    missed building %u: %.2f %% of it seen, %.2f %% of a bin; %s\n", b,
                 100 * t.visible_sr / t.unoccluded_sr, 100 * t.largest_share, text.c_str());

@@ -66,7 +66,7 @@ Comparison compare(const Scene& scene, const FramePlan& plan, const test::Refere
   Comparison c;
   const glm::dvec3 antenna = plan.sector().antenna_m;
   const test::Vector3 origin = vector(antenna);
-  const auto source = make_ray_source(plan, {0, settings.azimuth_bins});
+  const auto source = make_ray_source(plan.looks_at(), {0, settings.azimuth_bins});
   const auto rays = std::make_unique<RayBatch>();
   std::vector<RoughHit> rough(kBatch);
   while (source->generate(*rays)) {

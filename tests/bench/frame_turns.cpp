@@ -85,7 +85,7 @@ class Turns {
             {"power_w", power_w},
             {"samples", sum.total().samples},
             {"buildings", scene_->world().buildings.list.size()},
-            {"seen", planned.plan->seen().count()}};
+            {"seen", planned.plan->looks_at().seen().count()}};
   }
 
  private:

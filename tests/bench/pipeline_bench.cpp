@@ -104,8 +104,8 @@ void BareTrace(benchmark::State& state) {
                             RayMethod::embree);
   std::vector<std::unique_ptr<RayBatch>> batches;
   for (int first = 0; first < plan->settings().azimuth_bins; first += kWedgeAzimuthBins) {
-    const auto source =
-        make_ray_source(*plan, {first, std::min(kWedgeAzimuthBins, plan->settings().azimuth_bins - first)});
+    const auto source = make_ray_source(
+        plan->looks_at(), {first, std::min(kWedgeAzimuthBins, plan->settings().azimuth_bins - first)});
     for (auto batch = std::make_unique<RayBatch>(); source->generate(*batch);
          batch = std::make_unique<RayBatch>())
       batches.push_back(std::move(batch));
@@ -151,7 +151,7 @@ void RayGeneration(benchmark::State& state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
       const auto batch = std::make_unique<RayBatch>();
       std::uint64_t n = 0;
-      for (const auto source = make_ray_source(*plan, range); source->generate(*batch);)
+      for (const auto source = make_ray_source(plan->looks_at(), range); source->generate(*batch);)
         n += static_cast<std::uint64_t>(batch->n);
       rays += n;
     });
@@ -171,7 +171,8 @@ void Samples(benchmark::State& state) {
       const auto batch = std::make_unique<SampleBatch>();
       FrameStats stats;
       std::uint64_t n = 0;
-      for (const auto source = make_sample_source(*plan, range, nullptr); source->fill(*batch, stats);)
+      for (const auto source = make_sample_source(plan->looks_at(), range, nullptr);
+           source->fill(*batch, stats);)
         n += static_cast<std::uint64_t>(batch->n);
       found += n;
     });
@@ -197,7 +198,8 @@ void Sweep(benchmark::State& state) {
       const auto batch = std::make_unique<SampleBatch>();
       FrameStats stats;
       std::uint64_t n = 0;
-      for (const auto source = make_sample_source(*plan, range, nullptr); source->fill(*batch, stats);)
+      for (const auto source = make_sample_source(plan->looks_at(), range, nullptr);
+           source->fill(*batch, stats);)
         n += static_cast<std::uint64_t>(batch->n);
       found += n;
       planes += stats.rays;
@@ -223,15 +225,15 @@ void WholeSweepFrame(benchmark::State& state) {
 /// Scattering and binning of made-up samples spread over one wedge.
 void Binning(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::oblique, static_cast<SpeckleKind>(state.range(0)));
-  const ScatteringTable scattering(plan->scene().materials(), plan->wavelength_m());
-  const SpeckleField speckle(plan->scene().world(), plan->sector().antenna_m, plan->wavelength_m(),
+  const ScatteringTable scattering(plan->scene().materials(), plan->looks_at().wavelength_m());
+  const SpeckleField speckle(plan->scene().world(), plan->sector().antenna_m, plan->looks_at().wavelength_m(),
                              plan->bins().range_spacing_m, plan->bins().azimuth_width_rad, 1);
   const auto samples = std::make_unique<SampleBatch>();
   samples->n = kBatch;
   BinBlock block(0, kWedgeAzimuthBins, plan->bins().n_range);
   double binned = 0;
   for (auto _ : state) {
-    EchoBins bins(*plan, scattering, speckle, {0, kWedgeAzimuthBins});
+    EchoBins bins(plan->looks_at(), scattering, speckle, {0, kWedgeAzimuthBins});
     for (int batch = 0; batch < 32; ++batch) {
       for (int k = 0; k < kBatch; ++k) {
         const auto s = static_cast<std::size_t>(k);
@@ -259,7 +261,8 @@ void Profiles(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::oblique);
   for (auto _ : state) {
     over_wedges(*plan, threads(), [&](AzimuthRange range) {
-      benchmark::DoNotOptimize(WedgeVisibility(*plan, range).whole_marks(range.first).visible.data());
+      benchmark::DoNotOptimize(
+          WedgeVisibility(plan->looks_at(), range).whole_marks(range.first).visible.data());
     });
   }
 }

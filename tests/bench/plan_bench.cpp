@@ -67,18 +67,19 @@ void run(const std::string& file) {
   measure("  heights and roofs of the sector", [&] { measure_sector(*scene, plan->sector()); });
   measure("  seen buildings' flags", [&] { SeenBuildings seen(world->buildings.list.size()); });
   std::size_t entries = 0, in_wedges = 0;
-  for (int bin = 0; bin < plan->bins().n_azimuth; ++bin) entries += plan->buildings_in(bin).size();
+  for (int bin = 0; bin < plan->bins().n_azimuth; ++bin) entries += plan->looks_at().buildings_in(bin).size();
   const int wedges = wedge_count(plan->bins().n_azimuth);
   measure("buildings of all wedges", [&] {
     in_wedges = 0;
     for (int k = 0; k < wedges; ++k)
-      in_wedges += plan->buildings_in(AzimuthRange{k * kWedgeAzimuthBins,
-                                                   std::min(kWedgeAzimuthBins,
-                                                            plan->bins().n_azimuth - k * kWedgeAzimuthBins)})
+      in_wedges += plan->looks_at()
+                       .buildings_in(AzimuthRange{
+                           k * kWedgeAzimuthBins,
+                           std::min(kWedgeAzimuthBins, plan->bins().n_azimuth - k * kWedgeAzimuthBins)})
                        .size();
   });
   std::printf("%zu entries in bins, %zu in wedges\n", entries, in_wedges);
-  measure("buildings seen, counted", [&] { in_wedges += plan->seen().count(); });
+  measure("buildings seen, counted", [&] { in_wedges += plan->looks_at().seen().count(); });
 }
 
 }  // namespace

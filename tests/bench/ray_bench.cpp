@@ -60,7 +60,7 @@ struct Rays {
     for (int first = 0; first < n_azimuth; first += kWedgeAzimuthBins) {
       const AzimuthRange range{first, std::min(kWedgeAzimuthBins, n_azimuth - first)};
       const std::size_t begin = batches.size();
-      const auto source = make_ray_source(plan, range);
+      const auto source = make_ray_source(plan.looks_at(), range);
       for (auto batch = std::make_unique<RayBatch>(); source->generate(*batch);
            batch = std::make_unique<RayBatch>()) {
         n += static_cast<std::size_t>(batch->n);
@@ -121,7 +121,7 @@ void trace(const FramePlan& plan, const Rays& rays, int threads, const Take& tak
 template <typename Take>
 void march(const FramePlan& plan, const Rays& rays, int threads, const Take& take) {
   share_out(rays.wedges.size(), threads, [&](std::size_t wedge) {
-    FirstHits tracer(plan, rays.wedges[wedge].range);
+    FirstHits tracer(plan.looks_at(), rays.wedges[wedge].range);
     Hits hits;
     for (std::size_t k = rays.wedges[wedge].first; k < rays.wedges[wedge].end; ++k) {
       tracer.trace(*rays.batches[k], hits.data());

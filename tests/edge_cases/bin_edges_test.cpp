@@ -113,7 +113,7 @@ TEST(HardBinEdges, RaysExactlyOnAnAzimuthEdgeAreCastOnceAndInTheBinThatBeginsThe
     if (!sampling.rays()) continue;  // its columns are cut from the bins
     EXPECT_EQ(frame.stats.samples, undivided.stats.samples);
     const PlanResult planned = plan_frame(flat_scene(), test::snapshot(s), pose);
-    const auto rays = make_ray_source(*planned.plan, {0, 2});
+    const auto rays = make_ray_source(planned.plan->looks_at(), {0, 2});
     const auto batch = std::make_unique<RayBatch>();
     int on_edge = 0;
     while (rays->generate(*batch)) {

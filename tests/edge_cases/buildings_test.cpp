@@ -235,7 +235,7 @@ TEST(HardBuildings, WithoutACornerInTheSectorOrInRangeAreLookedAtAllTheSame) {
     const PlanResult planned =
         plan_frame(roof, test::snapshot(s), test::pose_at(roof->world(), {1.5, 550, 3.25}, 0));
     ASSERT_TRUE(planned.plan);
-    EXPECT_EQ(planned.plan->extent().top_y_m, 300);
+    EXPECT_EQ(planned.plan->looks_at().extent().top_y_m, 300);
     rendered(roof, s, planned.plan->pose(), sampling);
     const Rendered seen = rendered(wall, s, test::pose_at(wall->world(), {1.5, 550, 3.25}, 0), sampling);
     if (seen.refused) continue;

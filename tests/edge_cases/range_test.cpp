@@ -130,7 +130,7 @@ TEST(HardRange, EverySourcesSamplesLieOnThePlaneAtTheirRange) {
     const Pose pose = test::pose_at(scene->world(), antenna, 200);  // downhill
     const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
     ASSERT_TRUE(planned.plan) << sampling.name << planned.errors.front().text();
-    const auto source = make_sample_source(*planned.plan, {0, 8}, nullptr);
+    const auto source = make_sample_source(planned.plan->looks_at(), {0, 8}, nullptr);
     const auto batch = std::make_unique<SampleBatch>();
     FrameStats stats;
     double worst_m = 0, farthest_m = 0;
@@ -177,9 +177,9 @@ TEST(HardRange, PhaseAtFortyKilometresAndThirtyFiveGigahertzIsThatOfTheRange) {
   const Pose pose = test::pose_at(scene->world(), {0, 100, 0}, 0);
   const PlanResult planned = plan_frame(scene, test::snapshot(settings), pose);
   ASSERT_TRUE(planned.plan);
-  const ScatteringTable scattering(scene->materials(), planned.plan->wavelength_m());
+  const ScatteringTable scattering(scene->materials(), planned.plan->looks_at().wavelength_m());
   const SpeckleField speckle(scene->world(), pose.antenna.m, kLambda_m, 10, 2, 1);
-  EchoBins bins(*planned.plan, scattering, speckle, {0, 1});
+  EchoBins bins(planned.plan->looks_at(), scattering, speckle, {0, 1});
   std::mt19937_64 random(35);
   const auto batch = std::make_unique<SampleBatch>();
   std::vector<double> range_m(4090);

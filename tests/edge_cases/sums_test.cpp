@@ -39,7 +39,7 @@ class HardSums : public testing::Test {
   BinBlock binned(int n, const std::function<Sample(int)>& sample) const {
     const Pose pose = test::pose_at(scene_->world(), {0, 600, 0}, 0);
     const PlanResult planned = plan_frame(scene_, test::snapshot(settings_), pose);
-    const FramePlan& plan = *planned.plan;
+    const ScenePlan& plan = planned.plan->looks_at();
     const ScatteringTable scattering(scene_->materials(), plan.wavelength_m());
     const SpeckleField speckle(scene_->world(), pose.antenna.m, plan.wavelength_m(),
                                plan.bins().range_spacing_m, plan.bins().azimuth_width_rad, 1);

@@ -131,7 +131,7 @@ TEST_F(ReceiverStream, AFrameHasTheBitsOfObliqRender) {
   const client::AssembledFrame sent = once(like, kAllFive, 16);
   const PlanResult planned = plan_frame(scene_, snapshot(settings), pose_over_origin(scene_->world(), 1400));
   ASSERT_TRUE(planned.plan);
-  const Receiver receiver(settings, "main", 17, air_view(*planned.plan));
+  const Receiver receiver(settings, "main", 17, air_view(planned.plan->looks_at()));
   BinBlock bins(0, settings.azimuth_bins, settings.range_bins);
   RenderOptions options;
   options.threads = 2;

@@ -32,7 +32,7 @@ TEST_P(EnergyOfEverySource, OfTheSamplesIsThatOfTheBins) {
     std::vector<std::uint32_t> count(n);
     std::uint64_t binned = 0;
     int illegal = 0;
-    test::for_each_sample(*plan, [&](const SampleBatch& batch, std::size_t k) {
+    test::for_each_sample(plan->looks_at(), [&](const SampleBatch& batch, std::size_t k) {
       const double r = batch.slant_range_m[k];
       illegal += r > 0 && batch.solid_angle_sr[k] >= 0 && batch.solid_angle_sr[k] < 2 * std::numbers::pi &&
                          batch.cos_incidence[k] >= 0 && batch.cos_incidence[k] <= 1 &&
@@ -45,7 +45,7 @@ TEST_P(EnergyOfEverySource, OfTheSamplesIsThatOfTheBins) {
           static_cast<std::size_t>(std::floor((r - bins.r_min_m) / bins.range_spacing_m)));
       const std::size_t bin =
           static_cast<std::size_t>(batch.azimuth_bin[k]) * static_cast<std::size_t>(bins.n_range) + range_bin;
-      power[bin] += static_cast<long double>(test::sample_power_w(*plan, batch, k));
+      power[bin] += static_cast<long double>(test::sample_power_w(plan->looks_at(), batch, k));
       ++count[bin];
       ++binned;
     });

@@ -71,9 +71,9 @@ struct Errors {
            std::size_t buildings) {
     const BinErrors e = bin_errors(rendered.frame.bins.power_w, reference.frame.bins.power_w, range_bins(s));
     for (std::uint32_t b = 0; b < buildings; ++b) {
-      if (!reference.plan->seen().has(b)) continue;
+      if (!reference.plan->looks_at().seen().has(b)) continue;
       ++seen;
-      if (!rendered.plan->seen().has(b)) ++missed;
+      if (!rendered.plan->looks_at().seen().has(b)) ++missed;
     }
     if (e.lit == 0) return;
     power_error.push_back(e.power_error);

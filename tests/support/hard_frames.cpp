@@ -119,7 +119,7 @@ HardWork render_heard(const HardFrame& frame, HeardWork& heard) {
     const PlanResult planned = plan_frame(frame.scene, snapshot(settings), frame.pose);
     if (!planned.plan) return;
     const FramePlan& plan = *planned.plan;
-    const Receiver receiver(settings, "main", 1, air_view(plan));
+    const Receiver receiver(settings, "main", 1, air_view(plan.looks_at()));
     FrameSum sum(settings);
     RenderOptions options;
     options.threads = 1;
@@ -128,7 +128,7 @@ HardWork render_heard(const HardFrame& frame, HeardWork& heard) {
     options.on_wedge = [&](Wedge&& wedge) { sum.add(wedge); };
     if (!render_wedges(plan, {0, settings.azimuth_bins}, options)) throw Stopped{};
     work.stats = sum.total();
-    if (const EchoPlan* echo = plan.echo())
+    if (const EchoPlan* echo = plan.sum())
       // At least as many weights as level ground has.
       work.products += static_cast<std::int64_t>(echo->n_taps - 2 * echo->kernels.unused.front()) *
                        static_cast<std::int64_t>(echo->steepest.size()) * EchoPlan::kTile *

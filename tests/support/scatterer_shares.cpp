@@ -36,7 +36,7 @@ double half_extent_m(const World& world, std::uint32_t face) {
 /// min(range spacing, r0 x azimuth width), r0 the power of two at or below the slant range.
 class Cells {
  public:
-  explicit Cells(const FramePlan& plan) : plan_(plan) {}
+  explicit Cells(const ScenePlan& plan) : plan_(plan) {}
 
   Cell of(const SampleBatch& batch, std::size_t k) {
     const BinGrid& bins = plan_.bins();
@@ -69,7 +69,7 @@ class Cells {
   }
 
  private:
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   std::map<std::uint32_t, double> half_extents_m_;
 };
 
@@ -93,7 +93,7 @@ std::vector<Material> constant_gamma_materials() {
   return materials;
 }
 
-void for_each_sample(const FramePlan& plan, const std::function<void(const SampleBatch&, std::size_t)>& use) {
+void for_each_sample(const ScenePlan& plan, const std::function<void(const SampleBatch&, std::size_t)>& use) {
   const auto batch = std::make_unique<SampleBatch>();
   FrameStats stats;
   const int n = plan.bins().n_azimuth;
@@ -105,7 +105,7 @@ void for_each_sample(const FramePlan& plan, const std::function<void(const Sampl
   }
 }
 
-double sample_power_w(const FramePlan& plan, const SampleBatch& batch, std::size_t k) {
+double sample_power_w(const ScenePlan& plan, const SampleBatch& batch, std::size_t k) {
   const RadarSettings& settings = plan.settings();
   const Material& material = plan.scene().materials()[batch.material[k]];
   if (material.model != ScatteringModel::constant_gamma || settings.gain_db != 0)
@@ -117,7 +117,7 @@ double sample_power_w(const FramePlan& plan, const SampleBatch& batch, std::size
   return constant * material.gamma * batch.solid_angle_sr[k] * (settings.range_normalisation ? r2 : 1 / r2);
 }
 
-std::vector<BinShares> shares_of_bins(const FramePlan& plan) {
+std::vector<BinShares> shares_of_bins(const ScenePlan& plan) {
   const BinGrid& bins = plan.bins();
   const auto n_range = static_cast<std::size_t>(bins.n_range);
   std::vector<BinShares> shares(static_cast<std::size_t>(bins.n_azimuth) * n_range);
@@ -133,10 +133,10 @@ std::vector<BinShares> shares_of_bins(const FramePlan& plan) {
   return shares;
 }
 
-std::shared_ptr<const FramePlan> plan_or_throw(std::shared_ptr<const Scene> scene,
-                                               const RadarSettings& settings, const Pose& pose) {
-  const PlanResult planned = plan_frame(
-      std::move(scene), std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1}), pose);
+std::shared_ptr<const ScenePlan> plan_or_throw(std::shared_ptr<const Scene> scene, RadarSettings settings,
+                                               const Pose& pose) {
+  settings.speckle = resolved_speckle(settings);
+  ScenePlanResult planned = plan_scene(std::move(scene), settings, pose);
   if (!planned.plan) throw InputError(all_text(planned.errors));
   return planned.plan;
 }

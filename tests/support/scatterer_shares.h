@@ -40,18 +40,18 @@ glm::dvec3 reference_point_m(const World& world, const Cell& cell);
 std::vector<Material> constant_gamma_materials();
 
 /// Calls use(batch, k) for every sample of a frame, wedge by wedge as the renderer asks for them.
-void for_each_sample(const FramePlan& plan, const std::function<void(const SampleBatch&, std::size_t)>& use);
+void for_each_sample(const ScenePlan& plan, const std::function<void(const SampleBatch&, std::size_t)>& use);
 
 /// The power that a sample's return has by the radar equation, own arithmetic. The sample's material has
 /// constant gamma and the antenna a gain of 1.
-double sample_power_w(const FramePlan& plan, const SampleBatch& batch, std::size_t k);
+double sample_power_w(const ScenePlan& plan, const SampleBatch& batch, std::size_t k);
 
 /// Shares of all bins, [azimuth bins][range bins].
-std::vector<BinShares> shares_of_bins(const FramePlan& plan);
+std::vector<BinShares> shares_of_bins(const ScenePlan& plan);
 
-/// The plan of a frame, or an exception with what was wrong.
-std::shared_ptr<const FramePlan> plan_or_throw(std::shared_ptr<const Scene> scene,
-                                               const RadarSettings& settings, const Pose& pose);
+/// What a frame without a beam looks at, or an exception with what was wrong.
+std::shared_ptr<const ScenePlan> plan_or_throw(std::shared_ptr<const Scene> scene, RadarSettings settings,
+                                               const Pose& pose);
 
 /// 4 pi r / lambda, r the distance between two points, in long double.
 long double round_trip_phase_rad(const glm::dvec3& antenna_m, const glm::dvec3& point_m,

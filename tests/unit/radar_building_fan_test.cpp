@@ -27,7 +27,7 @@ std::shared_ptr<const Scene> houses_all_around() {
   return test::make_scene(std::move(world));
 }
 
-std::shared_ptr<const FramePlan> plan_of(const std::shared_ptr<const Scene>& scene, double sector_deg,
+std::shared_ptr<const ScenePlan> plan_of(const std::shared_ptr<const Scene>& scene, double sector_deg,
                                          int azimuth_bins, double bearing_deg) {
   RadarSettings s;
   s.frustum = FrustumKind::oblique;
@@ -38,8 +38,8 @@ std::shared_ptr<const FramePlan> plan_of(const std::shared_ptr<const Scene>& sce
   s.range_bins = 64;
   s.pixel_columns = azimuth_bins;
   s.pixel_rows = 64;
-  const PlanResult planned =
-      plan_frame(scene, test::snapshot(s), test::pose_at(scene->world(), {3, 100, 5}, bearing_deg));
+  const ScenePlanResult planned =
+      plan_scene(scene, s, test::pose_at(scene->world(), {3, 100, 5}, bearing_deg));
   if (!planned.plan) throw std::runtime_error(planned.errors.front().text());
   return planned.plan;
 }

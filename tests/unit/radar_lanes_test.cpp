@@ -212,7 +212,7 @@ TEST(SightProfiles, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
     std::vector<std::vector<Sample>> expected;
     for (const GroundShare& share : shares) {
       LineOfSight plane(scene->world(), sector.antenna_m, share.plane.bearing, 0, sector.r_max_m, {}, {});
-      SegmentSampler sampler(*plan);
+      SegmentSampler sampler(plan->looks_at());
       sampler.set(share.plane);
       OnePlane sink{sampler};
       std::size_t part = 0;
@@ -229,9 +229,9 @@ TEST(SightProfiles, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
       compared += expected.back().size();
     }
     for (const Kernels& kernels : all_kernels()) {
-      SweepGround ground(*plan, kernels);
+      SweepGround ground(plan->looks_at(), kernels);
       ground.start(shares);
-      SegmentSampler sampler(*plan);
+      SegmentSampler sampler(plan->looks_at());
       EXPECT_EQ(samples_of(shares.size(),
                            [&](SampleBatch& batch) {
                              sampler.begin(batch);

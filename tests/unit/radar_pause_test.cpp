@@ -97,7 +97,7 @@ TEST(PausesOfABeam, LeaveItsBitsAsTheyAre) {
 
 /// Batches until nothing is left to look at.
 int batches_of(const FramePlan& plan) {
-  const auto source = make_sample_source(plan, {0, 1}, nullptr);
+  const auto source = make_sample_source(plan.looks_at(), {0, 1}, nullptr);
   const auto samples = std::make_unique<SampleBatch>();
   FrameStats stats;
   int batches = 0;
@@ -123,7 +123,8 @@ TEST(ABatch, EndsThoughItsRaysMeetNothing) {
   ASSERT_TRUE(planned.plan) << planned.errors.front().text();
   RayBatch rays;
   int ray_batches = 0;
-  for (const auto source = make_ray_source(*planned.plan, {0, 1}); source->generate(rays);) ++ray_batches;
+  for (const auto source = make_ray_source(planned.plan->looks_at(), {0, 1}); source->generate(rays);)
+    ++ray_batches;
   ASSERT_GE(ray_batches, 3) << "or the case is none";
   EXPECT_GE(batches_of(*planned.plan), ray_batches);
 }

@@ -167,7 +167,7 @@ TEST_F(PlanTest, ARoofWithinReachIsSeenThoughAllGroundIsTooFar) {
   const Pose pose = test::pose_over_origin(scene->world(), 300);
   const PlanResult planned = plan_frame(scene, test::snapshot(settings), pose);
   ASSERT_TRUE(planned.plan);
-  EXPECT_TRUE(planned.plan->extent().any);
+  EXPECT_TRUE(planned.plan->looks_at().extent().any);
   EXPECT_GT(render(scene, test::snapshot(settings), pose, {0, 32}).stats.samples, 100u);
 }
 
@@ -231,7 +231,7 @@ TEST_F(PlanTest, TheNarrowestSectorsSortBuildingsWithoutOverflow) {
     s.azimuth_bins = 4096;
     const PlanResult result = plan_frame(scene, test::snapshot(s), pose);
     ASSERT_TRUE(result.plan);
-    for (int bin : {0, 2048, 4095}) EXPECT_LE(result.plan->buildings_in(bin).size(), 600u);
+    for (int bin : {0, 2048, 4095}) EXPECT_LE(result.plan->looks_at().buildings_in(bin).size(), 600u);
   }
 }
 

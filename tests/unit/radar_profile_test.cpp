@@ -17,10 +17,10 @@
 namespace obliq {
 namespace {
 
-RangeWindow all_bins(const FramePlan& plan) { return {0, plan.bins().n_range - 1}; }
+RangeWindow all_bins(const ScenePlan& plan) { return {0, plan.bins().n_range - 1}; }
 
 /// Marches the profile at a position in bins from the nadir, with roofs from the start: one at a time.
-void march_profile(const FramePlan& plan, double position, BinMarks& marks) {
+void march_profile(const ScenePlan& plan, double position, BinMarks& marks) {
   const World& world = plan.scene().world();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   const double bearing_rad = plan.bearing_rad(position);
@@ -41,7 +41,7 @@ void march_profile(const FramePlan& plan, double position, BinMarks& marks) {
 }
 
 /// Planes all over the sector.
-std::vector<VisibilityRequest> wishes_of(const FramePlan& plan, std::uint64_t seed) {
+std::vector<VisibilityRequest> wishes_of(const ScenePlan& plan, std::uint64_t seed) {
   std::vector<VisibilityRequest> wishes;
   for (std::size_t k = 0; k < 1 + seed % kMostProfiles; ++k)
     wishes.push_back({static_cast<double>(k) * plan.bins().n_azimuth / kMostProfiles, all_bins(plan)});
@@ -55,14 +55,14 @@ TEST(Profiles, SideBySideAreThoseOfOneAtATimeInEveryInstructionSet) {
     roofs += random.world.buildings.list.size();
     const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
-    const std::vector<VisibilityRequest> wishes = wishes_of(*plan, seed);
+    const std::vector<VisibilityRequest> wishes = wishes_of(plan->looks_at(), seed);
     std::vector<RoofSpan> spans;
     for (const Kernels& kernels : all_kernels()) {
       std::vector<BinMarks> found(wishes.size());
-      mark_profiles(*plan, wishes, found, spans, kernels);
+      mark_profiles(plan->looks_at(), wishes, found, spans, kernels);
       for (std::size_t k = 0; k < wishes.size(); ++k) {
         BinMarks one;
-        march_profile(*plan, wishes[k].position, one);
+        march_profile(plan->looks_at(), wishes[k].position, one);
         EXPECT_EQ(found[k].visible, one.visible) << kernels.name << ' ' << random.text;
         EXPECT_EQ(found[k].present, one.present) << kernels.name << ' ' << random.text;
         visible += static_cast<std::size_t>(std::count(one.visible.begin(), one.visible.end(), 1));
@@ -82,7 +82,7 @@ TEST(Profiles, OfSomeBinsAreRightInThemWhereverTheyBegin) {
     const bool roofs = !random.world.buildings.list.empty();
     const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(random.settings), random.pose).plan;
-    std::vector<VisibilityRequest> wishes = wishes_of(*plan, seed);
+    std::vector<VisibilityRequest> wishes = wishes_of(plan->looks_at(), seed);
     test::Dice dice(seed);
     for (VisibilityRequest& wish : wishes) {
       wish.bins.first = dice.integer(0, plan->bins().n_range - 1);
@@ -91,10 +91,10 @@ TEST(Profiles, OfSomeBinsAreRightInThemWhereverTheyBegin) {
     std::vector<RoofSpan> spans;
     for (const Kernels& kernels : all_kernels()) {
       std::vector<BinMarks> found(wishes.size());
-      mark_profiles(*plan, wishes, found, spans, kernels);
+      mark_profiles(plan->looks_at(), wishes, found, spans, kernels);
       for (std::size_t k = 0; k < wishes.size(); ++k) {
         BinMarks whole;
-        march_profile(*plan, wishes[k].position, whole);
+        march_profile(plan->looks_at(), wishes[k].position, whole);
         const RangeWindow bins = wishes[k].bins;
         for (auto r = static_cast<std::size_t>(bins.first); r <= static_cast<std::size_t>(bins.last); ++r) {
           ASSERT_EQ(found[k].visible[r], whole.visible[r]) << r << ' ' << kernels.name << ' ' << random.text;
@@ -134,13 +134,13 @@ TEST(GroundArea, IsWhatAWalkOverEveryCellFinds) {
     const glm::dvec3& antenna = plan->sector().antenna_m;
     for (int a = 0; a < bins.n_azimuth; a += 5) {
       const GroundArea area = ground_area(*plan, a);
-      if (!plan->extent().any) continue;
+      if (!plan->looks_at().extent().any) continue;
       const double bearing = plan->sector().bearing_rad + bins.azimuth_edge_rad(a + 0.5);
       Known known;
       GroundWalk(scene->world().grid, antenna, std::sin(bearing), std::cos(bearing), 0, bins.r_max_m)
           .advance(bins.r_max_m, known);
-      const double above_m =
-          antenna.y - plan->extent().median_height_m - scene->world().frame.datum_y_m(antenna.x, antenna.z);
+      const double above_m = antenna.y - plan->looks_at().extent().median_height_m -
+                             scene->world().frame.datum_y_m(antenna.x, antenna.z);
       const auto swath = [&](double range_m) {
         return std::sqrt(std::max(0.0, range_m * range_m - above_m * above_m));
       };
@@ -172,7 +172,7 @@ TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
     const auto plan = plan_frame(scene, snapshot, random.pose).plan;
     const AzimuthRange all{0, random.settings.azimuth_bins};
     const Frame frame = render(scene, snapshot, random.pose, all);
-    WedgeVisibility profile(*plan, all);
+    WedgeVisibility profile(plan->looks_at(), all);
     for (int a = 0; a < all.count; ++a) {
       const BinMarks& marks = profile.whole_marks(a);
       bool before_surface = random.pose.antenna.m.y - random.pose.ground_y_m >= plan->bins().r_min_m;

@@ -42,8 +42,8 @@ TEST_P(RaysOfEveryShape, LieInTheirAzimuthBinAndEveryPixelIsCastOnce) {
   double solid_angle = 0;
   int rays = 0;
   for (int first = 0; first < settings.azimuth_bins; first += kWedgeAzimuthBins) {
-    const auto source =
-        make_ray_source(*planned.plan, {first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first)});
+    const auto source = make_ray_source(planned.plan->looks_at(),
+                                        {first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first)});
     while (source->generate(*batch)) {
       std::vector<std::uint16_t> order(batch->packet_order.begin(), batch->packet_order.begin() + batch->n);
       std::sort(order.begin(), order.end());
@@ -90,7 +90,7 @@ TEST(PacketsOfRays, AreSquaresOfPixels) {
       plan_frame(scene, test::snapshot(settings), test::pose_over_origin(scene->world(), 1400));
   ASSERT_TRUE(planned.plan) << planned.errors.front().text();
   RayBatch batch;
-  const auto source = make_ray_source(*planned.plan, {0, 8});
+  const auto source = make_ray_source(planned.plan->looks_at(), {0, 8});
   ASSERT_TRUE(source->generate(batch));
   ASSERT_GE(batch.n, 512);
   for (std::size_t packet = 0; packet < 16; ++packet) {

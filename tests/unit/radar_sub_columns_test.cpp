@@ -25,7 +25,7 @@ std::shared_ptr<const FramePlan> plan_of(const test::RandomScene& town) {
 }
 
 /// The first wedge.
-BinBlock wedge_with(const FramePlan& plan, const FrameTables& tables, const Kernels& kernels) {
+BinBlock wedge_with(const ScenePlan& plan, const FrameTables& tables, const Kernels& kernels) {
   const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
   EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true, kernels);
   cells.restart(0);
@@ -44,10 +44,10 @@ TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
     SCOPED_TRACE(town.text);
     const auto plan = plan_of(town);
     if (!plan) continue;
-    const FrameTables tables(*plan);
-    const BinBlock widest = wedge_with(*plan, tables, widest_kernels());
+    const FrameTables tables(plan->looks_at());
+    const BinBlock widest = wedge_with(plan->looks_at(), tables, widest_kernels());
     for (const Kernels& kernels : all_kernels()) {
-      const BinBlock bins = wedge_with(*plan, tables, kernels);
+      const BinBlock bins = wedge_with(plan->looks_at(), tables, kernels);
       SCOPED_TRACE(kernels.name);
       test::expect_same_bits(bins, widest);
     }
@@ -80,26 +80,27 @@ TEST(SubColumns, LookUpAfterAThousandBuildingsAtMostWithinOneAzimuthBin) {
   const auto plan =
       plan_frame(scene, test::snapshot(settings), test::pose_at(scene->world(), {0, 400, 0}, 0)).plan;
   ASSERT_TRUE(plan);
-  ASSERT_GT(plan->buildings_in(0).size(), 2 * kMostAtOnce);
-  const FrameTables tables(*plan);
+  ASSERT_GT(plan->looks_at().buildings_in(0).size(), 2 * kMostAtOnce);
+  const FrameTables tables(plan->looks_at());
   ASSERT_TRUE(tables.sub_columns.all_of({0, 1}));
 
   // Between two asks, neither more buildings are seen nor, before that, more collected.
-  EchoCells cells(*plan, tables.scattering, tables.speckle, Surfaces::all, true);
+  EchoCells cells(plan->looks_at(), tables.scattering, tables.speckle, Surfaces::all, true);
   cells.restart(0);
-  SweepEchoes sweep(*plan, {0, 1}, cells);
+  SweepEchoes sweep(plan->looks_at(), {0, 1}, cells);
   FrameStats stats;
   std::uint32_t seen = 0, most = 0;
   test::HeardWork heard;
   heard.on_ask = [&] {
-    const std::uint32_t now = plan->seen().count();
+    const std::uint32_t now = plan->looks_at().seen().count();
     most = std::max(most, now - seen);
     seen = now;
   };
   EXPECT_TRUE(test::hear(heard, [&] { sweep.run(stats); }));
-  EXPECT_GT(plan->seen().count(), 3u * kMostAtOnce) << "they rise one above the other";
+  EXPECT_GT(plan->looks_at().seen().count(), 3u * kMostAtOnce) << "they rise one above the other";
   EXPECT_LE(most, kMostAtOnce);
-  EXPECT_GE(heard.asks(), static_cast<std::int64_t>(2 * plan->buildings_in(0).size() / kMostAtOnce));
+  EXPECT_GE(heard.asks(),
+            static_cast<std::int64_t>(2 * plan->looks_at().buildings_in(0).size() / kMostAtOnce));
 
   // A frame that is told to stop when it asks for the third time does.
   test::HeardWork stopped;

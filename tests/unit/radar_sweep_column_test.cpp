@@ -38,7 +38,7 @@ class Pieces : public testing::Test {
   /// Samples of one piece in a plane that stands for a width of 1 rad.
   std::unique_ptr<SampleBatch> samples(VisibleSegment piece) const {
     auto batch = std::make_unique<SampleBatch>();
-    SegmentSampler sampler(*plan_);
+    SegmentSampler sampler(plan_->looks_at());
     sampler.begin(*batch);
     sampler.set({0, 0, 1.0, {0, 1}});
     sampler.visible(piece);
@@ -105,7 +105,7 @@ TEST_F(Pieces, OfAWallAslantAreSharedAmongTheRangeBinsThatItRunsThrough) {
   // tan 0.05) to 2000 / (1 - tan 0.05) m of ground distance, two range bins of 100 m. With the plane in the
   // middle standing for all of it (the named wrong version) one bin has everything.
   auto batch = std::make_unique<SampleBatch>();
-  SegmentSampler sampler(*plan_);
+  SegmentSampler sampler(plan_->looks_at());
   sampler.begin(*batch);
   sampler.set({0, 0, 0.1, {0, 1}});
   VisibleSegment wall{};
@@ -178,11 +178,11 @@ TEST(SweepColumns, StrandsAndTheBasePlaneShareEveryColumnExactly) {
     const int per_bin = sweep_columns_per_bin(s);
     for (int bin = 0; bin < s.azimuth_bins; ++bin) {
       std::vector<Silhouette> silhouettes;
-      for (const std::uint32_t b : plan->buildings_in(bin))
+      for (const std::uint32_t b : plan->looks_at().buildings_in(bin))
         silhouettes.push_back(silhouette_of(scene->world().buildings, plan->sector(), b));
-      SweepColumn column(*plan, bin, plan->bins().azimuth_edge_rad(bin),
+      SweepColumn column(plan->looks_at(), bin, plan->bins().azimuth_edge_rad(bin),
                          plan->bins().azimuth_width_rad / per_bin);
-      SegmentSampler sampler(*plan);
+      SegmentSampler sampler(plan->looks_at());
       auto batch = std::make_unique<SampleBatch>();
       sampler.begin(*batch);
       column.start(silhouettes, sampler);

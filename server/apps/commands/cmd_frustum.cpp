@@ -50,7 +50,7 @@ void print_flat_check() {
 }
 
 void print_camera(const FramePlan& plan) {
-  const PerspectiveFrustum& f = plan.camera();
+  const PerspectiveFrustum& f = plan.looks_at().camera();
   const double pitch = f.pitch_rad / kDegree_rad;
   if (f.kind == FrustumKind::symmetric)
     std::printf(
@@ -62,8 +62,8 @@ void print_camera(const FramePlan& plan) {
         "elongation nu "
         "%.2f m (eq. 26), lens shift psi %.2f m (eq. 28)\n",
         pitch, f.near_m, f.far_m, f.right_m - f.left_m, f.top_m - f.bottom_m, f.elongation_m, f.lens_shift_m);
-  const double top = plan.box().kappa_m;
-  const double bottom = plan.box().antenna_above_bottom_m;
+  const double top = plan.looks_at().box().kappa_m;
+  const double bottom = plan.looks_at().box().antenna_above_bottom_m;
   if (top > 0) {
     const StepSizes steps = slant_range_steps(f, top);
     std::printf("  slant-range step at the terrain top:    far %10.4g m, near %10.4g m\n", steps.far_m,
@@ -104,9 +104,10 @@ void print_scene(const SceneConfig& config, const FrustumArguments& arguments) {
       continue;
     }
     const FramePlan& plan = *result.plan;
-    if (!plan.extent().any) throw InputError("radar \"" + radar.name + "\": no known ground in its sector");
+    if (!plan.looks_at().extent().any)
+      throw InputError("radar \"" + radar.name + "\": no known ground in its sector");
     if (first) {
-      const SectorBox& box = plan.box();
+      const SectorBox& box = plan.looks_at().box();
       std::printf(
           "sector box: antenna %.2f m above its bottom, ground and roofs rise %.2f m; ground range %.1f to "
           "%.1f m\n",

@@ -117,7 +117,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   const Progress progress = terminal_progress();
   int done = 0;
   const Receiver receiver(radar.settings, radar.name, radar.settings.receiver.noise_frame,
-                          air_view(*planned.plan));
+                          air_view(planned.plan->looks_at()));
   RenderOptions options;
   options.threads = threads;
   options.receiver = &receiver;

@@ -17,7 +17,7 @@ constexpr std::int64_t kASample = 20;
 constexpr std::int64_t kAScatterer = 8;
 }  // namespace
 
-EchoBins::EchoBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                    AzimuthRange range, Surfaces surfaces)
     : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range), surfaces_(surfaces) {
   range_constant_ = radar_equation_constant(plan.settings().power_w, plan.wavelength_m());

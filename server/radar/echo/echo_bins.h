@@ -7,8 +7,8 @@
 #include "server/radar/echo/scatterer_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
-#include "server/radar/frame_plan.h"
 #include "server/radar/samples.h"
+#include "server/radar/scene_plan.h"
 
 namespace obliq {
 
@@ -16,7 +16,7 @@ namespace obliq {
 /// follow from the wedge alone.
 class EchoBins {
  public:
-  EchoBins(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+  EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
            AzimuthRange range, Surfaces surfaces = Surfaces::all);
 
   /// Empties the bins for another wedge and keeps their memory.
@@ -32,7 +32,7 @@ class EchoBins {
  private:
   void add_speckle();
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   const ScatteringTable& scattering_;
   const SpeckleField& speckle_;
   AzimuthRange range_;

@@ -14,7 +14,7 @@ constexpr int kAnEcho = 4;
 constexpr int kAScatterer = 8;
 }  // namespace
 
-EchoCells::EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                      Surfaces surfaces, bool voltages, const Kernels& kernels)
     : plan_(plan),
       speckle_(speckle),

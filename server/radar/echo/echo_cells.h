@@ -5,7 +5,7 @@
 #include "server/radar/bins.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
-#include "server/radar/frame_plan.h"
+#include "server/radar/scene_plan.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
@@ -31,7 +31,7 @@ struct FaceEcho {
 class EchoCells {
  public:
   /// voltages: false where nobody wants I&Q. kernels: for tests that compare instruction sets.
-  EchoCells(const FramePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
+  EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
             Surfaces surfaces, bool voltages, const Kernels& kernels = widest_kernels());
 
   /// Begins with the wedge of this first azimuth bin.
@@ -72,7 +72,7 @@ class EchoCells {
   void take_scatterers();
   void take_faces();
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   const SpeckleField& speckle_;
   const Kernels& kernels_;
   Surfaces surfaces_;

@@ -4,7 +4,7 @@
 
 namespace obliq {
 
-FirstHits::FirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath) : plan_(plan) {
+FirstHits::FirstHits(const ScenePlan& plan, AzimuthRange range, bool beyond_swath) : plan_(plan) {
   if (plan.scene().rays() == RayMethod::march && plan.extent().any)
     ground_.emplace(plan, range, beyond_swath);
 }

@@ -2,9 +2,9 @@
 #include <array>
 #include <optional>
 
-#include "server/radar/frame_plan.h"
 #include "server/radar/rays/ground_first_hits.h"
 #include "server/radar/rays/ray_batch.h"
+#include "server/radar/scene_plan.h"
 
 namespace obliq {
 
@@ -13,7 +13,7 @@ namespace obliq {
 class FirstHits {
  public:
   /// beyond_swath: finds hits there too, for textures.
-  FirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath = false);
+  FirstHits(const ScenePlan& plan, AzimuthRange range, bool beyond_swath = false);
 
   /// As EmbreeTracer::trace, of rays that PerspectiveRays made for the wedge.
   void trace(const RayBatch& rays, RoughHit* hits);
@@ -23,7 +23,7 @@ class FirstHits {
   bool by_embree(std::size_t k) const { return by_embree_[k]; }
 
  private:
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   std::optional<GroundFirstHits> ground_;
   std::array<bool, kBatch> by_embree_{};
 };

@@ -68,7 +68,7 @@ void prefetch_ground(const HeightGrid& grid, const glm::dvec3& antenna_m, SinCos
 
 }  // namespace
 
-GroundFirstHits::GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath)
+GroundFirstHits::GroundFirstHits(const ScenePlan& plan, AzimuthRange range, bool beyond_swath)
     : plan_(plan), first_bin_(range.first), beyond_swath_(beyond_swath) {
   const HeightGrid& grid = plan.scene().world().grid;
   const Sector& sector = plan.sector();

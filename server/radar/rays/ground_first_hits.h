@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "server/radar/frame_plan.h"
 #include "server/radar/rays/clearance.h"
 #include "server/radar/rays/ray_batch.h"
+#include "server/radar/scene_plan.h"
 #include "server/scene/embree_tracer.h"
 
 namespace obliq {
@@ -15,7 +15,7 @@ namespace obliq {
 class GroundFirstHits {
  public:
   /// beyond_swath: looks for buildings there too, though none is binned.
-  GroundFirstHits(const FramePlan& plan, AzimuthRange range, bool beyond_swath);
+  GroundFirstHits(const ScenePlan& plan, AzimuthRange range, bool beyond_swath);
 
   /// As EmbreeTracer::trace, of rays of the wedge, but for the rays that it returns: those are left, in the
   /// batch's packet order. Valid until the next call.
@@ -26,7 +26,7 @@ class GroundFirstHits {
   double unknown_from_m(const glm::dvec3& direction) const;
   double on_grid_m(double from_m, const glm::dvec3& direction) const;
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   int first_bin_;
   bool beyond_swath_;
   std::size_t clearances_a_bin_;

@@ -25,7 +25,7 @@ double tangent(double offset, bool start) {
   return at.sin / at.cos;
 }
 
-PixelCamera pixel_camera(const FramePlan& plan) {
+PixelCamera pixel_camera(const ScenePlan& plan) {
   const PerspectiveFrustum& camera = plan.camera();
   const double width = camera.pixel_width_m();
   const double height = camera.pixel_height_m();
@@ -41,7 +41,7 @@ PixelCamera pixel_camera(const FramePlan& plan) {
 
 }  // namespace
 
-PerspectiveRays::PerspectiveRays(const FramePlan& plan, AzimuthRange range)
+PerspectiveRays::PerspectiveRays(const ScenePlan& plan, AzimuthRange range)
     : camera_(plan.camera()), pixel_camera_(pixel_camera(plan)) {
   for (int bin = range.first; bin < range.first + range.count; ++bin)
     add_intervals(bin, plan.bins().azimuth_edge_rad(bin), plan.bins().azimuth_edge_rad(bin + 1));

@@ -2,9 +2,9 @@
 #include <array>
 #include <vector>
 
-#include "server/radar/frame_plan.h"
 #include "server/radar/rays/packets.h"
 #include "server/radar/rays/ray_batch.h"
+#include "server/radar/scene_plan.h"
 #include "server/radar/simd/pixel_rays.h"
 
 namespace obliq {
@@ -18,7 +18,7 @@ class PerspectiveRays {
  public:
   static constexpr int kMostPixels = kBatch;
 
-  PerspectiveRays(const FramePlan& plan, AzimuthRange range);
+  PerspectiveRays(const ScenePlan& plan, AzimuthRange range);
   /// Fills the batch, possibly with nothing: looks at kMostPixels at most. False when no pixel was left.
   bool generate(RayBatch& batch);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "server/radar/bins.h"
 #include "server/radar/samples.h"
 #include "server/radar/simd/refine_hits.h"
 

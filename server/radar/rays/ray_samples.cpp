@@ -22,12 +22,12 @@ constexpr std::int64_t kAnOddHit = 100;
 
 }  // namespace
 
-std::unique_ptr<PerspectiveRays> make_ray_source(const FramePlan& plan, AzimuthRange range) {
+std::unique_ptr<PerspectiveRays> make_ray_source(const ScenePlan& plan, AzimuthRange range) {
   if (!plan.extent().any) return nullptr;
   return std::make_unique<PerspectiveRays>(plan, range);
 }
 
-RaySamples::RaySamples(const FramePlan& plan, AzimuthRange range, HitObserver* observer,
+RaySamples::RaySamples(const ScenePlan& plan, AzimuthRange range, HitObserver* observer,
                        WedgeVisibility* profile)
     : plan_(plan),
       observer_(observer),

@@ -13,14 +13,14 @@ namespace obliq {
 
 /// Rays of azimuth bins [range.first, range.first + range.count), from the plan's frustum; null where the
 /// sector holds no known ground.
-std::unique_ptr<PerspectiveRays> make_ray_source(const FramePlan& plan, AzimuthRange range);
+std::unique_ptr<PerspectiveRays> make_ray_source(const ScenePlan& plan, AzimuthRange range);
 
 /// The symmetric and the oblique frustum, in four stages: generate rays through pixels, trace them to their
 /// first hits, refine those in double, and spread each pixel's solid angle: with nearest plates one sample a
 /// hit, with spread plates one for every range bin and surface that the pixel's footprint covers.
 class RaySamples : public SampleSource {
  public:
-  RaySamples(const FramePlan& plan, AzimuthRange range, HitObserver* observer, WedgeVisibility* profile);
+  RaySamples(const ScenePlan& plan, AzimuthRange range, HitObserver* observer, WedgeVisibility* profile);
   ~RaySamples() override;
   bool fill(SampleBatch& samples, FrameStats& stats) override;
 
@@ -36,7 +36,7 @@ class RaySamples : public SampleSource {
   void spread(SampleBatch& samples, FrameStats& stats);
   void hand_out(SampleBatch& samples);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   HitObserver* observer_;
   std::unique_ptr<PerspectiveRays> source_;       // null: no rays
   std::unique_ptr<WedgeVisibility> own_profile_;  // null when one was handed in, or none is needed

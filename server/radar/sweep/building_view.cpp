@@ -30,7 +30,7 @@ float as_float(double x) { return static_cast<float>(x); }
 
 }  // namespace
 
-double lowest_slope_in_swath(const FramePlan& plan) {
+double lowest_slope_in_swath(const ScenePlan& plan) {
   const double lowest_m = plan.scene().tiles().lowest_m() - plan.sector().antenna_m.y;
   if (lowest_m >= 0) return 0;
   const double r_min_m = plan.bins().r_min_m;
@@ -38,7 +38,7 @@ double lowest_slope_in_swath(const FramePlan& plan) {
   return lowest_m / std::sqrt((r_min_m - lowest_m) * (r_min_m + lowest_m));
 }
 
-BuildingView::BuildingView(const FramePlan& plan, double far_m, const Kernels& kernels)
+BuildingView::BuildingView(const ScenePlan& plan, double far_m, const Kernels& kernels)
     : plan_(plan),
       kernels_(kernels),
       far_m_(far_m),

@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
-#include "server/radar/frame_plan.h"
+#include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
 
 namespace obliq {
 
 /// The slope (height above the antenna over ground distance) that all surface in the swath stands above: what
 /// lies lower is nearer, and hides nothing in the swath.
-double lowest_slope_in_swath(const FramePlan& plan);
+double lowest_slope_in_swath(const ScenePlan& plan);
 
 /// The buildings of one azimuth bin as its sub-columns see them, one after the other by distance, and what
 /// they leave of the light of its planes' ground. A sub-column is narrower than a building: its horizon of
@@ -19,7 +19,7 @@ double lowest_slope_in_swath(const FramePlan& plan);
 class BuildingView {
  public:
   /// far_m: buildings that begin beyond it are left out.
-  BuildingView(const FramePlan& plan, double far_m, const Kernels& kernels);
+  BuildingView(const ScenePlan& plan, double far_m, const Kernels& kernels);
 
   /// All buildings of an azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool see(int azimuth_bin, int profile, EchoCells& cells);
@@ -60,7 +60,7 @@ class BuildingView {
   FaceEcho face_echo(const PartEchoes::Echo& echo, const Part& part) const;
   void add_parts_together(EchoCells& cells);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   const Kernels& kernels_;
   double far_m_;
   int planes_;

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "server/radar/bins.h"
-#include "server/radar/frame_plan.h"
 #include "server/radar/profile/line_of_sight.h"
 #include "server/radar/samples.h"
+#include "server/radar/scene_plan.h"
 
 namespace obliq {
 
@@ -20,7 +20,7 @@ struct PlaneShare {
 /// Appends samples to a batch; those that do not fit wait for the next one.
 class SegmentSampler {
  public:
-  explicit SegmentSampler(const FramePlan& plan)
+  explicit SegmentSampler(const ScenePlan& plan)
       : bins_(plan.bins()),
         bins_per_m_(1 / plan.bins().range_spacing_m),
         grid_(plan.scene().world().grid),

@@ -34,7 +34,7 @@ bool overlap(TickRange a, TickRange b) { return a.from < b.to && b.from < a.to; 
 
 }  // namespace
 
-SweepColumn::SweepColumn(const FramePlan& plan, int azimuth_bin, double start_rad, double width_rad)
+SweepColumn::SweepColumn(const ScenePlan& plan, int azimuth_bin, double start_rad, double width_rad)
     : plan_(plan),
       azimuth_bin_(azimuth_bin),
       start_rad_(start_rad),

@@ -36,7 +36,7 @@ class SweepColumn {
   };
 
   /// `start_rad` is the column's left edge, an offset from the sector's centre.
-  SweepColumn(const FramePlan& plan, int azimuth_bin, double start_rad, double width_rad);
+  SweepColumn(const ScenePlan& plan, int azimuth_bin, double start_rad, double width_rad);
 
   /// Marches the strands of all buildings and leaves what the base plane stands for. `silhouettes`: of the
   /// buildings that may overlap the column.
@@ -80,7 +80,7 @@ class SweepColumn {
   }
   PlaneShare share_of(TickRange ticks, SinCos bearing) const;
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   int azimuth_bin_;
   double start_rad_;
   double tick_rad_;

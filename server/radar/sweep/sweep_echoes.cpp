@@ -35,7 +35,7 @@ double height_of(const Building& building) {
 double nearest_for(double height_m) { return std::max(kNearest_m, kNearestHeights * height_m); }
 
 /// Those that are too near, as far as their circles tell.
-std::vector<std::uint32_t> near_buildings(const FramePlan& plan) {
+std::vector<std::uint32_t> near_buildings(const ScenePlan& plan) {
   const BuildingCircles& circles = plan.scene().circles();
   const Buildings& all = plan.scene().world().buildings;
   const glm::dvec3& antenna = plan.sector().antenna_m;
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> near_buildings(const FramePlan& plan) {
 
 }  // namespace
 
-SubColumnBins::SubColumnBins(const FramePlan& plan)
+SubColumnBins::SubColumnBins(const ScenePlan& plan)
     : suffices_(static_cast<std::size_t>(plan.bins().n_azimuth)) {
   const RadarSettings& settings = plan.settings();
   const BinGrid& bins = plan.bins();
@@ -83,7 +83,7 @@ bool SubColumnBins::all_of(AzimuthRange range) const {
   return std::all_of(first, first + range.count, [](bool suffices) { return suffices; });
 }
 
-SweepEchoes::SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells, double far_m,
+SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& cells, double far_m,
                          const Kernels& kernels)
     : plan_(plan),
       kernels_(kernels),

@@ -11,7 +11,7 @@ namespace obliq {
 /// do that are very wide or have very short range bins; frustum.sub_columns = 0 wants none.
 class SubColumnBins {
  public:
-  explicit SubColumnBins(const FramePlan& plan);
+  explicit SubColumnBins(const ScenePlan& plan);
   bool all_of(AzimuthRange range) const;
 
  private:
@@ -23,7 +23,7 @@ class SubColumnBins {
 class SweepEchoes {
  public:
   /// Nothing that lies beyond far_m need be seen. kernels: for tests that compare instruction sets.
-  SweepEchoes(const FramePlan& plan, AzimuthRange range, EchoCells& cells,
+  SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& cells,
               double far_m = std::numeric_limits<double>::infinity(),
               const Kernels& kernels = widest_kernels());
 
@@ -36,7 +36,7 @@ class SweepEchoes {
   void start_plane(int half);
   void end_run(std::size_t run);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   const Kernels& kernels_;
   AzimuthRange range_;
   double far_m_;

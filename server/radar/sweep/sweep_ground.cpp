@@ -7,7 +7,7 @@
 
 namespace obliq {
 
-SweepGround::SweepGround(const FramePlan& plan, const Kernels& kernels) : plan_(plan), kernels_(kernels) {
+SweepGround::SweepGround(const ScenePlan& plan, const Kernels& kernels) : plan_(plan), kernels_(kernels) {
   const World& world = plan.scene().world();
   bins_ = {};
   bins_.axis = plan.bins();

@@ -22,7 +22,7 @@ class SweepGround {
   static constexpr int kMost = SightProfiles::kLanes;
 
   /// `kernels`: for tests that compare instruction sets.
-  explicit SweepGround(const FramePlan& plan, const Kernels& kernels = widest_kernels());
+  explicit SweepGround(const ScenePlan& plan, const Kernels& kernels = widest_kernels());
 
   /// Begins with other planes; `shares` is kept until they have been marched.
   void start(std::vector<GroundShare> shares);
@@ -33,7 +33,7 @@ class SweepGround {
  private:
   void cut_rare(SegmentSampler& sampler);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   const Kernels& kernels_;
   SegmentCut bins_;
   std::vector<GroundShare> shares_;

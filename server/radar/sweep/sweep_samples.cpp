@@ -11,7 +11,7 @@ namespace {
 constexpr int kABuilding = 200;  // its silhouette, in units of ask()
 }
 
-SweepSamples::SweepSamples(const FramePlan& plan, AzimuthRange range)
+SweepSamples::SweepSamples(const ScenePlan& plan, AzimuthRange range)
     : plan_(plan),
       range_(range),
       columns_per_bin_(plan.extent().any ? sweep_columns_per_bin(plan.settings()) : 0),

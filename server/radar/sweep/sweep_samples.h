@@ -13,7 +13,7 @@ namespace obliq {
 /// the buildings of one after the other, then the ground of all of them side by side.
 class SweepSamples : public SampleSource {
  public:
-  SweepSamples(const FramePlan& plan, AzimuthRange range);
+  SweepSamples(const ScenePlan& plan, AzimuthRange range);
   bool fill(SampleBatch& samples, FrameStats& stats) override;
 
  private:
@@ -24,7 +24,7 @@ class SweepSamples : public SampleSource {
   void next_columns();
   void add_column(int bin, FrameStats& stats);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   AzimuthRange range_;
   int columns_per_bin_;                  // none where no ground is known
   int first_;                            // bin of those that go together

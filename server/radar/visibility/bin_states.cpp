@@ -34,7 +34,7 @@ void narrow(BinBlock& block, std::vector<Request>& requests, const IsOpen& is_op
 
 }  // namespace
 
-void decide_states(const FramePlan& plan, WedgeVisibility& profile, BinBlock& block) {
+void decide_states(const ScenePlan& plan, WedgeVisibility& profile, BinBlock& block) {
   std::vector<Request> open;
   for (int k = 0; k < block.n_azimuth; ++k) open.push_back({block.first_azimuth + k, {0, block.n_range - 1}});
   narrow(block, open, [](int, int) { return true; });

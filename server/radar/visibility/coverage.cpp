@@ -20,8 +20,8 @@ struct BinArea {
   explicit BinArea(const FramePlan& plan) : width_rad(plan.bins().azimuth_width_rad) {
     const BinGrid& bins = plan.bins();
     const glm::dvec3& antenna = plan.sector().antenna_m;
-    const double clearance = plan.extent().any
-                                 ? antenna.y - plan.extent().median_height_m -
+    const double clearance = plan.looks_at().extent().any
+                                 ? antenna.y - plan.looks_at().extent().median_height_m -
                                        plan.scene().world().frame.datum_y_m(antenna.x, antenna.z)
                                  : 0.0;
     near_m = std::sqrt(std::max(0.0, bins.r_min_m * bins.r_min_m - clearance * clearance));
@@ -54,7 +54,7 @@ GroundArea ground_area(const FramePlan& plan, int azimuth_bin) {
   const HeightGrid& grid = plan.scene().world().grid;
   const glm::dvec3& antenna = plan.sector().antenna_m;
   const double r_max_m = plan.bins().r_max_m;
-  const double bearing_rad = plan.bearing_rad(azimuth_bin + 0.5);
+  const double bearing_rad = plan.sector().bearing_rad + plan.bins().azimuth_edge_rad(azimuth_bin + 0.5);
   const SinCos bearing{std::sin(bearing_rad), std::cos(bearing_rad)};
   const double sector_m2 = area.ring_m2(area.near_m, area.far_m);
   const GroundWalk whole(grid, antenna, bearing.sin, bearing.cos, 0, r_max_m);

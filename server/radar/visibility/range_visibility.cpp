@@ -23,13 +23,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWorthwhile_cells = 64;
 constexpr int kARoof = 10;  // its spans on a profile, in units of ask()
 
-SinCos bearing_at(const FramePlan& plan, double position) {
+SinCos bearing_at(const ScenePlan& plan, double position) {
   const double bearing = plan.bearing_rad(position);
   return {std::sin(bearing), std::cos(bearing)};
 }
 
 /// The profile at a position, at the nadir.
-Profile profile_at(const FramePlan& plan, const VisibilityRequest& request, std::vector<RoofSpan>& spans) {
+Profile profile_at(const ScenePlan& plan, const VisibilityRequest& request, std::vector<RoofSpan>& spans) {
   const World& world = plan.scene().world();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   Profile profile;
@@ -60,7 +60,7 @@ bool is_known(const Scene& scene, const glm::dvec3& antenna_m, SinCos bearing, c
 /// The ground distance before which no surface of a profile lies in range bin `first` or beyond: slant range
 /// squared is ground distance squared and height squared. 0 where that saves nothing, or where the horizon
 /// there is more than ground and roofs.
-double start_m(const FramePlan& plan, const Profile& profile, int first) {
+double start_m(const ScenePlan& plan, const Profile& profile, int first) {
   const TileBounds& tiles = plan.scene().tiles();
   const double antenna_y_m = plan.sector().antenna_m.y;
   double highest_m = tiles.highest_m();
@@ -79,7 +79,7 @@ double start_m(const FramePlan& plan, const Profile& profile, int first) {
 }
 
 /// The horizon that a march from the nadir would have at a distance.
-Horizon<double> horizon_at(const FramePlan& plan, const Profile& profile, double at_m) {
+Horizon<double> horizon_at(const ScenePlan& plan, const Profile& profile, double at_m) {
   const glm::dvec3& antenna = plan.sector().antenna_m;
   const HorizonBound ridge(plan.scene(), antenna, profile.bearing, 0, at_m);
   Horizon<double> horizon = ground_horizon(plan.scene(), ridge, antenna, profile.bearing, at_m);
@@ -92,7 +92,7 @@ Horizon<double> horizon_at(const FramePlan& plan, const Profile& profile, double
 }
 
 /// Sets a profile where surface may first lie in some bins; the walk from there to where none does any more.
-GroundWalk set_out_for(const FramePlan& plan, Profile& profile, RangeWindow bins) {
+GroundWalk set_out_for(const ScenePlan& plan, Profile& profile, RangeWindow bins) {
   const BinGrid& grid = plan.bins();
   const double from_m = bins.first > 0 ? start_m(plan, profile, bins.first) : 0;
   const double to_m =
@@ -107,20 +107,20 @@ GroundWalk set_out_for(const FramePlan& plan, Profile& profile, RangeWindow bins
       std::min(to_m, grid.r_max_m)};
 }
 
-void finish(const FramePlan& plan, Profile& profile, BinMarks& result) {
+void finish(const ScenePlan& plan, Profile& profile, BinMarks& result) {
   RangeMarch(plan.bins(), plan.sector().antenna_m.y, profile.state, result).gap();
 }
 
 }  // namespace
 
-int sub_azimuths_per_bin(const FramePlan& plan) {
+int sub_azimuths_per_bin(const ScenePlan& plan) {
   const double arc_m = plan.bins().r_max_m * plan.bins().azimuth_width_rad;
   const double pairs = std::ceil(arc_m / plan.scene().world().grid.cell_m / 2);
   const int sub_azimuths = 2 * static_cast<int>(std::clamp(pairs, 1.0, 4.0));
   return sub_azimuths == 6 && plan.settings().frustum == FrustumKind::sweep ? 8 : sub_azimuths;
 }
 
-std::size_t first_bin_of_sub_azimuth(const FramePlan& plan, int sub_azimuth, int sub_azimuths) {
+std::size_t first_bin_of_sub_azimuth(const ScenePlan& plan, int sub_azimuth, int sub_azimuths) {
   if (plan.settings().frustum != FrustumKind::sweep) return 0;
   // The centre of a column, (k + 1/2) / columns of the bin, is a profile of the sweep itself.
   const int halves = 2 * sweep_columns_per_bin(plan.settings()) * sub_azimuth;
@@ -138,7 +138,7 @@ std::size_t first_bin_of_sub_azimuth(const FramePlan& plan, int sub_azimuth, int
   return static_cast<std::size_t>(std::min(bin, static_cast<double>(bins.n_range)));
 }
 
-void mark_profiles(const FramePlan& plan, std::span<const VisibilityRequest> requests,
+void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> requests,
                    std::span<BinMarks> results, std::vector<RoofSpan>& spans, const Kernels& kernels) {
   const BinGrid& bins = plan.bins();
   const HeightGrid& grid = plan.scene().world().grid;

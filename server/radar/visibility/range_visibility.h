@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "server/radar/bins.h"
-#include "server/radar/frame_plan.h"
 #include "server/radar/profile/roofs.h"
+#include "server/radar/scene_plan.h"
 #include "server/radar/simd/kernels.h"
 
 namespace obliq {
@@ -26,13 +26,13 @@ struct BinMarks {
 /// How many sub-azimuths (vertical profiles) an azimuth bin is divided into, even, 2 to 8: no farther apart
 /// at r_max than the grid's nodes. Profiles stand at the bin's edges, its centre and evenly between; a bin is
 /// hidden when all of them say so, since a ray may pass on either side of any one of them.
-int sub_azimuths_per_bin(const FramePlan& plan);
+int sub_azimuths_per_bin(const ScenePlan& plan);
 
 /// The range bin from which on a sub-azimuth counts. With the sweep, which promises that a longer range never
 /// changes nearer bins, sub-azimuths are halved in number where bins are narrower, whatever r_max asks for,
 /// and a sub-azimuth that is a profile of the sweep counts nowhere: what can be seen of it is sampled. 0 with
 /// others.
-std::size_t first_bin_of_sub_azimuth(const FramePlan& plan, int sub_azimuth, int sub_azimuths);
+std::size_t first_bin_of_sub_azimuth(const ScenePlan& plan, int sub_azimuth, int sub_azimuths);
 
 /// The vertical profile at an azimuth position in bins (azimuth bin a spans [a, a + 1]), and the range bins
 /// whose marks are wanted of it. Others may be marked or not.
@@ -47,7 +47,7 @@ struct VisibilityRequest {
 /// begins at the first distance at which surface may lie in them, with the horizon of all that is nearer.
 /// `kernels`: for tests that compare instruction sets.
 constexpr int kMostProfiles = RangeProfiles::kLanes;
-void mark_profiles(const FramePlan& plan, std::span<const VisibilityRequest> requests,
+void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> requests,
                    std::span<BinMarks> results, std::vector<RoofSpan>& spans,
                    const Kernels& kernels = widest_kernels());
 

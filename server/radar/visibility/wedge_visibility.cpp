@@ -14,7 +14,7 @@ void BinMarks::add(const BinMarks& other, RangeWindow bins) {
   }
 }
 
-WedgeVisibility::WedgeVisibility(const FramePlan& plan, AzimuthRange range, bool roofs)
+WedgeVisibility::WedgeVisibility(const ScenePlan& plan, AzimuthRange range, bool roofs)
     : plan_(plan),
       range_(range),
       sub_azimuths_(sub_azimuths_per_bin(plan)),

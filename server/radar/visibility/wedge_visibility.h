@@ -11,7 +11,7 @@ namespace obliq {
 class WedgeVisibility {
  public:
   /// roofs: false where what buildings hide is known otherwise.
-  WedgeVisibility(const FramePlan& plan, AzimuthRange range, bool roofs = true);
+  WedgeVisibility(const ScenePlan& plan, AzimuthRange range, bool roofs = true);
 
   /// An azimuth bin, and those of its range bins whose marks are wanted.
   struct Request {
@@ -53,7 +53,7 @@ class WedgeVisibility {
   static void want(Wanted& wanted, std::size_t sub_azimuth, RangeWindow bins);
   void march(Wanted& wanted);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   AzimuthRange range_;
   int sub_azimuths_;
   bool roofs_;

@@ -18,7 +18,7 @@ constexpr std::size_t kMostCells = 1024;
 
 }  // namespace
 
-BuildingsByBearing::BuildingsByBearing(const FramePlan& plan, int azimuth_bin)
+BuildingsByBearing::BuildingsByBearing(const ScenePlan& plan, int azimuth_bin)
     : all_(plan.scene().world().buildings), sector_(plan.sector()) {
   const std::span<const std::uint32_t> buildings = plan.buildings_in(azimuth_bin);
   cells_.resize(std::clamp<std::size_t>(buildings.size() / kBuildingsACell, 1, kMostCells));

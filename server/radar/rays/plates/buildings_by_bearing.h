@@ -2,9 +2,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/radar/frame_plan.h"
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/local_sight.h"
+#include "server/radar/scene_plan.h"
 
 namespace obliq {
 
@@ -12,7 +12,7 @@ namespace obliq {
 /// antenna can meet. A bin may be the whole sector, with thousands of buildings. Immutable.
 class BuildingsByBearing {
  public:
-  BuildingsByBearing(const FramePlan& plan, int azimuth_bin);
+  BuildingsByBearing(const ScenePlan& plan, int azimuth_bin);
 
   /// Appends the roof stretches of the plane along a world direction, those of all buildings that it can meet
   /// between two distances, the nearest building first.

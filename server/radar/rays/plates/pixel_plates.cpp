@@ -18,7 +18,7 @@ constexpr double kReach_cells = 64;
 constexpr int kEightPlates = 160;
 constexpr int kAPlate = 60;
 
-PlateField field_of(const FramePlan& plan) {
+PlateField field_of(const ScenePlan& plan) {
   const World& world = plan.scene().world();
   const PerspectiveFrustum& camera = plan.camera();
   const bool pitched = camera.kind == FrustumKind::symmetric;
@@ -41,7 +41,7 @@ PlateField field_of(const FramePlan& plan) {
 
 }  // namespace
 
-PixelPlates::PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile)
+PixelPlates::PixelPlates(const ScenePlan& plan, AzimuthRange range, WedgeVisibility& profile)
     : plan_(plan),
       range_(range),
       profile_(profile),

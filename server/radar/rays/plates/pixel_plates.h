@@ -17,7 +17,7 @@ class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 /// in them or are left there are walked one by one.
 class PixelPlates {
  public:
-  PixelPlates(const FramePlan& plan, AzimuthRange range, WedgeVisibility& profile);
+  PixelPlates(const ScenePlan& plan, AzimuthRange range, WedgeVisibility& profile);
   /// Takes rays of the batch from number `first` on, until about a batch of samples is there, and returns the
   /// first one that it has not taken; batches come as PerspectiveRays generates them. Samples go to the batch
   /// or, where a pixel may have any number of them, to those that wait.
@@ -32,7 +32,7 @@ class PixelPlates {
                     std::vector<Sample>& waiting);
   void walk(const RayBatch& rays, const HitBatch& hits, std::size_t k, std::vector<Sample>& waiting);
 
-  const FramePlan& plan_;
+  const ScenePlan& plan_;
   AzimuthRange range_;
   WedgeVisibility& profile_;
   std::vector<BuildingsByBearing> buildings_;  // [range.count]

@@ -119,7 +119,7 @@ const std::vector<PlatePart>& Plate::finish(double solid_angle_sr) {
   return parts_;
 }
 
-void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
+void emit_plate(const ScenePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
                 double cos_bearing, std::vector<Sample>& samples) {
   const std::vector<PlatePart>& parts = plate.finish(nearest.solid_angle_sr);
   const glm::dvec3& antenna = plan.sector().antenna_m;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "server/radar/frame_plan.h"
 #include "server/radar/profile/local_sight.h"
 #include "server/radar/rays/ray_batch.h"
 #include "server/radar/samples.h"
+#include "server/radar/scene_plan.h"
 
 namespace obliq {
 
@@ -68,7 +68,7 @@ class Plate {
 
 /// Appends the samples of a pixel, in the vertical plane of a bearing; they share the solid angle of
 /// `nearest`, the pixel as one sample. That is its only sample when the plate has no part.
-void emit_plate(const FramePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
+void emit_plate(const ScenePlan& plan, Plate& plate, const Sample& nearest, double sin_bearing,
                 double cos_bearing, std::vector<Sample>& samples);
 
 }  // namespace obliq
