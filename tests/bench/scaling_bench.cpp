@@ -284,7 +284,7 @@ Json limits(int repeats) {
     // The heights under the swath, row by row: what the march must at least read.
     const double touched_bytes = sizeof(float) * std::numbers::pi / 3 * std::pow(setup.range_m / cell_m, 2);
     const double touch_s = touched_bytes / read_bytes_s;
-    // Counted in grid_walk.h and refine_hits.cpp (server/radar/simd): 30 for a cell and 30 for each of its
+    // Counted in ground_cells.h and refine_hits.cpp (server/radar/simd): 30 for a cell and 30 for each of its
     // 1.5 triangles.
     constexpr double kFlopsACell = 75;
     const auto cells = static_cast<double>(count.cells);

@@ -39,18 +39,16 @@ class GroundWalk {
 
   GroundWalk(const HeightGrid& grid, const glm::dvec3& antenna_m, double sin_bearing, double cos_bearing,
              double from_m, double to_m, double last_start_m = kInfinity)
-      : grid_(&grid),
-        antenna_x_(antenna_m.x),
-        antenna_z_(antenna_m.z),
-        rates_(profile_rates(grid, antenna_m.x, antenna_m.z, sin_bearing, cos_bearing)),
+      : ground_(ground_view(grid, antenna_m)),
+        rates_(profile_rates(ground_, sin_bearing, cos_bearing)),
         at_{from_m, 0, 0},
         end_m_(to_m),
         last_start_m_(last_start_m) {
-    cut(antenna_x_, sin_bearing, grid.x0_m, grid.x1_m());
-    cut(antenna_z_, cos_bearing, grid.z0_m, grid.z1_m());
+    cut(antenna_m.x, sin_bearing, grid.x0_m, grid.x1_m());
+    cut(antenna_m.z, cos_bearing, grid.z0_m, grid.z1_m());
     if (done()) return;
-    at_.i = cell_of(antenna_x_ + at_.d * sin_bearing, grid.x0_m, grid.nx);
-    at_.j = cell_of(antenna_z_ + at_.d * cos_bearing, grid.z0_m, grid.nz);
+    at_.i = cell_of(antenna_m.x + at_.d * sin_bearing, grid.x0_m, grid.nx);
+    at_.j = cell_of(antenna_m.z + at_.d * cos_bearing, grid.z0_m, grid.nz);
   }
 
   /// Where the walk stands: the first distance that no visit has had.
@@ -62,7 +60,7 @@ class GroundWalk {
   void reach(double last_start_m) { last_start_m_ = std::max(last_start_m_, last_start_m); }
   /// Where the profile leaves the grid, or to_m.
   double end_m() const { return end_m_; }
-  bool done() const { return !goes_on(at_, end_m_); }
+  bool done() const { return !(at_.d < end_m_ && at_.d <= last_start_m_ && at_.on(ground_.grid)); }
 
   enum class Last { cut, whole };
 
@@ -72,26 +70,28 @@ class GroundWalk {
   /// ground, in order of distance.
   template <class Visit>
   void advance(double to_m, Visit&& visit, Last last = Last::cut) {
-    const double to = std::min(to_m, end_m_);
     Cells<double> at = at_;
-    while (goes_on(at, to)) {
-      const CellEnds<double> ends = cell_ends(*grid_, antenna_x_, antenna_z_, rates_, at);
-      if (last == Last::whole && ends.nearest > to_m) break;
-      const double end = std::max(at.d, std::min(ends.nearest, to));
-      visit_cell(at, end, visit);
-      move_on(rates_, ends, true, ends.nearest <= to, end, at);
-      if (visit.enough()) break;
-    }
+    bool begun = false;
+    const auto next = [&](bool active, const CellEnds<double>& ends, double /*to*/) {
+      if (begun && visit.enough()) return false;
+      return active && at.d <= last_start_m_ && (last == Last::cut || ends.nearest <= to_m);
+    };
+    const auto cell = [&](bool /*active*/, bool known, double /*number*/, double end) {
+      begun = true;
+      if (!known) visit.gap(at.d, end);
+    };
+    const auto triangle = [&](bool where, const TriangleCut<double>& cut, double d0, double d1) {
+      if (where)
+        visit.ground(GroundSegment{d0, d1, cut.start, cut.rise, cut.per_i, cut.per_j, static_cast<int>(at.i),
+                                   static_cast<int>(at.j), cut.upper});
+    };
+    march(ground_, rates_, std::min(to_m, end_m_), at, next, cell, triangle);
     at_ = at;
   }
 
  private:
   int cell_of(double at_m, double first_m, int n) const {
-    return std::clamp(static_cast<int>(std::floor((at_m - first_m) / grid_->cell_m)), 0, n - 2);
-  }
-
-  bool goes_on(const Cells<double>& at, double to_m) const {
-    return at.d < to_m && at.d <= last_start_m_ && at.on(*grid_);
+    return std::clamp(static_cast<int>(std::floor((at_m - first_m) / ground_.grid.cell_m)), 0, n - 2);
   }
 
   /// Keeps the distances at which start + rate d lies in [low, high].
@@ -106,30 +106,7 @@ class GroundWalk {
     end_m_ = std::min(end_m_, std::max(a, b));
   }
 
-  /// The cell that the profile stands in, up to `end`.
-  template <class Visit>
-  void visit_cell(const Cells<double>& at, double end, Visit&& visit) const {
-    const auto i = static_cast<int>(at.i);
-    const auto j = static_cast<int>(at.j);
-    const float* const y = grid_->y_m.data() + grid_->index(i, j);
-    const float* const above = y + grid_->nx;
-    const auto corners = corners_of(static_cast<double>(y[0]), static_cast<double>(y[1]),
-                                    static_cast<double>(above[0]), static_cast<double>(above[1]));
-    if (!corners.known) {
-      visit.gap(at.d, end);
-      return;
-    }
-    visit_triangles(
-        rates_, at, corners, true, end,
-        [&](bool where, const TriangleCut<double>& cut, double d0, double d1) {
-          if (where)
-            visit.ground(GroundSegment{d0, d1, cut.start, cut.rise, cut.per_i, cut.per_j, i, j, cut.upper});
-        });
-  }
-
-  const HeightGrid* grid_;
-  double antenna_x_;
-  double antenna_z_;
+  GroundView ground_;
   ProfileRates<double> rates_;
   Cells<double> at_;
   double end_m_;

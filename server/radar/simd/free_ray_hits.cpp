@@ -40,36 +40,49 @@ unsigned set_out(const FreeRays& rays, int& next, unsigned busy, Walkers& walker
 void first_hits_on_ground(const GroundView& scene, const FreeRays& rays) {
   const GridView& grid = scene.grid;
   Walkers walkers{};
-  ProfileRates<f64x8> p{};
   Cells<f64x8> cells{};
-  f64x8 dir_y{};
-  f64x8 end_m{};
   f64x8 cells_left{};
   mask8 above{};  // over known ground at the end of the last segment of it
   unsigned busy = 0;
-  for (int next = 0;;) {
-    if (next < rays.n && __builtin_popcount(busy) <= kLanes - kRefill) {
-      store_cells(walkers, cells);
-      const mask8 before = mask_from(busy);
-      busy = set_out(rays, next, busy, walkers);
-      p = rates_of(scene, walkers);
-      cells = cells_of(walkers);
-      dir_y = load(walkers.dir_y);
-      end_m = load(walkers.end_m);
-      const f64x8 i = clamp(floor(p.start_u + cells.d * p.rate_u), f64x8{}, broadcast(grid.nx - 2));
-      const f64x8 j = clamp(floor(p.start_v + cells.d * p.rate_v), f64x8{}, broadcast(grid.nz - 2));
-      cells.i = select(before, cells.i, i);
-      cells.j = select(before, cells.j, j);
-      cells_left = select(before, cells_left, broadcast(rays.most_cells));
-      above &= before;
-    }
+  for (int next_ray = 0;;) {
+    store_cells(walkers, cells);
+    const mask8 before = mask_from(busy);
+    busy = set_out(rays, next_ray, busy, walkers);
     if (busy == 0) break;
-    const mask8 active = mask_from(busy) & (cells.d < end_m) & cells.on(grid);
-    const CellEnds<f64x8> ends = ends_of(scene, p, cells);
-    const f64x8 end = max(cells.d, min(ends.nearest, end_m));
-    const Corners<f64x8> y = corners(grid, to_u64(number_of(grid, cells, active)));
-    mask8 open = active;
+    const ProfileRates<f64x8> p = rates_of(scene, walkers);
+    const f64x8 dir_y = load(walkers.dir_y);
+    const f64x8 end_m = load(walkers.end_m);
+    cells = cells_of(walkers);
+    const f64x8 i = clamp(floor(p.start_u + cells.d * p.rate_u), f64x8{}, broadcast(grid.nx - 2));
+    const f64x8 j = clamp(floor(p.start_v + cells.d * p.rate_v), f64x8{}, broadcast(grid.nz - 2));
+    cells.i = select(before, cells.i, i);
+    cells.j = select(before, cells.j, j);
+    cells_left = select(before, cells_left, broadcast(rays.most_cells));
+    above &= before;
+    mask8 open = mask_from(busy);
     f64x8 range = broadcast(__builtin_nan(""));
+
+    // Writes down the answers of the rays that have come to their end, and stops for others to take their
+    // lanes.
+    const auto next = [&](mask8 active, const CellEnds<f64x8>& /*ends*/, f64x8& /*to*/)
+        __attribute__((always_inline)) {
+      const mask8 out_of_steps = open & (cells_left <= 0.0);
+      range = select(out_of_steps, broadcast(FreeRays::kOutOfSteps), range);
+      open &= active & ~out_of_steps;
+      const unsigned left = movemask(open);
+      for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
+        const int lane = __builtin_ctz(mask);
+        rays.range_m[walkers.ray[lane]] = range[lane];
+        rays.from_m[walkers.ray[lane]] = cells.d[lane];
+      }
+      busy = left;
+      return next_ray < rays.n && __builtin_popcount(busy) <= kLanes - kRefill ? mask8{} : open;
+    };
+    const auto cell = [&](mask8 /*active*/, mask8 known, f64x8 /*number*/, f64x8 /*end*/)
+        __attribute__((always_inline)) {
+      above &= known;
+      cells_left -= 1.0;
+    };
     // Behind a void a ray may be below the ground: it goes on until it meets some from above.
     const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
         __attribute__((always_inline)) {
@@ -82,19 +95,7 @@ void first_hits_on_ground(const GroundView& scene, const FreeRays& rays) {
       open &= ~hit;
       above = (where & ~below1) | (~where & above);
     };
-    above &= y.known;
-    visit_triangles(p, cells, y, active & y.known, end, triangle);
-    move_on(p, ends, open, open & (ends.nearest <= end_m), end, cells);
-    cells_left -= 1.0;
-    const mask8 out_of_steps = open & (cells_left <= 0.0);
-    range = select(out_of_steps, broadcast(FreeRays::kOutOfSteps), range);
-    const unsigned left = movemask(open & ~out_of_steps);
-    for (unsigned mask = busy & ~left; mask != 0; mask &= mask - 1) {
-      const int lane = __builtin_ctz(mask);
-      rays.range_m[walkers.ray[lane]] = range[lane];
-      rays.from_m[walkers.ray[lane]] = cells.d[lane];
-    }
-    busy = left;
+    march(scene, p, end_m, cells, next, cell, triangle);
   }
 }
 

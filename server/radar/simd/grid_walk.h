@@ -1,18 +1,12 @@
 #pragma once
-// Eight vertical profiles that walk the grid side by side, cell by cell, outwards: what the marches over
-// ground have in common.
+// Eight vertical profiles that march side by side: their state in memory, and heights before they are needed.
 #include "server/radar/simd/ground_cells.h"
 #include "server/radar/simd/visible_ground.h"
 
 namespace obliq::OBLIQ_ISA {
 
 OBLIQ_INLINE ProfileRates<f64x8> rates_of(const GroundView& ground, const WalkingProfiles& profiles) {
-  return profile_rates(ground.grid, ground.antenna_x_m, ground.antenna_z_m, load(profiles.sin_bearing),
-                       load(profiles.cos_bearing));
-}
-OBLIQ_INLINE CellEnds<f64x8> ends_of(const GroundView& ground, const ProfileRates<f64x8>& p,
-                                     const Cells<f64x8>& cells) {
-  return cell_ends(ground.grid, ground.antenna_x_m, ground.antenna_z_m, p, cells);
+  return profile_rates(ground, load(profiles.sin_bearing), load(profiles.cos_bearing));
 }
 
 OBLIQ_INLINE Cells<f64x8> cells_of(const WalkingProfiles& profiles) {
@@ -22,16 +16,6 @@ OBLIQ_INLINE void store_cells(WalkingProfiles& profiles, const Cells<f64x8>& cel
   store(profiles.d_m, cells.d);
   store(profiles.i, cells.i);
   store(profiles.j, cells.j);
-}
-
-/// The place in GridView::y_m of a cell's first node; of cell (0, 0) in the lanes that are not active.
-OBLIQ_INLINE f64x8 number_of(const GridView& grid, const Cells<f64x8>& cells, mask8 active) {
-  return select(active, cells.j * static_cast<double>(grid.nx) + cells.i, f64x8{});
-}
-OBLIQ_INLINE Corners<f64x8> corners(const GridView& grid, u64x8 at) {
-  const auto [y00, y10] = gather_pairs(grid.y_m, at);
-  const auto [y01, y11] = gather_pairs(grid.y_m, at + static_cast<std::uint64_t>(grid.nx));
-  return corners_of(y00, y10, y01, y11);
 }
 
 /// Asks for the heights of the cells around grid coordinates (u, v), those that lie on the grid.

@@ -17,10 +17,9 @@ struct ProfileRates {
   double start_u, start_v;  ///< the antenna, in cells from node (0, 0)
 };
 
-/// Grid: a HeightGrid or a GridView.
-template <typename Real, typename Grid>
-OBLIQ_INLINE ProfileRates<Real> profile_rates(const Grid& grid, double antenna_x_m, double antenna_z_m,
-                                              Real sin, Real cos) {
+template <typename Real>
+OBLIQ_INLINE ProfileRates<Real> profile_rates(const GroundView& ground, Real sin, Real cos) {
+  const GridView& grid = ground.grid;
   const Real infinite = broadcast<Real>(__builtin_inf());
   ProfileRates<Real> p;
   p.sin = sin;
@@ -32,8 +31,8 @@ OBLIQ_INLINE ProfileRates<Real> profile_rates(const Grid& grid, double antenna_x
   p.rate = p.rate_u + p.rate_v;
   p.ahead_i = select(sin > 0.0, broadcast<Real>(1), Real{});
   p.ahead_j = select(cos > 0.0, broadcast<Real>(1), Real{});
-  p.start_u = (antenna_x_m - grid.x0_m) / grid.cell_m;
-  p.start_v = (antenna_z_m - grid.z0_m) / grid.cell_m;
+  p.start_u = (ground.antenna_x_m - grid.x0_m) / grid.cell_m;
+  p.start_v = (ground.antenna_z_m - grid.z0_m) / grid.cell_m;
   return p;
 }
 
@@ -42,8 +41,7 @@ template <typename Real>
 struct Cells {
   Real d, i, j;
 
-  template <typename Grid>
-  OBLIQ_INLINE Mask<Real> on(const Grid& grid) const {
+  OBLIQ_INLINE Mask<Real> on(const GridView& grid) const {
     return (i >= 0.0) & (j >= 0.0) & (i < static_cast<double>(grid.nx - 1)) &
            (j < static_cast<double>(grid.nz - 1));
   }
@@ -55,15 +53,16 @@ struct CellEnds {
   Real to_x, to_z, nearest;
 };
 
-template <typename Real, typename Grid>
-OBLIQ_INLINE CellEnds<Real> cell_ends(const Grid& grid, double antenna_x_m, double antenna_z_m,
-                                      const ProfileRates<Real>& p, const Cells<Real>& cells) {
+template <typename Real>
+OBLIQ_INLINE CellEnds<Real> cell_ends(const GroundView& ground, const ProfileRates<Real>& p,
+                                      const Cells<Real>& cells) {
+  const GridView& grid = ground.grid;
   const Real infinite = broadcast<Real>(__builtin_inf());
   CellEnds<Real> ends;
-  ends.to_x = select(p.sin != 0.0, (grid.x0_m + (cells.i + p.ahead_i) * grid.cell_m - antenna_x_m) * p.per_x,
-                     infinite);
-  ends.to_z = select(p.cos != 0.0, (grid.z0_m + (cells.j + p.ahead_j) * grid.cell_m - antenna_z_m) * p.per_z,
-                     infinite);
+  const Real x = grid.x0_m + (cells.i + p.ahead_i) * grid.cell_m;
+  const Real z = grid.z0_m + (cells.j + p.ahead_j) * grid.cell_m;
+  ends.to_x = select(p.sin != 0.0, (x - ground.antenna_x_m) * p.per_x, infinite);
+  ends.to_z = select(p.cos != 0.0, (z - ground.antenna_z_m) * p.per_z, infinite);
   ends.nearest = min(ends.to_x, ends.to_z);
   return ends;
 }
@@ -85,8 +84,16 @@ struct Corners {
   Mask<Real> known;  ///< all four
 };
 
+/// The place in GridView::y_m of a cell's first node; of cell (0, 0) where that is not wanted.
 template <typename Real>
-OBLIQ_INLINE Corners<Real> corners_of(Real y00, Real y10, Real y01, Real y11) {
+OBLIQ_INLINE Real number_of(const GridView& grid, const Cells<Real>& cells, Mask<Real> wanted) {
+  return select(wanted, cells.j * static_cast<double>(grid.nx) + cells.i, Real{});
+}
+template <typename Real>
+OBLIQ_INLINE Corners<Real> corners(const GridView& grid, Real number) {
+  const auto at = to_u64(number);
+  const auto [y00, y10] = gather_pairs(grid.y_m, at);
+  const auto [y01, y11] = gather_pairs(grid.y_m, at + static_cast<std::uint64_t>(grid.nx));
   const Real all_four = (y00 + y10) + (y01 + y11);
   return {y00, y10, y01, y11, all_four == all_four};
 }
@@ -135,6 +142,30 @@ OBLIQ_INLINE void visit_triangles(const ProfileRates<Real>& p, const Cells<Real>
   visit(known, select(both, sum0, sum0 + sum1) > select(both, sum1, broadcast<Real>(2)), cells.d,
         select(both, diagonal, end));
   if (const Mask<Real> two = known & both; any(two)) visit(two, sum0 < sum1, diagonal, end);
+}
+
+/// Walks profiles outwards, cell by cell, up to `end_m` or the grid's border, until none goes on. For each
+/// cell calls
+///   next(active, ends, to)                the profiles that march it, of the active ones; it may cut the
+///   cell by a
+///                                         `to` before end_m;
+///   cell(active, known, number, end)      `known` has a meaning in active lanes only;
+///   triangle(where, cut, d0, d1)          as visit_triangles does, where the cell is known.
+template <typename Real, typename Next, typename Cell, typename Triangle>
+OBLIQ_INLINE void march(const GroundView& ground, const ProfileRates<Real>& p, const Real& end_m,
+                        Cells<Real>& cells, const Next& next, const Cell& cell, const Triangle& triangle) {
+  while (true) {
+    const CellEnds<Real> ends = cell_ends(ground, p, cells);
+    Real to = end_m;
+    const Mask<Real> active = next((cells.d < end_m) & cells.on(ground.grid), ends, to);
+    if (!any(active)) return;
+    const Real end = max(cells.d, min(ends.nearest, to));
+    const Real number = number_of(ground.grid, cells, active);
+    const Corners<Real> y = corners(ground.grid, number);
+    cell(active, y.known, number, end);
+    visit_triangles(p, cells, y, active & y.known, end, triangle);
+    move_on(p, ends, active, active & (ends.nearest <= to), end, cells);
+  }
 }
 
 }  // namespace obliq

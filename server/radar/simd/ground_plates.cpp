@@ -45,7 +45,7 @@ OBLIQ_INLINE GroundUnder ground_under(const GroundView& ground, const ProfileRat
   const f64x8 v = p.start_v + d * p.rate_v;
   under.cells = {d, floor(u), floor(v)};
   where &= under.cells.on(ground.grid);
-  const Corners<f64x8> y = corners(ground.grid, to_u64(number_of(ground.grid, under.cells, where)));
+  const Corners<f64x8> y = corners(ground.grid, number_of(ground.grid, under.cells, where));
   under.known = where & y.known;
   under.cut = triangle_cut(p, under.cells, y, (u - under.cells.i) + (v - under.cells.j) > 1.0);
   under.cut.start -= ground.antenna_y_m;
@@ -178,8 +178,7 @@ void ground_plates(const PlateField& field, const PlateRays& rays, int first, un
   store(plates.half_extent, at.half);
   plates.n = 0;
 
-  const ProfileRates<f64x8> p =
-      profile_rates(ground.grid, ground.antenna_x_m, ground.antenna_z_m, sin_bearing, cos_bearing);
+  const ProfileRates<f64x8> p = profile_rates(ground, sin_bearing, cos_bearing);
   const Starts starts = starts_of(field, p, at, mask_from(wanted_lanes) & (level > 0.0));
   const f64x8 end_m = at.d + field.reach_m;
   const f64x8 none{};
@@ -192,78 +191,78 @@ void ground_plates(const PlateField& field, const PlateRays& rays, int first, un
   mask8 begun{};
   mask8 reached{};
   mask8 falls{};
-  while (true) {
-    const mask8 active = walking & (cells.d < end_m) & cells.on(ground.grid);
-    if (!any(active)) break;
-    const CellEnds<f64x8> ends = ends_of(ground, p, cells);
-    const f64x8 end = max(cells.d, min(ends.nearest, end_m));
-    const Corners<f64x8> y = corners(ground.grid, to_u64(number_of(ground.grid, cells, active)));
-    const mask8 known = active & y.known;
-    const f64x8 material = field.material != nullptr ? materials_of(field, cells, known) : f64x8{};
+  f64x8 material{};
+  const auto next = [&](mask8 active, const CellEnds<f64x8>& /*ends*/, f64x8& /*to*/)
+      __attribute__((always_inline)) {
+    return active & walking & ~reached & ~falls & ~parts.crowded &
+           (unseen <= static_cast<double>(field.look_cells));
+  };
+  const auto cell = [&](mask8 active, mask8 known, f64x8 /*number*/, f64x8 /*end*/)
+      __attribute__((always_inline)) {
+    walking = active & known;
+    if (field.material != nullptr) material = materials_of(field, cells, walking);
     unseen += 1.0;
-    const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
-        __attribute__((always_inline)) {
-      const f64x8 start = cut.start - ground.antenna_y_m;
-      const f64x8 rise = cut.rise;
-      const f64x8 h1 = start + rise * d1;
-      const mask8 seen = where & ~reached & (start < 0.0) & ~(h1 * horizon_d < horizon_h * d1);
-      if (!any(seen)) return;
-      const f64x8 h0 = start + rise * d0;
-      const mask8 emerges = seen & (h0 * horizon_d < horizon_h * d0);
-      f64x8 from = d0;
-      if (any(emerges))
-        from = select(emerges, clamp(start * horizon_d / (horizon_h - rise * horizon_d), d0, d1), d0);
-      const mask8 last = seen & (h1 >= at.high * d1);
-      f64x8 to = d1;
-      if (any(last)) to = select(last, clamp(start / (at.high - rise), from, d1), d1);
-      const f64x8 from_h = start + rise * from;
-      const f64x8 to_h = start + rise * to;
-      const f64x8 rate2 = 1.0 + rise * rise;
-      const f64x8 along = start * rise;
-      falls |= seen & (along + rate2 * from < 0.0);
+  };
+  const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
+      __attribute__((always_inline)) {
+    const f64x8 start = cut.start - ground.antenna_y_m;
+    const f64x8 rise = cut.rise;
+    const f64x8 h1 = start + rise * d1;
+    const mask8 seen = where & ~reached & (start < 0.0) & ~(h1 * horizon_d < horizon_h * d1);
+    if (!any(seen)) return;
+    const f64x8 h0 = start + rise * d0;
+    const mask8 emerges = seen & (h0 * horizon_d < horizon_h * d0);
+    f64x8 from = d0;
+    if (any(emerges))
+      from = select(emerges, clamp(start * horizon_d / (horizon_h - rise * horizon_d), d0, d1), d0);
+    const mask8 last = seen & (h1 >= at.high * d1);
+    f64x8 to = d1;
+    if (any(last)) to = select(last, clamp(start / (at.high - rise), from, d1), d1);
+    const f64x8 from_h = start + rise * from;
+    const f64x8 to_h = start + rise * to;
+    const f64x8 rate2 = 1.0 + rise * rise;
+    const f64x8 along = start * rise;
+    falls |= seen & (along + rate2 * from < 0.0);
 
-      // A part ends at a crest behind which another bin is seen, and where the material changes.
-      const f64x8 from_r2 = from * from + from_h * from_h;
-      const mask8 opens =
-          seen & (~begun | (emerges & (from_r2 >= parts.end_m * parts.end_m)) | (material != parts.material));
-      if (any(opens)) {
-        const f64x8 horizon_r = sqrt(horizon_d * horizon_d + horizon_h * horizon_h);
-        parts.close(opens & begun, horizon_r, horizon_d, horizon_h / horizon_r);
-        const f64x8 from_r = sqrt(from_r2);
-        parts.open(opens, parts.bin_at(from_r), from_r, from, from_h / from_r);
-        parts.material = select(opens, material, parts.material);
-        begun |= opens;
-      }
-      f64x8 plane_distance{};
-      if (field.incidence) {
-        const f64x8 slope_x = cut.per_i / ground.grid.cell_m;
-        const f64x8 slope_z = cut.per_j / ground.grid.cell_m;
-        plane_distance = -start / sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
-      }
-      const f64x8 to_r2 = to * to + to_h * to_h;
-      mask8 crosses = seen & (to_r2 >= parts.end_m * parts.end_m);
-      while (any(crosses)) {
-        const f64x8 edge = parts.end_m;
-        const f64x8 edge_d = edge_at(rate2, along, -start, broadcast(1), edge, from, to);
-        const f64x8 sine = (start + rise * edge_d) / edge;
-        if (field.incidence) parts.add_incidence(crosses, plane_distance, edge, sine);
-        parts.close(crosses, edge, edge_d, sine);
-        parts.open(crosses, parts.bin + 1.0, edge, edge_d, sine);
-        crosses &= (to_r2 >= parts.end_m * parts.end_m) & ~parts.crowded;
-      }
-      if (field.incidence) {
-        const f64x8 to_r = sqrt(to_r2);
-        parts.add_incidence(seen, plane_distance, to_r, to_h / to_r);
-      }
-      horizon_d = select(seen, to, horizon_d);
-      horizon_h = select(seen, to_h, horizon_h);
-      reached |= last;
-      unseen = select(seen, f64x8{}, unseen);
-    };
-    visit_triangles(p, cells, y, known, end, triangle);
-    move_on(p, ends, active, active & (ends.nearest <= end_m), end, cells);
-    walking = known & ~reached & ~falls & ~parts.crowded & (unseen <= static_cast<double>(field.look_cells));
-  }
+    // A part ends at a crest behind which another bin is seen, and where the material changes.
+    const f64x8 from_r2 = from * from + from_h * from_h;
+    const mask8 opens =
+        seen & (~begun | (emerges & (from_r2 >= parts.end_m * parts.end_m)) | (material != parts.material));
+    if (any(opens)) {
+      const f64x8 horizon_r = sqrt(horizon_d * horizon_d + horizon_h * horizon_h);
+      parts.close(opens & begun, horizon_r, horizon_d, horizon_h / horizon_r);
+      const f64x8 from_r = sqrt(from_r2);
+      parts.open(opens, parts.bin_at(from_r), from_r, from, from_h / from_r);
+      parts.material = select(opens, material, parts.material);
+      begun |= opens;
+    }
+    f64x8 plane_distance{};
+    if (field.incidence) {
+      const f64x8 slope_x = cut.per_i / ground.grid.cell_m;
+      const f64x8 slope_z = cut.per_j / ground.grid.cell_m;
+      plane_distance = -start / sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
+    }
+    const f64x8 to_r2 = to * to + to_h * to_h;
+    mask8 crosses = seen & (to_r2 >= parts.end_m * parts.end_m);
+    while (any(crosses)) {
+      const f64x8 edge = parts.end_m;
+      const f64x8 edge_d = edge_at(rate2, along, -start, broadcast(1), edge, from, to);
+      const f64x8 sine = (start + rise * edge_d) / edge;
+      if (field.incidence) parts.add_incidence(crosses, plane_distance, edge, sine);
+      parts.close(crosses, edge, edge_d, sine);
+      parts.open(crosses, parts.bin + 1.0, edge, edge_d, sine);
+      crosses &= (to_r2 >= parts.end_m * parts.end_m) & ~parts.crowded;
+    }
+    if (field.incidence) {
+      const f64x8 to_r = sqrt(to_r2);
+      parts.add_incidence(seen, plane_distance, to_r, to_h / to_r);
+    }
+    horizon_d = select(seen, to, horizon_d);
+    horizon_h = select(seen, to_h, horizon_h);
+    reached |= last;
+    unseen = select(seen, f64x8{}, unseen);
+  };
+  march(ground, p, end_m, cells, next, cell, triangle);
   const f64x8 horizon_r = sqrt(horizon_d * horizon_d + horizon_h * horizon_h);
   parts.close(begun, horizon_r, horizon_d, horizon_h / horizon_r);
   // A walk that ended before the hit met a void.

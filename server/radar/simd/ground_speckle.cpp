@@ -19,7 +19,7 @@ OBLIQ_INLINE f64x8 height_at(const GridView& grid, f64x8 x, f64x8 z) {
   const f64x8 low_v = floor(select(on_grid, v, f64x8{}));
   const f64x8 i = select(low_u > last_u - 1, broadcast(last_u - 1), low_u);
   const f64x8 j = select(low_v > last_v - 1, broadcast(last_v - 1), low_v);
-  const auto [y00, y10, y01, y11, known] = corners(grid, to_u64(j * static_cast<double>(grid.nx) + i));
+  const auto [y00, y10, y01, y11, known] = corners(grid, j * static_cast<double>(grid.nx) + i);
   const f64x8 s = u - i;
   const f64x8 t = v - j;
   return select(on_grid & known, height_on_triangles(y00, y10, y01, y11, s, t), broadcast(__builtin_nan("")));

@@ -90,6 +90,12 @@ OBLIQ_INLINE Real nearest_integer(Real x) {
   return (x + kShift) - kShift;
 }
 
+/// Two neighbours in an array.
+template <typename Real>
+struct Pairs {
+  Real first, second;
+};
+
 // One double.
 
 OBLIQ_INLINE bool any(bool where) { return where; }
@@ -101,6 +107,11 @@ OBLIQ_INLINE std::uint64_t as_bits(double x) { return __builtin_bit_cast(std::ui
 OBLIQ_INLINE double as_doubles(std::uint64_t bits) { return __builtin_bit_cast(double, bits); }
 /// Whole numbers from 0 to 2^52.
 OBLIQ_INLINE double to_doubles(std::uint64_t whole) { return static_cast<double>(whole); }
+OBLIQ_INLINE std::uint64_t to_u64(double whole) { return static_cast<std::uint64_t>(whole); }
+/// from[at] and from[at + 1].
+OBLIQ_INLINE Pairs<double> gather_pairs(const float* from, std::uint64_t at) {
+  return {static_cast<double>(from[at]), static_cast<double>(from[at + 1])};
+}
 
 /// Whole numbers of either sign, |x| < 2^51, in two's complement.
 OBLIQ_INLINE std::uint64_t to_i64(double whole) {
@@ -194,11 +205,7 @@ OBLIQ_INLINE u64x8 gather(const std::uint64_t* from, u64x8 at) {
   return lane_by_lane<std::uint64_t, kLanes>([&](int lane)
                                                  __attribute__((always_inline)) { return from[at[lane]]; });
 }
-/// from[at] and from[at + 1].
-struct Pairs {
-  f64x8 first, second;
-};
-OBLIQ_INLINE Pairs gather_pairs(const float* from, u64x8 at) {
+OBLIQ_INLINE Pairs<f64x8> gather_pairs(const float* from, u64x8 at) {
 #if defined(__AVX512F__)
   const __m512i pairs = _mm512_i64gather_epi64(__builtin_bit_cast(__m512i, at.v), from, sizeof(float));
   const auto doubles = [](__m512i floats) __attribute__((always_inline)) {

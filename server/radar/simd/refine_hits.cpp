@@ -25,7 +25,7 @@ OBLIQ_INLINE void step(const GroundView& view, f64x8 dx, f64x8 dy, f64x8 dz, Sea
                      (v < static_cast<double>(grid.nz)) & search.open;
   const f64x8 i = clamp(floor(select(near, u, f64x8{})), f64x8{}, broadcast(grid.nx - 2));
   const f64x8 j = clamp(floor(select(near, v, f64x8{})), f64x8{}, broadcast(grid.nz - 2));
-  const auto [y00, y10, y01, y11, known] = corners(grid, to_u64(j * static_cast<double>(grid.nx) + i));
+  const auto [y00, y10, y01, y11, known] = corners(grid, j * static_cast<double>(grid.nx) + i);
   const mask8 upper = (u - i) + (v - j) > 1.0;
 
   const GroundTriangle<f64x8> triangle(grid, i, j, upper, y00, y10, y01, y11);

@@ -33,48 +33,47 @@ bool visible_ground(const GroundView& scene, SightProfiles& lanes, VisibleSegmen
   Horizon<f64x8> horizon{load(lanes.horizon_d_m), load(lanes.horizon_h_m), mask8{}};
   f64x8 width = load(lanes.width_rad);
   f64x8 width_to = load(lanes.width_to_m);
+  f64x8 number{};
   int n = segments.n;
   bool left = false;
-  while (true) {
-    const mask8 active = (cells.d < end_m) & (cells.d <= lanes.last_start_m) & cells.on(grid);
-    if (!any(active)) break;
+  const auto next = [&](mask8 active, const CellEnds<f64x8>& /*ends*/, f64x8& to)
+      __attribute__((always_inline)) {
+    active &= cells.d <= lanes.last_start_m;
     if (n > VisibleSegments::kMost - 2) {
-      left = true;
-      break;
+      left = any(active);
+      return mask8{};
     }
     if (const unsigned ended = movemask(active & (width_to <= cells.d)); ended != 0)
       next_widths(ended, lanes, cells.d, width, width_to);
-
-    // The cell, up to its end or to where the width changes.
-    const f64x8 to = min(width_to, end_m);
-    const CellEnds<f64x8> ends = ends_of(scene, p, cells);
-    const f64x8 end = max(cells.d, min(ends.nearest, to));
-    const f64x8 cell = number_of(grid, cells, active);
-    const Corners<f64x8> y = corners(grid, to_u64(cell));
+    to = min(width_to, end_m);
+    return active;
+  };
+  const auto cell = [&](mask8 /*active*/, mask8 /*known*/, f64x8 at, f64x8 /*end*/)
+      __attribute__((always_inline)) {
+    number = at;
     prefetch_ahead(grid, p, cells);
-    const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
-        __attribute__((always_inline)) {
-      const f64x8 start = cut.start - scene.antenna_y_m;
-      const f64x8 rise = cut.rise;
-      const auto sight = horizon.pass(where, start, rise, d0, d1, where);
-      const unsigned seen = movemask(sight.any & (width > 0.0));
-      if (seen == 0) return;
-      const f64x8 slope_x = cut.per_i * cells_per_m;
-      const f64x8 slope_z = cut.per_j * cells_per_m;
-      const f64x8 steepness = sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
-      segments.seen[n] = seen;
-      store(segments.from_m[n], sight.from);
-      store(segments.to_m[n], d1);
-      store(segments.start_m[n], start);
-      store(segments.rise[n], rise);
-      store(segments.plane_distance_m[n], -start / steepness);
-      store(segments.width_rad[n], width);
-      store(segments.cell[n], cell);
-      ++n;
-    };
-    visit_triangles(p, cells, y, active & y.known, end, triangle);
-    move_on(p, ends, active, active & (ends.nearest <= to), end, cells);
-  }
+  };
+  const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
+      __attribute__((always_inline)) {
+    const f64x8 start = cut.start - scene.antenna_y_m;
+    const f64x8 rise = cut.rise;
+    const auto sight = horizon.pass(where, start, rise, d0, d1, where);
+    const unsigned seen = movemask(sight.any & (width > 0.0));
+    if (seen == 0) return;
+    const f64x8 slope_x = cut.per_i * cells_per_m;
+    const f64x8 slope_z = cut.per_j * cells_per_m;
+    const f64x8 steepness = sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
+    segments.seen[n] = seen;
+    store(segments.from_m[n], sight.from);
+    store(segments.to_m[n], d1);
+    store(segments.start_m[n], start);
+    store(segments.rise[n], rise);
+    store(segments.plane_distance_m[n], -start / steepness);
+    store(segments.width_rad[n], width);
+    store(segments.cell[n], number);
+    ++n;
+  };
+  march(scene, p, end_m, cells, next, cell, triangle);
   store_cells(lanes, cells);
   store(lanes.horizon_d_m, horizon.d_m);
   store(lanes.horizon_h_m, horizon.h_m);

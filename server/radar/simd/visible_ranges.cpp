@@ -27,7 +27,6 @@ OBLIQ_INLINE void close(RangeRun<f64x8>& run, mask8 where, const RangeAxis& bins
 }  // namespace
 
 unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, RangeProfiles& lanes) {
-  const GridView& grid = scene.grid;
   const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const f64x8 end_m = load(lanes.end_m);
   const f64x8 roof_m = load(lanes.roof_m);
@@ -38,40 +37,34 @@ unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, Ran
   RangeRun<f64x8> visible{OBLIQ_LOAD(visible.least2), OBLIQ_LOAD(visible.greatest2)};
   RangeRun<f64x8> present{OBLIQ_LOAD(present.least2), OBLIQ_LOAD(present.greatest2)};
   unsigned at_roof = 0;
-  while (true) {
-    const mask8 active = (cells.d < end_m) & cells.on(grid);
-    if (!any(active)) break;
-    const CellEnds<f64x8> ends = ends_of(scene, p, cells);
-    const f64x8 end = max(cells.d, min(ends.nearest, end_m));
-    at_roof = movemask(active & (roof_m <= end));
-    if (at_roof != 0) break;
-
-    const Corners<f64x8> y = corners(grid, to_u64(number_of(grid, cells, active)));
-    prefetch_ahead(grid, p, cells);
-    const mask8 known = active & y.known;
+  const auto next = [&](mask8 active, const CellEnds<f64x8>& ends, f64x8& to) __attribute__((always_inline)) {
+    at_roof = movemask(active & (roof_m <= max(cells.d, min(ends.nearest, to))));
+    return at_roof != 0 ? mask8{} : active;
+  };
+  const auto cell = [&](mask8 active, mask8 known, f64x8 /*number*/, f64x8 /*end*/)
+      __attribute__((always_inline)) {
+    prefetch_ahead(scene.grid, p, cells);
     if (const mask8 gap = active & ~known; any(gap)) {
       close(visible, gap, bins, lanes.visible);
       close(present, gap, bins, lanes.present);
       joined &= ~gap;
     }
-
-    const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
-        __attribute__((always_inline)) {
-      const f64x8 h0 = cut.start + cut.rise * d0 - scene.antenna_y_m;
-      const f64x8 h1 = cut.start + cut.rise * d1 - scene.antenna_y_m;
-      const RangeRun<f64x8> ranges = ranges_of(where, d0, h0, d1, h1);
-      present.add(where, ranges);
-      const auto [rises, emerges, from_d, from_h] = horizon.pass_ends(where, d0, h0, d1, h1);
-      const mask8 goes_on = rises & ~emerges;
-      close(visible, where & ~goes_on, bins, lanes.visible);
-      visible.add(goes_on, ranges);
-      if (any(emerges)) visible.add(emerges, ranges_of(emerges, from_d, from_h, d1, h1));
-      last_h = select(where, h1, last_h);
-      joined |= where;
-    };
-    visit_triangles(p, cells, y, known, end, triangle);
-    move_on(p, ends, active, active & (ends.nearest <= end_m), end, cells);
-  }
+  };
+  const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
+      __attribute__((always_inline)) {
+    const f64x8 h0 = cut.start + cut.rise * d0 - scene.antenna_y_m;
+    const f64x8 h1 = cut.start + cut.rise * d1 - scene.antenna_y_m;
+    const RangeRun<f64x8> ranges = ranges_of(where, d0, h0, d1, h1);
+    present.add(where, ranges);
+    const auto [rises, emerges, from_d, from_h] = horizon.pass_ends(where, d0, h0, d1, h1);
+    const mask8 goes_on = rises & ~emerges;
+    close(visible, where & ~goes_on, bins, lanes.visible);
+    visible.add(goes_on, ranges);
+    if (any(emerges)) visible.add(emerges, ranges_of(emerges, from_d, from_h, d1, h1));
+    last_h = select(where, h1, last_h);
+    joined |= where;
+  };
+  march(scene, p, end_m, cells, next, cell, triangle);
   store_cells(lanes, cells);
   for (int lane = 0; lane < kLanes; ++lane)
     lanes.state[lane] = {{horizon.d_m[lane], horizon.h_m[lane], false},
