@@ -15,7 +15,7 @@ void LineOfSight::cut_roofs(double from_m) {
   std::erase_if(steps_, [](const RoofSpan& step) { return !(step.near_m < step.far_m); });
   step_ = 0;
   while (step_ < steps_.size() && steps_[step_].far_m <= from_m) ++step_;
-  entered_ = step_ < steps_.size() && steps_[step_].near_m < from_m;
+  next_wall_ = step_ < steps_.size() && steps_[step_].near_m < from_m ? step_ + 1 : step_;
 }
 
 bool LineOfSight::covers(const RoofSpan& span) const {

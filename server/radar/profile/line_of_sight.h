@@ -114,8 +114,8 @@ class LineOfSight {
   /// A segment of sloping surface h = start + rise d.
   template <class Emit>
   void see(double d0, double d1, double start, double rise, bool building, Emit&& emit) {
-    const auto [any, from] = horizon_.pass(true, start, rise, d0, d1, building);
-    if (any) emit(from, d1);
+    const auto seen = horizon_.pass(true, start, rise, d0, d1, building);
+    if (seen.any) emit(seen.from, d1);
   }
 
   template <class Sink>
@@ -165,42 +165,19 @@ class LineOfSight {
   /// [d0, d1] of a profile with roofs in it: the higher of ground and roof. No ground over a gap.
   template <class Sink>
   void with_roofs(double d0, double d1, const GroundSegment* ground, Sink& sink) {
-    double d = d0;
-    while (d < d1) {
-      while (step_ < steps_.size() && steps_[step_].far_m <= d) {
-        ++step_;
-        entered_ = false;
-      }
-      const bool roofed = step_ < steps_.size() && steps_[step_].near_m <= d;
-      double end = d1;
-      if (step_ < steps_.size()) end = std::min(d1, roofed ? steps_[step_].far_m : steps_[step_].near_m);
-      if (!roofed) {
-        if (ground) see_ground(*ground, d, end, sink);
+    const auto see_bare = [&](double from, double to) {
+      if (ground) see_ground(*ground, from, to, sink);
+    };
+    cut_at_roofs(steps_, step_, d0, d1, see_bare, [&](const RoofSpan& step, double from, double to) {
+      if (step_ >= next_wall_ && step.wall != kNoFace) see_wall(step, sink);
+      next_wall_ = step_ + 1;
+      const auto see_top = [&](double d, double end) { see_roof(step, d, end, sink); };
+      if (ground) {
+        over_roof(ground->start_m, ground->rise, step.roof_y_m, from, to, see_bare, see_top);
       } else {
-        const RoofSpan& step = steps_[step_];
-        if (!entered_ && step.wall != kNoFace) see_wall(step, sink);
-        entered_ = true;
-        under_roof(step, d, end, ground, sink);
+        see_top(from, to);
       }
-      d = end;
-    }
-  }
-
-  template <class Sink>
-  void under_roof(const RoofSpan& step, double d0, double d1, const GroundSegment* ground, Sink& sink) {
-    if (!ground) return see_roof(step, d0, d1, sink);
-    const double above0 = ground->start_m + ground->rise * d0 - step.roof_y_m;
-    const double above1 = ground->start_m + ground->rise * d1 - step.roof_y_m;
-    if (above0 <= 0 && above1 <= 0) return see_roof(step, d0, d1, sink);
-    if (above0 > 0 && above1 > 0) return see_ground(*ground, d0, d1, sink);
-    const double cut = std::clamp((step.roof_y_m - ground->start_m) / ground->rise, d0, d1);
-    if (above0 > 0) {
-      see_ground(*ground, d0, cut, sink);
-      see_roof(step, cut, d1, sink);
-    } else {
-      see_roof(step, d0, cut, sink);
-      see_ground(*ground, cut, d1, sink);
-    }
+    });
   }
 
   /// Keeps the footprints that end beyond from_m.
@@ -224,7 +201,7 @@ class LineOfSight {
   std::vector<RoofSpan> spans_;
   std::vector<RoofSpan> steps_;
   std::size_t step_ = 0;
-  bool entered_ = false;  // the current step's wall has been seen
+  std::size_t next_wall_ = 0;  // the first step whose wall has not been seen
 };
 
 }  // namespace obliq

@@ -22,6 +22,7 @@ struct Horizon {
   /// What the horizon leaves of a segment up to its far end: nothing, or all from `from` on.
   struct Seen {
     Mask<Real> any;
+    Mask<Real> emerges;  ///< of those: hidden up to `from`
     Real from;
   };
 
@@ -40,39 +41,10 @@ struct Horizon {
     seen.from = select(hides0, out, d0);
     const Mask<Real> rises = facing & inverse(hides(d1, h1));
     seen.any = rises & (seen.from < d1);
+    seen.emerges = seen.any & hides0;
     set(where & falls & (d0 > 0.0) & shows0, d0, h0, by_building);
     set(rises, d1, h1, by_building);
     return seen;
-  }
-
-  /// What it leaves of segments of any slope, by their ends.
-  struct Rising {
-    Mask<Real> rises;    ///< above the horizon, up to the far end;
-    Mask<Real> emerges;  ///< of those, the ones that begin below it come out at (from_d, from_h)
-    Real from_d, from_h;
-  };
-
-  /// Passes a segment from (d0, h0) to (d1, h1). One that falls in elevation is seen at its near end only.
-  OBLIQ_INLINE Rising pass_ends(Mask<Real> where, Real d0, Real h0, Real d1, Real h1) {
-    const Mask<Real> hides0 = hides(d0, h0);
-    const Mask<Real> hides1 = hides(d1, h1);
-    Rising at;
-    at.rises = where & inverse(hides1) & (h1 * d0 > h0 * d1);
-    at.emerges = at.rises & hides0;
-    at.from_d = d0;
-    at.from_h = h0;
-    if (any(at.emerges)) {
-      // Where it comes out of the shadow: h(d) = horizon d.
-      const Real slope = (h1 - h0) / (d1 - d0);
-      at.from_d = clamp((h0 - slope * d0) / (h_m / d_m - slope), d0, d1);
-      at.from_h = h0 + slope * (at.from_d - d0);
-    }
-    const Mask<Real> falls = inverse(at.rises);
-    const Mask<Real> shows = inverse(hides1 & hides0);
-    const Mask<Real> near = where & falls & shows & (d0 > 0.0);
-    set(near, d0, h0, building);
-    set(at.rises & (d1 > 0.0), d1, h1, building);
-    return at;
   }
 
  private:

@@ -31,11 +31,11 @@ unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, Ran
   const f64x8 end_m = load(lanes.end_m);
   const f64x8 roof_m = load(lanes.roof_m);
   Cells<f64x8> cells = cells_of(lanes);
-  Horizon<f64x8> horizon{OBLIQ_LOAD(horizon.d_m), OBLIQ_LOAD(horizon.h_m), mask8{}};
-  f64x8 last_h = OBLIQ_LOAD(last_h_m);
-  mask8 joined = OBLIQ_LOAD(joined ? 1.0 : 0.0) != 0.0;
-  RangeRun<f64x8> visible{OBLIQ_LOAD(visible.least2), OBLIQ_LOAD(visible.greatest2)};
-  RangeRun<f64x8> present{OBLIQ_LOAD(present.least2), OBLIQ_LOAD(present.greatest2)};
+  ProfileState<f64x8> state{{OBLIQ_LOAD(horizon.d_m), OBLIQ_LOAD(horizon.h_m), mask8{}},
+                            {OBLIQ_LOAD(visible.least2), OBLIQ_LOAD(visible.greatest2)},
+                            {OBLIQ_LOAD(present.least2), OBLIQ_LOAD(present.greatest2)},
+                            OBLIQ_LOAD(last_h_m),
+                            OBLIQ_LOAD(joined ? 1.0 : 0.0) != 0.0};
   unsigned at_roof = 0;
   const auto next = [&](mask8 active, const CellEnds<f64x8>& ends, f64x8& to) __attribute__((always_inline)) {
     at_roof = movemask(active & (roof_m <= max(cells.d, min(ends.nearest, to))));
@@ -45,33 +45,26 @@ unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, Ran
       __attribute__((always_inline)) {
     prefetch_ahead(scene.grid, p, cells);
     if (const mask8 gap = active & ~known; any(gap)) {
-      close(visible, gap, bins, lanes.visible);
-      close(present, gap, bins, lanes.present);
-      joined &= ~gap;
+      close(state.visible, gap, bins, lanes.visible);
+      close(state.present, gap, bins, lanes.present);
+      state.joined &= ~gap;
     }
+  };
+  const auto close_visible = [&](mask8 where) __attribute__((always_inline)) {
+    close(state.visible, where, bins, lanes.visible);
   };
   const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
       __attribute__((always_inline)) {
-    const f64x8 h0 = cut.start + cut.rise * d0 - scene.antenna_y_m;
-    const f64x8 h1 = cut.start + cut.rise * d1 - scene.antenna_y_m;
-    const RangeRun<f64x8> ranges = ranges_of(where, d0, h0, d1, h1);
-    present.add(where, ranges);
-    const auto [rises, emerges, from_d, from_h] = horizon.pass_ends(where, d0, h0, d1, h1);
-    const mask8 goes_on = rises & ~emerges;
-    close(visible, where & ~goes_on, bins, lanes.visible);
-    visible.add(goes_on, ranges);
-    if (any(emerges)) visible.add(emerges, ranges_of(emerges, from_d, from_h, d1, h1));
-    last_h = select(where, h1, last_h);
-    joined |= where;
+    state.pass(where, cut.start - scene.antenna_y_m, cut.rise, d0, d1, close_visible);
   };
   march(scene, p, end_m, cells, next, cell, triangle);
   store_cells(lanes, cells);
   for (int lane = 0; lane < kLanes; ++lane)
-    lanes.state[lane] = {{horizon.d_m[lane], horizon.h_m[lane], false},
-                         {visible.least2[lane], visible.greatest2[lane]},
-                         {present.least2[lane], present.greatest2[lane]},
-                         last_h[lane],
-                         joined[lane] != 0};
+    lanes.state[lane] = {{state.horizon.d_m[lane], state.horizon.h_m[lane], false},
+                         {state.visible.least2[lane], state.visible.greatest2[lane]},
+                         {state.present.least2[lane], state.present.greatest2[lane]},
+                         state.last_h_m[lane],
+                         state.joined[lane] != 0};
   return at_roof;
 }
 

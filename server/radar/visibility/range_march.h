@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "server/radar/profile/ground_walk.h"
@@ -17,22 +16,18 @@ namespace obliq {
 /// Carries the running horizon outwards. Heights are relative to the antenna.
 class RangeMarch {
  public:
-  RangeMarch(const BinGrid& bins, double antenna_y_m, ProfileState& state, BinMarks& result)
+  RangeMarch(const BinGrid& bins, double antenna_y_m, ProfileState<double>& state, BinMarks& result)
       : bins_(bins), antenna_y_m_(antenna_y_m), state_(state), result_(result) {}
 
-  /// Surface from (d0, y0) to (d1, y1); a rise from where the last segment ended is a wall.
-  void segment(double d0, double y0, double d1, double y1) {
-    const double h0 = y0 - antenna_y_m_;
-    const double h1 = y1 - antenna_y_m_;
+  /// Surface y = start + rise d from d0 to d1; a rise from where the last segment ended is a wall.
+  void segment(double start_m, double rise, double d0, double d1) {
+    const double start = start_m - antenna_y_m_;
+    const double h0 = start + rise * d0;
     // Rounding leaves steps of 1e-9 m where segments meet.
     if (state_.joined && h0 > state_.last_h_m + kTouching_m) wall(d0, state_.last_h_m, h0);
-    const RangeRun<double> ranges = ranges_of(true, d0, h0, d1, h1);
-    state_.present.add(true, ranges);
-    const auto [rises, emerges, from_d, from_h] = state_.horizon.pass_ends(true, d0, h0, d1, h1);
-    if (!rises || emerges) close(state_.visible, result_.visible);
-    if (rises) state_.visible.add(true, emerges ? ranges_of(true, from_d, from_h, d1, h1) : ranges);
-    state_.joined = true;
-    state_.last_h_m = h1;
+    state_.pass(true, start, rise, d0, d1, [&](bool where) {
+      if (where) close(state_.visible, result_.visible);
+    });
   }
 
   /// No surface follows; the next segment starts without a wall.
@@ -61,7 +56,7 @@ class RangeMarch {
 
   const BinGrid& bins_;
   double antenna_y_m_;
-  ProfileState& state_;
+  ProfileState<double>& state_;
   BinMarks& result_;
 };
 
@@ -70,7 +65,7 @@ struct Profile {
   SinCos bearing;
   std::vector<RoofSpan> roofs;
   std::size_t roof = 0;
-  ProfileState state;
+  ProfileState<double> state;
 };
 
 /// Hands the ground of one profile to the marcher, cut at footprint edges, with roofs on top.
@@ -81,12 +76,12 @@ class ProfileSurface {
       : profile_(profile), marcher_(marcher), to_end_(to_end), from_m_(from_m), at_m_(from_m) {}
 
   void ground(const GroundSegment& segment) {
-    if (profile_.roof < profile_.roofs.size()) {
-      with_roofs(segment.d0_m, segment.d1_m, segment.start_m, segment.rise);
-    } else {
-      marcher_.segment(segment.d0_m, segment.start_m + segment.rise * segment.d0_m, segment.d1_m,
-                       segment.start_m + segment.rise * segment.d1_m);
-    }
+    const auto open = [&](double d0, double d1) { marcher_.segment(segment.start_m, segment.rise, d0, d1); };
+    cut_at_roofs(profile_.roofs, profile_.roof, segment.d0_m, segment.d1_m, open,
+                 [&](const RoofSpan& roof, double d0, double d1) {
+                   over_roof(segment.start_m, segment.rise, roof.roof_y_m, d0, d1, open,
+                             [&](double from, double to) { marcher_.segment(roof.roof_y_m, 0, from, to); });
+                 });
     at_m_ = segment.d1_m;
   }
   void gap(double /*d0*/, double d1) {
@@ -102,27 +97,6 @@ class ProfileSurface {
   }
 
  private:
-  /// Ground y = start + rise d on [d0, d1], replaced by roofs that stand above it.
-  void with_roofs(double d0, double d1, double start, double rise) {
-    const std::vector<RoofSpan>& roofs = profile_.roofs;
-    std::size_t& at = profile_.roof;
-    double d = d0;
-    while (d < d1) {
-      while (at < roofs.size() && roofs[at].far_m <= d) ++at;
-      double end = d1;
-      bool roofed = false;
-      if (at < roofs.size()) {
-        roofed = roofs[at].near_m <= d;
-        end = std::min(end, roofed ? roofs[at].far_m : roofs[at].near_m);
-      }
-      const double y0 = start + rise * d;
-      const double y1 = start + rise * end;
-      const double roof = roofed ? roofs[at].roof_y_m : -std::numeric_limits<double>::infinity();
-      marcher_.segment(d, std::max(y0, roof), end, std::max(y1, roof));
-      d = end;
-    }
-  }
-
   Profile& profile_;
   RangeMarch& marcher_;
   bool to_end_;
