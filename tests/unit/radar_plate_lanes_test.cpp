@@ -33,17 +33,10 @@ World waves(test::Dice& dice) {
   });
 }
 
-/// What is visible in a vertical plane, marched from the nadir.
+/// What is visible in a vertical plane, marched from near the nadir.
 std::vector<SurfaceSegment> all_visible(LocalSurface& surface) {
   std::vector<SurfaceSegment> visible;
-  double horizon = -HUGE_VAL;
-  for (auto cell = surface.cell_at(1); surface.known(cell); cell = surface.next_out(cell)) {
-    for (const SurfaceSegment& segment : surface.segments(cell)) {
-      if (!(segment.far_slope > horizon)) continue;
-      visible.push_back(segment.between_slopes(std::max(segment.near_slope, horizon), segment.far_slope));
-      horizon = segment.far_slope;
-    }
-  }
+  surface.walk_out({1, 0, -HUGE_VAL}, HUGE_VAL, HUGE_VAL, visible);
   return visible;
 }
 
@@ -100,8 +93,8 @@ Shares share_of_bins(const Scene8& scene, const GroundPlates& plates, std::size_
   const SightPoint at{plates.d_m[lane], plates.h_m[lane], plates.slope[lane]};
   std::vector<SurfaceSegment> visible;
   const double half = plates.half_extent[lane], reach = scene.field.reach_m;
-  walk_out(surface, at, at.slope + half, at.d_m + reach, visible);
-  walk_in(surface, at, at.slope - half, at.d_m - reach, visible);
+  surface.walk_out(at, at.slope + half, at.d_m + reach, visible);
+  surface.walk_in(at, at.slope - half, at.d_m - reach, visible);
   BinGrid bins;
   static_cast<RangeAxis&>(bins) = scene.field.axis;
   Plate plate;

@@ -60,125 +60,74 @@ SurfaceSegment SurfaceSegment::nearer_than(double d_m) const {
 }
 
 LocalSurface::LocalSurface(const World& world, const glm::dvec3& antenna_m)
-    : world_(world),
-      antenna_m_(antenna_m),
-      over_cell_m_(1 / world.grid.cell_m),
-      start_u_((antenna_m.x - world.grid.x0_m) / world.grid.cell_m),
-      start_v_((antenna_m.z - world.grid.z0_m) / world.grid.cell_m) {}
+    : world_(world), antenna_m_(antenna_m), ground_(ground_view(world.grid, antenna_m)) {}
 
 void LocalSurface::aim(double sin_bearing, double cos_bearing, const std::vector<RoofSpan>& stretches) {
   stretches_ = &stretches;
-  sin_bearing_ = sin_bearing;
-  cos_bearing_ = cos_bearing;
-  per_x_ = sin_bearing != 0 ? 1 / sin_bearing : kInfinity;
-  per_z_ = cos_bearing != 0 ? 1 / cos_bearing : kInfinity;
-  rate_u_ = sin_bearing * over_cell_m_;
-  rate_v_ = cos_bearing * over_cell_m_;
+  outwards_ = profile_rates(ground_, sin_bearing, cos_bearing);
+  inwards_ = profile_rates(ground_, -sin_bearing, -cos_bearing);
 }
 
-LocalSurface::Cell LocalSurface::cell_at(double d_m) const {
-  return bounded(static_cast<int>(std::floor(start_u_ + d_m * rate_u_)),
-                 static_cast<int>(std::floor(start_v_ + d_m * rate_v_)));
-}
-
-LocalSurface::Cell LocalSurface::next_out(const Cell& cell) const {
-  return cell.leaves_by_x ? bounded(cell.i + (sin_bearing_ > 0 ? 1 : -1), cell.j)
-                          : bounded(cell.i, cell.j + (cos_bearing_ > 0 ? 1 : -1));
-}
-
-LocalSurface::Cell LocalSurface::next_in(const Cell& cell) const {
-  return cell.enters_by_x ? bounded(cell.i - (sin_bearing_ > 0 ? 1 : -1), cell.j)
-                          : bounded(cell.i, cell.j - (cos_bearing_ > 0 ? 1 : -1));
-}
-
-/// The same expression for a grid line gives the same bits from both of its sides, so that cells join.
-LocalSurface::Cell LocalSurface::bounded(int i, int j) const {
-  const HeightGrid& grid = world_.grid;
-  Cell cell;
-  cell.i = i;
-  cell.j = j;
-  const int east = sin_bearing_ > 0 ? 1 : 0;
-  const int north = cos_bearing_ > 0 ? 1 : 0;
-  const bool along_z = sin_bearing_ == 0;
-  const bool along_x = cos_bearing_ == 0;
-  const double out_x = along_z ? kInfinity : (grid.node_x_m(i + east) - antenna_m_.x) * per_x_;
-  const double out_z = along_x ? kInfinity : (grid.node_z_m(j + north) - antenna_m_.z) * per_z_;
-  const double in_x = along_z ? -kInfinity : (grid.node_x_m(i + 1 - east) - antenna_m_.x) * per_x_;
-  const double in_z = along_x ? -kInfinity : (grid.node_z_m(j + 1 - north) - antenna_m_.z) * per_z_;
-  cell.leaves_by_x = out_x < out_z;
-  cell.enters_by_x = in_x > in_z;
-  cell.from_m = std::max({0.0, in_x, in_z});
-  cell.to_m = std::min(out_x, out_z);
-  return cell;
-}
-
-const std::vector<SurfaceSegment>& LocalSurface::segments(const Cell& cell) {
-  segments_.clear();
-  if (!(cell.to_m > cell.from_m)) return segments_;
-  // With s, t the position in the cell, its triangles meet at s + t = 1.
-  const double start = start_u_ - cell.i + (start_v_ - cell.j);
-  const double rate = rate_u_ + rate_v_;
-  const double sum0 = start + cell.from_m * rate;
-  const double sum1 = start + cell.to_m * rate;
-  if ((sum0 < 1) != (sum1 < 1)) {
-    const double cut = std::clamp((1 - start) / rate, cell.from_m, cell.to_m);
-    add_triangle(cell, sum0 > sum1, cell.from_m, cut);
-    add_triangle(cell, sum0 < sum1, cut, cell.to_m);
-  } else {
-    add_triangle(cell, sum0 + sum1 > 2, cell.from_m, cell.to_m);
-  }
-  return segments_;
-}
-
-void LocalSurface::add_triangle(const Cell& cell, bool upper, double d0, double d1) {
-  if (!(d1 > d0)) return;
-  const HeightGrid& grid = world_.grid;
-  const double y10 = grid.node_y_m(cell.i + 1, cell.j);
-  const double y01 = grid.node_y_m(cell.i, cell.j + 1);
-  const int corner = upper ? 1 : 0;
-  const double base = grid.node_y_m(cell.i + corner, cell.j + corner);
-  const double per_u = upper ? base - y01 : y10 - base;
-  const double per_v = upper ? base - y10 : y01 - base;
-  ground_start_m_ =
-      base + per_u * (start_u_ - (cell.i + corner)) + per_v * (start_v_ - (cell.j + corner)) - antenna_m_.y;
-  ground_rise_ = per_u * rate_u_ + per_v * rate_v_;
-  SurfaceSegment ground;
-  const double over_cell2 = over_cell_m_ * over_cell_m_;
-  ground.normal_along = -ground_rise_;
-  ground.normal_length2 = 1 + (per_u * per_u + per_v * per_v) * over_cell2;
-  ground.material = world_.material_of_cell(cell.i, cell.j);
-  if (stretches_->empty()) {
-    add_ground(ground, d0, d1);
-  } else {
-    add_with_roofs(ground, d0, d1);
-  }
-}
-
-void LocalSurface::add_ground(const SurfaceSegment& ground, double d0, double d1) {
-  SurfaceSegment& segment = segments_.emplace_back(ground);
-  segment.set_ends(d0, ground_start_m_ + ground_rise_ * d0, d1, ground_start_m_ + ground_rise_ * d1);
-}
-
-/// Ground from d0 to d1, replaced by roofs that stand above it.
-void LocalSurface::add_with_roofs(const SurfaceSegment& ground, double d0, double d1) {
-  auto roof = std::upper_bound(stretches_->begin(), stretches_->end(), d0,
-                               [](double d, const RoofSpan& stretch) { return d < stretch.far_m; });
-  double d = d0;
-  for (; d < d1 && roof != stretches_->end(); ++roof) {
-    if (roof->near_m >= d1) break;
-    if (roof->near_m > d) add_ground(ground, d, roof->near_m);
-    const double begin = std::max(d, roof->near_m);
-    const double end = std::min(d1, roof->far_m);
-    if (begin == roof->near_m && roof->wall != kNoFace) {
-      double low = ground_start_m_ + ground_rise_ * begin;
-      if (roof != stretches_->begin() && std::prev(roof)->far_m == begin)
-        low = std::max(low, std::prev(roof)->roof_y_m - antenna_m_.y);
-      add_wall(*roof, low);
+/// Walks the surface from the cell under ground distance d_m on until a void, or until begin(d), where a cell
+/// begins, or segment(segment) returns false. Inwards it is the opposite profile that is marched, at
+/// distances below 0: the same bits.
+template <class Begin, class Segment>
+void LocalSurface::walk(bool inwards, double d_m, const Begin& begin, const Segment& segment) {
+  const ProfileRates<double>& p = inwards ? inwards_ : outwards_;
+  const ProfileRates<double>& back = inwards ? outwards_ : inwards_;
+  Cells<double> at{0, std::floor(p.start_u + d_m * outwards_.rate_u),
+                   std::floor(p.start_v + d_m * outwards_.rate_v)};
+  at.d = -cell_ends(ground_, back, at).nearest;
+  if (!inwards) at.d = std::max(0.0, at.d);
+  WalkedCells walked;
+  bool goes_on = true;
+  const auto next = [&](bool active, const CellEnds<double>& /*ends*/, double /*to*/) {
+    return active && goes_on && begin(at.d);
+  };
+  const auto cell = [&](bool /*active*/, bool known, double /*number*/, double /*end*/) {
+    goes_on = known;
+    if (known) walked.one_more();
+  };
+  const auto triangle = [&](bool where, const TriangleCut<double>& cut, double d0, double d1) {
+    if (!where || !goes_on) return;
+    if (inwards) {
+      cut_surface(at, cut, -cut.rise, -d1, -d0);
+      goes_on = std::all_of(segments_.rbegin(), segments_.rend(), segment);
+    } else {
+      cut_surface(at, cut, cut.rise, d0, d1);
+      goes_on = std::all_of(segments_.begin(), segments_.end(), segment);
     }
-    add_roof(ground, *roof, begin, end);
-    d = end;
-  }
-  if (d < d1) add_ground(ground, d, d1);
+  };
+  march(ground_, p, inwards ? 0.0 : kInfinity, at, next, cell, triangle);
+}
+
+/// The segments of a triangle from d0 to d1: ground, replaced by roofs that stand above it.
+void LocalSurface::cut_surface(const Cells<double>& cell, const TriangleCut<double>& cut, double rise,
+                               double d0, double d1) {
+  segments_.clear();
+  const double start = cut.start - antenna_m_.y;
+  const double over_cell = 1 / ground_.grid.cell_m;
+  SurfaceSegment ground;
+  ground.normal_along = -rise;
+  ground.normal_length2 = 1 + (cut.per_i * cut.per_i + cut.per_j * cut.per_j) * (over_cell * over_cell);
+  ground.material = world_.material_of_cell(static_cast<int>(cell.i), static_cast<int>(cell.j));
+  const auto add_ground = [&](double from, double to) {
+    segments_.emplace_back(ground).set_ends(from, start + rise * from, to, start + rise * to);
+  };
+  const std::vector<RoofSpan>& roofs = *stretches_;
+  auto at = static_cast<std::size_t>(
+      std::upper_bound(roofs.begin(), roofs.end(), d0,
+                       [](double d, const RoofSpan& stretch) { return d < stretch.far_m; }) -
+      roofs.begin());
+  cut_at_roofs(roofs, at, d0, d1, add_ground, [&](const RoofSpan& roof, double from, double to) {
+    if (from == roof.near_m && roof.wall != kNoFace) {
+      double low = start + rise * from;
+      if (at > 0 && roofs[at - 1].far_m == from) low = std::max(low, roofs[at - 1].roof_y_m - antenna_m_.y);
+      add_wall(roof, low);
+    }
+    over_roof(cut.start, rise, roof.roof_y_m, from, to, add_ground,
+              [&](double near, double far) { add_roof(roof, near, far); });
+  });
 }
 
 /// The wall that a roof begins with, from `low` upwards.
@@ -194,36 +143,15 @@ void LocalSurface::add_wall(const RoofSpan& roof, double low) {
   const double az = static_cast<double>(all.ring_xz_m[edge.from].y) - antenna_m_.z;
   const double bx = static_cast<double>(all.ring_xz_m[edge.to].x) - antenna_m_.x;
   const double bz = static_cast<double>(all.ring_xz_m[edge.to].y) - antenna_m_.z;
-  const double a_side = ax * cos_bearing_ - az * sin_bearing_;
-  const double b_side = bx * cos_bearing_ - bz * sin_bearing_;
+  const double a_side = ax * outwards_.cos - az * outwards_.sin;
+  const double b_side = bx * outwards_.cos - bz * outwards_.sin;
   wall.normal_along = -(std::abs(b_side - a_side) / std::hypot(bx - ax, bz - az));
   wall.normal_up = 0;
   wall.face = roof.wall;
   wall.material = all.list[roof.building].material;
 }
 
-/// The higher of roof and ground from d0 to d1.
-void LocalSurface::add_roof(const SurfaceSegment& ground, const RoofSpan& roof, double d0, double d1) {
-  if (!(d1 > d0)) return;
-  const double h = roof.roof_y_m - antenna_m_.y;
-  // How high the ground stands over the roof at both ends.
-  const double over0 = ground_start_m_ + ground_rise_ * d0 - h;
-  const double over1 = ground_start_m_ + ground_rise_ * d1 - h;
-  const double cut = (over0 > 0) != (over1 > 0) ? std::clamp(d0 - over0 / ground_rise_, d0, d1)
-                     : over0 > 0                ? d1
-                                                : d0;
-  // Ground on [d0, cut] and roof behind it, or the other way round when the ground rises out of the roof.
-  if (over1 > 0 && !(over0 > 0)) {
-    add_flat_roof(roof, d0, cut);
-    add_ground(ground, cut, d1);
-  } else {
-    if (cut > d0) add_ground(ground, d0, cut);
-    add_flat_roof(roof, cut, d1);
-  }
-}
-
-void LocalSurface::add_flat_roof(const RoofSpan& roof, double d0, double d1) {
-  if (!(d1 > d0)) return;
+void LocalSurface::add_roof(const RoofSpan& roof, double d0, double d1) {
   const double h = roof.roof_y_m - antenna_m_.y;
   SurfaceSegment& segment = segments_.emplace_back();
   segment.set_ends(d0, h, d1, h);
@@ -231,65 +159,54 @@ void LocalSurface::add_flat_roof(const RoofSpan& roof, double d0, double d1) {
   segment.material = world_.buildings.list[roof.building].material;
 }
 
-void walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-              std::vector<SurfaceSegment>& visible) {
-  WalkedCells walked;
+void LocalSurface::walk_out(const SightPoint& from, double to_slope, double to_d_m,
+                            std::vector<SurfaceSegment>& visible) {
   // Whatever lies nearer than the hit is lower in elevation, or it would hide the hit: the running horizon
   // passes over it, and the whole first cell may be looked at.
   double horizon = from.slope;
   int unseen = 0;
-  LocalSurface::Cell cell = surface.cell_at(from.d_m - kTouching_m);
-  for (; surface.known(cell) && unseen <= kLook_cells; cell = surface.next_out(cell)) {
-    if (cell.from_m > to_d_m + kTouching_m) return;
-    walked.one_more();
-    ++unseen;
-    for (const SurfaceSegment& segment : surface.segments(cell)) {
-      const double top = segment.far_slope;
-      if (!(top > horizon)) continue;
-      const double low = std::max(segment.near_slope, horizon);
-      const double high = std::min(top, to_slope);
-      if (high > low) visible.push_back(segment.between_slopes(low, high));
-      horizon = std::max(horizon, high);
-      unseen = 0;
-      if (horizon >= to_slope) return;
-    }
-  }
+  const auto begin = [&](double d) { return unseen++ <= kLook_cells && d <= to_d_m + kTouching_m; };
+  walk(false, from.d_m - kTouching_m, begin, [&](const SurfaceSegment& segment) {
+    const double top = segment.far_slope;
+    if (!(top > horizon)) return true;
+    const double low = std::max(segment.near_slope, horizon);
+    const double high = std::min(top, to_slope);
+    if (high > low) visible.push_back(segment.between_slopes(low, high));
+    horizon = std::max(horizon, high);
+    unseen = 0;
+    return horizon < to_slope;
+  });
 }
 
-void walk_in(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-             std::vector<SurfaceSegment>& visible) {
+void LocalSurface::walk_in(const SightPoint& from, double to_slope, double to_d_m,
+                           std::vector<SurfaceSegment>& visible) {
   const std::size_t first = visible.size();
-  WalkedCells walked;
   int unseen = 0;
-  LocalSurface::Cell cell = surface.cell_at(from.d_m + kTouching_m);
-  for (; surface.known(cell) && unseen <= kLook_cells; cell = surface.next_in(cell)) {
-    walked.one_more();
-    ++unseen;
-    const std::vector<SurfaceSegment>& segments = surface.segments(cell);
-    for (auto at = segments.rbegin(); at != segments.rend(); ++at) {
-      if (at->near_d_m > from.d_m + kTouching_m) continue;
-      const SurfaceSegment segment = at->far_d_m > from.d_m + kTouching_m ? at->nearer_than(from.d_m) : *at;
-      const double near = segment.near_slope;
-      const double far = segment.far_slope;
-      // Hide what lies behind; the hit itself is visible, its ray says so.
-      const double top = std::min(std::max(near, far), from.slope);
-      while (visible.size() > first && visible.back().near_slope < top) {
-        SurfaceSegment& behind = visible.back();
-        if (behind.far_slope > top) {
-          behind = behind.between_slopes(top, behind.far_slope);
-          break;
-        }
-        visible.pop_back();
+  const auto begin = [&](double /*d*/) { return unseen++ <= kLook_cells; };
+  walk(true, from.d_m + kTouching_m, begin, [&](const SurfaceSegment& whole) {
+    if (whole.near_d_m > from.d_m + kTouching_m) return true;
+    const SurfaceSegment segment =
+        whole.far_d_m > from.d_m + kTouching_m ? whole.nearer_than(from.d_m) : whole;
+    const double near = segment.near_slope;
+    const double far = segment.far_slope;
+    // Hide what lies behind; the hit itself is visible, its ray says so.
+    const double top = std::min(std::max(near, far), from.slope);
+    while (visible.size() > first && visible.back().near_slope < top) {
+      SurfaceSegment& behind = visible.back();
+      if (behind.far_slope > top) {
+        behind = behind.between_slopes(top, behind.far_slope);
+        break;
       }
-      const double low = std::max(near, to_slope);
-      const double high = std::min(far, from.slope);
-      if (high > low) {
-        visible.push_back(segment.between_slopes(low, high));
-        unseen = 0;
-      }
-      if ((far > near && near <= to_slope) || segment.near_d_m <= to_d_m) return;
+      visible.pop_back();
     }
-  }
+    const double low = std::max(near, to_slope);
+    const double high = std::min(far, from.slope);
+    if (high > low) {
+      visible.push_back(segment.between_slopes(low, high));
+      unseen = 0;
+    }
+    return !((far > near && near <= to_slope) || segment.near_d_m <= to_d_m);
+  });
 }
 
 }  // namespace obliq

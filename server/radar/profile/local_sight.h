@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/radar/profile/roofs.h"
+#include "server/radar/simd/ground_cells.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/world.h"
 
@@ -38,58 +39,6 @@ struct SurfaceSegment {
   SurfaceSegment nearer_than(double d_m) const;
 };
 
-/// The surface in a profile, cell by cell of the ground grid. Keeps a reference to the world.
-class LocalSurface {
- public:
-  LocalSurface(const World& world, const glm::dvec3& antenna_m);
-
-  /// Turns the profile. `stretches`: disjoint and sorted, kept by reference until the next turn.
-  void aim(double sin_bearing, double cos_bearing, const std::vector<RoofSpan>& stretches);
-
-  /// A grid cell and the distances at which the profile enters and leaves it.
-  struct Cell {
-    int i = 0;
-    int j = 0;
-    double from_m = 0;
-    double to_m = 0;
-    bool leaves_by_x = true;
-    bool enters_by_x = true;
-  };
-
-  Cell cell_at(double d_m) const;
-  Cell next_out(const Cell& cell) const;
-  Cell next_in(const Cell& cell) const;
-  bool known(const Cell& cell) const { return world_.grid.cell_known(cell.i, cell.j); }
-
-  /// The segments of a known cell, outwards; valid until the next call.
-  const std::vector<SurfaceSegment>& segments(const Cell& cell);
-
- private:
-  Cell bounded(int i, int j) const;
-  void add_triangle(const Cell& cell, bool upper, double d0, double d1);
-  void add_ground(const SurfaceSegment& ground, double d0, double d1);
-  void add_with_roofs(const SurfaceSegment& ground, double d0, double d1);
-  void add_wall(const RoofSpan& roof, double low);
-  void add_roof(const SurfaceSegment& ground, const RoofSpan& roof, double d0, double d1);
-  void add_flat_roof(const RoofSpan& roof, double d0, double d1);
-
-  const World& world_;
-  const std::vector<RoofSpan>* stretches_ = nullptr;
-  glm::dvec3 antenna_m_;
-  double over_cell_m_;
-  double start_u_, start_v_;  // the antenna, in cells from node (0, 0)
-  double sin_bearing_ = 0, cos_bearing_ = 1;
-  double per_x_ = 0, per_z_ = 1;    // ground distance a metre of x or z; infinite along the other axis
-  double rate_u_ = 0, rate_v_ = 0;  // cells a metre of ground distance
-  double ground_start_m_ = 0;       // the triangle at hand: height above the antenna at d = 0,
-  double ground_rise_ = 0;          // and its rise along the profile
-  std::vector<SurfaceSegment> segments_;
-};
-
-// What a plate covers: the surface that is visible next to a ray's hit, in the ray's own profile. Both walks
-// are local: they end at the given slope or distance, at a void, or where nothing has been visible for
-// kLook_cells, so that their cost follows the plate and not the scene.
-
 /// A point of the profile that a ray says is visible.
 struct SightPoint {
   double d_m = 0;  ///< ground distance from the antenna
@@ -100,14 +49,39 @@ struct SightPoint {
 /// Cells walked behind a crest, or in front of a foot, to find the surface that is visible next.
 constexpr int kLook_cells = 16;
 
-/// Appends the visible segments beyond `from`, outwards, with slopes from from.slope to `to_slope`, up to
-/// distance `to_d_m`.
-void walk_out(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-              std::vector<SurfaceSegment>& visible);
+/// The surface in a profile, and what a plate covers of it: what is visible next to a ray's hit, in the ray's
+/// own profile. Both walks are local: they end at the given slope or distance, at a void, or where nothing
+/// has been visible for kLook_cells, so that their cost follows the plate and not the scene. Keeps a
+/// reference to the world.
+class LocalSurface {
+ public:
+  LocalSurface(const World& world, const glm::dvec3& antenna_m);
 
-/// Appends the visible segments nearer than `from`, inwards, with slopes from from.slope down to `to_slope`.
-/// What rises in front hides what lies behind.
-void walk_in(LocalSurface& surface, const SightPoint& from, double to_slope, double to_d_m,
-             std::vector<SurfaceSegment>& visible);
+  /// Turns the profile. `stretches`: disjoint and sorted, kept by reference until the next turn.
+  void aim(double sin_bearing, double cos_bearing, const std::vector<RoofSpan>& stretches);
+
+  /// Appends the visible segments beyond `from`, outwards, with slopes from from.slope to `to_slope`, up to
+  /// distance `to_d_m`.
+  void walk_out(const SightPoint& from, double to_slope, double to_d_m, std::vector<SurfaceSegment>& visible);
+
+  /// Appends the visible segments nearer than `from`, inwards, with slopes from from.slope down to
+  /// `to_slope`. What rises in front hides what lies behind.
+  void walk_in(const SightPoint& from, double to_slope, double to_d_m, std::vector<SurfaceSegment>& visible);
+
+ private:
+  template <class Begin, class Segment>
+  void walk(bool inwards, double d_m, const Begin& begin, const Segment& segment);
+  void cut_surface(const Cells<double>& cell, const TriangleCut<double>& cut, double rise, double d0,
+                   double d1);
+  void add_wall(const RoofSpan& roof, double low);
+  void add_roof(const RoofSpan& roof, double d0, double d1);
+
+  const World& world_;
+  const std::vector<RoofSpan>* stretches_ = nullptr;
+  glm::dvec3 antenna_m_;
+  GroundView ground_;
+  ProfileRates<double> outwards_{}, inwards_{};
+  std::vector<SurfaceSegment> segments_;  // of the triangle at hand, outwards
+};
 
 }  // namespace obliq

@@ -120,8 +120,8 @@ void PixelPlates::walk(const RayBatch& rays, const HitBatch& hits, std::size_t k
     if (!roofs_.empty()) roofs_ = disjoint_roofs(roofs_);
     surface_.aim(sin_bearing, cos_bearing, roofs_);
     visible_.clear();
-    walk_out(surface_, point, point.slope + half, point.d_m + reach_m, visible_);
-    walk_in(surface_, point, point.slope - half, point.d_m - reach_m, visible_);
+    surface_.walk_out(point, point.slope + half, point.d_m + reach_m, visible_);
+    surface_.walk_in(point, point.slope - half, point.d_m - reach_m, visible_);
     for (const SurfaceSegment& segment : visible_) plate_.add(bins, segment);
     plate_.drop_hidden(profile_.whole_marks(rays.azimuth_bin[k]).visible,
                        bins.range_bin(hits.slant_range_m[k]));
