@@ -35,13 +35,14 @@ struct Horizon {
     const Mask<Real> falls = inverse(facing);
     const Mask<Real> hides0 = hides(d0, h0);
     const Mask<Real> shows0 = inverse(hides0);
-    // Where it comes out of the shadow: start + rise d = (h / d of the horizon) d.
-    const Real out = clamp(start * d_m / (h_m - rise * d_m), d0, d1);
-    Seen seen;
-    seen.from = select(hides0, out, d0);
     const Mask<Real> rises = facing & inverse(hides(d1, h1));
+    Seen seen;
+    seen.from = d0;
+    seen.emerges = rises & hides0;
+    // Where it comes out of the shadow: start + rise d = (h / d of the horizon) d.
+    if (any(seen.emerges)) seen.from = select(hides0, clamp(start * d_m / (h_m - rise * d_m), d0, d1), d0);
     seen.any = rises & (seen.from < d1);
-    seen.emerges = seen.any & hides0;
+    seen.emerges = seen.emerges & seen.any;
     set(where & falls & (d0 > 0.0) & shows0, d0, h0, by_building);
     set(rises, d1, h1, by_building);
     return seen;
