@@ -1,16 +1,19 @@
 // Video over a WebSocket beside TCP, in one run: frames a second and processor time of one server and one
 // client that reads and drops. Rendering costs nothing: the bins are prepared. Also what one descriptor costs
-// as JSON, by our writer and by protobuf's.
+// as JSON, by our writer and by protobuf's, and what a message to one of several browsers costs the io thread.
 //   websocket_bench [ROUNDS]
 #include <google/protobuf/util/json_util.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <barrier>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <future>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "proto/json_text.h"
@@ -37,19 +40,54 @@ struct Measured {
   double processor_ms = 0;  ///< of a frame: server and client
 };
 
+void read_frames(bench::Reader& reader, int n) {
+  while (n > 0)
+    if (reader.read().type == MessageType::frame_end) --n;
+}
+
 Measured measure(bench::Reader& reader) {
   reader.watch(10000, true);  // as fast as it goes
-  const auto frames = [&](int n) {
-    while (n > 0)
-      if (reader.read().type == MessageType::frame_end) --n;
-  };
-  frames(5);
+  read_frames(reader, 5);
   const auto start = Clock::now();
   const std::clock_t before = std::clock();
-  frames(kFrames);
+  read_frames(reader, kFrames);
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
   const double processor_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   return {kFrames / elapsed_s, 1000 * processor_s / kFrames};
+}
+
+/// Processor time of the io thread so far.
+double io_s(net::IoThread& io) {
+  std::promise<double> told;
+  io.post([&] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    told.set_value(static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec));
+  });
+  return told.get_future().get();
+}
+
+/// Of the io thread, microseconds for each message to each of n readers that watch together.
+template <class Reader>
+double io_us(net::IoThread& io, const client::Endpoint& server, int n) {
+  constexpr int kMessages = kBins / kWedgeAzimuthBins + 2;
+  std::barrier together(n + 1);
+  std::vector<std::thread> readers;
+  for (int i = 0; i < n; ++i)
+    readers.emplace_back([&] {
+      Reader reader(server);
+      reader.watch(10000, true);
+      read_frames(reader, 5);
+      together.arrive_and_wait();
+      read_frames(reader, kFrames);
+      together.arrive_and_wait();
+    });
+  together.arrive_and_wait();
+  const double before_s = io_s(io);
+  together.arrive_and_wait();
+  const double spent_s = io_s(io) - before_s;
+  for (std::thread& reader : readers) reader.join();
+  return 1e6 * spent_s / (double{kFrames} * kMessages * n);
 }
 
 template <class Write>
@@ -127,6 +165,11 @@ int main(int argc, char** argv) {
         "TCP %.0f frames/s, %.2f ms of processor a frame; WebSocket %.0f frames/s (%.0f %%), %.2f ms\n",
         tcp.frames_s, tcp.processor_ms, web.frames_s, 100 * web.frames_s / tcp.frames_s, web.processor_ms);
     std::fflush(stdout);
+  }
+  for (const int n : {1, 8}) {
+    const double tcp = io_us<bench::TcpReader>(io, {"127.0.0.1", server.port()}, n);
+    const double web = io_us<bench::WebReader>(io, {"127.0.0.1", http.port()}, n);
+    std::printf("io thread, a message to each of %d: %.2f us over TCP, %.2f over WebSockets\n", n, tcp, web);
   }
   server.stop();
   io.join();
