@@ -125,6 +125,21 @@ void append_json(const Message& message, std::string& out) {
   append_object(message, JsonStyle::protobuf, out);
 }
 
+std::string json_head(MessageType type, const Addressing& addressing, const Message& descriptor,
+                      std::size_t plane_bytes) {
+  std::string head(kHeaderBytes, '\0');
+  append_json(descriptor, head);
+  MessageHeader header{.type = type,
+                       .flags = kJsonDescriptor,
+                       .stream_id = addressing.stream_id,
+                       .sequence = addressing.sequence,
+                       .utc_ns = addressing.utc_ns};
+  header.descriptor_length = static_cast<std::uint32_t>(head.size() - kHeaderBytes);
+  header.payload_length = header.descriptor_length + static_cast<std::uint32_t>(plane_bytes);
+  encode_header(header, std::as_writable_bytes(std::span(head)).first<kHeaderBytes>());
+  return head;
+}
+
 std::string file_json(const Message& message) {
   std::string text;
   append_object(message, JsonStyle::file, text);

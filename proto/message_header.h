@@ -19,13 +19,16 @@ constexpr std::size_t kHeaderBytes = 48;      ///< of this version
 constexpr std::size_t kMaxHeaderBytes = 256;  ///< of any later minor version
 constexpr std::size_t kCrcOffset = 40;
 
+/// Of MessageHeader::flags: the descriptor is JSON, and there is no CRC (PROTOCOL.md, "WebSocket").
+constexpr std::uint16_t kJsonDescriptor = 1;
+
 using HeaderBytes = std::array<std::byte, kHeaderBytes>;
 
 struct MessageHeader {
   std::uint8_t major = kMajorVersion;
   std::uint8_t minor = kMinorVersion;
   MessageType type{};
-  std::uint16_t flags = 0;  ///< none defined; unknown ones are ignored
+  std::uint16_t flags = 0;  ///< kJsonDescriptor; unknown ones are ignored
   std::uint16_t header_length = kHeaderBytes;
   std::uint32_t payload_length = 0;     ///< bytes after the header
   std::uint32_t descriptor_length = 0;  ///< of those, the first that are protobuf; the rest is plane data

@@ -15,7 +15,7 @@
 #include "server/stream/outbox.h"
 
 namespace google::protobuf {
-class MessageLite;
+class Message;
 }
 
 namespace obliq::net {
@@ -29,20 +29,21 @@ struct KeptRequest {
 /// One client as the room sees it. The session behind it owns the socket.
 class Peer {
  public:
-  Peer(std::uint64_t peer_id, std::string peer_host, std::string peer_address, int queue_frames,
-       std::size_t queue_bytes)
+  Peer(std::uint64_t peer_id, std::string peer_host, std::string peer_address, bool peer_takes_json,
+       int queue_frames, std::size_t queue_bytes)
       : id(peer_id),
         host(std::move(peer_host)),
         address(std::move(peer_address)),
+        takes_json(peer_takes_json),
         outbox(queue_frames, queue_bytes) {}
   virtual ~Peer() = default;
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
 
   /// Queues a control message.
-  void send(wire::MessageType type, const google::protobuf::MessageLite& message) { send(type, message, {}); }
+  void send(wire::MessageType type, const google::protobuf::Message& message) { send(type, message, {}); }
   /// The same with plane data behind it.
-  virtual void send(wire::MessageType type, const google::protobuf::MessageLite& message,
+  virtual void send(wire::MessageType type, const google::protobuf::Message& message,
                     std::span<const std::byte> plane) = 0;
   /// The outbox has something to write.
   virtual void kick() = 0;
@@ -60,6 +61,7 @@ class Peer {
   const std::uint64_t id;
   const std::string host;     ///< "127.0.0.1"
   const std::string address;  ///< "127.0.0.1:50000"
+  const bool takes_json;      ///< as the descriptors of all messages
   std::string name;           ///< as shown to others: what it calls itself, and where it is
   bool greeted = false;       ///< Hello has been answered
   bool has_left = false;      ///< its connection has ended; the room forgets it soon

@@ -37,6 +37,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
   demanded.rate_hz = rate_hz;
   demanded.lossless = request.lossless();
   demanded.choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
+  demanded.choice.as_json = peer_.takes_json;
   if ((demanded.choice.planes & ~room_.renderer().planes()) != 0) {
     errors.push_back(
         {"planes", wire::plane_names(demanded.choice.planes), wire::plane_names(room_.renderer().planes())});
@@ -96,6 +97,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   }
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
+  choice.as_json = peer_.takes_json;
   if (errors.empty()) errors = room_.renderer().place(pose);
   if (errors.empty()) errors = room_.renderer().scene_faults(settings);
   if (!errors.empty())

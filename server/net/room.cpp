@@ -230,7 +230,7 @@ void Room::handle_kept(const std::shared_ptr<Peer>& peer, const std::vector<Fiel
 }
 
 void Room::taken(Peer& peer, const Block& block) {
-  bytes_sent_ += block.bytes.size();
+  bytes_sent_ += block.sent_bytes(peer.takes_json);
   const bool last = block.type == MessageType::frame_end || block.type == MessageType::frame_abort;
   if (peer.renders.empty() || block.stream_id == 0) return;
   if (last) finish_render(peer, block.stream_id);

@@ -65,8 +65,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
  public:
   Session(asio::io_context& io, std::unique_ptr<Transport> transport, std::uint64_t session_id,
           std::shared_ptr<Room> room)
-      : Peer(session_id, transport->host(), transport->address(), room->options().queue_frames,
-             room->options().queue_bytes),
+      : Peer(session_id, transport->host(), transport->address(), transport->takes_json(),
+             room->options().queue_frames, room->options().queue_bytes),
         room_(std::move(room)),
         io_(io),
         transport_(std::move(transport)),
@@ -84,14 +84,15 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   }
 
   using Peer::send;
-  void send(MessageType type, const google::protobuf::MessageLite& message,
+  void send(MessageType type, const google::protobuf::Message& message,
             std::span<const std::byte> plane) override {
     if (phase_ == Phase::closed) return;
     if (outbox.control_size() > kMaxControlWaiting) {
       spdlog::warn("{}: does not read its messages; connection closed", name);
       return close();
     }
-    outbox.push_control(wire::encode_message(type, {0, ++sequence_, wire::utc_now_ns()}, message, plane));
+    outbox.push_control(
+        block_for_one(type, {0, ++sequence_, wire::utc_now_ns()}, message, takes_json, plane));
     kick();
   }
 
@@ -304,7 +305,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
         self.close();
       });
       const Transport::Transfer put = co_await result_of<Transport::Transfer>(
-          [&](auto done) { transport_->write(block->bytes, std::move(done)); });
+          [&](auto done) { transport_->write(*block, std::move(done)); });
       disarm(write_deadline_);
       last_written_ = Clock::now();
       if (put != Transport::Transfer::done) close();

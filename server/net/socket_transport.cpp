@@ -19,6 +19,7 @@
 
 #include "server/net/tcp.h"
 #include "server/security/networks.h"
+#include "server/stream/block.h"
 #include "terrain/base/process.h"
 
 namespace obliq::net {
@@ -183,6 +184,8 @@ void SocketTransport::read_some(std::span<std::byte> bytes, Counted done) {
   };
   s.stream ? transfer(*s.stream) : transfer(s.socket);
 }
+
+void SocketTransport::write(const Block& message, Done done) { write(message.bytes, std::move(done)); }
 
 void SocketTransport::write(std::span<const std::byte> bytes, Done done) {
   write_parts(std::array{bytes}, std::move(done));

@@ -10,6 +10,8 @@
 
 namespace obliq::net {
 
+struct Block;
+
 /// On the io thread. One reader and one writer at a time; `done` is called later, and until then the
 /// transport and the bytes must live.
 class Transport {
@@ -53,8 +55,9 @@ class Transport {
   };
   /// Why a read was refused.
   virtual Fault fault() const { return {}; }
-  /// A whole message.
-  virtual void write(std::span<const std::byte> message, Done done) = 0;
+  /// The peer reads descriptors as JSON.
+  virtual bool takes_json() const { return false; }
+  virtual void write(const Block& message, Done done) = 0;
   /// Tells the peer that nothing more comes, after everything has been written.
   virtual void finish(Done done) = 0;
   /// Ends all of the above at once.

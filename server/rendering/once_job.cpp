@@ -35,7 +35,7 @@ struct OnceJob::Frame {
 
   /// Counts the block as waiting before it can be taken.
   void send(RenderEvents& events, const BlockPtr& block) const {
-    *request->queued += block->bytes.size();
+    *request->queued += block->memory();
     events.on_once_block(request, block);
   }
 

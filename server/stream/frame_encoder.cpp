@@ -4,9 +4,10 @@
 #include <bit>
 #include <chrono>
 #include <cstring>
-#include <set>
+#include <map>
 #include <utility>
 
+#include "proto/json_text.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/radar/render.h"
@@ -81,6 +82,7 @@ std::int64_t monotonic_ns() {
 FrameEncoder::FrameEncoder(FrameIdentity identity, std::uint64_t& sequence)
     : identity_(std::move(identity)), sequence_(sequence), echo_(std::make_unique<wire::WedgeBlock>()) {
   if (identity_.choices.empty()) identity_.choices.emplace_back();
+  as_json_ = std::ranges::any_of(identity_.choices, &StreamChoice::as_json);
   echo_->set_frame_id(identity_.frame_id);
   echo_->set_pose_received_ns(identity_.pose_received_ns);
   echo_->set_render_start_ns(monotonic_ns());
@@ -96,13 +98,15 @@ std::shared_ptr<Block> FrameEncoder::new_block(MessageType type) {
   return block;
 }
 
-BlockPtr FrameEncoder::finish(std::shared_ptr<Block> block, const google::protobuf::MessageLite& message,
-                              std::span<const std::byte> values) {
-  block->bytes = wire::encode_message(block->type, {block->stream_id, block->sequence, wire::utc_now_ns()},
-                                      message, values);
+BlockPtr FrameEncoder::finish(std::shared_ptr<Block> block, bool as_json,
+                              const google::protobuf::Message& message, std::span<const std::byte> values) {
+  const wire::Addressing addressing{block->stream_id, block->sequence, wire::utc_now_ns()};
+  block->bytes = wire::encode_message(block->type, addressing, message, values);
+  block->plane_bytes = values.size();
+  if (as_json) block->json_head = wire::json_head(block->type, addressing, message, values.size());
   if (identity_.meter) {
     ++identity_.meter->blocks;
-    identity_.meter->bytes += block->bytes.size();
+    identity_.meter->bytes += block->memory();
     block->meter = identity_.meter;
   }
   return block;
@@ -121,14 +125,16 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
   if (scan_) *message.mutable_scan() = *scan_;
 
   wire::PlaneSet planes = 0;
-  std::set<std::pair<Plane, BlockFormat>> wanted;
-  std::set<wire::Window> windows;
+  // And whether as JSON, too.
+  std::map<std::pair<Plane, BlockFormat>, bool> wanted;
+  std::map<wire::Window, bool> windows;
   for (const StreamChoice& choice : identity_.choices) {
     planes |= choice.planes;
-    windows.insert(choice.format.window);
+    windows[choice.format.window] |= choice.as_json;
     for (int i = 0; i < wire::kPlanes; ++i) {
       const auto plane = static_cast<Plane>(i);
-      if (choice.planes & wire::plane_bit(plane)) wanted.emplace(plane, choice.format.of_plane(plane));
+      if (choice.planes & wire::plane_bit(plane))
+        wanted[{plane, choice.format.of_plane(plane)}] |= choice.as_json;
     }
   }
   const auto cut_to_frame = [&](const wire::Window& window) {
@@ -136,11 +142,13 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
                             static_cast<std::uint32_t>(descriptor.settings().range_bins()));
   };
   products_.clear();
-  for (const auto& [plane, format] : wanted) {
-    if (const auto window = cut_to_frame(format.window)) products_.push_back({plane, format, *window});
+  for (const auto& [product, as_json] : wanted) {
+    const auto& [plane, format] = product;
+    if (const auto window = cut_to_frame(format.window))
+      products_.push_back({plane, format, *window, as_json});
   }
   std::vector<BlockPtr> blocks;
-  for (const wire::Window& window : windows) {
+  for (const auto& [window, as_json] : windows) {
     auto block = new_block(MessageType::frame_begin);
     block->planes = planes;
     block->format.window = window;
@@ -148,7 +156,7 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
     message.mutable_frame()->clear_window();
     if (part && !window.is_whole()) wire::write_window(*part, *message.mutable_frame()->mutable_window());
     message.set_wedges(part ? static_cast<std::uint32_t>(wedges_of(part->azimuth)) : 0);
-    blocks.push_back(finish(std::move(block), message));
+    blocks.push_back(finish(std::move(block), as_json, message));
   }
   return blocks;
 }
@@ -225,7 +233,8 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
     auto block = new_block(MessageType::wedge_block);
     block->planes = wire::plane_bit(product.plane);
     block->format = product.format;
-    blocks.push_back(finish(std::move(block), *echo_, compressed.empty() ? plain : compressed));
+    blocks.push_back(
+        finish(std::move(block), product.as_json, *echo_, compressed.empty() ? plain : compressed));
   }
 }
 
@@ -252,7 +261,7 @@ BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s,
     row.set_first_azimuth(static_cast<std::uint32_t>(span.first));
     row.set_n_azimuth(static_cast<std::uint32_t>(span.count));
   }
-  return finish(new_block(MessageType::frame_end), message);
+  return finish(new_block(MessageType::frame_end), as_json_, message);
 }
 
 BlockPtr FrameEncoder::abort(const std::string& reason) {
@@ -260,7 +269,7 @@ BlockPtr FrameEncoder::abort(const std::string& reason) {
   message.set_frame_id(identity_.frame_id);
   message.set_request_id(identity_.request_id);
   message.set_reason(reason);
-  return finish(new_block(MessageType::frame_abort), message);
+  return finish(new_block(MessageType::frame_abort), as_json_, message);
 }
 
 }  // namespace obliq::net

@@ -32,8 +32,9 @@ struct FrameIdentity {
   std::shared_ptr<BlockMeter> meter{};
 };
 
-/// Turns one frame into messages: each plane once in every format that a client asked for. `sequence`
-/// counts on across the frames of a stream. For one thread at a time.
+/// Turns one frame into messages: each plane once in every format that a client asked for, its descriptor as
+/// JSON too where a browser did. `sequence` counts on across the frames of a stream. For one thread at a
+/// time.
 class FrameEncoder {
  public:
   FrameEncoder(FrameIdentity identity, std::uint64_t& sequence);
@@ -59,16 +60,18 @@ class FrameEncoder {
   struct Product {
     wire::Plane plane{};
     BlockFormat format;
-    wire::Window window;  ///< cut to the frame
+    wire::Window window;   ///< cut to the frame
+    bool as_json = false;  ///< too
   };
 
   std::shared_ptr<Block> new_block(wire::MessageType type);
-  BlockPtr finish(std::shared_ptr<Block> block, const google::protobuf::MessageLite& message,
+  BlockPtr finish(std::shared_ptr<Block> block, bool as_json, const google::protobuf::Message& message,
                   std::span<const std::byte> values = {});
   void make(const Product& product, const BinBlock& bins, std::vector<BlockPtr>& blocks);
 
   FrameIdentity identity_;
   std::uint64_t& sequence_;
+  bool as_json_ = false;                    ///< for some client
   std::vector<Product> products_;           ///< known from begin() on
   std::unique_ptr<wire::ScanPass> scan_;    ///< null: all of the sector at once
   std::unique_ptr<wire::WedgeBlock> echo_;  ///< the fields that all blocks of the frame share

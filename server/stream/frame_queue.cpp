@@ -37,19 +37,18 @@ bool FrameQueue::wants(const Block& block) const {
   }
 }
 
-std::optional<wire::Bytes> FrameQueue::push(const BlockPtr& block, const LiveFramePtr& frame,
-                                            std::size_t most_bytes) {
-  if (!wants(*block)) return std::nullopt;
+BlockPtr FrameQueue::push(const BlockPtr& block, const LiveFramePtr& frame, std::size_t most_bytes) {
+  if (!wants(*block)) return nullptr;
   if (block->type == MessageType::frame_begin) {
     begin_frame(block, frame);
-    return std::nullopt;
+    return nullptr;
   }
   const auto at = std::find_if(frames_.begin(), frames_.end(),
                                [&](const QueuedFrame& queued) { return queued.id == block->frame_id; });
-  if (at == frames_.end()) return std::nullopt;
+  if (at == frames_.end()) return nullptr;
   const bool newest_wins = policy_ == QueuePolicy::newest_wins;
   if (block->type == MessageType::wedge_block) {
-    if (newest_wins && bytes_ + block->bytes.size() > most_bytes) {
+    if (newest_wins && bytes_ + block->memory() > most_bytes) {
       return give_up(at, "the client reads too slowly");
     }
   } else {
@@ -57,11 +56,11 @@ std::optional<wire::Bytes> FrameQueue::push(const BlockPtr& block, const LiveFra
     // Drop the FrameAbort of a frame whose FrameBegin was never sent.
     if (policy_ != QueuePolicy::once && block->type == MessageType::frame_abort && !at->begun) {
       drop(at);
-      return std::nullopt;
+      return nullptr;
     }
   }
   enqueue(*at, block);
-  return std::nullopt;
+  return nullptr;
 }
 
 void FrameQueue::begin_frame(const BlockPtr& block, const LiveFramePtr& frame) {
@@ -83,12 +82,12 @@ void FrameQueue::begin_frame(const BlockPtr& block, const LiveFramePtr& frame) {
 
 void FrameQueue::enqueue(QueuedFrame& frame, const BlockPtr& block) {
   frame.blocks.push_back(block);
-  bytes_ += block->bytes.size();
+  bytes_ += block->memory();
 }
 
 void FrameQueue::release(const Block& block) {
-  bytes_ -= block.bytes.size();
-  if (counter_) *counter_ -= block.bytes.size();
+  bytes_ -= block.memory();
+  if (counter_) *counter_ -= block.memory();
 }
 
 void FrameQueue::drop(Frames::iterator at) {
@@ -96,9 +95,9 @@ void FrameQueue::drop(Frames::iterator at) {
   frames_.erase(at);
 }
 
-std::optional<wire::Bytes> FrameQueue::give_up(Frames::iterator at, const std::string& reason) {
+BlockPtr FrameQueue::give_up(Frames::iterator at, const std::string& reason) {
   ++dropped_;
-  std::optional<wire::Bytes> bytes;
+  BlockPtr abort;
   if (at->begun) {
     wire::FrameAbort message;
     message.set_frame_id(at->id);
@@ -106,19 +105,19 @@ std::optional<wire::Bytes> FrameQueue::give_up(Frames::iterator at, const std::s
     message.set_reason(reason);
     // The encoder numbers a frame's last message after all its blocks, so this number is free for this
     // client.
-    bytes = wire::encode_message(MessageType::frame_abort,
-                                 {stream_id_, at->last_sequence + 1, wire::utc_now_ns()}, message);
+    abort = block_for_one(MessageType::frame_abort, {stream_id_, at->last_sequence + 1, wire::utc_now_ns()},
+                          message, choice_.as_json);
   } else {
     ++skipped_;
   }
   drop(at);
-  return bytes;
+  return abort;
 }
 
-std::optional<wire::Bytes> FrameQueue::give_up(std::uint64_t frame_id, const std::string& reason) {
+BlockPtr FrameQueue::give_up(std::uint64_t frame_id, const std::string& reason) {
   const auto at = std::find_if(frames_.begin(), frames_.end(),
                                [&](const QueuedFrame& queued) { return queued.id == frame_id; });
-  return at == frames_.end() ? std::nullopt : give_up(at, reason);
+  return at == frames_.end() ? nullptr : give_up(at, reason);
 }
 
 FrameQueue::Held FrameQueue::held(std::size_t index) const {
@@ -149,15 +148,8 @@ BlockPtr FrameQueue::with_skipped(const BlockPtr& shared) {
     return shared;  // not one of our encoder's
   }
   message.set_frames_skipped(message.frames_skipped() + std::exchange(skipped_, 0));
-  auto own = std::make_shared<Block>();
-  own->type = shared->type;
-  own->planes = shared->planes;
-  own->format = shared->format;
-  own->stream_id = shared->stream_id;
-  own->frame_id = shared->frame_id;
-  own->sequence = shared->sequence;
-  own->bytes = wire::encode_message(own->type, {own->stream_id, own->sequence, view.header.utc_ns}, message);
-  return own;
+  return block_for_one(shared->type, {shared->stream_id, shared->sequence, view.header.utc_ns}, message,
+                       choice_.as_json);
 }
 
 std::size_t FrameQueue::blocks() const {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "server/stream/live_frames.h"
@@ -41,8 +40,8 @@ class FrameQueue {
 
   /// Takes a block of a frame; `frame` is kept alive for as long as some of it waits here. What was not
   /// asked for and blocks of frames dropped earlier are ignored. A newest-wins frame that brings the queue
-  /// above `most_bytes` is given up; when it had begun, the result is its FrameAbort.
-  std::optional<wire::Bytes> push(const BlockPtr& block, const LiveFramePtr& frame, std::size_t most_bytes);
+  /// above `most_bytes` is given up; when it had begun, the result is its FrameAbort, else null.
+  BlockPtr push(const BlockPtr& block, const LiveFramePtr& frame, std::size_t most_bytes);
 
   /// The next block to write, or null.
   BlockPtr pop();
@@ -58,9 +57,9 @@ class FrameQueue {
   /// When a block was last taken, or the first one came into the empty queue.
   Clock::time_point last_progress() const { return last_progress_; }
 
-  /// Gives a frame up and counts it; when it had begun, the result is its FrameAbort. Does nothing for a
-  /// frame that is not held.
-  std::optional<wire::Bytes> give_up(std::uint64_t frame_id, const std::string& reason);
+  /// Gives a frame up and counts it; when it had begun, the result is its FrameAbort, else null. Does
+  /// nothing for a frame that is not held.
+  BlockPtr give_up(std::uint64_t frame_id, const std::string& reason);
   void clear();
 
   /// Frames given up since the queue was opened.
@@ -82,7 +81,7 @@ class FrameQueue {
   void begin_frame(const BlockPtr& block, const LiveFramePtr& frame);
   void enqueue(QueuedFrame& frame, const BlockPtr& block);
   void release(const Block& block);
-  std::optional<wire::Bytes> give_up(Frames::iterator at, const std::string& reason);
+  BlockPtr give_up(Frames::iterator at, const std::string& reason);
   void drop(Frames::iterator at);
   BlockPtr with_skipped(const BlockPtr& begin);
 

@@ -1,24 +1,15 @@
 #pragma once
 // How many frames of a radar are alive: being rendered, or waiting in whole or in part for some client.
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <vector>
 
-#include "proto/message_codec.h"
-#include "proto/plane.h"
-#include "server/stream/stream_choice.h"
+#include "server/stream/block.h"
 
 namespace obliq::net {
-
-/// Memory that a radar's blocks take, wherever they wait. From any thread.
-struct BlockMeter {
-  std::atomic<std::size_t> blocks{0};
-  std::atomic<std::size_t> bytes{0};
-};
 
 class LiveFrames;
 
@@ -61,27 +52,5 @@ class LiveFrames : public std::enable_shared_from_this<LiveFrames> {
   std::mutex mutex_;  ///< guards on_freed_
   std::function<void()> on_freed_;
 };
-
-/// An encoded message of a frame, shared by all clients it goes to. Never changes once made.
-struct Block {
-  Block() = default;
-  ~Block() {
-    if (!meter) return;
-    --meter->blocks;
-    meter->bytes -= bytes.size();
-  }
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
-
-  wire::Bytes bytes;
-  wire::MessageType type{};
-  wire::PlaneSet planes = 0;  ///< wedge_block: its plane; frame_begin: the planes that will follow
-  BlockFormat format;         ///< wedge_block: as of its plane; frame_begin: its window alone counts
-  std::uint32_t stream_id = 0;
-  std::uint64_t frame_id = 0;
-  std::uint64_t sequence = 0;
-  std::shared_ptr<BlockMeter> meter;  ///< counts it; may be null
-};
-using BlockPtr = std::shared_ptr<const Block>;
 
 }  // namespace obliq::net

@@ -7,11 +7,7 @@ namespace obliq::net {
 
 using wire::MessageType;
 
-void Outbox::push_control(wire::Bytes bytes) {
-  auto block = std::make_shared<Block>();
-  block->bytes = std::move(bytes);
-  control_.push_back(std::move(block));
-}
+void Outbox::push_control(BlockPtr message) { control_.push_back(std::move(message)); }
 
 const FrameQueue* Outbox::queue(std::uint32_t stream_id) const {
   const auto at = std::find_if(queues_.begin(), queues_.end(),
@@ -37,14 +33,14 @@ void Outbox::push(const BlockPtr& block, const LiveFramePtr& frame) {
   const std::size_t others =
       queue->policy() == QueuePolicy::newest_wins ? queued_bytes() - queue->bytes() : 0;
   auto abort = queue->push(block, frame, live_bytes_ - std::min(live_bytes_, others));
-  if (abort) push_control(std::move(*abort));
+  if (abort) push_control(std::move(abort));
 }
 
 void Outbox::give_up(std::uint32_t stream_id, std::uint64_t frame_id, const std::string& reason) {
   FrameQueue* queue = find(stream_id);
   if (queue == nullptr) return;
   auto abort = queue->give_up(frame_id, reason);
-  if (abort) push_control(std::move(*abort));
+  if (abort) push_control(std::move(abort));
 }
 
 void Outbox::close_queue(std::uint32_t stream_id, const std::string& reason) {

@@ -20,7 +20,7 @@ class Outbox {
   Outbox(const Outbox&) = delete;
   Outbox& operator=(const Outbox&) = delete;
 
-  void push_control(wire::Bytes bytes);
+  void push_control(BlockPtr message);
   std::size_t control_size() const { return control_.size(); }
 
   void open_live_queue(std::uint32_t stream_id, const StreamChoice& choice,

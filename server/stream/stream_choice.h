@@ -29,6 +29,7 @@ struct BlockFormat {
 struct StreamChoice {
   wire::PlaneSet planes = wire::kAllPlanes;
   BlockFormat format{};
+  bool as_json = false;  ///< descriptors are JSON, for a browser
 
   auto operator<=>(const StreamChoice&) const = default;
 };

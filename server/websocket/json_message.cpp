@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "proto/json_text.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/websocket/json_reader.h"
@@ -122,7 +121,7 @@ std::optional<Refusal> to_binary(std::span<const std::byte> message, const wire:
     return Refusal{ErrorNumber::bad_length,
                    fmt::format("a message of {} bytes; allowed: the {} that its header announces",
                                message.size(), header.header_length + header.payload_length)};
-  if ((header.flags & kJsonDescriptor) == 0)
+  if ((header.flags & wire::kJsonDescriptor) == 0)
     return Refusal{ErrorNumber::bad_message,
                    fmt::format("the header's flags are {}; allowed: bit 0 set, since in {} a descriptor is "
                                "JSON",
@@ -153,31 +152,6 @@ std::optional<Refusal> to_binary(std::span<const std::byte> message, const wire:
                     limits.descriptor_bytes, wire::kMaxPlaneBytes)};
   binary = std::move(encoded);
   return std::nullopt;
-}
-
-bool to_json(std::span<const std::byte> message, JsonMessage& json) {
-  wire::MessageHeader header;
-  if (message.size() < wire::kHeaderBytes) return false;
-  const auto status =
-      wire::decode_header(message.first<wire::kHeaderBytes>(), wire::kMaxPayloadBytes, header);
-  const Message* example = example_of(header.type);
-  if (status != wire::HeaderStatus::ok || example == nullptr ||
-      message.size() != std::size_t{header.header_length} + header.payload_length)
-    return false;
-  const auto payload = message.subspan(header.header_length);
-  const std::unique_ptr<Message> descriptor(example->New());
-  if (!wire::parse_descriptor(payload.first(header.descriptor_length), *descriptor)) return false;
-  json.plane = payload.subspan(header.descriptor_length);
-  json.head.assign(wire::kHeaderBytes, '\0');
-  wire::append_json(*descriptor, json.head);
-  header.header_length = wire::kHeaderBytes;
-  header.descriptor_length = static_cast<std::uint32_t>(json.head.size() - wire::kHeaderBytes);
-  header.payload_length = header.descriptor_length + static_cast<std::uint32_t>(json.plane.size());
-  header.flags |= kJsonDescriptor;
-  header.crc = 0;
-  const std::span<std::byte> head = std::as_writable_bytes(std::span(json.head));
-  wire::encode_header(header, head.first<wire::kHeaderBytes>());
-  return true;
 }
 
 }  // namespace obliq::websocket

@@ -1,6 +1,7 @@
 #pragma once
-// Messages whose descriptor is JSON, to and from those of the stream: the header's flag kJsonDescriptor, no
-// CRC, and instead of protobuf its JSON mapping (PROTOCOL.md, "WebSocket"). Knows no sockets.
+// Messages whose descriptor is JSON, as peers send them: the header's flag kJsonDescriptor, no CRC, and
+// instead of protobuf its JSON mapping (PROTOCOL.md, "WebSocket"; wire::json_head writes them). Knows no
+// sockets.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -17,8 +18,6 @@ namespace obliq::websocket {
 
 /// The subprotocol's name in the opening handshake (RFC 6455 section 1.9).
 constexpr const char* kSubprotocol = "obliq.v1.json";
-/// Of MessageHeader::flags.
-constexpr std::uint16_t kJsonDescriptor = 1;
 
 /// Of every type but QueryGround, whose lists are long: reading a megabyte takes the thread that all clients
 /// share up to 8 ms.
@@ -37,13 +36,5 @@ struct Refusal {
 /// message has not; the text names it, and `binary` is left as it was.
 [[nodiscard]] std::optional<Refusal> to_binary(std::span<const std::byte> message,
                                                const wire::MessageLimits& limits, wire::Bytes& binary);
-
-/// A whole message of the stream in two parts: header and descriptor, and the plane, which is unchanged and
-/// still that of `message`. False when it is not one whole message of a type that PROTOCOL.md has.
-struct JsonMessage {
-  std::string head;
-  std::span<const std::byte> plane;
-};
-[[nodiscard]] bool to_json(std::span<const std::byte> message, JsonMessage& json);
 
 }  // namespace obliq::websocket

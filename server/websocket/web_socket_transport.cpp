@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/stream/block.h"
 #include "server/websocket/frame_lengths.h"
 #include "server/websocket/json_message.h"
 
@@ -173,7 +174,6 @@ struct WebSocketTransport::State : std::enable_shared_from_this<WebSocketTranspo
   bool is_whole = false;        ///< the message
   Fault fault;
   bool refused = false;
-  JsonMessage outgoing;
 };
 
 void WebSocketTransport::State::accept(Started done) {
@@ -276,10 +276,10 @@ void WebSocketTransport::read(std::span<std::byte> bytes, bool some, Done done) 
 
 net::Transport::Fault WebSocketTransport::fault() const { return state_->fault; }
 
-void WebSocketTransport::write(std::span<const std::byte> message, Done done) {
-  if (!to_json(message, state_->outgoing)) return asio::post(state_->io, [done] { done(Transfer::failed); });
-  const auto& [head, plane] = state_->outgoing;
-  const std::array<asio::const_buffer, 2> parts{asio::buffer(head), {plane.data(), plane.size()}};
+void WebSocketTransport::write(const net::Block& message, Done done) {
+  const auto plane = message.plane();
+  const std::array<asio::const_buffer, 2> parts{asio::buffer(message.json_head),
+                                                {plane.data(), plane.size()}};
   state_->socket.async_write(parts, [self = state_, done = std::move(done)](error_code error, std::size_t) {
     done(outcome(error));
   });

@@ -33,7 +33,8 @@ class WebSocketTransport final : public net::Transport {
   /// others when it is whole and has been translated.
   void read(std::span<std::byte> bytes, bool some, Done done) override;
   Fault fault() const override;
-  void write(std::span<const std::byte> message, Done done) override;
+  bool takes_json() const override { return true; }
+  void write(const net::Block& message, Done done) override;
   /// Our part of the closing handshake; a read sees the peer's.
   void finish(Done done) override;
   void close() override;

@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <string>
 
+#include "proto/json_text.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
-#include "server/websocket/json_message.h"
 
 namespace obliq::bench {
 namespace {
@@ -81,10 +81,9 @@ WebReader::WebReader(const client::Endpoint& server) : Reader(server) {
 }
 
 void WebReader::send(wire::MessageType type, const google::protobuf::Message& message) {
-  websocket::JsonMessage json;
-  if (!websocket::to_json(wire::encode_message(type, {}, message), json)) std::exit(1);
+  const std::string message_as_json = wire::json_head(type, {}, message, 0);
   // Masked with 0. The length has as few bytes as it needs (RFC 6455 section 5.2).
-  const std::size_t n = json.head.size();
+  const std::size_t n = message_as_json.size();
   std::string frame = "\x82";
   if (n < 126) {
     frame += static_cast<char>(0x80 | n);
@@ -92,7 +91,7 @@ void WebReader::send(wire::MessageType type, const google::protobuf::Message& me
     frame += {'\xfe', static_cast<char>(n >> 8), static_cast<char>(n & 0xff)};
   }
   frame.append(4, '\0');
-  frame += json.head;
+  frame += message_as_json;
   check(socket_.send(std::as_bytes(std::span(frame)), kLong));
 }
 

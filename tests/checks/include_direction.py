@@ -73,7 +73,7 @@ ALLOWED = {
         "server/stream"],
     "server/net": TO_STREAM + ["server/control", "server/flight", "server/stream", "server/rendering",
         "server/security", "server/log", "server/ground_query"],
-    "server/websocket": BASE + ["proto", "server/net", "server/http"],
+    "server/websocket": BASE + ["proto", "server/net", "server/stream", "server/http"],
     "server/http": BASE + ["server/scene", "server/security", "server/log", "server/rendering", "server/net"],
     "server/modbus": BASE + ["server/control", "server/security", "server/log", "server/net"],
     "server/asterix": BASE + ["proto", "client"],

@@ -24,14 +24,14 @@ using wire::MessageType;
 class Listener : public Peer {
  public:
   explicit Listener(std::uint64_t number)
-      : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), 2, std::size_t{1} << 20) {
+      : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), false, 2, std::size_t{1} << 20) {
     name = address;
   }
-  void send(MessageType type, const google::protobuf::MessageLite& message,
+  void send(MessageType type, const google::protobuf::Message& message,
             std::span<const std::byte> plane) override {
-    wire::Bytes bytes = wire::encode_message(type, {0, ++sent, 0}, message, plane);
-    if (bytes.empty()) fuzz::broken("an answer does not encode");
-    outbox.push_control(std::move(bytes));
+    BlockPtr block = block_for_one(type, {0, ++sent, 0}, message, takes_json, plane);
+    if (block->bytes.empty()) fuzz::broken("an answer does not encode");
+    outbox.push_control(std::move(block));
   }
   void kick() override {}
   void fail(wire::ErrorNumber, const std::string&) override { failed = true; }

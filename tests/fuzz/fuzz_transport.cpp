@@ -215,7 +215,7 @@ class Connection {
 
 wire::Bytes message_of(bool web, wire::MessageType type, std::span<const std::byte> descriptor) {
   wire::MessageHeader header{.type = type};
-  header.flags = web ? websocket::kJsonDescriptor : std::uint16_t{0};
+  header.flags = web ? wire::kJsonDescriptor : std::uint16_t{0};
   header.payload_length = header.descriptor_length = static_cast<std::uint32_t>(descriptor.size());
   wire::Bytes bytes(wire::kHeaderBytes);
   bytes.insert(bytes.end(), descriptor.begin(), descriptor.end());

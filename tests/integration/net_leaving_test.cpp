@@ -75,10 +75,10 @@ class Scripted : public Transport {
     taken_ += n;
     answer(std::move(done), Transfer::done);
   }
-  void write(std::span<const std::byte> message, Done done) override {
+  void write(const net::Block& message, Done done) override {
     if (!reads_) return wait(std::move(done));
     wire::MessageView view;
-    EXPECT_EQ(wire::decode_message(message, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+    EXPECT_EQ(wire::decode_message(message.bytes, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
     told_(view.header.type);
     answer(std::move(done), Transfer::done);
   }
@@ -149,13 +149,13 @@ TEST(NetLeaving, TheBarIsDraggedBesideAWatcherThatHasStoppedReading) {
 class Listener : public net::Peer, public std::enable_shared_from_this<Listener> {
  public:
   Listener(net::Room& room, std::uint64_t number, bool leaves)
-      : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), 2, 1 << 20),
+      : Peer(number, "127.0.0.1", "127.0.0.1:" + std::to_string(number), false, 2, 1 << 20),
         room_(room),
         leaves_(leaves) {
     greeted = true;
   }
   using Peer::send;
-  void send(MessageType, const google::protobuf::MessageLite&, std::span<const std::byte>) override {
+  void send(MessageType, const google::protobuf::Message&, std::span<const std::byte>) override {
     ++told;
     if (leaves_ && !has_left) room_.leave(shared_from_this());
   }

@@ -1,6 +1,7 @@
 // The server's encoder against the client's assembler: two halves written apart, one format.
 #include <gtest/gtest.h>
 
+#include "proto/json_text.h"
 #include "proto/obliq.pb.h"
 #include "tests/support/same_bits.h"
 #include "tests/unit/encoder_fixture.h"
@@ -48,6 +49,57 @@ TEST(FrameEncoder, ALargeWedgeTakesSeveralBlocksWithinTheLimit) {
     ASSERT_TRUE(feed(frames, *stream.encoder.end({}, 0)).ok());
     test::expect_same_bits(frames.frame(), filled(0, 3, n_range));
   }
+}
+
+/// What a browser must be sent before the plane of a message that all others have as `bytes`.
+template <typename Descriptor>
+std::string head_of(const wire::Bytes& bytes) {
+  wire::MessageView view;
+  Descriptor descriptor;
+  EXPECT_EQ(wire::decode_message(bytes, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+  EXPECT_TRUE(wire::parse_descriptor(view.descriptor, descriptor));
+  const wire::MessageHeader& header = view.header;
+  return wire::json_head(header.type, {header.stream_id, header.sequence, header.utc_ns}, descriptor,
+                         view.plane.size());
+}
+
+TEST(FrameEncoder, BrowsersShareOneJsonOfAMessageAndWhatNoneWatchesHasNone) {
+  const auto meter = std::make_shared<BlockMeter>();
+  const StreamChoice power{.planes = wire::plane_bit(wire::Plane::power)};
+  const StreamChoice state{.planes = wire::plane_bit(wire::Plane::state), .as_json = true};
+  const StreamChoice both{.planes = wire::kAllPlanes};
+  StreamChoice part = state;
+  part.format.window.range = {4, 8, 1};
+  std::uint64_t sequence = 0;
+  FrameEncoder encoder({.stream_id = 9, .frame_id = 4, .choices = {power, state, both, part}, .meter = meter},
+                       sequence);
+  std::vector<BlockPtr> blocks = encoder.begin(descriptor(8, 32));
+  ASSERT_EQ(blocks.size(), 2u) << "two windows";
+  for (const BlockPtr& begin : blocks) EXPECT_EQ(begin->json_head, head_of<wire::FrameBegin>(begin->bytes));
+  int as_json = 0;
+  for (const BlockPtr& block : encoder.wedge(0, filled(0, 8, 32))) {
+    const bool watched = block->planes == state.planes;
+    EXPECT_EQ(block->json_head, watched ? head_of<wire::WedgeBlock>(block->bytes) : "");
+    EXPECT_TRUE(std::ranges::equal(block->plane(), std::span(block->bytes).last(block->plane_bytes)));
+    if (watched) ++as_json;
+    blocks.push_back(block);
+  }
+  EXPECT_EQ(as_json, 2) << "one for all who watch the states, one for the window";
+  blocks.push_back(encoder.end({}, 0));
+  EXPECT_EQ(blocks.back()->json_head, head_of<wire::FrameEnd>(blocks.back()->bytes));
+  std::size_t bytes = 0;
+  for (const BlockPtr& block : blocks) bytes += block->bytes.size() + block->json_head.size();
+  EXPECT_EQ(meter->bytes, bytes);
+  blocks.clear();
+  EXPECT_EQ(meter->bytes, 0u);
+}
+
+TEST(FrameEncoder, WithoutABrowserThereIsNoJson) {
+  Stream stream;
+  EXPECT_EQ(stream.encoder.begin(descriptor(8, 32)).front()->json_head, "");
+  for (const BlockPtr& block : stream.encoder.wedge(0, filled(0, 8, 32))) EXPECT_EQ(block->json_head, "");
+  EXPECT_EQ(stream.encoder.end({}, 0)->json_head, "");
+  EXPECT_EQ(stream.encoder.abort("because")->json_head, "");
 }
 
 TEST(FrameAssembler, NoticesAMissingBlock) {

@@ -51,6 +51,20 @@ wire::FrameAbort pop_abort(Outbox& outbox) {
   return abort;
 }
 
+BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) {
+  wire::FrameBegin begin;
+  begin.set_frame_id(frame);
+  begin.set_frames_skipped(skipped_by_the_radar);
+  auto made = std::make_shared<Block>();
+  made->type = MessageType::frame_begin;
+  made->frame_id = frame;
+  made->sequence = frame * 10 + 1;
+  made->planes = wire::kAllPlanes;
+  made->stream_id = kStream;
+  made->bytes = wire::encode_message(made->type, {kStream, made->sequence, 5}, begin);
+  return made;
+}
+
 TEST(Outbox, HandsOutAFrameInOrder) {
   Outbox outbox(2, kPlenty);
   outbox.open_live_queue(kStream, {});
@@ -152,7 +166,7 @@ TEST(Outbox, ControlMessagesOvertakeFramesAndStreamsTakeTurns) {
   outbox.open_live_queue(2, {});
   push_frame(outbox, 1, 1);
   push_frame(outbox, 2, 2);
-  outbox.push_control({});
+  outbox.push_control(std::make_shared<Block>());
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{0, 11, 21, 12, 22, 13, 23, 14, 24}));
 }
 
@@ -164,6 +178,47 @@ TEST(Outbox, ARenderOnceQueueKeepsEverythingCountsItsBytesAndVanishes) {
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{1, 2, 3, 4}));
   EXPECT_EQ(counter->load(), 0u);
   EXPECT_FALSE(outbox.has_queue(kStream));
+}
+
+TEST(Outbox, BothFormsOfAMessageCountAsMemory) {
+  const auto with_json = [](MessageType type, std::uint64_t sequence) {
+    auto made = std::make_shared<Block>();
+    made->type = type;
+    made->frame_id = 1;
+    made->sequence = sequence;
+    made->planes = wire::kAllPlanes;
+    made->stream_id = kStream;
+    made->bytes.resize(100);
+    made->json_head.assign(50, ' ');
+    return made;
+  };
+  const auto counter = std::make_shared<std::atomic<std::size_t>>(150);
+  Outbox once(1, kPlenty);
+  once.open_once_queue(kStream, 77, {}, counter);
+  once.push(with_json(MessageType::frame_begin, 11));
+  EXPECT_EQ(once.queued_bytes(), 150u);
+  EXPECT_EQ(once.pop()->sequence, 11u);
+  EXPECT_EQ(counter->load(), 0u);
+  Outbox live(2, 299);  // two messages without JSON fit
+  live.open_live_queue(kStream, {});
+  live.push(with_json(MessageType::frame_begin, 11));
+  live.push(with_json(MessageType::wedge_block, 12));
+  EXPECT_EQ(live.frames_dropped(), 1u);
+}
+
+TEST(Outbox, ABrowsersOwnMessagesAreJson) {
+  Outbox outbox(2, kPlenty);
+  outbox.open_live_queue(kStream, {.as_json = true});
+  outbox.push(encoded_begin(1, 0));
+  outbox.push(encoded_begin(2, 0));
+  outbox.push(encoded_begin(3, 0));  // 1 gives way
+  const BlockPtr begin = outbox.pop();
+  EXPECT_TRUE(begin->bytes.empty());
+  EXPECT_EQ(begin->json_head.substr(wire::kHeaderBytes), R"({"frame_id":"2","frames_skipped":"1"})");
+  outbox.close_queue(kStream, "because");
+  const BlockPtr abort = outbox.pop();
+  EXPECT_TRUE(abort->bytes.empty());
+  EXPECT_EQ(abort->json_head.substr(wire::kHeaderBytes), R"({"frame_id":"2","reason":"because"})");
 }
 
 TEST(Outbox, FramesThatWereAskedForOnceComeOneAfterTheOtherAndTakeTurnsWithStreams) {
@@ -206,20 +261,6 @@ wire::FrameBegin pop_begin(Outbox& outbox) {
     ADD_FAILURE() << "the next message is no FrameBegin";
   }
   return begin;
-}
-
-BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) {
-  wire::FrameBegin begin;
-  begin.set_frame_id(frame);
-  begin.set_frames_skipped(skipped_by_the_radar);
-  auto made = std::make_shared<Block>();
-  made->type = MessageType::frame_begin;
-  made->frame_id = frame;
-  made->sequence = frame * 10 + 1;
-  made->planes = wire::kAllPlanes;
-  made->stream_id = kStream;
-  made->bytes = wire::encode_message(made->type, {kStream, made->sequence, 5}, begin);
-  return made;
 }
 
 TEST(Outbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
