@@ -1,6 +1,7 @@
 // Video over a WebSocket beside TCP, in one run: frames a second and processor time of one server and one
 // client that reads and drops. Rendering costs nothing: the bins are prepared. Also what one descriptor costs
-// as JSON, by our writer and by protobuf's, and what a message to one of several browsers costs the io thread.
+// as JSON, by our writer and by protobuf's, and what a message to one of several browsers costs the io
+// thread.
 //   websocket_bench [ROUNDS]
 #include <google/protobuf/util/json_util.h>
 #include <spdlog/spdlog.h>
