@@ -149,7 +149,7 @@ class Look {
   void look_at_ground(bool whole, double near, double far) {
     if (whole) {
       const HorizonPoint found =
-          widest_kernels().highest_ground(ground_, {line_.bearing.sin, line_.bearing.cos, near, far});
+          active_kernels().highest_ground(ground_, {line_.bearing.sin, line_.bearing.cos, near, far});
       raise(found.d_m, found.h_m, false);
     } else {
       line_.walk(near, far).advance(far, *this);

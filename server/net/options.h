@@ -43,8 +43,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   double dead_after_s = ServerConfig{}.dead_after_s;  ///< see watch_for_dead_peer
   double stop_grace_s = 0.5;                          ///< for the last message to each client when stopping
 
-  int render_threads = 0;                 ///< 0: all cores
-  std::function<void(int)> before_wedge;  ///< test hook, see RenderOptions
+  int render_threads = 0;  ///< 0: all cores
   /// Told where all radars are, in their order, whenever one has moved or looks further. On the io thread;
   /// must be quick.
   std::function<void(std::vector<RadarPlace>)> on_moved;

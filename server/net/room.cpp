@@ -30,8 +30,7 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
       render_(renderer, *this,
               {.threads = options_.render_threads,
                .slice_bytes = options_.slice_bytes,
-               .live_frames = options_.live_frames,
-               .before_wedge = options_.before_wedge}),
+               .live_frames = options_.live_frames}),
       radars_(options_, radars, render_) {
   set_limits(options_);
   if (!options_.security) options_.security = std::make_shared<Security>();

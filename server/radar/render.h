@@ -29,7 +29,6 @@ struct Wedge {
 struct RenderOptions {
   int threads = 0;                        ///< 0 = all cores
   std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
-  std::function<void(int)> before_wedge;  ///< test hook: called with the wedge index before it is rendered
   std::stop_token stop;                   ///< no further wedge is begun after a stop request
   bool iq = true;                   ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker

@@ -85,7 +85,6 @@ class WedgeThreads {
     if (k >= sums_->n_wedges() || stopped() || failed_) return false;
     const int index = sums_->wedge(k);
     if (sums_->take_kept(index)) return true;
-    if (options_.before_wedge) options_.before_wedge(index);
     render_wedge(work, index, sums_->needed(index));
     sums_->take(std::move(work.wedge));
     return true;

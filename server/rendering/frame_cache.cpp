@@ -140,7 +140,6 @@ class FrameCache::Frame : public PlannedFrame {
   bool repeat(const Part& part, const RenderOptions& options) const {
     for (const Wedge& wedge : part.wedges) {
       if (options.stop.stop_requested()) return false;
-      if (options.before_wedge) options.before_wedge(wedge.index);
       give(Wedge(wedge), options);
       ask(kRepeatABin * static_cast<std::int64_t>(wedge.bins.state.size()));
     }

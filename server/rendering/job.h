@@ -38,7 +38,6 @@ struct RenderThreadOptions {
   std::int64_t once_work = 200'000'000;
   std::int64_t once_work_while_scanning = 2'000'000;
   int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
-  std::function<void(int)> before_wedge;
   std::int64_t look = WorkGate::kLook;  ///< as WorkGate::look, for tests
   /// What time it is, for tests; empty: the steady clock. When it has jumped, wake() tells the thread.
   std::function<std::chrono::steady_clock::time_point()> clock{};

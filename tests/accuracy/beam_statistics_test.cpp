@@ -10,6 +10,7 @@
 
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/simd/kernels.h"
 #include "server/rendering/parked_work.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_frames.h"
@@ -369,7 +370,8 @@ TEST(EchoSums, HasTheSameBitsWithAllInstructionSets) {
     EXPECT_GT(expected.power_w[17], 0);
     for (const Kernels& kernels : all_kernels()) {
       BinBlock got(0, 8, s.range_bins);
-      EchoSums(*plan, kernels).sum(pointers, 3, true, false, got);
+      use_kernels(kernels);
+      EchoSums(*plan).sum(pointers, 3, true, false, got);
       EXPECT_TRUE(test::same_bits(expected.iq, got.iq)) << kernels.name;
       EXPECT_TRUE(test::same_bits(expected.power_w, got.power_w)) << kernels.name;
     }

@@ -233,7 +233,7 @@ void march_hidden(const HeightGrid& grid, const glm::dvec3& antenna_m, double ra
     }
     do {
       segments->n = 0;
-    } while (widest_kernels().visible_ground(ground, planes, *segments));
+    } while (active_kernels().visible_ground(ground, planes, *segments));
   }
 }
 

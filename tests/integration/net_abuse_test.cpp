@@ -243,7 +243,7 @@ TEST(Limits, AnAddressOfAnotherMachineIsTheOperatorsMistake) {
 
 /// A server whose frames stand at their second wedge until the gate is opened.
 struct GatedServer {
-  explicit GatedServer(double stop_limit_s) : server(options(stop_limit_s)) {}
+  explicit GatedServer(double stop_limit_s) : server(renderer, options(stop_limit_s)) {}
   ~GatedServer() {
     gate.open();
     if (stopping.joinable()) stopping.join();
@@ -252,7 +252,7 @@ struct GatedServer {
     gate.close();
     net::ServerOptions made = small_options();
     made.stop_limit_s = stop_limit_s;
-    made.before_wedge = [this](int wedge) {
+    renderer.before_wedge = [this](int wedge) {
       if (wedge == 1) gate.pass();
     };
     return made;
@@ -267,6 +267,7 @@ struct GatedServer {
   }
 
   Gate gate;
+  PatternRenderer renderer;
   TestServer server;
   std::thread stopping;
 };

@@ -11,8 +11,8 @@ namespace {
 
 class PatternFrame : public net::PlannedFrame {
  public:
-  PatternFrame(SettingsPtr settings, const PoseSettings& pose)
-      : settings_(std::move(settings)), pose_(pose) {}
+  PatternFrame(SettingsPtr settings, const PoseSettings& pose, const std::function<void(int)>& before_wedge)
+      : settings_(std::move(settings)), pose_(pose), before_wedge_(before_wedge) {}
 
   void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
     descriptor.set_radar(radar);
@@ -27,7 +27,7 @@ class PatternFrame : public net::PlannedFrame {
       if (options.stop.stop_requested()) return false;
       Wedge wedge;
       wedge.index = first / kWedgeAzimuthBins;
-      if (options.before_wedge) options.before_wedge(wedge.index);
+      if (before_wedge_) before_wedge_(wedge.index);
       wedge.bins =
           BinBlock(first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first), settings.range_bins);
       for (int a = 0; a < wedge.bins.n_azimuth; ++a) {
@@ -54,6 +54,7 @@ class PatternFrame : public net::PlannedFrame {
  private:
   SettingsPtr settings_;
   PoseSettings pose_;
+  const std::function<void(int)>& before_wedge_;
 };
 
 }  // namespace
@@ -87,7 +88,7 @@ net::FrameRenderer::Plan PatternRenderer::plan(const SettingsPtr& settings, cons
     plan.errors.push_back({"frustum.kind", "oblique", "sweep, for an antenna so low"});
     return plan;
   }
-  plan.frame = std::make_unique<PatternFrame>(settings, pose);
+  plan.frame = std::make_unique<PatternFrame>(settings, pose, before_wedge);
   return plan;
 }
 

@@ -24,6 +24,9 @@ constexpr std::uint32_t number(wire::ErrorNumber error) { return static_cast<std
 /// Bins whose values tell where they belong: power = frame seed + 1000 azimuth + range.
 class PatternRenderer : public net::FrameRenderer {
  public:
+  /// Called with a wedge's index, from the thread that renders it. Set before the first frame.
+  std::function<void(int)> before_wedge;
+
   std::vector<FieldError> place(const PoseSettings& pose) const override;
   std::vector<FieldError> scene_faults(const RadarSettings& settings) const override;
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;

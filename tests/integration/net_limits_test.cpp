@@ -307,9 +307,10 @@ TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {
   Gate gate;
   gate.close();
   net::ServerOptions options = small_options();
-  options.before_wedge = [&](int) { gate.pass(); };
   options.max_work_queued = 2 * (640 + 4096);
-  const TestServer server(options);
+  PatternRenderer renderer;
+  renderer.before_wedge = [&](int) { gate.pass(); };
+  const TestServer server(renderer, options);
   client::Client first = connect(server);
   client::Client second = connect(server);
   wire::RenderOnce once = once_request();

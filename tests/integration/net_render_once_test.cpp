@@ -72,8 +72,9 @@ TEST(RenderOnce, TooManyRendersAreRefusedByTheLimitsName) {
   gate.close();
   net::ServerOptions options = small_options();
   options.max_renders_queued = 2;
-  options.before_wedge = [&](int) { gate.pass(); };
-  const TestServer server(options);
+  PatternRenderer renderer;
+  renderer.before_wedge = [&](int) { gate.pass(); };
+  const TestServer server(renderer, options);
   client::Client client = connect(server);
   wire::RenderOnce request = once_request();
   EXPECT_TRUE(client.render_once(request).ok());
@@ -114,8 +115,9 @@ TEST(RenderOnce, AClientsFramesComeOneAfterTheOtherInTheOrderOfItsRequests) {
     gate.close();
     net::ServerOptions options = small_options();
     options.slice_bytes = slice_bytes;
-    options.before_wedge = [&](int) { gate.pass(); };
-    const TestServer server(options);
+    PatternRenderer renderer;
+    renderer.before_wedge = [&](int) { gate.pass(); };
+    const TestServer server(renderer, options);
     client::Client client = connect(server), other = connect(server);
     Order order, others;
     client.set_handler(&order);

@@ -132,11 +132,11 @@ TEST(Server, SendsWedgesAsTheyAreFinished) {
   constexpr int kLastWedge = 2;
   Gate gate;
   gate.close();
-  net::ServerOptions options = small_options();
-  options.before_wedge = [&](int wedge) {
+  PatternRenderer renderer;
+  renderer.before_wedge = [&](int wedge) {
     if (wedge == kLastWedge) gate.pass();
   };
-  const TestServer server(options);
+  const TestServer server(renderer, small_options());
   client::Client client = connect(server);
   FrameAssembler frames;
   client.set_handler(&frames);

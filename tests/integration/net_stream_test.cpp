@@ -54,11 +54,11 @@ TEST(Stream, EachClientGetsTheFrameInItsOwnEncoding) {
 
 TEST(Stream, AWindowBringsItsBinsAndIsAllThatIsRendered) {
   std::atomic<int> other_wedges{0};
-  net::ServerOptions options = small_options();
-  options.before_wedge = [&](int wedge) {
+  PatternRenderer renderer;
+  renderer.before_wedge = [&](int wedge) {
     if (wedge != 1) ++other_wedges;
   };
-  const TestServer server(options);
+  const TestServer server(renderer, small_options());
   client::Client client = connect(server);
   wire::Subscribe request = request_at(50);
   const wire::Window window{{9, 5, 2}, {3, 20, 4}};  // azimuths 9, 11, 13: the second wedge alone

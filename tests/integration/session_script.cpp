@@ -66,7 +66,7 @@ class Script {
   /// Serves while the session lasts.
   void with_server(const std::function<void(net::ServerOptions&)>& change,
                    const std::function<void(net::Server&, const client::Endpoint&)>& session) {
-    net::ServerOptions options = session_options(gate_);
+    net::ServerOptions options = session_options();
     change(options);
     WebServer server(renderer_, session_radars(), options);
     try {
@@ -304,8 +304,8 @@ class Script {
     refuse("another protocol");
   }
 
-  net::SceneRenderer renderer_{session_scene(), "hills"};
   Gate gate_;
+  GatedRenderer renderer_{gate_};
   SessionRecord record_;
   const Door door_;
 };

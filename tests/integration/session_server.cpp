@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -41,7 +42,50 @@ std::shared_ptr<net::Security> three_roles() {
   return security;
 }
 
+/// Before the frame's second wedge there is the gate.
+class GatedFrame : public net::PlannedFrame {
+ public:
+  GatedFrame(std::unique_ptr<PlannedFrame> frame, Gate& gate) : frame_(std::move(frame)), gate_(gate) {}
+  const PlannedFrame& behind() const { return *frame_; }
+
+  void describe(const std::string& name, wire::FrameDescriptor& descriptor) const override {
+    frame_->describe(name, descriptor);
+  }
+  bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    const int end = azimuths.first + azimuths.count;
+    for (int first = azimuths.first; first < end; first += kWedgeAzimuthBins) {
+      if (first == kWedgeAzimuthBins) gate_.pass();
+      if (!frame_->render({first, std::min(kWedgeAzimuthBins, end - first)}, options)) return false;
+    }
+    return true;
+  }
+  void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
+    frame_->summarise(stats, summary);
+  }
+  AirView air() const override { return frame_->air(); }
+  std::vector<std::uint32_t> seen() const override { return frame_->seen(); }
+  void see_again(const std::vector<std::uint32_t>& buildings) const override { frame_->see_again(buildings); }
+  std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const override {
+    return std::make_unique<GatedFrame>(frame_->again(pose), gate_);
+  }
+
+ private:
+  std::unique_ptr<PlannedFrame> frame_;
+  Gate& gate_;
+};
+
 }  // namespace
+
+net::FrameRenderer::Plan GatedRenderer::gated(Plan plan) const {
+  if (plan.frame) plan.frame = std::make_unique<GatedFrame>(std::move(plan.frame), gate_);
+  return plan;
+}
+
+net::FrameRenderer::Plan GatedRenderer::plan_again(const net::PlannedFrame& frame,
+                                                   const SettingsPtr& settings,
+                                                   const PoseSettings& pose) const {
+  return gated(SceneRenderer::plan_again(dynamic_cast<const GatedFrame&>(frame).behind(), settings, pose));
+}
 
 std::shared_ptr<const Scene> session_scene() {
   WorldSpec spec = synthetic_spec(SyntheticKind::hills, 7000, 64);
@@ -59,7 +103,7 @@ std::vector<RadarConfig> session_radars() {
   return {radar("main"), scanning};
 }
 
-net::ServerOptions session_options(Gate& gate) {
+net::ServerOptions session_options() {
   net::ServerOptions options;
   options.port = 0;
   options.server_name = "recorded";
@@ -74,9 +118,6 @@ net::ServerOptions session_options(Gate& gate) {
   options.max_memory_mb = std::numeric_limits<double>::infinity();  // 0: another on each machine
   options.max_renders_queued = options.max_subscriptions = 1;
   options.render_threads = 1;
-  options.before_wedge = [&gate](int wedge) {
-    if (wedge == 1) gate.pass();
-  };
   options.ground_at = [](const PoseSettings& pose, double) {
     return pose.latitude_deg < 33.01 ? GroundThere{} : GroundThere{0.25, "no file has ground there"};
   };

@@ -6,6 +6,7 @@
 
 #include "server/control/sections/radar.h"
 #include "server/net/options.h"
+#include "server/rendering/scene_renderer.h"
 #include "server/scene/scene.h"
 #include "tests/integration/net_fixture.h"
 
@@ -17,7 +18,22 @@ std::shared_ptr<const Scene> session_scene();
 /// "main", and "scan", which has two dwells of 1.5 s each, so that a slow machine misses none.
 std::vector<RadarConfig> session_radars();
 
+net::ServerOptions session_options();
+
 /// Rendering stops at the gate before the second wedge of every frame.
-net::ServerOptions session_options(Gate& gate);
+class GatedRenderer : public net::SceneRenderer {
+ public:
+  explicit GatedRenderer(Gate& gate) : SceneRenderer(session_scene(), "hills"), gate_(gate) {}
+  Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override {
+    return gated(SceneRenderer::plan(settings, pose));
+  }
+  Plan plan_again(const net::PlannedFrame& frame, const SettingsPtr& settings,
+                  const PoseSettings& pose) const override;
+
+ private:
+  Plan gated(Plan plan) const;
+
+  Gate& gate_;
+};
 
 }  // namespace obliq::test

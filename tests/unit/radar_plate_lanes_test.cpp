@@ -137,7 +137,7 @@ TEST(PlateLanes, CoverWhatTheWalksOfOnePixelCover) {
   for (std::uint64_t seed = 0; seed < kScenes; ++seed) {
     const Scene8 scene(seed);
     GroundPlates plates;
-    widest_kernels().ground_plates(scene.field, scene.rays(), 0, 0xff, plates);
+    active_kernels().ground_plates(scene.field, scene.rays(), 0, 0xff, plates);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if ((plates.walked >> lane & 1) == 0) continue;
       ++walked;
@@ -246,12 +246,12 @@ TEST(PlateLanes, MaterialsAndIncidenceAreThoseOfTheGround) {
     pixels.visible[lane] = visible.data();
   }
   GroundPlates plates;
-  widest_kernels().ground_plates(field, {dir_x.data(), dir_y.data(), dir_z.data(), range.data()}, 0, 0xff,
+  active_kernels().ground_plates(field, {dir_x.data(), dir_y.data(), dir_z.data(), range.data()}, 0, 0xff,
                                  plates);
   EXPECT_EQ(plates.walked, 0xffu);
   const auto samples = std::make_unique<SampleBatch>();
   samples->n = 0;
-  widest_kernels().plate_samples(field, pixels, plates, *samples);
+  active_kernels().plate_samples(field, pixels, plates, *samples);
   EXPECT_GT(samples->n, 3 * kLanes);
   int both[2] = {};
   for (int s = 0; s < samples->n; ++s) {
@@ -304,7 +304,7 @@ TEST(PlateLanes, ExtentsAreThoseOfHalfARowAndHalfAColumn) {
                        2;
     }
     GroundPlates plates;
-    widest_kernels().ground_plates(field, {dir_x.data(), dir_y.data(), dir_z.data(), range.data()}, 0, 0,
+    active_kernels().ground_plates(field, {dir_x.data(), dir_y.data(), dir_z.data(), range.data()}, 0, 0,
                                    plates);
     EXPECT_EQ(plates.walked, 0u);
     for (std::size_t lane = 0; lane < kLanes; ++lane)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/radar/profile/ground_walk.h"
+#include "server/radar/simd/kernels.h"
 #include "server/radar/visibility/coverage.h"
 #include "server/radar/visibility/range_march.h"
 #include "server/radar/visibility/wedge_visibility.h"
@@ -59,7 +60,8 @@ TEST(Profiles, SideBySideAreThoseOfOneAtATimeInEveryInstructionSet) {
     std::vector<RoofSpan> spans;
     for (const Kernels& kernels : all_kernels()) {
       std::vector<BinMarks> found(wishes.size());
-      mark_profiles(plan->looks_at(), wishes, found, spans, kernels);
+      use_kernels(kernels);
+      mark_profiles(plan->looks_at(), wishes, found, spans);
       for (std::size_t k = 0; k < wishes.size(); ++k) {
         BinMarks one;
         march_profile(plan->looks_at(), wishes[k].position, one);
@@ -91,7 +93,8 @@ TEST(Profiles, OfSomeBinsAreRightInThemWhereverTheyBegin) {
     std::vector<RoofSpan> spans;
     for (const Kernels& kernels : all_kernels()) {
       std::vector<BinMarks> found(wishes.size());
-      mark_profiles(plan->looks_at(), wishes, found, spans, kernels);
+      use_kernels(kernels);
+      mark_profiles(plan->looks_at(), wishes, found, spans);
       for (std::size_t k = 0; k < wishes.size(); ++k) {
         BinMarks whole;
         march_profile(plan->looks_at(), wishes[k].position, whole);

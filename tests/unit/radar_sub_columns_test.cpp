@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
+#include "server/radar/simd/kernels.h"
 #include "server/radar/sweep/sweep_echoes.h"
 #include "server/radar/wedge_work.h"
 #include "tests/support/heard_work.h"
@@ -24,12 +25,11 @@ std::shared_ptr<const FramePlan> plan_of(const test::RandomScene& town) {
   return plan_frame(scene, test::snapshot(settings), town.pose).plan;
 }
 
-/// The first wedge.
-BinBlock wedge_with(const ScenePlan& plan, const FrameTables& tables, const Kernels& kernels) {
+BinBlock first_wedge(const ScenePlan& plan, const FrameTables& tables) {
   const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
-  EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true, kernels);
+  EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true);
   cells.restart(0);
-  SweepEchoes sweep(plan, range, cells, std::numeric_limits<double>::infinity(), kernels);
+  SweepEchoes sweep(plan, range, cells);
   FrameStats stats;
   sweep.run(stats);
   BinBlock bins(range.first, range.count, plan.bins().n_range);
@@ -45,9 +45,10 @@ TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
     const auto plan = plan_of(town);
     if (!plan) continue;
     const FrameTables tables(plan->looks_at());
-    const BinBlock widest = wedge_with(plan->looks_at(), tables, widest_kernels());
+    const BinBlock widest = first_wedge(plan->looks_at(), tables);
     for (const Kernels& kernels : all_kernels()) {
-      const BinBlock bins = wedge_with(plan->looks_at(), tables, kernels);
+      use_kernels(kernels);
+      const BinBlock bins = first_wedge(plan->looks_at(), tables);
       SCOPED_TRACE(kernels.name);
       test::expect_same_bits(bins, widest);
     }

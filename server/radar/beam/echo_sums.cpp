@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
 
@@ -28,8 +29,7 @@ BinState joined(BinState a, BinState b) {
 
 }  // namespace
 
-EchoSums::EchoSums(const EchoPlan& plan, const Kernels& kernels)
-    : plan_(plan), kernels_(kernels), stride_(sharp_stride(plan)), zeros_(2 * stride_) {
+EchoSums::EchoSums(const EchoPlan& plan) : plan_(plan), stride_(sharp_stride(plan)), zeros_(2 * stride_) {
   // A kernel may reach beyond the sharp swath where the near side had no room.
   pad_ = plan.gate_voltage.size() + kSpare;
   const auto n_rows = static_cast<std::size_t>(plan.rows_of(kLanesOut));
@@ -142,7 +142,7 @@ void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, int n_azimuth) {
         for (int o = 0; o < kOutputs; ++o)
           sum.out[o] = rows_[kind][static_cast<std::size_t>(output + o)].data() +
                        static_cast<std::size_t>(floats) * pad_;
-        kernels_.azimuth_sum(sum);
+        active_kernels().azimuth_sum(sum);
         ask(sum.n_rows * kOutputs * sum.n / kProducts);
       }
     }
@@ -151,9 +151,9 @@ void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, int n_azimuth) {
 
 /// Sharp bins of an output azimuth, each a draw of its own about its mean power.
 void EchoSums::draw_row(std::uint64_t draw, int azimuth, std::size_t lane) {
-  kernels_.draw_speckle({mix64(draw ^ static_cast<std::uint64_t>(plan_.sharp.speckle_seed)),
-                         static_cast<std::uint64_t>(azimuth) << 32, static_cast<int>(stride_),
-                         rows_[kPower][lane].data() + pad_, rows_[kIq][lane].data() + 2 * pad_});
+  active_kernels().draw_speckle({mix64(draw ^ static_cast<std::uint64_t>(plan_.sharp.speckle_seed)),
+                                 static_cast<std::uint64_t>(azimuth) << 32, static_cast<int>(stride_),
+                                 rows_[kPower][lane].data() + pad_, rows_[kIq][lane].data() + 2 * pad_});
   ask(2 * static_cast<std::int64_t>(stride_));
 }
 
@@ -165,9 +165,9 @@ void EchoSums::sum_ranges(int kind, std::size_t lane) {
   const int n = floats * ((plan_.n_range - 1) * plan_.range_parts + 1);
   for (int first = 0; first < n; first += kRun) {
     const int count = std::min(kRun, n - first);
-    kernels_.range_sum({floats, static_cast<int>(taps.size()), taps.data(),
-                        rows_[kind][lane].data() + floats * from + first, count,
-                        ranges_[kind].data() + first});
+    active_kernels().range_sum({floats, static_cast<int>(taps.size()), taps.data(),
+                                rows_[kind][lane].data() + floats * from + first, count,
+                                ranges_[kind].data() + first});
     ask(static_cast<std::int64_t>(taps.size()) * count / kProducts);
   }
 }

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "server/radar/beam/sharp_wedge.h"
-#include "server/radar/simd/kernels.h"
 
 namespace obliq {
 
@@ -15,8 +14,7 @@ class EchoSums {
  public:
   static constexpr std::size_t kSpare = 64;  ///< bins that a kernel may read or write beyond a row
 
-  /// kernels: for tests that compare instruction sets.
-  explicit EchoSums(const EchoPlan& plan, const Kernels& kernels = widest_kernels());
+  explicit EchoSums(const EchoPlan& plan);
 
   /// rows: of sharp azimuth plan.first_row(bins.first_azimuth) and the following, as many as
   /// plan.rows_of() says.
@@ -44,7 +42,6 @@ class EchoSums {
   void write_ground(const std::vector<const SharpWedge*>& rows, BinBlock& bins) const;
 
   const EchoPlan& plan_;
-  const Kernels& kernels_;
   std::size_t stride_;
   std::size_t pad_;                               // bins before a row, zeros
   std::vector<float> zeros_;                      // a row without ground

@@ -67,7 +67,7 @@ void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
     const std::uint64_t azimuth =
         kBeside + static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(plan.first_azimuth);
     const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan.first_range);
-    widest_kernels().draw_speckle(
+    active_kernels().draw_speckle(
         {key, (azimuth << 32) + range, static_cast<int>(stride), power_row(a), look.data() + 2 * row(a)});
   }
 }

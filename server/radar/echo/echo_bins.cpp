@@ -50,7 +50,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
   ask(kASample * samples.n);
-  widest_kernels().bin_samples(cells_, factors_, samples, placed_);
+  active_kernels().bin_samples(cells_, factors_, samples, placed_);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];

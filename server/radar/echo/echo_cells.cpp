@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 
@@ -15,10 +16,9 @@ constexpr int kAScatterer = 8;
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     Surfaces surfaces, bool voltages, const Kernels& kernels)
+                     Surfaces surfaces, bool voltages)
     : plan_(plan),
       speckle_(speckle),
-      kernels_(kernels),
       surfaces_(surfaces),
       voltages_(voltages),
       table_(scattering.echo_table()) {
@@ -68,7 +68,7 @@ void EchoCells::add(GroundEchoes& echoes) {
     const std::uint32_t at = echoes.at[k];
     return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns));
   };
-  if (voltages_ && n > 0) kernels_.ground_places(where_, echoes, list_place_, list_kind_);
+  if (voltages_ && n > 0) active_kernels().ground_places(where_, echoes, list_place_, list_kind_);
   ask(kAnEcho * n);
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
@@ -143,7 +143,7 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
 
 void EchoCells::take_faces() {
   ask(kAScatterer * faces_.n);
-  kernels_.face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
+  active_kernels().face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
   for (int k = 0; k < faces_.n; ++k) {
     Cell& cell = cells_[faces_.at[k]];
     cell.power_w += faces_.power_w[k];

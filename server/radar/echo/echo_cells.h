@@ -10,7 +10,6 @@
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
 #include "server/radar/simd/ground_places.h"
-#include "server/radar/simd/kernels.h"
 
 namespace obliq {
 
@@ -30,9 +29,9 @@ struct FaceEcho {
 /// are added before the speckle. Sums run in the order of arrival.
 class EchoCells {
  public:
-  /// voltages: false where nobody wants I&Q. kernels: for tests that compare instruction sets.
+  /// voltages: false where nobody wants I&Q.
   EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            Surfaces surfaces, bool voltages, const Kernels& kernels = widest_kernels());
+            Surfaces surfaces, bool voltages);
 
   /// Begins with the wedge of this first azimuth bin.
   void restart(int first_azimuth);
@@ -74,7 +73,6 @@ class EchoCells {
 
   const ScenePlan& plan_;
   const SpeckleField& speckle_;
-  const Kernels& kernels_;
   Surfaces surfaces_;
   bool voltages_;
   WedgeEdges edges_;

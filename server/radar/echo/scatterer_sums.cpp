@@ -60,7 +60,7 @@ void ScattererSums::merge() {
     std::uint32_t end = bin + 1;
     while (end < n_range && bin_end[end] - begin_of(bin) < kRun) ++end;
     ask(4 * (bin_end[end - 1] - begin_of(bin)) + end - bin);
-    bin = widest_kernels().sum_scatterers(lists, bin, end);
+    bin = active_kernels().sum_scatterers(lists, bin, end);
     if (bin < end) merge_large(lists, bin++);
   }
   n_ = lists.n;

@@ -118,7 +118,7 @@ std::complex<double> SpeckleField::response(const Scatterer& s, const OwnBin& bi
 }
 
 void SpeckleField::respond(const SpeckleBlock& block) const {
-  widest_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_, owners_},
+  active_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_, owners_},
                                   block);
   for (int k = 0; k < block.n; ++k) {
     const ScattererKey key(block.place[k], block.kind[k]);

@@ -96,7 +96,7 @@ AzimuthBuildings::AzimuthBuildings(const Scene& scene, const Sector& sector, con
   const auto n_bins = static_cast<std::size_t>(bins.n_azimuth);
   const std::size_t n_chunks = n < kLeastForThreads ? 1 : kMostChunks;
   const CircleSector circle_bins = circle_sector(scene.circles(), sector, bins, reach_m);
-  const Kernels& kernels = widest_kernels();
+  const Kernels& kernels = active_kernels();
   const auto spans = std::make_unique_for_overwrite<BinSpan[]>(n);
   std::vector<std::uint32_t> next(n_chunks * n_bins);  // first counts, then where a chunk's next one goes
   const auto chunk_from = [&](std::size_t chunk) { return n * chunk / n_chunks; };

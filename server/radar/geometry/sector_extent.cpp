@@ -283,7 +283,7 @@ class SectorScan {
                                 static_cast<float>(margin_m_),
                                 static_cast<float>(top_),
                                 static_cast<float>(tangent_)};
-      widest_kernels().idle_circles(extent, circle_run(circles_, from, count), idle.data());
+      active_kernels().idle_circles(extent, circle_run(circles_, from, count), idle.data());
       ask(static_cast<std::int64_t>(count));
       for (std::size_t k = 0; k < count; ++k)
         if (all || idle[k] == 0) visit_building(list[from + k]);

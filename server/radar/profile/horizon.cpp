@@ -67,7 +67,7 @@ class InwardLook {
           look(scene_.fine_tiles(), next, d);
         } else if (tiles.tile(ti, tj).whole) {
           const HorizonPoint found =
-              widest_kernels().highest_ground(ground_, {bearing_.sin, bearing_.cos, next, d});
+              active_kernels().highest_ground(ground_, {bearing_.sin, bearing_.cos, next, d});
           horizon_.raise(found.d_m, found.h_m, false);
           if (d == end_m_) raise_at_end();
         } else {

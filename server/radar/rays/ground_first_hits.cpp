@@ -164,7 +164,7 @@ std::span<const std::uint16_t> GroundFirstHits::trace(const RayBatch& rays, Roug
     if (from_m_[k] < kInfinity) walking_[walking++] = static_cast<std::uint16_t>(k);
   }
   while (walking > 0) {
-    widest_kernels().first_hits_on_ground(
+    active_kernels().first_hits_on_ground(
         ground_view(plan_.scene().world().grid, antenna),
         {walking_.data(), static_cast<int>(walking), kStretch, kFar_m,
          plan_.scene().tiles().lowest_m() - antenna.y, rays.dir_x.data(), rays.dir_y.data(),

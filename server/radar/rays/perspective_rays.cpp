@@ -167,7 +167,7 @@ void PerspectiveRays::generate_waiting(RayBatch& batch) {
   std::array<std::int32_t, kBatch> from;
   std::array<std::int32_t, kBatch> ray_of;
   std::fill_n(ray_of.begin(), pixels_.n, -1);
-  batch.n = widest_kernels().pixel_rays(
+  batch.n = active_kernels().pixel_rays(
       pixel_camera_, pixels_,
       {batch.dir_x.data(), batch.dir_y.data(), batch.dir_z.data(), batch.solid_angle_sr.data(), from.data()});
   for (std::size_t k = 0; k < static_cast<std::size_t>(batch.n); ++k) {

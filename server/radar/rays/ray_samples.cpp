@@ -100,7 +100,7 @@ void RaySamples::refine_ground() {
   for (std::size_t k = 0; k < n; ++k)
     rough_m[k] = rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNone;
   for (std::size_t k = n; k % 8 != 0; ++k) rough_m[k] = kNone;
-  widest_kernels().refine_ground_hits(
+  active_kernels().refine_ground_hits(
       {ground_view(plan_.scene().world().grid, plan_.sector().antenna_m), rays_.n, rays_.dir_x.data(),
        rays_.dir_y.data(), rays_.dir_z.data(), rough_m},
       hits_);

@@ -155,7 +155,7 @@ void Receiver::make_noise(std::uint64_t azimuth, Scratch& scratch) const {
   std::fill_n(scratch.re.begin(), voltage_gain_.size(), 0.0);
   std::fill_n(scratch.im.begin(), voltage_gain_.size(), 0.0);
   if (!has_noise_) return;
-  const Kernels& kernels = widest_kernels();
+  const Kernels& kernels = active_kernels();
   const auto n_range = static_cast<int>(voltage_gain_.size());
   const std::uint64_t cell = azimuth << 32;
   std::uint64_t key = key_;
@@ -182,7 +182,7 @@ void Receiver::integrate_row(const BinBlock& bins, int azimuth, Scratch& scratch
   const std::size_t row = static_cast<std::size_t>(azimuth) * n_range;
   const bool white = bins.look.empty();
   if (white)
-    widest_kernels().draw_speckle({mix64(key_),
+    active_kernels().draw_speckle({mix64(key_),
                                    static_cast<std::uint64_t>(bins.first_azimuth + azimuth) << 32,
                                    bins.n_range, scratch.ones.data(), scratch.look.data()});
   for (std::size_t r = 0; r < n_range; ++r) {

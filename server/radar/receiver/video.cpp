@@ -70,7 +70,7 @@ void VideoCoder::code(int azimuth) {
 template <typename Level>
 void VideoCoder::code(std::size_t first, std::vector<Level>& plane) {
   constexpr double kMost = std::numeric_limits<Level>::max();  // the highest level
-  widest_kernels().video_levels(
+  active_kernels().video_levels(
       {bins_.n_range, power_.data(), scale_.floor_db, (kMost - 1) / scale_.span_db, kMost, level_.data()});
   std::transform(level_.begin(), level_.begin() + bins_.n_range,
                  plane.begin() + static_cast<std::ptrdiff_t>(first),

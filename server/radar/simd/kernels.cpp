@@ -1,5 +1,7 @@
 #include "server/radar/simd/kernels.h"
 
+#include <atomic>
+
 #include "server/scene/tracer_isa.h"
 
 namespace obliq {
@@ -25,9 +27,15 @@ const std::vector<Kernels>& all_kernels() {
   return kernels;
 }
 
-const Kernels& widest_kernels() {
-  static const Kernels& widest = all_kernels().back();
-  return widest;
+namespace {
+std::atomic<const Kernels*>& in_use() {
+  static std::atomic<const Kernels*> kernels = &all_kernels().back();
+  return kernels;
 }
+}  // namespace
+
+const Kernels& active_kernels() { return *in_use().load(std::memory_order_relaxed); }
+
+void use_kernels(const Kernels& kernels) { in_use() = &kernels; }
 
 }  // namespace obliq

@@ -60,8 +60,10 @@ struct Kernels {
 #undef OBLIQ_MEMBER
 };
 
-/// Those of the widest set that this machine has.
-const Kernels& widest_kernels();
+/// Those in use: of the widest set that this machine has, or those that use_kernels() was given.
+const Kernels& active_kernels();
+/// For tests that compare instruction sets. Not while anything is rendered.
+void use_kernels(const Kernels& kernels);
 
 /// Of all the sets that this machine has, the narrowest first.
 const std::vector<Kernels>& all_kernels();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "server/radar/simd/kernels.h"
 #include "server/radar/sweep/ground_light.h"
 #include "terrain/base/asking.h"
 
@@ -38,9 +39,8 @@ double lowest_slope_in_swath(const ScenePlan& plan) {
   return lowest_m / std::sqrt((r_min_m - lowest_m) * (r_min_m + lowest_m));
 }
 
-BuildingView::BuildingView(const ScenePlan& plan, double far_m, const Kernels& kernels)
+BuildingView::BuildingView(const ScenePlan& plan, double far_m)
     : plan_(plan),
-      kernels_(kernels),
       far_m_(far_m),
       planes_(sweep_columns_per_bin(plan.settings())),
       lowest_slope_(lowest_slope_in_swath(plan)) {
@@ -108,8 +108,8 @@ void BuildingView::start(int azimuth_bin, int profile) {
   for (int plane = 0; plane < planes_; ++plane) {
     ask(4 * columns_.nodes.n_nodes);
     const SinCos along = bearing(azimuth_bin + (plane + 0.5) / planes_);
-    kernels_.profile_nodes(columns_, plane, as_float(along.sin * cells_per_m),
-                           as_float(along.cos * cells_per_m));
+    active_kernels().profile_nodes(columns_, plane, as_float(along.sin * cells_per_m),
+                                   as_float(along.cos * cells_per_m));
   }
 }
 
@@ -294,7 +294,7 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   if (first < 0) first = 0;
   echoes_.n = 0;
   for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
-    kernels_.see_part(columns_, shape_, k, echoes_);
+    active_kernels().see_part(columns_, shape_, k, echoes_);
   if (echoes_.n > 0) add_echoes(part, cells);
 }
 

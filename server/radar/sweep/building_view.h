@@ -19,7 +19,7 @@ double lowest_slope_in_swath(const ScenePlan& plan);
 class BuildingView {
  public:
   /// far_m: buildings that begin beyond it are left out.
-  BuildingView(const ScenePlan& plan, double far_m, const Kernels& kernels);
+  BuildingView(const ScenePlan& plan, double far_m);
 
   /// All buildings of an azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool see(int azimuth_bin, int profile, EchoCells& cells);
@@ -61,7 +61,6 @@ class BuildingView {
   void add_parts_together(EchoCells& cells);
 
   const ScenePlan& plan_;
-  const Kernels& kernels_;
   double far_m_;
   int planes_;
   int least_n_;

@@ -8,6 +8,7 @@
 #include "server/radar/geometry/silhouettes.h"
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 
@@ -83,15 +84,13 @@ bool SubColumnBins::all_of(AzimuthRange range) const {
   return std::all_of(first, first + range.count, [](bool suffices) { return suffices; });
 }
 
-SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& cells, double far_m,
-                         const Kernels& kernels)
+SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& cells, double far_m)
     : plan_(plan),
-      kernels_(kernels),
       range_(range),
       far_m_(std::min(far_m + kMoreCells * plan.scene().world().grid.cell_m, plan.sector().r_max_m)),
       cells_(cells),
       planes_(plan.extent().any ? sweep_columns_per_bin(plan.settings()) : 0),
-      view_(plan, far_m_ + plan.building_reach_m() - plan.sector().r_max_m, kernels) {
+      view_(plan, far_m_ + plan.building_reach_m() - plan.sector().r_max_m) {
   const World& world = plan.scene().world();
   cut_ = {plan.bins(),
           cells.table(),
@@ -174,11 +173,11 @@ void SweepEchoes::march_planes() {
     for (int half = 0; half < 2; ++half) {
       segments_[half].n = 0;
       if (!half_marching_[half]) continue;
-      half_marching_[half] = kernels_.visible_ground(ground_, profiles_[half], segments_[half]);
+      half_marching_[half] = active_kernels().visible_ground(ground_, profiles_[half], segments_[half]);
     }
     SegmentRows a{&segments_[0], 0, segments_[0].n};
     SegmentRows b{&segments_[1], 0, segments_[1].n};
-    while (!kernels_.ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
+    while (!active_kernels().ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
   }
   // The cells of sixteen profiles are few enough to ask for them together; so are the echoes of a list.
   for (MarchedCells& cells : marched) cells.ask_for_them();

@@ -22,10 +22,9 @@ class SubColumnBins {
 /// ground along the bins' planes, those that stand at the same place in their bins side by side.
 class SweepEchoes {
  public:
-  /// Nothing that lies beyond far_m need be seen. kernels: for tests that compare instruction sets.
+  /// Nothing that lies beyond far_m need be seen.
   SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& cells,
-              double far_m = std::numeric_limits<double>::infinity(),
-              const Kernels& kernels = widest_kernels());
+              double far_m = std::numeric_limits<double>::infinity());
 
   void run(FrameStats& stats);
 
@@ -37,7 +36,6 @@ class SweepEchoes {
   void end_run(std::size_t run);
 
   const ScenePlan& plan_;
-  const Kernels& kernels_;
   AzimuthRange range_;
   double far_m_;
   EchoCells& cells_;

@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "server/radar/profile/ground_walk.h"
+#include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
 
-SweepGround::SweepGround(const ScenePlan& plan, const Kernels& kernels) : plan_(plan), kernels_(kernels) {
+SweepGround::SweepGround(const ScenePlan& plan) : plan_(plan) {
   const World& world = plan.scene().world();
   bins_ = {};
   bins_.axis = plan.bins();
@@ -42,12 +43,12 @@ bool SweepGround::next(SegmentSampler& sampler, SampleBatch& samples) {
     if (cut_ >= segments_.n) {
       if (!marching_) return false;
       segments_.n = cut_ = 0;
-      marching_ = kernels_.visible_ground(bins_.ground, lanes_, segments_);
+      marching_ = active_kernels().visible_ground(bins_.ground, lanes_, segments_);
       marched.ask_for_them();
       continue;
     }
     bool rare = false;
-    cut_ = kernels_.cut_at_range_bins(bins_, segments_, cut_, samples, rare);
+    cut_ = active_kernels().cut_at_range_bins(bins_, segments_, cut_, samples, rare);
     if (rare) {
       cut_rare(sampler);
     } else if (cut_ < segments_.n) {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "server/radar/simd/kernels.h"
+#include "server/radar/simd/cut_at_bins.h"
 #include "server/radar/sweep/segment_sampler.h"
 
 namespace obliq {
@@ -21,8 +21,7 @@ class SweepGround {
  public:
   static constexpr int kMost = SightProfiles::kLanes;
 
-  /// `kernels`: for tests that compare instruction sets.
-  explicit SweepGround(const ScenePlan& plan, const Kernels& kernels = widest_kernels());
+  explicit SweepGround(const ScenePlan& plan);
 
   /// Begins with other planes; `shares` is kept until they have been marched.
   void start(std::vector<GroundShare> shares);
@@ -34,7 +33,6 @@ class SweepGround {
   void cut_rare(SegmentSampler& sampler);
 
   const ScenePlan& plan_;
-  const Kernels& kernels_;
   SegmentCut bins_;
   std::vector<GroundShare> shares_;
   SightProfiles lanes_;

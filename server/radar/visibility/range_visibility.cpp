@@ -10,6 +10,7 @@
 #include "server/radar/profile/roofs.h"
 #include "server/radar/profile/tile_walk.h"
 #include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/kernels.h"
 #include "server/radar/visibility/range_march.h"
 #include "server/scene/tolerances.h"
 #include "terrain/base/asking.h"
@@ -139,7 +140,7 @@ std::size_t first_bin_of_sub_azimuth(const ScenePlan& plan, int sub_azimuth, int
 }
 
 void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> requests,
-                   std::span<BinMarks> results, std::vector<RoofSpan>& spans, const Kernels& kernels) {
+                   std::span<BinMarks> results, std::vector<RoofSpan>& spans) {
   const BinGrid& bins = plan.bins();
   const HeightGrid& grid = plan.scene().world().grid;
   const glm::dvec3& antenna = plan.sector().antenna_m;
@@ -165,7 +166,7 @@ void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> req
   ask(static_cast<std::int64_t>(requests.size()) * bins.n_range);
   const GroundView ground = ground_view(grid, antenna);
   MarchedCells marched(lanes, grid);
-  while (const unsigned at_roof = kernels.mark_visible_ranges(ground, bins, lanes)) {
+  while (const unsigned at_roof = active_kernels().mark_visible_ranges(ground, bins, lanes)) {
     // Cells with roofs in them, a profile at a time.
     for (std::size_t lane = 0; lane < profiles.size(); ++lane) {
       if ((at_roof >> lane & 1) == 0) continue;

@@ -7,7 +7,7 @@
 #include "server/radar/bins.h"
 #include "server/radar/profile/roofs.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/kernels.h"
+#include "server/radar/simd/visible_ranges.h"
 
 namespace obliq {
 
@@ -45,10 +45,8 @@ struct VisibilityRequest {
 /// Marches up to kMostProfiles vertical profiles side by side from the nadir through every triangle edge,
 /// keeping the highest elevation met so far; results in their order. Where farther bins are wanted, the march
 /// begins at the first distance at which surface may lie in them, with the horizon of all that is nearer.
-/// `kernels`: for tests that compare instruction sets.
 constexpr int kMostProfiles = RangeProfiles::kLanes;
 void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> requests,
-                   std::span<BinMarks> results, std::vector<RoofSpan>& spans,
-                   const Kernels& kernels = widest_kernels());
+                   std::span<BinMarks> results, std::vector<RoofSpan>& spans);
 
 }  // namespace obliq

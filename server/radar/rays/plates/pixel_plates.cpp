@@ -68,7 +68,7 @@ void PixelPlates::spread_eight(const RayBatch& rays, const HitBatch& hits, int f
   unsigned on_ground = 0;
   for (std::size_t lane = 0; lane < n; ++lane)
     on_ground |= (hits.is_hit(begin + lane) && hits.face[begin + lane] == kNoFace ? 1u : 0u) << lane;
-  widest_kernels().ground_plates(
+  active_kernels().ground_plates(
       field_, {rays.dir_x.data(), rays.dir_y.data(), rays.dir_z.data(), hits.slant_range_m}, first, on_ground,
       plates_);
 
@@ -87,7 +87,7 @@ void PixelPlates::spread_eight(const RayBatch& rays, const HitBatch& hits, int f
     pixels.azimuth_offset_rad[lane] = plan_.bins().azimuth_edge_rad(rays.azimuth_bin[k] + 0.5);
     pixels.visible[lane] = profile_.whole_marks(rays.azimuth_bin[k]).visible.data();
   }
-  const unsigned dark = widest_kernels().plate_samples(field_, pixels, plates_, samples);
+  const unsigned dark = active_kernels().plate_samples(field_, pixels, plates_, samples);
   for (std::size_t lane = 0; lane < n; ++lane) {
     const std::size_t k = begin + lane;
     if (!hits.is_hit(k)) continue;
