@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 WorldFrame::WorldFrame(double origin_latitude_rad, double origin_longitude_rad, double radius_factor)

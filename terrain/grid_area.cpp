@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "terrain/base/errors.h"
 #include "terrain/base/parallel.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 #include "terrain/cache/cache_key.h"
 #include "terrain/cache/ground_cache.h"
 #include "terrain/dem/dem_mosaic.h"

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/stage_clock.h"
+#include "terrain/base/units.h"
 #include "terrain/buildings/footprints.h"
 #include "terrain/buildings/prisms_random.h"
 #include "terrain/buildings/surfaces.h"

@@ -5,7 +5,7 @@
 #include <ctime>
 
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

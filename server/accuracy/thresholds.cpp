@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

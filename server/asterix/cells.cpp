@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq::asterix {
 namespace {

@@ -7,7 +7,7 @@
 #include "server/radar/beam/pattern_cuts.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -61,7 +61,7 @@ void check_pulse(const RadarSettings& s, std::vector<FieldError>& errors) {
     errors.push_back({"pulse.extent_bins",
                       std::to_string(s.pulse.extent_bins) + with_bins("bins.range", s.range_bins),
                       "at most as many as bins.range"});
-  const double bin_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  const double bin_m = s.range_bin_m();
   const bool rectangular = s.pulse.kind == PulseKind::rectangular;
   const PointResponse response(s);
   if (!rectangular && s.pulse.bandwidth_mhz > 0 && s.pulse.bandwidth_mhz * s.pulse.length_us < 1)

@@ -36,7 +36,7 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
     errors.push_back({"radar.r_min_m",
                       toml_number(s.r_min_m) + " with radar.r_max_m = " + toml_number(s.r_max_m),
                       "r_min_m less than r_max_m"});
-  } else if (s.range_bins >= 1 && (s.r_max_m - s.r_min_m) / s.range_bins < kShortestBin_m) {
+  } else if (s.range_bins >= 1 && s.range_bin_m() < kShortestBin_m) {
     errors.push_back({"bins.range",
                       std::to_string(s.range_bins) + " between radar.r_min_m = " + toml_number(s.r_min_m) +
                           " and radar.r_max_m = " + toml_number(s.r_max_m),

@@ -192,7 +192,7 @@ constexpr double kFinestFootprint_m = 1.0;
 /// taken as evenly spread over the swath, as the oblique frustum does at the terrain's top. The sweep
 /// has no rows; it sees whatever ground there is, and two cells a bin are as fine as rays are by default.
 double sampling_footprint_m(const RadarSettings& s) {
-  if (s.frustum == FrustumKind::sweep) return (s.r_max_m - s.r_min_m) / s.range_bins / 2;
+  if (s.frustum == FrustumKind::sweep) return s.range_bin_m() / 2;
   return (s.r_max_m - s.r_min_m) / std::max(s.range_bins, s.pixel_rows);
 }
 

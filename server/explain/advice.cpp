@@ -7,9 +7,8 @@
 #include "server/explain/explanation.h"
 #include "server/explain/table.h"
 #include "server/radar/echo/scattering.h"
-#include "terrain/base/constants.h"
 #include "terrain/base/text.h"
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

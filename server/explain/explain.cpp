@@ -10,15 +10,15 @@
 #include "server/explain/radar_rows.h"
 #include "server/explain/scene_facts.h"
 #include "server/explain/table.h"
-#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "server/radar/unsampled.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/process.h"
-#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 #include "terrain/grid_area.h"
 
 namespace obliq {

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "server/radar/render.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

@@ -8,13 +8,13 @@
 
 #include "server/accuracy/truth_bins.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/receiver/video.h"
+#include "server/radar/simd/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "terrain/frames.h"
 
 namespace obliq {

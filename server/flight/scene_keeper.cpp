@@ -11,7 +11,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/parallel.h"
 #include "terrain/base/process.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

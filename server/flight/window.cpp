@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "server/control/scene_file.h"
-#include "terrain/base/constants.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

@@ -22,8 +22,8 @@
 #include "server/scene/embree_tracer.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/process.h"
-#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

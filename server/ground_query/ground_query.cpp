@@ -6,7 +6,7 @@
 #include "server/ground_query/line_to_point.h"
 #include "server/ground_query/place_at_range.h"
 #include "server/scene/tolerances.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

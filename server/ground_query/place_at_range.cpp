@@ -5,7 +5,7 @@
 
 #include "server/radar/profile/ground_walk.h"
 #include "server/scene/tolerances.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

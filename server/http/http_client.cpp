@@ -2,7 +2,7 @@
 
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 // The order matters, see above.
 #include <boost/asio.hpp>
 #include <boost/asio/ssl.hpp>

@@ -26,7 +26,7 @@
 #include "server/security/networks.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::http {
 

@@ -11,7 +11,7 @@
 #include <mutex>
 
 #include "terrain/base/process.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::http {
 namespace {

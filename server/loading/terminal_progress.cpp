@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

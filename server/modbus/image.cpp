@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/modbus/encoding.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::modbus {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

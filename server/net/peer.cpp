@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/log/service_log.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

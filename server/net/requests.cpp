@@ -13,8 +13,8 @@
 #include "server/net/room.h"
 #include "server/radar/frame_plan.h"
 #include "server/stream/frame_encoder.h"
-#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 

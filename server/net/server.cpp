@@ -12,7 +12,7 @@
 #include "server/net/session.h"
 #include "server/net/socket_transport.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 

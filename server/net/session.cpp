@@ -17,7 +17,7 @@
 #include "server/net/room.h"
 #include "server/net/transport.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

@@ -13,7 +13,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/unsampled.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

@@ -9,7 +9,7 @@
 #include "server/control/settings_message.h"
 #include "server/output/ground_map.h"
 #include "server/output/picture_canvas.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "proto/obliq.pb.h"
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

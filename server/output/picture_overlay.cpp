@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/output/picture_caption.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

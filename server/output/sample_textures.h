@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "server/radar/rays/hit_observer.h"
+#include "server/radar/samples.h"
 
 namespace obliq {
 

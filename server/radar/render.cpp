@@ -4,12 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include "server/radar/air_view.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/sweep/sweep_samples.h"
-#include "server/radar/visibility/bin_states.h"
 #include "server/radar/visibility/coverage.h"
+#include "server/radar/visibility/wedge_visibility.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/errors.h"
@@ -124,6 +123,11 @@ FrameTables::FrameTables(const ScenePlan& plan)
   for (int bin = 0; bin < plan.bins().n_range; ++bin)
     path_power.push_back(
         path_power_factor(loss_db_km, plan.bins().r_min_m + (bin + 0.5) * plan.bins().range_spacing_m));
+}
+
+AirView air_view(const ScenePlan& plan) {
+  return {plan.scene().world().frame.geodetic_from_world(plan.pose().antenna).height_m,
+          plan.extent().median_height_m, plan.antenna_gain().tilt_rad()};
 }
 
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter) {

@@ -15,10 +15,11 @@
 
 namespace obliq {
 
-class HitObserver;  // server/radar/rays/hit_observer.h
+class HitObserver;  // server/radar/samples.h
 class SharpStore;   // server/radar/beam/echo_rows.h
 class Receiver;     // server/radar/receiver/receiver.h
 class StageTimes;   // terrain/base/stage_clock.h
+struct AirView;     // server/radar/receiver/weather.h
 
 struct Wedge {
   int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge
@@ -56,6 +57,9 @@ int thread_count(int threads);
 
 /// Of a radar's frame, by the radar's name and the frame's number.
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter);
+
+/// Where the antenna is in the air.
+AirView air_view(const ScenePlan& plan);
 
 /// Adds up wedge counts in azimuth order, whatever order the wedges arrive in: the same bits every time.
 class FrameSum {

@@ -7,6 +7,7 @@
 
 namespace obliq {
 
+struct ExactHit;    // server/scene/exact_hit.h
 struct FrameStats;  // server/radar/bins.h
 
 constexpr int kBatch = 1024;  ///< rays or samples a batch: 64 packets, which stay in the first-level caches
@@ -65,6 +66,14 @@ class SampleSource {
   /// Fills the batch, possibly with nothing, and counts what it took; false when nothing was left to look at.
   /// Looks at a bounded part of the wedge, because a rendering pauses only between batches.
   virtual bool fill(SampleBatch& samples, FrameStats& stats) = 0;
+};
+
+/// Receives every hit with its pixel, for the perspective textures. Called from any thread, for each pixel at
+/// most once.
+class HitObserver {
+ public:
+  virtual ~HitObserver() = default;
+  virtual void on_hit(std::uint32_t pixel, double azimuth_offset_rad, const ExactHit& hit) = 0;
 };
 
 }  // namespace obliq

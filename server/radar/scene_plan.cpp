@@ -8,7 +8,7 @@
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -91,12 +91,11 @@ BinGrid bin_grid(const RadarSettings& settings) {
   BinGrid bins;
   bins.n_azimuth = settings.azimuth_bins;
   bins.n_range = settings.range_bins;
-  const double sector_rad = settings.sector_deg * kPi / 180;
-  bins.azimuth_start_rad = -sector_rad / 2;
-  bins.azimuth_width_rad = sector_rad / settings.azimuth_bins;
+  bins.azimuth_start_rad = -settings.sector_deg * kPi / 180 / 2;
+  bins.azimuth_width_rad = settings.azimuth_bin_rad();
   bins.r_min_m = settings.r_min_m;
   bins.r_max_m = settings.r_max_m;
-  bins.range_spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  bins.range_spacing_m = settings.range_bin_m();
   return bins;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,9 @@ struct RadarSettings {
   ReceiverSettings receiver;
   VideoSettings video;
   AtmosphereSettings atmosphere;
+
+  double azimuth_bin_rad() const { return sector_deg * std::numbers::pi / 180 / azimuth_bins; }
+  double range_bin_m() const { return (r_max_m - r_min_m) / range_bins; }
 };
 
 /// The kind that `automatic` stands for; others are themselves.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/beam/echo_layout.h"
 #include "server/radar/beam/echo_plan.h"
@@ -38,8 +37,8 @@ constexpr double kRowsOfSquares = 8;
 /// range (SpeckleField).
 double cells_in_azimuth_bin(const RadarSettings& s) {
   constexpr int kRings = 64;
-  const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
-  const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  const double width_rad = s.azimuth_bin_rad();
+  const double spacing_m = s.range_bin_m();
   double cells = 0;
   for (int ring = 0; ring < kRings; ++ring) {
     const double range_m = s.r_min_m + (s.r_max_m - s.r_min_m) * (ring + 0.5) / kRings;
@@ -65,7 +64,7 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
     bytes += kBytesAScatterer * (azimuths + 1) * scatterers;
   }
   if (sweep) {
-    const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+    const double spacing_m = s.range_bin_m();
     const double planes = columns / azimuths;
     if (s.sub_columns > 0)
       bytes += azimuths * s.range_bins * (kBytesOfSums + kBytesAShare * planes) +

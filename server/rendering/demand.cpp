@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "proto/plane.h"
-#include "server/radar/air_view.h"
+#include "server/radar/receiver/weather.h"
 #include "server/radar/render.h"
 #include "terrain/base/errors.h"
 

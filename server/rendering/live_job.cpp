@@ -5,7 +5,7 @@
 
 #include "proto/obliq.pb.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 

@@ -5,7 +5,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

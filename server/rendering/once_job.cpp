@@ -10,7 +10,7 @@
 #include "server/rendering/demand.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 

@@ -8,7 +8,7 @@
 #include "server/control/settings_message.h"
 #include "server/radar/beam/echo_rows.h"
 #include "server/rendering/scan_schedule.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {

@@ -19,7 +19,7 @@
 
 #include "server/scene/tile_bounds.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 #include "terrain/buildings/building_mesh.h"
 
 namespace obliq {

@@ -18,14 +18,13 @@
 #include "client/socket.h"
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
-#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

@@ -3,7 +3,7 @@
 #include <ctime>
 #include <numeric>
 
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <utility>
 
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
+#include "terrain/base/units.h"
 #include "terrain/buildings/footprints.h"
 #include "terrain/buildings/placement.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

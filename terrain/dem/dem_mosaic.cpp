@@ -7,9 +7,9 @@
 #include <new>
 #include <optional>
 
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/stage_clock.h"
+#include "terrain/base/units.h"
 #include "terrain/dem/dem_window.h"
 #include "terrain/dem/geodetic_lattice.h"
 #include "terrain/dem/resample.h"

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "terrain/base/constants.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "terrain/dem/load_report.h"
 #include "terrain/grid_area.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "terrain/dem/dem_mosaic.h"
 #include "terrain/dem/gdal_messages.h"
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/units.h"
 #include "terrain/dem/anchor_map.h"
 
 namespace obliq {

@@ -9,7 +9,7 @@
 #include "server/ground_query/ground_query.h"
 #include "server/radar/profile/roofs.h"
 #include "server/truth/plane_walk.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "tests/support/random_scenes.h"
 
 namespace obliq {

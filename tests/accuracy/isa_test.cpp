@@ -11,8 +11,8 @@
 #include <unordered_map>
 
 #include "server/radar/frame_plan.h"
-#include "server/radar/rays/hit_observer.h"
 #include "server/radar/render.h"
+#include "server/radar/samples.h"
 #include "server/scene/embree_tracer.h"
 #include "terrain/buildings/building_mesh.h"
 #include "tests/support/scenes.h"

@@ -9,9 +9,9 @@
 
 #include "server/accuracy/bin_errors.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/rays/hit_observer.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/render.h"
+#include "server/radar/samples.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "server/truth/reference.h"
 #include "tests/support/made_worlds.h"

@@ -7,9 +7,9 @@
 
 #include "server/control/scene_file.h"
 #include "server/radar/frame_plan.h"
-#include "server/radar/rays/hit_observer.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/render.h"
+#include "server/radar/samples.h"
 #include "server/scene/scene_memory.h"
 #include "tests/accuracy/reference_mesh.h"
 #include "tests/support/figures.h"

@@ -15,7 +15,7 @@
 #include "server/ground_query/ground_query.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/exact_hit.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "tests/support/figures.h"
 #include "tests/support/refine_hit.h"
 #include "tests/support/scenes.h"

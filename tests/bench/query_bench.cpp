@@ -12,8 +12,8 @@
 #include "server/control/scene_file.h"
 #include "server/ground_query/ground_query.h"
 #include "server/loading/scene_loading.h"
-#include "terrain/base/constants.h"
 #include "terrain/base/hash.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

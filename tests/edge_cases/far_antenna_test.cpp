@@ -13,7 +13,7 @@
 #include "server/output/describe_frame.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "tests/support/samplings.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "server/flight/window.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "tests/support/scenes.h"
 
 namespace obliq::test {

@@ -7,7 +7,6 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
-#include "server/radar/air_view.h"
 #include "server/radar/beam/pattern_cuts.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"

@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "server/control/parameters.h"
-#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"

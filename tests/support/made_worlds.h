@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/radar/geometry/pose.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "terrain/buildings/extrude.h"
 #include "terrain/world.h"
 

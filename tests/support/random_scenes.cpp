@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "server/radar/profile/roofs.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "terrain/buildings/footprints.h"
 
 namespace obliq::test {

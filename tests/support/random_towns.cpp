@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "server/radar/profile/roofs.h"
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "terrain/buildings/footprints.h"
 #include "tests/support/made_worlds.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "server/radar/rays/hit_observer.h"
+#include "server/radar/samples.h"
 #include "terrain/world.h"
 
 namespace obliq::test {

@@ -6,8 +6,8 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/ground_map.h"
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <vector>
 
-#include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 #include "tests/support/scenes.h"
 #include "tests/support/silent_radar.h"

@@ -7,7 +7,7 @@
 #include <random>
 #include <sstream>
 
-#include "terrain/base/constants.h"
+#include "terrain/base/units.h"
 #include "tests/unit/terrain_files.h"
 
 namespace obliq {

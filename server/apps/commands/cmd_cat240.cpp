@@ -17,8 +17,8 @@
 #include "server/asterix/paced_sender.h"
 #include "server/asterix/radials.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

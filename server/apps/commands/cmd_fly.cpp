@@ -19,7 +19,7 @@
 #include "server/apps/commands/track_reader.h"
 #include "server/control/key.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -9,8 +9,8 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/perspective_frustum.h"
 #include "server/radar/sweep/sweep_samples.h"
-#include "terrain/base/constants.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

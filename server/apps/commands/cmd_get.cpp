@@ -15,7 +15,7 @@
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -16,8 +16,8 @@
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
-#include "terrain/base/seconds.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

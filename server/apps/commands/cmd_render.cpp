@@ -15,7 +15,6 @@
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
-#include "server/radar/air_view.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
@@ -23,7 +22,7 @@
 #include "server/timing/timing_run.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/memory_limit.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

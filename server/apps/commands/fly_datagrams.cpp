@@ -20,7 +20,7 @@
 #include "server/apps/ownship/refused_datagrams.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -39,7 +39,7 @@
 #include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/process.h"
-#include "terrain/base/seconds.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

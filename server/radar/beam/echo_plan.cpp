@@ -9,7 +9,7 @@
 #include "server/radar/beam/point_response.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/text.h"
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

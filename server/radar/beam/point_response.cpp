@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -29,7 +29,7 @@ double resolution_of(const RadarSettings& s) {
       return kSpeedOfLight_m_s / 2 * s.pulse.length_us * 1e-6;
     case PulseKind::compressed:
       return s.pulse.bandwidth_mhz > 0 ? kSpeedOfLight_m_s / 2 / (s.pulse.bandwidth_mhz * 1e6)
-                                       : (s.r_max_m - s.r_min_m) / s.range_bins;
+                                       : s.range_bin_m();
     case PulseKind::off:
       break;
   }

@@ -24,13 +24,13 @@ double narrowest_beam_rad(const RadarSettings& s) {
 
 int azimuth_sub_bins(const RadarSettings& s) {
   if (s.beam.pattern == BeamPattern::off) return 1;
-  const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
+  const double width_rad = s.azimuth_bin_rad();
   return parts(kBinsABeamwidth * width_rad / narrowest_beam_rad(s));
 }
 
 int range_sub_bins(const RadarSettings& s) {
   if (s.pulse.kind == PulseKind::off) return 1;
-  return parts((s.r_max_m - s.r_min_m) / s.range_bins / PointResponse(s).resolution_m());
+  return parts(s.range_bin_m() / PointResponse(s).resolution_m());
 }
 
 }  // namespace obliq

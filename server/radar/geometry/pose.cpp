@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "server/radar/profile/roofs.h"
-#include "terrain/base/constants.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "server/radar/rays/first_hits.h"
-#include "server/radar/rays/hit_observer.h"
 #include "server/radar/rays/perspective_rays.h"
 #include "server/radar/rays/plates/pixel_plates.h"
 #include "server/radar/rays/ray_batch.h"
+#include "server/radar/samples.h"
 
 namespace obliq {
 

@@ -5,8 +5,8 @@
 
 #include "server/radar/beam/antenna_gain.h"
 #include "server/radar/beam/point_response.h"
-#include "server/radar/receiver/decibel.h"
-#include "terrain/base/wavelength.h"
+#include "server/radar/simd/exact_math.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -36,7 +36,7 @@ NoiseBand noise_band(const RadarSettings& settings) {
   const PointResponse pulse(settings);
   if (std::isfinite(pulse.resolution_m()))
     return {kSpeedOfLight_m_s / (2 * pulse.half_pulse_m()), ratio_of_db(pulse.window_loss_db())};
-  const double range_spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  const double range_spacing_m = settings.range_bin_m();
   return {kSpeedOfLight_m_s / (2 * range_spacing_m), 1};
 }
 
@@ -66,7 +66,7 @@ double echo_power_w(double power_w, double gain_db, double wavelength_m, double 
 std::vector<std::vector<double>> noise_kernels(const RadarSettings& settings) {
   const PointResponse pulse(settings);
   if (settings.pulse.kind == PulseKind::off) return {{1.0}};
-  const double bin_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  const double bin_m = settings.range_bin_m();
   if (settings.pulse.kind == PulseKind::rectangular) return boxes(pulse.half_pulse_m() / bin_m);
   std::vector<double> kernel = pulse.kernel(bin_m, settings.pulse.extent_bins);
   double energy = 0;

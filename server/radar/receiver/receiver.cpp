@@ -5,8 +5,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise.h"
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
@@ -84,7 +84,7 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
   has_noise_ = noise_power_w_ > 0 || !rain_power_.empty();
   lsb_ = adc_step(receiver);
   most_counts_ = std::ldexp(1.0, receiver.adc_bits - 1);
-  const double spacing_m = (settings.r_max_m - settings.r_min_m) / settings.range_bins;
+  const double spacing_m = settings.range_bin_m();
   ask(kGainsABin * std::int64_t{settings.range_bins});
   for (int bin = 0; bin < settings.range_bins; ++bin) {
     const double range_m = settings.r_min_m + (bin + 0.5) * spacing_m;

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 
-#include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/noise.h"
+#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
-#include "terrain/base/wavelength.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -31,8 +30,8 @@ VideoScale video_scale(const RadarSettings& settings) {
 
 double level_ground_power_w(const RadarSettings& s, double gamma_db, double slant_range_m, double height_m) {
   const double wavelength_m = wavelength_at(s.frequency_ghz);
-  const double width_rad = s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins;
-  const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  const double width_rad = s.azimuth_bin_rad();
+  const double spacing_m = s.range_bin_m();
   const double cross_section_m2 = ratio_of_db(gamma_db) * width_rad * height_m * spacing_m;
   return echo_power_w(s.power_w, s.gain_db, wavelength_m, s.receiver.loss_db, cross_section_m2,
                       slant_range_m);

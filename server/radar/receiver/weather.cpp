@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
-#include "server/radar/receiver/decibel.h"
 #include "server/radar/receiver/gas_lines.h"
 #include "server/radar/receiver/noise.h"
-#include "terrain/base/wavelength.h"
+#include "server/radar/simd/exact_math.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -137,8 +136,8 @@ double rain_attenuation_db_km(double rain_mm_h, double frequency_ghz, Polarisati
 
 double gas_attenuation_db_km(double frequency_ghz) {
   double sum = continuum(frequency_ghz);
-  for (const GasLine& line : oxygen_lines()) sum += oxygen(frequency_ghz, line);
-  for (const GasLine& line : water_lines()) sum += water(frequency_ghz, line);
+  for (const GasLine& line : kOxygenLines) sum += oxygen(frequency_ghz, line);
+  for (const GasLine& line : kWaterLines) sum += water(frequency_ghz, line);
   return 0.1820 * frequency_ghz * sum;
 }
 
@@ -166,11 +165,10 @@ std::vector<double> rain_echo_power_w(const RadarSettings& s, const AirView& air
   if (!(s.atmosphere.rain_mm_h > 0)) return {};
   const double wavelength_m = wavelength_at(s.frequency_ghz);
   const double eta = rain_reflectivity_m2_m3(s.atmosphere.rain_mm_h, wavelength_m);
-  const double width_rad = s.beam.pattern == BeamPattern::off
-                               ? s.sector_deg * std::numbers::pi / 180 / s.azimuth_bins
-                               : AzimuthPattern(s).equivalent_width_rad();
+  const double width_rad =
+      s.beam.pattern == BeamPattern::off ? s.azimuth_bin_rad() : AzimuthPattern(s).equivalent_width_rad();
   const ElevationGain elevation(s, air.tilt_rad);
-  const double spacing_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  const double spacing_m = s.range_bin_m();
   const double one_m2_at_1_m = echo_power_w(s.power_w, s.gain_db, wavelength_m, s.receiver.loss_db, 1, 1);
   const double loss_db_km = path_loss_db_km(s, air);
   const double length_m = s.pulse.kind == PulseKind::off ? spacing_m : PointResponse(s).equivalent_length_m();
