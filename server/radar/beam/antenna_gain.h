@@ -50,7 +50,11 @@ class AntennaGain {
   ElevationTable table_;
 };
 
-/// K = P lambda^2 / (4 pi)^3 of the monostatic radar equation, K G^2 sigma / r^4 (Richards 2014, eq. 2.8).
+/// The monostatic radar equation: K G^2 sigma / r^4 (Richards 2014, eq. 2.8), with the constant
+/// K = P lambda^2 / (4 pi)^3. spreading: r^4, or 1 of a normalised image; times the losses.
+inline double radar_equation(double constant, double gain, double cross_section_m2, double spreading) {
+  return constant * gain * gain * cross_section_m2 / spreading;
+}
 inline double radar_equation_constant(double power_w, double wavelength_m) {
   constexpr double kFourPi = 4 * std::numbers::pi;
   return power_w * wavelength_m * wavelength_m / (kFourPi * kFourPi * kFourPi);

@@ -12,15 +12,18 @@
 namespace obliq {
 
 namespace {
-// In units of ask().
-constexpr std::int64_t kASample = 20;
-constexpr std::int64_t kAScatterer = 8;
+constexpr std::int64_t kASample = 20;  // in units of ask()
 }  // namespace
 
 EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
                    AzimuthRange range, Surfaces surfaces)
-    : plan_(plan), scattering_(scattering), speckle_(speckle), range_(range), surfaces_(surfaces) {
-  range_constant_ = radar_equation_constant(plan.settings().power_w, plan.wavelength_m());
+    : plan_(plan),
+      scattering_(scattering),
+      speckle_(speckle),
+      range_(range),
+      surfaces_(surfaces),
+      range_constant_(radar_equation_constant(plan.settings().power_w, plan.wavelength_m())),
+      bins_(plan, speckle, true) {
   cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
   factors_.range_normalisation = normalises_samples(plan.settings());
@@ -31,19 +34,13 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
 
 void EchoBins::restart(AzimuthRange range) {
   range_ = range;
-  const std::size_t n =
-      static_cast<std::size_t>(range.count) * static_cast<std::size_t>(plan_.bins().n_range);
-  fill(power_w_, n, 0);
-  if (plan_.antenna_gain().has_widths()) fill(sines_w_, n, 0);
-  fill(count_, n, 0);
-  fill(voltage_, n, 0);
+  bins_.restart(range.first);
   if (plan_.settings().speckle == SpeckleKind::geometric) return;
-  sums_.resize(static_cast<std::size_t>(range.count), ScattererSums(scratch_));
-  for (ScattererSums& sums : sums_) sums.restart(plan_.bins().n_range);
+  scatterers_.resize(static_cast<std::size_t>(range.count), ScattererSums(scratch_));
+  for (ScattererSums& sums : scatterers_) sums.restart(plan_.bins().n_range);
 }
 
 std::uint64_t EchoBins::add(const SampleBatch& samples) {
-  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
   const AntennaGain& antenna = plan_.antenna_gain();
   const glm::dvec3& at_m = plan_.sector().antenna_m;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
@@ -62,7 +59,6 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     if (std::isnan(sigma))
       sigma = scattering_.cross_section_m2(
           samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
-    // Monostatic radar equation (Richards 2014, eq. 2.8); the normalised image drops 1 / r^4.
     const double dx = samples.x_m[k] - at_m.x;
     const double dz = samples.z_m[k] - at_m.z;
     double sine = samples.sin_elevation[k];
@@ -72,13 +68,11 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       const double height_m = r * sine;
       sine = height_m / std::max(kNearest_m, std::sqrt(dx * dx + dz * dz + height_m * height_m));
     }
-    const double gain = antenna.power_gain(sine, dx, dz, r);
-    const double power = range_constant_ * gain * gain * sigma / placed_.spreading[k];
-    const auto azimuth = static_cast<std::size_t>(samples.azimuth_bin[k] - range_.first);
-    const std::size_t bin = azimuth * n_range + static_cast<std::size_t>(range_bin);
-    power_w_[bin] += power;
-    if (!sines_w_.empty()) sines_w_[bin] += power * sine;
-    ++count_[bin];
+    const double power =
+        radar_equation(range_constant_, antenna.power_gain(sine, dx, dz, r), sigma, placed_.spreading[k]);
+    const int azimuth = samples.azimuth_bin[k] - range_.first;
+    const std::size_t bin = BinSums::index(azimuth, range_bin);
+    bins_.add(bin, power, power * sine);
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
       plan_.seen().mark(plan_.scene().world().buildings.faces[marked = samples.face[k]].building);
@@ -86,59 +80,39 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       const double round_trips = 2 * r / plan_.wavelength_m();
       const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));
       const double amplitude = std::sqrt(power);
-      voltage_[bin] += std::complex<double>(amplitude * at.cos, amplitude * at.sin);
+      bins_.add_voltage(bin, amplitude * at.cos, amplitude * at.sin);
     } else {
       const std::uint32_t face = samples.face[k];
       const std::uint64_t ground =
           static_cast<std::uint64_t>(face) << 32 | placed_.level[k] | samples.material[k];
       const glm::dvec3 point_m(samples.x_m[k], at_m.y + r * samples.sin_elevation[k], samples.z_m[k]);
-      sums_[azimuth].add(static_cast<std::uint32_t>(range_bin),
-                         face == kNoFace
-                             ? ScattererKey(placed_.cell[k], ground)
-                             : ScattererKey(speckle_.scatterer(r, point_m, face, samples.material[k])),
-                         power);
+      scatterers_[static_cast<std::size_t>(azimuth)].add(
+          static_cast<std::uint32_t>(range_bin),
+          face == kNoFace ? ScattererKey(placed_.cell[k], ground)
+                          : ScattererKey(speckle_.scatterer(r, point_m, face, samples.material[k])),
+          power);
     }
   }
   return binned;
 }
 
-/// Adds up the scatterers' voltages.
-void EchoBins::add_speckle() {
-  constexpr std::size_t kBlock = 512;
-  double re[kBlock + ScattererLists::kSpare];
-  double im[kBlock + ScattererLists::kSpare];
-  std::uint32_t at[kBlock];
-  const WedgeEdges edges = plan_.wedge_edges(range_.first);
-  const auto n_range = static_cast<std::size_t>(plan_.bins().n_range);
-  for (std::size_t azimuth = 0; azimuth < sums_.size(); ++azimuth) {
-    ScattererSums& sums = sums_[azimuth];
-    sums.merge();
-    std::complex<double>* const voltage = voltage_.data() + azimuth * n_range;
-    for (std::size_t first = 0; first < sums.size(); first += kBlock) {
-      const std::size_t n = std::min(kBlock, sums.size() - first);
-      ask(kAScatterer * static_cast<std::int64_t>(n));
-      for (std::size_t k = 0; k < n; ++k)
-        at[k] = sums.range_bin(first + k) * kWedgeAzimuthBins + static_cast<std::uint32_t>(azimuth);
-      speckle_.respond({static_cast<int>(n), sums.places() + first, sums.kinds() + first,
-                        sums.powers_w() + first, re, im, at, &edges});
-      for (std::size_t k = 0; k < n; ++k)
-        voltage[sums.range_bin(first + k)] += std::complex<double>(re[k], im[k]);
-    }
-  }
+void EchoBins::write(BinBlock& block) {
+  if (plan_.settings().speckle != SpeckleKind::geometric)
+    for (std::size_t azimuth = 0; azimuth < scatterers_.size(); ++azimuth) add_speckle(azimuth);
+  bins_.write(block);
 }
 
-void EchoBins::write(BinBlock& block) {
-  if (plan_.settings().speckle != SpeckleKind::geometric) add_speckle();
-  fill(block.sin_elevation, sines_w_.size(), 0);
-  constexpr std::size_t kRun = 1024;
-  for (std::size_t bin = 0; bin < power_w_.size(); ++bin) {
-    if (bin % kRun == 0) ask(2 * kRun);
-    block.iq[bin] = std::complex<float>(voltage_[bin]);
-    block.power_w[bin] = power_w_[bin];
-    if (!sines_w_.empty() && power_w_[bin] > 0)
-      block.sin_elevation[bin] = static_cast<float>(sines_w_[bin] / power_w_[bin]);
-    block.count[bin] = count_[bin];
-    if (count_[bin] > 0) block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);
+/// Adds the voltages of an azimuth bin's scatterers.
+void EchoBins::add_speckle(std::size_t azimuth) {
+  ScattererSums& sums = scatterers_[azimuth];
+  std::uint32_t at[BinSums::kBlock];
+  sums.merge();
+  for (std::size_t first = 0; first < sums.size(); first += BinSums::kBlock) {
+    const std::size_t n = std::min(BinSums::kBlock, sums.size() - first);
+    for (std::size_t k = 0; k < n; ++k)
+      at[k] = sums.range_bin(first + k) * kWedgeAzimuthBins + static_cast<std::uint32_t>(azimuth);
+    bins_.add_scatterers(static_cast<int>(n), at, sums.places() + first, sums.kinds() + first,
+                         sums.powers_w() + first);
   }
 }
 

@@ -1,9 +1,9 @@
 #pragma once
-#include <complex>
 #include <cstdint>
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/echo/bin_sums.h"
 #include "server/radar/echo/scatterer_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
@@ -12,8 +12,7 @@
 
 namespace obliq {
 
-/// One wedge's accumulators, in double. Owned by one task; sums run in the order samples arrive, so the bits
-/// follow from the wedge alone.
+/// Adds up one wedge's samples. Those of one scatterer and bin are added before the speckle.
 class EchoBins {
  public:
   EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
@@ -30,20 +29,17 @@ class EchoBins {
   void write(BinBlock& block);
 
  private:
-  void add_speckle();
+  void add_speckle(std::size_t azimuth);
 
   const ScenePlan& plan_;
   const ScatteringTable& scattering_;
   const SpeckleField& speckle_;
   AzimuthRange range_;
   Surfaces surfaces_;
-  double range_constant_;  // K = P_t G^2 lambda^2 / (4 pi)^3 without the gain
-  std::vector<double> power_w_;
-  std::vector<double> sines_w_;  // sines of elevation by power; empty: not wanted
-  std::vector<std::uint32_t> count_;
-  std::vector<std::complex<double>> voltage_;
+  double range_constant_;  // K of radar_equation
+  BinSums bins_;
   ScattererSums::Scratch scratch_;
-  std::vector<ScattererSums> sums_;  // [range.count], ground speckle only
+  std::vector<ScattererSums> scatterers_;  // [range.count], ground speckle only
   SwathCells cells_;
   EchoFactors factors_;
   BinnedSamples placed_;

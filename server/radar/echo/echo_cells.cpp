@@ -20,7 +20,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
     : plan_(plan),
       speckle_(speckle),
       surfaces_(surfaces),
-      voltages_(voltages),
+      bins_(plan, speckle, voltages),
       table_(scattering.echo_table()) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
@@ -46,11 +46,10 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
 
 void EchoCells::restart(int first_azimuth) {
   edges_ = plan_.wedge_edges(first_azimuth);
-  const std::size_t n = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
-  fill(cells_, n, {0, 0, 0, 0});
+  bins_.restart(first_azimuth);
+  const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
-  if (table_.sines) fill(sines_w_, n, 0);
-  if (voltages_) fill(last_, n, {0, 0, 0});
+  if (bins_.has_voltages()) fill(last_, n, {0, 0, 0});
   echoes_ = 0;
   n_ = 0;
   faces_.n = 0;
@@ -66,20 +65,19 @@ void EchoCells::add(GroundEchoes& echoes) {
   const int n = surfaces_ == Surfaces::buildings ? 0 : echoes.n;
   const auto cell_of = [&](int k) {
     const std::uint32_t at = echoes.at[k];
-    return index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns));
+    return BinSums::index(static_cast<int>(at % kWedgeAzimuthBins),
+                          static_cast<int>(at / GroundEchoes::kRuns));
   };
-  if (voltages_ && n > 0) active_kernels().ground_places(where_, echoes, list_place_, list_kind_);
+  const bool voltages = bins_.has_voltages();
+  if (voltages && n > 0) active_kernels().ground_places(where_, echoes, list_place_, list_kind_);
   ask(kAnEcho * n);
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
   for (int k = 0; k < n; ++k) {
     const std::size_t at = cell_of(k);
     const double power_w = static_cast<double>(echoes.light[k]) * table_.factor;
-    Cell& cell = cells_[at];
-    cell.power_w += power_w;
-    cell.count += 1;
-    if (table_.sines) sines_w_[at] += static_cast<double>(echoes.sine[k]) * table_.factor;
-    if (!voltages_) continue;
+    bins_.add(at, power_w, static_cast<double>(echoes.sine[k]) * table_.factor);
+    if (!voltages) continue;
     const Scatterer here{list_place_[k], list_kind_[k], power_w};
     Scatterer& last = last_[at];
     if (last.place == here.place && last.kind == here.kind) {
@@ -96,17 +94,11 @@ void EchoCells::put(std::size_t at, const Scatterer& scatterer) {
   place_[n_] = scatterer.place;
   kind_[n_] = scatterer.kind;
   power_w_[n_] = scatterer.power_w;
-  if (++n_ == static_cast<int>(kBlock)) take_scatterers();
+  if (++n_ == static_cast<int>(BinSums::kBlock)) take_scatterers();
 }
 
 void EchoCells::take_scatterers() {
-  ask(kAScatterer * n_);
-  speckle_.respond({n_, place_, kind_, power_w_, re_, im_, at_, &edges_});
-  for (int k = 0; k < n_; ++k) {
-    Cell& cell = cells_[at_[k]];
-    cell.re += re_[k];
-    cell.im += im_[k];
-  }
+  bins_.add_scatterers(n_, at_, place_, kind_, power_w_);
   n_ = 0;
 }
 
@@ -114,7 +106,7 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
   if (surfaces_ == Surfaces::ground) return;
   const int k = faces_.n++;
   const double range2 = echo.range_m * echo.range_m;
-  faces_.at[k] = static_cast<std::uint32_t>(index(profile, echo.range_bin));
+  faces_.at[k] = static_cast<std::uint32_t>(BinSums::index(profile, echo.range_bin));
   faces_.material[k] = echo.material;
   faces_.power_w[k] =
       table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
@@ -127,7 +119,7 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
   }
   faces_.sec2[k] = echo.sec2_incidence;
   face_sine_[k] = (echo.at_m.y - plan_.sector().antenna_m.y) / echo.range_m;
-  if (voltages_) {
+  if (bins_.has_voltages()) {
     const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, echo.material);
     const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
@@ -142,15 +134,13 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
 }
 
 void EchoCells::take_faces() {
+  double re[FaceEchoes::kMost];
+  double im[FaceEchoes::kMost];
   ask(kAScatterer * faces_.n);
-  active_kernels().face_voltages(table_, plan_.wavelength_m(), faces_, re_, im_);
+  active_kernels().face_voltages(table_, plan_.wavelength_m(), faces_, re, im);
   for (int k = 0; k < faces_.n; ++k) {
-    Cell& cell = cells_[faces_.at[k]];
-    cell.power_w += faces_.power_w[k];
-    if (table_.sines) sines_w_[faces_.at[k]] += faces_.power_w[k] * face_sine_[k];
-    cell.re += re_[k];
-    cell.im += im_[k];
-    cell.count += 1;
+    bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
+    bins_.add_voltage(faces_.at[k], re[k], im[k]);
   }
   faces_.n = 0;
 }
@@ -158,29 +148,16 @@ void EchoCells::take_faces() {
 void EchoCells::write(BinBlock& block) {
   take_faces();
   for (std::size_t at = 0; at < last_.size(); ++at) {
-    if (at % kBlock == 0) ask(kBlock);
+    if (at % BinSums::kBlock == 0) ask(BinSums::kBlock);
     if (last_[at].power_w > 0) put(at, last_[at]);
   }
-  if (voltages_) take_scatterers();
-  if (table_.sines) fill(block.sin_elevation, block.power_w.size(), 0);
-  for (int a = 0; a < block.n_azimuth; ++a) {
-    ask(2 * block.n_range);
-    for (int r = 0; r < block.n_range; ++r) {
-      const Cell& cell = cells_[index(a, r)];
-      const std::size_t bin =
-          static_cast<std::size_t>(a) * static_cast<std::size_t>(block.n_range) + static_cast<std::size_t>(r);
-      block.iq[bin] = voltages_ ? std::complex<float>(std::complex<double>(cell.re, cell.im)) : 0.0F;
-      block.power_w[bin] = cell.power_w;
-      if (table_.sines && cell.power_w > 0)
-        block.sin_elevation[bin] = static_cast<float>(sines_w_[index(a, r)] / cell.power_w);
-      block.count[bin] = static_cast<std::uint32_t>(cell.count);
-      if (cell.count > 0) {
-        block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);
-      } else if (shadow_[index(a, r)] != 0) {
+  if (bins_.has_voltages()) take_scatterers();
+  bins_.write(block);
+  std::size_t bin = 0;
+  for (int a = 0; a < block.n_azimuth; ++a)
+    for (int r = 0; r < block.n_range; ++r, ++bin)
+      if (block.count[bin] == 0 && shadow_[BinSums::index(a, r)] != 0)
         block.state[bin] = static_cast<std::uint8_t>(BinState::shadow);
-      }
-    }
-  }
 }
 
 }  // namespace obliq

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/radar/bins.h"
+#include "server/radar/echo/bin_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/scene_plan.h"
@@ -47,7 +47,7 @@ class EchoCells {
   void add(int profile, const FaceEcho& echo);
 
   /// Ground that is seen over terrain and hidden by buildings.
-  void mark_building_shadow(int profile, int range_bin) { shadow_[index(profile, range_bin)] = 1; }
+  void mark_building_shadow(int profile, int range_bin) { shadow_[BinSums::index(profile, range_bin)] = 1; }
 
   /// Echoes so far.
   std::uint64_t count() const { return echoes_; }
@@ -57,16 +57,10 @@ class EchoCells {
   void write(BinBlock& block);
 
  private:
-  struct alignas(32) Cell {
-    double power_w, re, im, count;
-  };
   struct Scatterer {
     std::uint64_t place, kind;
     double power_w;
   };
-  static std::size_t index(int profile, int range_bin) {
-    return static_cast<std::size_t>(range_bin) * kWedgeAzimuthBins + static_cast<std::size_t>(profile);
-  }
   void put(std::size_t at, const Scatterer& scatterer);
   void take_scatterers();
   void take_faces();
@@ -74,26 +68,21 @@ class EchoCells {
   const ScenePlan& plan_;
   const SpeckleField& speckle_;
   Surfaces surfaces_;
-  bool voltages_;
+  BinSums bins_;
   WedgeEdges edges_;
   EchoTable table_;
   std::vector<double> cells_per_m_;        // [n_range]
   std::vector<std::uint64_t> level_bits_;  // [n_range]
   PlaceOfEchoes where_;
-  std::vector<Cell> cells_;           // [n_range][8]
-  std::vector<double> sines_w_;       // [n_range][8] sines of elevation by power; empty: not wanted
   std::vector<Scatterer> last_;       // [n_range][8] of the last plane; without power: none
   std::vector<std::uint8_t> shadow_;  // [n_range][8]
   std::uint64_t echoes_ = 0;
 
-  static constexpr std::size_t kBlock = 512;
   int n_ = 0;  // scatterers that wait for their voltages
-  std::uint32_t at_[kBlock];
-  std::uint64_t place_[kBlock];
-  std::uint64_t kind_[kBlock];
-  double power_w_[kBlock];
-  double re_[kBlock];
-  double im_[kBlock];
+  std::uint32_t at_[BinSums::kBlock];
+  std::uint64_t place_[BinSums::kBlock];
+  std::uint64_t kind_[BinSums::kBlock];
+  double power_w_[BinSums::kBlock];
   std::uint64_t list_place_[GroundEchoes::kMost + GroundEchoes::kSpare];
   std::uint64_t list_kind_[GroundEchoes::kMost + GroundEchoes::kSpare];
   FaceEchoes faces_{};

@@ -57,10 +57,9 @@ double noise_power_w(const RadarSettings& settings) {
 
 double echo_power_w(double power_w, double gain_db, double wavelength_m, double loss_db,
                     double cross_section_m2, double slant_range_m) {
-  const double gain = ratio_of_db(gain_db);
   const double r2 = slant_range_m * slant_range_m;
-  return radar_equation_constant(power_w, wavelength_m) * gain * gain * cross_section_m2 /
-         (ratio_of_db(loss_db) * r2 * r2);
+  return radar_equation(radar_equation_constant(power_w, wavelength_m), ratio_of_db(gain_db),
+                        cross_section_m2, ratio_of_db(loss_db) * r2 * r2);
 }
 
 std::vector<std::vector<double>> noise_kernels(const RadarSettings& settings) {
