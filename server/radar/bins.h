@@ -70,6 +70,9 @@ struct BinBlock {
   /// mean square power_w a bin. Empty: neighbouring bins are independent, or no such video is wanted.
   std::vector<std::complex<float>> look;
 
+  /// With all of them.
+  static constexpr std::int64_t kBytesABin = 8 + 8 + 4 + 1 + 4 + 1 + 2 + 8;
+
   BinBlock() = default;
   BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {
     const std::size_t n = static_cast<std::size_t>(azimuths) * static_cast<std::size_t>(ranges);

@@ -44,8 +44,4 @@ void BinSums::write(BinBlock& block) const {
   }
 }
 
-std::int64_t BinSums::bytes(std::int64_t n_range, bool sines) {
-  return n_range * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(Cell) + (sines ? sizeof(double) : 0));
-}
-
 }  // namespace obliq

@@ -44,8 +44,9 @@ class BinSums {
   /// Writes I&Q, power, count and elevation of all bins and the state of the sampled ones.
   void write(BinBlock& block) const;
 
-  /// What it takes, with spare room in the list of scatterers.
-  static std::int64_t bytes(std::int64_t n_range, bool sines);
+  static std::int64_t bytes(int n_range) {
+    return std::int64_t{n_range} * kWedgeAzimuthBins * (sizeof(Cell) + sizeof(double));
+  }
 
  private:
   struct alignas(32) Cell {

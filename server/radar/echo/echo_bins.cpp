@@ -13,6 +13,21 @@ namespace obliq {
 
 namespace {
 constexpr std::int64_t kASample = 20;  // in units of ask()
+
+/// Ground cells in an azimuth bin: their side is more than a quarter of the shorter side of a bin at half the
+/// range (SpeckleField).
+double cells_in_azimuth_bin(const RadarSettings& s) {
+  constexpr int kRings = 64;
+  const double width_rad = s.azimuth_bin_rad();
+  const double spacing_m = s.range_bin_m();
+  double cells = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double range_m = s.r_min_m + (s.r_max_m - s.r_min_m) * (ring + 0.5) / kRings;
+    const double side_m = std::max(std::min(spacing_m, width_rad * range_m / 2) / 4, 1e-3);
+    cells += width_rad * range_m * (s.r_max_m - s.r_min_m) / kRings / (side_m * side_m);
+  }
+  return cells;
+}
 }  // namespace
 
 EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
@@ -114,6 +129,18 @@ void EchoBins::add_speckle(std::size_t azimuth) {
     bins_.add_scatterers(static_cast<int>(n), at, sums.places() + first, sums.kinds() + first,
                          sums.powers_w() + first);
   }
+}
+
+std::int64_t EchoBins::bytes(const RadarSettings& s) {
+  if (s.speckle == SpeckleKind::geometric) return BinSums::bytes(s.range_bins);
+  const int azimuths = std::min(kWedgeAzimuthBins, s.azimuth_bins);
+  // The sweep cuts each of its planes at range bins and cells; a spread pixel reaches into some bins.
+  const bool sweep = s.frustum == FrustumKind::sweep;
+  const double samples = static_cast<double>(s.pixel_columns) / s.azimuth_bins *
+                         (sweep ? 4.0 * s.range_bins : 2.0 * s.pixel_rows + s.range_bins);
+  // And of one where they are added up.
+  return BinSums::bytes(s.range_bins) +
+         (azimuths + 1) * ScattererSums::bytes(std::min(samples, cells_in_azimuth_bin(s)));
 }
 
 }  // namespace obliq

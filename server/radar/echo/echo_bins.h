@@ -28,6 +28,9 @@ class EchoBins {
   /// restart.
   void write(BinBlock& block);
 
+  /// What it takes at most.
+  static std::int64_t bytes(const RadarSettings& settings);
+
  private:
   void add_speckle(std::size_t azimuth);
 

@@ -56,6 +56,10 @@ class EchoCells {
   /// restart.
   void write(BinBlock& block);
 
+  static std::int64_t bytes(int n_range) {
+    return BinSums::bytes(n_range) + std::int64_t{n_range} * kWedgeAzimuthBins * (sizeof(Scatterer) + 1);
+  }
+
  private:
   struct Scatterer {
     std::uint64_t place, kind;

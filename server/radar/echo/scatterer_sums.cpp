@@ -1,6 +1,7 @@
 #include "server/radar/echo/scatterer_sums.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "server/radar/simd/kernels.h"
@@ -19,6 +20,11 @@ void ScattererSums::ScattererArrays::resize(std::size_t n) {
   place.resize(n + ScattererLists::kSpare);
   kind.resize(n + ScattererLists::kSpare);
   power_w.resize(n + ScattererLists::kSpare);
+}
+
+std::int64_t ScattererSums::bytes(double samples) {
+  constexpr int kBytesASample = 4 + 8 + 8 + 8;
+  return std::llround(2 * kBytesASample * std::max(static_cast<double>(kFirstRoom), samples));
 }
 
 void ScattererSums::restart(int n_range) {

@@ -31,6 +31,9 @@ class ScattererSums {
   /// Several may share their scratch memory, one at a time.
   explicit ScattererSums(Scratch& scratch) : scratch_(&scratch) {}
 
+  /// With room to grow into: a bin, a place, a kind and a power.
+  static std::int64_t bytes(double samples);
+
   /// Empties it and keeps its memory.
   void restart(int n_range);
 

@@ -22,6 +22,11 @@ class PerspectiveRays {
   /// Fills the batch, possibly with nothing: looks at kMostPixels at most. False when no pixel was left.
   bool generate(RayBatch& batch);
 
+  /// Pixels that wait for their rays, by squares of 8 rows, with room to grow into.
+  static std::int64_t bytes(const RadarSettings& settings) {
+    return std::int64_t{8} * settings.pixel_columns * std::int64_t{sizeof(Pixel) + sizeof(int)} * 4 / 3;
+  }
+
  private:
   /// Part of an azimuth bin, all of it ahead of the antenna or all behind.
   struct BearingInterval {

@@ -28,6 +28,9 @@ class BuildingView {
   /// kept[bin * 8], and marks in `cells` where they leave none.
   void kept_shares(int plane, float* kept, EchoCells& cells) const;
 
+  /// Four floats a node of a plane's profile.
+  static std::int64_t bytes(const RadarSettings& settings);
+
  private:
   struct Corner {
     float right_m, ahead_m, tangent;

@@ -102,6 +102,12 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& c
   echoes_.n = 0;
 }
 
+std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
+  return std::int64_t{s.range_bins} * kWedgeAzimuthBins * sweep_columns_per_bin(s) *
+             std::int64_t{sizeof(float)} +
+         BuildingView::bytes(s);
+}
+
 void SweepEchoes::run(FrameStats& stats) {
   if (planes_ == 0) return;
   view_buildings();

@@ -28,6 +28,9 @@ class SweepEchoes {
 
   void run(FrameStats& stats);
 
+  /// A float a bin and plane, and what its view of buildings takes.
+  static std::int64_t bytes(const RadarSettings& settings);
+
  private:
   void view_buildings();
   void march_planes();

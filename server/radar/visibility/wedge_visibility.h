@@ -29,6 +29,9 @@ class WedgeVisibility {
   /// All sub-azimuths of an azimuth bin, whole. The first call marches those of all of the wedge's.
   const BinMarks& whole_marks(int azimuth_bin);
 
+  /// A visible and a present mark a bin, of up to 9 profiles an azimuth bin and of all together.
+  static std::int64_t bytes(int n_range) { return std::int64_t{n_range} * kWedgeAzimuthBins * 2 * (9 + 1); }
+
  private:
   struct SubAzimuth {
     RangeWindow bins{0, -1};
