@@ -8,7 +8,7 @@
 #include "server/radar/beam/patterns.h"
 #include "server/radar/bins.h"
 #include "server/radar/settings.h"
-#include "server/radar/simd/echo_filters.h"
+#include "server/radar/simd/rows.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

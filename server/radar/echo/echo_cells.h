@@ -9,7 +9,6 @@
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
-#include "server/radar/simd/ground_places.h"
 
 namespace obliq {
 

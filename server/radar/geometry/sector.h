@@ -5,7 +5,7 @@
 #include "server/radar/geometry/pose.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/pixel_rays.h"
+#include "server/radar/simd/rays.h"
 
 namespace obliq {
 

@@ -9,7 +9,7 @@
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/ground_cells.h"
 #include "server/radar/simd/horizon.h"
-#include "server/radar/simd/visible_ground.h"
+#include "server/radar/simd/profiles.h"
 #include "terrain/base/asking.h"
 #include "terrain/height_grid.h"
 

@@ -6,7 +6,7 @@
 
 #include "server/radar/bins.h"
 #include "server/radar/samples.h"
-#include "server/radar/simd/refine_hits.h"
+#include "server/radar/simd/rays.h"
 
 namespace obliq {
 

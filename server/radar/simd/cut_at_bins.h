@@ -3,8 +3,8 @@
 
 #include "server/radar/samples.h"
 #include "server/radar/simd/kernel.h"
+#include "server/radar/simd/profiles.h"
 #include "server/radar/simd/range_axis.h"
-#include "server/radar/simd/visible_ground.h"
 
 namespace obliq {
 

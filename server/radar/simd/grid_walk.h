@@ -1,7 +1,7 @@
 #pragma once
 // Eight vertical profiles that march side by side: their state in memory, and heights before they are needed.
 #include "server/radar/simd/ground_cells.h"
-#include "server/radar/simd/visible_ground.h"
+#include "server/radar/simd/profiles.h"
 
 namespace obliq::OBLIQ_ISA {
 

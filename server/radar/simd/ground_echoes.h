@@ -3,8 +3,8 @@
 
 #include "server/radar/simd/cross_section.h"
 #include "server/radar/simd/kernel.h"
+#include "server/radar/simd/profiles.h"
 #include "server/radar/simd/range_axis.h"
-#include "server/radar/simd/visible_ground.h"
 
 namespace obliq {
 
@@ -54,5 +54,18 @@ struct SegmentRows {
 /// Adds rows of segments, of both runs side by side; what is done is taken off their fronts. False: the list
 /// of echoes is full, and what is left of a row stays in its segments.
 OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&);
+
+/// Where the ground cells of echoes lie: by range bin, and by profile.
+struct PlaceOfEchoes {
+  double antenna_x_m, antenna_z_m;
+  double sin_bearing[GroundEchoes::kRuns];
+  double cos_bearing[GroundEchoes::kRuns];
+  const double* cells_per_m;        ///< [n_range]
+  const std::uint64_t* level_bits;  ///< [n_range] as in ScattererKey::kind
+};
+
+/// The ground cell of each echo, as ScattererKey's place and kind. Written up to a multiple of 8.
+OBLIQ_KERNEL(void, ground_places, const PlaceOfEchoes&, const GroundEchoes&, std::uint64_t* place,
+             std::uint64_t* kind);
 
 }  // namespace obliq

@@ -244,31 +244,20 @@ template <typename To, typename T, int n>
 // single instructions, with operators.
 
 #define OBLIQ_REGISTER [[gnu::always_inline]] inline
-OBLIQ_REGISTER __m128 root(__m128 x) { return _mm_sqrt_ps(x); }
-OBLIQ_REGISTER __m128d root(__m128d x) { return _mm_sqrt_pd(x); }
-OBLIQ_REGISTER __m128 least(__m128 a, __m128 b) { return _mm_min_ps(b, a); }
-OBLIQ_REGISTER __m128d least(__m128d a, __m128d b) { return _mm_min_pd(b, a); }
-OBLIQ_REGISTER __m128 greatest(__m128 a, __m128 b) { return _mm_max_ps(b, a); }
-OBLIQ_REGISTER __m128d greatest(__m128d a, __m128d b) { return _mm_max_pd(b, a); }
-OBLIQ_REGISTER __m128 chosen(__m128 where, __m128 yes, __m128 no) { return _mm_blendv_ps(no, yes, where); }
-OBLIQ_REGISTER __m128d chosen(__m128d where, __m128d yes, __m128d no) {
-  return _mm_blendv_pd(no, yes, where);
-}
-OBLIQ_REGISTER unsigned bits(__m128 mask) { return static_cast<unsigned>(_mm_movemask_ps(mask)); }
-OBLIQ_REGISTER unsigned bits(__m128d mask) { return static_cast<unsigned>(_mm_movemask_pd(mask)); }
+#define OBLIQ_REGISTERS(mm, floats, doubles)                                                               \
+  OBLIQ_REGISTER floats root(floats x) { return mm##_sqrt_ps(x); }                                         \
+  OBLIQ_REGISTER doubles root(doubles x) { return mm##_sqrt_pd(x); }                                       \
+  OBLIQ_REGISTER floats least(floats a, floats b) { return mm##_min_ps(b, a); }                            \
+  OBLIQ_REGISTER doubles least(doubles a, doubles b) { return mm##_min_pd(b, a); }                         \
+  OBLIQ_REGISTER floats greatest(floats a, floats b) { return mm##_max_ps(b, a); }                         \
+  OBLIQ_REGISTER doubles greatest(doubles a, doubles b) { return mm##_max_pd(b, a); }                      \
+  OBLIQ_REGISTER floats chosen(floats c, floats yes, floats no) { return mm##_blendv_ps(no, yes, c); }     \
+  OBLIQ_REGISTER doubles chosen(doubles c, doubles yes, doubles no) { return mm##_blendv_pd(no, yes, c); } \
+  OBLIQ_REGISTER unsigned bits(floats mask) { return static_cast<unsigned>(mm##_movemask_ps(mask)); }      \
+  OBLIQ_REGISTER unsigned bits(doubles mask) { return static_cast<unsigned>(mm##_movemask_pd(mask)); }
+OBLIQ_REGISTERS(_mm, __m128, __m128d)
 #if defined(__AVX2__)
-OBLIQ_REGISTER __m256 root(__m256 x) { return _mm256_sqrt_ps(x); }
-OBLIQ_REGISTER __m256d root(__m256d x) { return _mm256_sqrt_pd(x); }
-OBLIQ_REGISTER __m256 least(__m256 a, __m256 b) { return _mm256_min_ps(b, a); }
-OBLIQ_REGISTER __m256d least(__m256d a, __m256d b) { return _mm256_min_pd(b, a); }
-OBLIQ_REGISTER __m256 greatest(__m256 a, __m256 b) { return _mm256_max_ps(b, a); }
-OBLIQ_REGISTER __m256d greatest(__m256d a, __m256d b) { return _mm256_max_pd(b, a); }
-OBLIQ_REGISTER __m256 chosen(__m256 where, __m256 yes, __m256 no) { return _mm256_blendv_ps(no, yes, where); }
-OBLIQ_REGISTER __m256d chosen(__m256d where, __m256d yes, __m256d no) {
-  return _mm256_blendv_pd(no, yes, where);
-}
-OBLIQ_REGISTER unsigned bits(__m256 mask) { return static_cast<unsigned>(_mm256_movemask_ps(mask)); }
-OBLIQ_REGISTER unsigned bits(__m256d mask) { return static_cast<unsigned>(_mm256_movemask_pd(mask)); }
+OBLIQ_REGISTERS(_mm256, __m256, __m256d)
 #endif
 #if defined(__AVX512F__)
 OBLIQ_REGISTER __m512 root(__m512 x) { return _mm512_sqrt_ps(x); }
@@ -280,39 +269,28 @@ OBLIQ_REGISTER __m512d greatest(__m512d a, __m512d b) { return a < b ? b : a; }
 OBLIQ_REGISTER unsigned bits(__m512 mask) { return _mm512_movepi32_mask(_mm512_castps_si512(mask)); }
 OBLIQ_REGISTER unsigned bits(__m512d mask) { return _mm512_movepi64_mask(_mm512_castpd_si512(mask)); }
 #endif
+#undef OBLIQ_REGISTERS
 #undef OBLIQ_REGISTER
 
 /// A register as the intrinsics take it: floats for lanes of 4 bytes, doubles for lanes of 8.
 template <int lane_bytes, int bytes>
 struct IntrinsicOf;
-template <>
-struct IntrinsicOf<4, 16> {
-  using type = __m128;
-};
-template <>
-struct IntrinsicOf<8, 16> {
-  using type = __m128d;
-};
+#define OBLIQ_INTRINSIC(lane_bytes, bytes, register) \
+  template <>                                        \
+  struct IntrinsicOf<lane_bytes, bytes> {            \
+    using type = register;                           \
+  }
+OBLIQ_INTRINSIC(4, 16, __m128);
+OBLIQ_INTRINSIC(8, 16, __m128d);
 #if defined(__AVX2__)
-template <>
-struct IntrinsicOf<4, 32> {
-  using type = __m256;
-};
-template <>
-struct IntrinsicOf<8, 32> {
-  using type = __m256d;
-};
+OBLIQ_INTRINSIC(4, 32, __m256);
+OBLIQ_INTRINSIC(8, 32, __m256d);
 #endif
 #if defined(__AVX512F__)
-template <>
-struct IntrinsicOf<4, 64> {
-  using type = __m512;
-};
-template <>
-struct IntrinsicOf<8, 64> {
-  using type = __m512d;
-};
+OBLIQ_INTRINSIC(4, 64, __m512);
+OBLIQ_INTRINSIC(8, 64, __m512d);
 #endif
+#undef OBLIQ_INTRINSIC
 template <typename T, int n>
 using Intrinsic = typename IntrinsicOf<sizeof(T), sizeof(T) * n>::type;
 

@@ -1,9 +1,12 @@
 #pragma once
+// Rays from the antenna: through pixels, over bare ground to what each meets first, and those hits in double.
 #include <cstdint>
 
 #include "server/radar/samples.h"
+#include "server/radar/simd/grid_view.h"
 #include "server/radar/simd/kernel.h"
 #include "server/radar/simd/lanes.h"
+#include "server/radar/simd/profiles.h"
 
 namespace obliq {
 
@@ -57,5 +60,48 @@ struct PixelRays {
 
 /// Returns the number of rays.
 OBLIQ_KERNEL(int, pixel_rays, const PixelCamera&, const PixelList&, const PixelRays&);
+
+/// Rays from the antenna over bare ground: unit directions, and a slant range before which each meets
+/// nothing, at a point on the grid.
+struct FreeRays {
+  static constexpr double kOutOfSteps = -1;  ///< has crossed `most_cells` and met nothing so far
+  const std::uint16_t* order;                ///< [n] the rays' numbers
+  int n;
+  int most_cells;
+  double reach_m;   ///< slant range up to which they go
+  double lowest_m;  ///< height above the antenna that no ground lies below
+  const double* dir_x;
+  const double* dir_y;
+  const double* dir_z;
+  double* from_m;   ///< of a ray that is out of steps: how far it has come
+  double* range_m;  ///< slant range of what the ray meets first from above; NaN: nothing; or kOutOfSteps
+};
+
+OBLIQ_KERNEL(void, first_hits_on_ground, const GroundView&, const FreeRays&);
+
+/// Rays from the antenna: unit directions, and how far the tracer says that each goes to the ground; NaN for
+/// one that met no ground. The arrays are read up to a multiple of 8.
+struct RoughHits {
+  GroundView view;
+  int n;
+  const double* dir_x;
+  const double* dir_y;
+  const double* dir_z;
+  const double* rough_m;
+};
+
+/// Where they meet the ground in double precision: what refine_near (server/scene/exact_hit.h) answers.
+struct GroundHits {
+  double slant_range_m[kBatch];  ///< NaN: to be answered otherwise
+  double cos_incidence[kBatch];
+  double x_m[kBatch];
+  double z_m[kBatch];
+  std::int32_t cell_x[kBatch];  ///< the ground cell
+  std::int32_t cell_z[kBatch];
+};
+
+/// Intersects the triangle under each rough hit, and the one under the point that this leads to. Rays that
+/// neither answers, a few in a hundred, are left: those that leaked, and those next to a silhouette.
+OBLIQ_KERNEL(void, refine_ground_hits, const RoughHits&, GroundHits&);
 
 }  // namespace obliq
