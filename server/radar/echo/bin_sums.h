@@ -25,7 +25,6 @@ class BinSums {
     return static_cast<std::size_t>(range_bin) * kWedgeAzimuthBins + static_cast<std::size_t>(profile);
   }
   bool has_voltages() const { return voltages_; }
-  bool has_sines() const { return sines_; }
 
   /// An echo, by index(); sine_w: its power times its sine of elevation.
   void add(std::size_t at, double power_w, double sine_w) {

@@ -29,18 +29,10 @@ OBLIQ_INLINE auto uniform_of_hash(Bits hash) {
   return (to_doubles(hash & 0xffffffffull) + 0.5) * 0x1p-32;
 }
 
-/// An angle as a whole number of quarter turns, and the sine and cosine of the rest.
+/// sin and cos of 2 pi turns, |turns| < 2^51. Error below 3e-16: the reduction modulo one turn is exact; on
+/// what is left, in [-pi/4, pi/4], the Taylor series (remainders 5e-18 and 3e-18).
 template <typename Real>
-struct QuarterTurns {
-  Real quarters;
-  Real sin;
-  Real cos;
-};
-
-/// Of 2 pi turns, |turns| < 2^51. The reduction modulo one turn is exact; on what is left, in [-pi/4, pi/4],
-/// the Taylor series (remainders 5e-18 and 3e-18).
-template <typename Real>
-OBLIQ_INLINE QuarterTurns<Real> quarter_turns(Real turns) {
+OBLIQ_INLINE SinCosOf<Real> sincos_turns(Real turns) {
   const Real fraction = turns - nearest_integer(turns);
   const Real quarters = nearest_integer(4.0 * fraction);
   const Real x = 6.283185307179586476925 * (fraction - 0.25 * quarters);
@@ -59,13 +51,6 @@ OBLIQ_INLINE QuarterTurns<Real> quarter_turns(Real turns) {
                                                                z * (1.0 / 479001600.0 +
                                                                     z * (-1.0 / 87178291200.0 +
                                                                          z * (1.0 / 20922789888000.0))))))));
-  return {quarters, s, c};
-}
-
-/// sin and cos of 2 pi turns, |turns| < 2^51. Error below 3e-16: the reduction modulo one turn is exact.
-template <typename Real>
-OBLIQ_INLINE SinCosOf<Real> sincos_turns(Real turns) {
-  const auto [quarters, s, c] = quarter_turns(turns);
   // The quarter's number, from 0, in the low bits: it swaps the two, and sets their signs.
   const auto quarter = as_bits(quarters + 6755399441055744.0);
   const Mask<Real> odd = (quarter & 1) != 0;
@@ -111,19 +96,9 @@ inline double exp_of_negative(double x) {
   return term * std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::int64_t>(n) + 1023) << 52);
 }
 
-/// ln(mantissa 2^exponent), mantissa from sqrt(1/2) to sqrt(2): ln m = 2 artanh(s), s = (m - 1) / (m + 1),
-/// |s| <= 0.1716; the series to s^21 (remainder 4e-19).
-template <typename Real>
-OBLIQ_INLINE Real log_of_parts(Real mantissa, Real exponent) {
-  const Real s = (mantissa - 1.0) / (mantissa + 1.0);
-  const Real z = s * s;
-  Real sum{};
-#pragma GCC unroll 11
-  for (int k = 21; k >= 1; k -= 2) sum = sum * z + 1.0 / k;
-  return 2.0 * s * sum + exponent * 0.69314718055994530942;
-}
-
-/// Natural logarithm of a positive, normal number. Absolute error below 1e-15 on (0, 1].
+/// Natural logarithm of a positive, normal number. Absolute error below 1e-15 on (0, 1]. Of m 2^n, m from
+/// sqrt(1/2) to sqrt(2): ln m = 2 artanh(s), s = (m - 1) / (m + 1), |s| <= 0.1716; the series to s^21
+/// (remainder 4e-19).
 template <typename Real>
 OBLIQ_INLINE Real log_of_positive(Real x) {
   const auto bits = as_bits(x);
@@ -132,7 +107,12 @@ OBLIQ_INLINE Real log_of_positive(Real x) {
   const Mask<Real> high = mantissa > 1.41421356237309504880;
   mantissa = select(high, mantissa * 0.5, mantissa);
   exponent = select(high, exponent + 1.0, exponent);
-  return log_of_parts(mantissa, exponent);
+  const Real s = (mantissa - 1.0) / (mantissa + 1.0);
+  const Real z = s * s;
+  Real sum{};
+#pragma GCC unroll 11
+  for (int k = 21; k >= 1; k -= 2) sum = sum * z + 1.0 / k;
+  return 2.0 * s * sum + exponent * 0.69314718055994530942;
 }
 
 constexpr double kNepersOfDecibel = 0.2302585092994045684;  ///< ln(10) / 10

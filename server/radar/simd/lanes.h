@@ -150,16 +150,11 @@ OBLIQ_INLINE u64x8 load_u64(const std::uint64_t* from) { return load_as<u64x8>(f
 OBLIQ_INLINE void store(double* to, f64x8 lanes) { to_memory(to, lanes); }
 OBLIQ_INLINE void store(std::uint64_t* to, u64x8 lanes) { to_memory(to, lanes); }
 /// Whole numbers that fit.
-OBLIQ_INLINE void store_u32(std::uint32_t* to, u64x8 lanes) {
-  to_memory(to, converted<std::uint32_t>(lanes));
-}
 OBLIQ_INLINE void store_i32(std::int32_t* to, f64x8 lanes) { to_memory(to, converted<std::int32_t>(lanes)); }
 
 OBLIQ_INLINE u64x8 as_bits(f64x8 lanes) { return OBLIQ_ISA::bits_as<std::uint64_t>(lanes); }
 OBLIQ_INLINE f64x8 as_doubles(u64x8 bits) { return OBLIQ_ISA::bits_as<double>(bits); }
 
-/// 1 in the lanes of `where`, 0 elsewhere.
-OBLIQ_INLINE u64x8 ones_of(mask8 where) { return OBLIQ_ISA::bits_as<std::uint64_t>(where) & 1; }
 OBLIQ_INLINE mask8 mask_from(unsigned mask) {
   const u64x8 bit = lane_by_lane<std::uint64_t, kLanes>(
       [](int lane) __attribute__((always_inline)) { return std::uint64_t{1} << lane; });
