@@ -60,19 +60,13 @@ void SurfaceBounds::add_roofs(const World& world) {
     return static_cast<int>(std::clamp(std::floor((at_m - first_m) / square_m), 0.0, n - 1.0));
   };
   for (const Building& building : all.list) {
-    double x0 = HUGE_VAL, x1 = -HUGE_VAL, z0 = HUGE_VAL, z1 = -HUGE_VAL;
-    for (std::uint32_t k = all.ring_start[building.first_ring]; k < all.ring_start[building.first_ring + 1];
-         ++k) {
-      x0 = std::min(x0, static_cast<double>(all.ring_xz_m[k].x));
-      x1 = std::max(x1, static_cast<double>(all.ring_xz_m[k].x));
-      z0 = std::min(z0, static_cast<double>(all.ring_xz_m[k].y));
-      z1 = std::max(z1, static_cast<double>(all.ring_xz_m[k].y));
-    }
-    if (!(x0 <= x1)) continue;
-    const int i1 = square_at(x1 + kAround_m, world.grid.x0_m, level.nx);
-    const int j1 = square_at(z1 + kAround_m, world.grid.z0_m, level.nz);
-    for (int j = square_at(z0 - kAround_m, world.grid.z0_m, level.nz); j <= j1; ++j) {
-      for (int i = square_at(x0 - kAround_m, world.grid.x0_m, level.nx); i <= i1; ++i) {
+    const Rectangle around(all.outline(building));
+    const glm::dvec2 low(around.low_m), high(around.high_m);
+    if (!(low.x <= high.x)) continue;
+    const int i1 = square_at(high.x + kAround_m, world.grid.x0_m, level.nx);
+    const int j1 = square_at(high.y + kAround_m, world.grid.z0_m, level.nz);
+    for (int j = square_at(low.y - kAround_m, world.grid.z0_m, level.nz); j <= j1; ++j) {
+      for (int i = square_at(low.x - kAround_m, world.grid.x0_m, level.nx); i <= i1; ++i) {
         const std::size_t at = level.index(i, j);
         roof_m_[at] = std::max(roof_m_[at], building.roof_y_m);
         level.highest_m[at] = std::max(level.highest_m[at], building.roof_y_m);

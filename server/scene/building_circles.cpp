@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <limits>
 
 namespace obliq {
@@ -19,26 +18,20 @@ BuildingCircles::BuildingCircles(const Buildings& buildings)
       roof_y_m(buildings.list.size()) {
   for (std::size_t b = 0; b < size(); ++b) {
     const Building& building = buildings.list[b];
-    const std::uint32_t begin = buildings.ring_start[building.first_ring];
-    const std::uint32_t end = buildings.ring_start[building.first_ring + 1];
+    const std::span<const glm::vec2> outline = buildings.outline(building);
     roof_y_m[b] = building.roof_y_m;
-    if (begin == end) {
+    if (outline.empty()) {
       x_m[b] = z_m[b] = kNowhere_m;
       continue;
     }
-    glm::vec2 low = buildings.ring_xz_m[begin];
-    glm::vec2 high = low;
-    for (std::uint32_t k = begin + 1; k < end; ++k) {
-      low = glm::min(low, buildings.ring_xz_m[k]);
-      high = glm::max(high, buildings.ring_xz_m[k]);
-    }
+    const auto [low, high] = Rectangle(outline);
     const glm::dvec2 middle = (glm::dvec2(low) + glm::dvec2(high)) / 2.0;
     x_m[b] = static_cast<float>(middle.x);
     z_m[b] = static_cast<float>(middle.y);
     double radius2 = 0;
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const glm::dvec2 p = glm::dvec2(buildings.ring_xz_m[k]) -
-                           glm::dvec2(static_cast<double>(x_m[b]), static_cast<double>(z_m[b]));
+    for (const glm::vec2& corner : outline) {
+      const glm::dvec2 p =
+          glm::dvec2(corner) - glm::dvec2(static_cast<double>(x_m[b]), static_cast<double>(z_m[b]));
       radius2 = std::max(radius2, p.x * p.x + p.y * p.y);
     }
     radius_m[b] =

@@ -12,15 +12,9 @@ constexpr int kLarger = 8;       ///< times as many cells a side has the next le
 
 /// A centimetre more than its bounding rectangle, for points just outside its walls.
 void rectangle_of(const Buildings& all, const Building& building, glm::dvec2& low_m, glm::dvec2& high_m) {
-  low_m = glm::dvec2(HUGE_VAL);
-  high_m = glm::dvec2(-HUGE_VAL);
-  for (std::uint32_t k = all.ring_start[building.first_ring]; k < all.ring_start[building.first_ring + 1];
-       ++k) {
-    low_m = glm::min(low_m, glm::dvec2(all.ring_xz_m[k]));
-    high_m = glm::max(high_m, glm::dvec2(all.ring_xz_m[k]));
-  }
-  low_m -= 0.01;
-  high_m += 0.01;
+  const Rectangle exact(all.outline(building));
+  low_m = glm::dvec2(exact.low_m) - 0.01;
+  high_m = glm::dvec2(exact.high_m) + 0.01;
 }
 
 }  // namespace
@@ -139,12 +133,11 @@ bool inside_building(const Buildings& all, std::uint32_t building, double x_m, d
   // Crossings of a half-line eastwards, and the distance from every edge.
   bool inside = false;
   for (std::uint32_t ring = b.first_ring; ring < b.first_ring + b.n_rings; ++ring) {
-    const std::uint32_t begin = all.ring_start[ring];
-    const std::uint32_t end = all.ring_start[ring + 1];
-    if (begin == end) continue;
-    glm::dvec2 p(all.ring_xz_m[end - 1]);
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const glm::dvec2 q(all.ring_xz_m[k]);
+    const std::span<const glm::vec2> corners = all.ring(ring);
+    if (corners.empty()) continue;
+    glm::dvec2 p(corners.back());
+    for (const glm::vec2& corner : corners) {
+      const glm::dvec2 q(corner);
       if ((p.y > z_m) != (q.y > z_m) && x_m < p.x + (q.x - p.x) * ((z_m - p.y) / (q.y - p.y)))
         inside = !inside;
       const glm::dvec2 edge = q - p;

@@ -6,8 +6,7 @@ namespace {
 /// Triangles of a roof.
 std::uint32_t roof_count(const Buildings& all, const Building& building) {
   if (building.n_parts == 0) {
-    const std::uint32_t ring = building.first_ring;
-    const std::uint32_t n = all.ring_start[ring + 1] - all.ring_start[ring];
+    const auto n = static_cast<std::uint32_t>(all.outline(building).size());
     return n < 3 ? 0 : n - 2;
   }
   std::uint32_t count = 0;
@@ -22,12 +21,10 @@ WallEdge edge_of_wall(const Buildings& all, std::uint32_t face) {
   const Building& building = all.list[all.faces[face].building];
   std::uint32_t edge = face - building.first_face - 1;
   std::uint32_t ring = building.first_ring;
-  while (edge >= all.ring_start[ring + 1] - all.ring_start[ring]) {
-    edge -= all.ring_start[ring + 1] - all.ring_start[ring];
-    ++ring;
-  }
+  const auto size_of = [&](std::uint32_t r) { return static_cast<std::uint32_t>(all.ring(r).size()); };
+  for (; edge >= size_of(ring); ++ring) edge -= size_of(ring);
   const std::uint32_t begin = all.ring_start[ring];
-  const std::uint32_t size = all.ring_start[ring + 1] - begin;
+  const std::uint32_t size = size_of(ring);
   return {begin + edge, begin + (edge + 1) % size};
 }
 
@@ -38,7 +35,7 @@ Triangle triangle_of(const Buildings& all, std::uint32_t face, std::uint32_t num
     const glm::vec2 p = all.ring_xz_m[edge.from], q = all.ring_xz_m[edge.to];
     return number == 0 ? lower_half(building, p, q) : upper_half(building, p, q);
   }
-  const glm::vec2* corner = &all.ring_xz_m[all.ring_start[building.first_ring]];
+  const glm::vec2* corner = all.outline(building).data();
   if (building.n_parts > 0) {
     const ConvexPart* part = &all.parts[building.first_part];
     for (; number >= part->n_corners - 2; ++part) number -= part->n_corners - 2;

@@ -57,17 +57,16 @@ void for_each_triangle(const Buildings& all, const Building& building, Use&& use
                    over(corner[at.c], building.roof_y_m)});
     }
   };
-  const std::uint32_t outline = all.ring_start[building.first_ring];
-  if (building.n_parts == 0)
-    fan_over(&all.ring_xz_m[outline], all.ring_start[building.first_ring + 1] - outline);
+  const std::span<const glm::vec2> outline = all.outline(building);
+  if (building.n_parts == 0) fan_over(outline.data(), static_cast<std::uint32_t>(outline.size()));
   for (std::uint32_t p = building.first_part; p < building.first_part + building.n_parts; ++p)
     fan_over(&all.part_xz_m[all.parts[p].first_corner], all.parts[p].n_corners);
   if (!all.walls) return;
   std::uint32_t face = building.first_face;
   for (std::uint32_t r = building.first_ring; r < building.first_ring + building.n_rings; ++r) {
-    const std::uint32_t begin = all.ring_start[r], end = all.ring_start[r + 1];
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const glm::vec2 p = all.ring_xz_m[k], q = all.ring_xz_m[k + 1 < end ? k + 1 : begin];
+    const std::span<const glm::vec2> ring = all.ring(r);
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const glm::vec2 p = ring[k], q = ring[k + 1 < ring.size() ? k + 1 : 0];
       ++face;
       use(face, lower_half(building, p, q));
       use(face, upper_half(building, p, q));

@@ -1,8 +1,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
+#include <span>
 #include <vector>
 
 namespace obliq {
@@ -41,6 +44,19 @@ struct ConvexPart {
   std::uint32_t n_corners = 0;
 };
 
+/// The rectangle that bounds some corners; of none, low is above high.
+struct Rectangle {
+  glm::vec2 low_m{std::numeric_limits<float>::infinity()};
+  glm::vec2 high_m{-std::numeric_limits<float>::infinity()};
+
+  explicit Rectangle(std::span<const glm::vec2> corners_m) {
+    for (const glm::vec2& corner : corners_m) {
+      low_m = glm::min(low_m, corner);
+      high_m = glm::max(high_m, corner);
+    }
+  }
+};
+
 /// All buildings of a scene, as footprints. Their triangles are worked out from them where rays are traced
 /// (terrain/buildings/building_mesh.h), so that footprint and mesh are the same solid.
 struct Buildings {
@@ -55,6 +71,11 @@ struct Buildings {
   std::vector<std::uint32_t> part_wall;  ///< face of the wall from this corner to the next; kNoFace: an inner
                                          ///< edge, which is no wall
   bool walls = true;                     ///< false: roofs alone have triangles, for a comparison
+
+  std::span<const glm::vec2> ring(std::uint32_t r) const {
+    return std::span(ring_xz_m).subspan(ring_start[r], ring_start[r + 1] - ring_start[r]);
+  }
+  std::span<const glm::vec2> outline(const Building& building) const { return ring(building.first_ring); }
 
   /// Gives back the memory that growing has left unused.
   void trim();

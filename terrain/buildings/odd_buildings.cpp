@@ -11,11 +11,11 @@ namespace {
 
 bool is_sliver(const Buildings& all, const Building& building) {
   double doubled_m2 = 0, circumference_m = 0;
-  const glm::dvec2 origin(all.ring_xz_m[all.ring_start[building.first_ring]]);
+  const glm::dvec2 origin(all.outline(building).front());
   for (std::uint32_t r = building.first_ring; r < building.first_ring + building.n_rings; ++r) {
-    glm::dvec2 p = glm::dvec2(all.ring_xz_m[all.ring_start[r + 1] - 1]) - origin;
-    for (std::uint32_t k = all.ring_start[r]; k < all.ring_start[r + 1]; ++k) {
-      const glm::dvec2 q = glm::dvec2(all.ring_xz_m[k]) - origin;
+    glm::dvec2 p = glm::dvec2(all.ring(r).back()) - origin;
+    for (const glm::vec2& corner : all.ring(r)) {
+      const glm::dvec2 q = glm::dvec2(corner) - origin;
       doubled_m2 += p.x * q.y - p.y * q.x;
       circumference_m += std::hypot(q.x - p.x, q.y - p.y);
       p = q;
@@ -37,12 +37,7 @@ struct Place {
 };
 
 Place place_of(const Buildings& all, const Building& building) {
-  const std::uint32_t begin = all.ring_start[building.first_ring];
-  glm::vec2 low = all.ring_xz_m[begin], high = low;
-  for (std::uint32_t k = begin + 1; k < all.ring_start[building.first_ring + 1]; ++k) {
-    low = glm::min(low, all.ring_xz_m[k]);
-    high = glm::max(high, all.ring_xz_m[k]);
-  }
+  const auto [low, high] = Rectangle(all.outline(building));
   return {(low + high) / 2.0f, high - low};
 }
 

@@ -291,17 +291,15 @@ class SectorScan {
   }
 
   void visit_building(const Building& building) {
-    const Buildings& all = world_.buildings;
     const auto roof = static_cast<double>(building.roof_y_m);
-    const std::uint32_t begin = all.ring_start[building.first_ring];
-    const std::uint32_t end = all.ring_start[building.first_ring + 1];
-    if (begin == end) return;
-    ask(kLook * static_cast<std::int64_t>(end - begin));
-    const glm::dvec2 first(all.ring_xz_m[begin]);
+    const std::span<const glm::vec2> outline = world_.buildings.outline(building);
+    if (outline.empty()) return;
+    ask(kLook * static_cast<std::int64_t>(outline.size()));
+    const glm::dvec2 first(outline.front());
     double size = roof - static_cast<double>(building.base_y_m);
     bool all_inside = true;
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const glm::dvec2 p(all.ring_xz_m[k]);
+    for (const glm::vec2& corner : outline) {
+      const glm::dvec2 p(corner);
       size = std::max({size, std::abs(p.x - first.x), std::abs(p.y - first.y)});
       if (!holds(p.x, roof, p.y)) {
         all_inside = false;
@@ -318,14 +316,13 @@ class SectorScan {
     const Buildings& all = world_.buildings;
     const auto roof = static_cast<double>(building.roof_y_m);
     const auto base = static_cast<double>(building.base_y_m);
-    const std::uint32_t begin = all.ring_start[building.first_ring];
-    const std::uint32_t end = all.ring_start[building.first_ring + 1];
-    const glm::dvec2 first(all.ring_xz_m[begin]);
+    const std::span<const glm::vec2> outline = all.outline(building);
+    const glm::dvec2 first(outline.front());
     if (overlap(first.x, first.y, 1.5 * size_m + margin_m_, base, roof) == Overlap::none) return;
     constexpr double kMostSteps = 64;
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const glm::dvec2 p(all.ring_xz_m[k]);
-      const glm::dvec2 q(all.ring_xz_m[k + 1 < end ? k + 1 : begin]);
+    for (std::size_t k = 0; k < outline.size(); ++k) {
+      const glm::dvec2 p(outline[k]);
+      const glm::dvec2 q(outline[(k + 1) % outline.size()]);
       const double steps =
           std::clamp(std::ceil(std::hypot(q.x - p.x, q.y - p.y) / margin_m_), 1.0, kMostSteps);
       ask(static_cast<std::int64_t>(kLook * steps));

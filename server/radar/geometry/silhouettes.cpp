@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
-#include <glm/vec2.hpp>
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
@@ -33,17 +31,10 @@ double top_slope(const Buildings& all, const Sector& sector, std::uint32_t build
 }  // namespace
 
 BuildingBounds bounds_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
-  const std::uint32_t ring = all.list[building].first_ring;
-  const std::uint32_t begin = all.ring_start[ring];
-  const std::uint32_t end = all.ring_start[ring + 1];
-  if (begin == end) return {building, HUGE_VAL, HUGE_VAL, 0, 0, 0};
+  const std::span<const glm::vec2> outline = all.outline(all.list[building]);
+  if (outline.empty()) return {building, HUGE_VAL, HUGE_VAL, 0, 0, 0};
   // The circle around the rectangle that bounds it.
-  glm::vec2 low = all.ring_xz_m[begin];
-  glm::vec2 high = low;
-  for (std::uint32_t k = begin + 1; k < end; ++k) {
-    low = glm::min(low, all.ring_xz_m[k]);
-    high = glm::max(high, all.ring_xz_m[k]);
-  }
+  const auto [low, high] = Rectangle(outline);
   const glm::dvec2 middle = (glm::dvec2(low) + glm::dvec2(high)) / 2.0;
   const glm::dvec2 half = (glm::dvec2(high) - glm::dvec2(low)) / 2.0;
   const double radius = std::sqrt(half.x * half.x + half.y * half.y) + kMargin_m;
@@ -65,18 +56,17 @@ BuildingBounds bounds_of(const Buildings& all, const Sector& sector, std::uint32
 }
 
 Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32_t building) {
-  const std::uint32_t ring = all.list[building].first_ring;
-  const std::uint32_t begin = all.ring_start[ring];
-  const std::uint32_t n = all.ring_start[ring + 1] - begin;
+  const std::span<const glm::vec2> outline = all.outline(all.list[building]);
+  const std::size_t n = outline.size();
   Silhouette silhouette;
   silhouette.building = building;
   if (n == 0) {
     silhouette.near_m = HUGE_VAL;
     return silhouette;
   }
-  const auto corner = [&](std::uint32_t k) {
-    const double x = static_cast<double>(all.ring_xz_m[begin + k % n].x);
-    const double z = static_cast<double>(all.ring_xz_m[begin + k % n].y);
+  const auto corner = [&](std::size_t k) {
+    const double x = static_cast<double>(outline[k % n].x);
+    const double z = static_cast<double>(outline[k % n].y);
     return glm::dvec2(sector.right_m(x, z), sector.ahead_m(x, z));
   };
   // The outline runs counter-clockwise: a wall a -> b faces the antenna when the antenna is on its right.
@@ -85,7 +75,7 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
   double farthest2 = 0;
   double bearing = 0;
   glm::dvec2 last = corner(n - 1);
-  for (std::uint32_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < n; ++k) {
     const glm::dvec2 here = corner(k);
     const glm::dvec2 next = corner(k + 1);
     nearest2 = std::min(nearest2, distance2(here, next));
@@ -111,7 +101,7 @@ Silhouette silhouette_of(const Buildings& all, const Sector& sector, std::uint32
     silhouette.to_rad = kPi;
     // Its roof may begin and end under any of its corners.
     silhouette.corners_rad.clear();
-    for (std::uint32_t k = 0; k < n; ++k)
+    for (std::size_t k = 0; k < n; ++k)
       silhouette.corners_rad.push_back(bearing_of(corner(k).x, corner(k).y));
   }
   std::sort(silhouette.corners_rad.begin(), silhouette.corners_rad.end());
