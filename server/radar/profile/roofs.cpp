@@ -45,28 +45,28 @@ void add_roof_spans(const Buildings& buildings, std::uint32_t building_index, do
   };
   std::uint32_t wall = building.first_face + 1;  // the roof comes first
   for (std::uint32_t ring = building.first_ring; ring < building.first_ring + building.n_rings; ++ring) {
-    const std::span<const glm::vec2> corners = buildings.ring(ring);
-    const auto n_corners = static_cast<std::uint32_t>(corners.size());
-    if (n_corners == 0) continue;
-    double ax = static_cast<double>(corners.back().x) - x_m;
-    double az = static_cast<double>(corners.back().y) - z_m;
+    const std::uint32_t begin = buildings.ring_start[ring];
+    const std::uint32_t end = buildings.ring_start[ring + 1];
+    if (end == begin) continue;
+    double ax = static_cast<double>(buildings.ring_xz_m[end - 1].x) - x_m;
+    double az = static_cast<double>(buildings.ring_xz_m[end - 1].y) - z_m;
     double a_side = ax * cos_bearing - az * sin_bearing;
-    for (std::uint32_t k = 0; k < n_corners; ++k) {
-      const double bx = static_cast<double>(corners[k].x) - x_m;
-      const double bz = static_cast<double>(corners[k].y) - z_m;
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const double bx = static_cast<double>(buildings.ring_xz_m[k].x) - x_m;
+      const double bz = static_cast<double>(buildings.ring_xz_m[k].y) - z_m;
       const double b_side = bx * cos_bearing - bz * sin_bearing;
       if ((a_side >= 0) != (b_side >= 0)) {
         const double a_along = ax * sin_bearing + az * cos_bearing;
         const double b_along = bx * sin_bearing + bz * cos_bearing;
         // Edge k - 1 -> k; the first round of the loop is the ring's last edge.
-        const std::uint32_t edge = k == 0 ? n_corners - 1 : k - 1;
+        const std::uint32_t edge = k == begin ? end - begin - 1 : k - begin - 1;
         add(a_along + (b_along - a_along) * (a_side / (a_side - b_side)), wall + edge);
       }
       ax = bx;
       az = bz;
       a_side = b_side;
     }
-    wall += n_corners;
+    wall += end - begin;
   }
   Crossing* const first = many.empty() ? crossings : many.data();
   std::sort(first, first + n, [](const Crossing& a, const Crossing& b) {
