@@ -24,9 +24,6 @@ constexpr double kWidest_m = 1.2;
 /// Memory has answered when the one that is asked for so far ahead is looked at.
 constexpr std::size_t kAskAhead = 16;
 
-/// Of a plane's profile, at most.
-constexpr double kNodesABin = 16;
-
 /// Buildings with sub-columns stand farther off than twice this (SubColumnBins).
 constexpr float kClip_m = 50;
 
@@ -58,7 +55,7 @@ BuildingView::BuildingView(const ScenePlan& plan, double far_m)
 
   // Half a cell apart, or half a bin: finer nodes change nothing that E shows.
   const double node_m =
-      std::max(std::min(bins.range_spacing_m, grid.cell_m) / 2, bins.range_spacing_m / kNodesABin);
+      std::max(std::min(bins.range_spacing_m, grid.cell_m) / 2, bins.range_spacing_m / kMostNodesABin);
   NodeProfiles& nodes = columns_.nodes;
   nodes.planes = planes_;
   nodes.node_m = as_float(node_m);
@@ -73,11 +70,6 @@ BuildingView::BuildingView(const ScenePlan& plan, double far_m)
   columns_.r_min_m = as_float(bins.r_min_m);
   columns_.range_spacing_m = as_float(bins.range_spacing_m);
   columns_.n_range = bins.n_range;
-}
-
-std::int64_t BuildingView::bytes(const RadarSettings& s) {
-  return std::llround(4 * sizeof(float) * sweep_columns_per_bin(s) * kNodesABin * s.r_max_m /
-                      s.range_bin_m());
 }
 
 SinCos BuildingView::bearing(double position) const {

@@ -18,6 +18,8 @@ double lowest_slope_in_swath(const ScenePlan& plan);
 /// buildings is one slope. There are more of them farther out, where the bin is wider.
 class BuildingView {
  public:
+  static constexpr int kMostNodesABin = 16;  ///< of a plane's profile, four floats each
+
   /// far_m: buildings that begin beyond it are left out.
   BuildingView(const ScenePlan& plan, double far_m);
 
@@ -27,9 +29,6 @@ class BuildingView {
   /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
   /// kept[bin * 8], and marks in `cells` where they leave none.
   void kept_shares(int plane, float* kept, EchoCells& cells) const;
-
-  /// Four floats a node of a plane's profile.
-  static std::int64_t bytes(const RadarSettings& settings);
 
  private:
   struct Corner {

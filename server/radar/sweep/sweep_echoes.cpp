@@ -103,9 +103,9 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& c
 }
 
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
-  return std::int64_t{s.range_bins} * kWedgeAzimuthBins * sweep_columns_per_bin(s) *
-             std::int64_t{sizeof(float)} +
-         BuildingView::bytes(s);
+  const double kept = static_cast<double>(s.range_bins) * kWedgeAzimuthBins;
+  const double nodes = BuildingView::kMostNodesABin * s.r_max_m / s.range_bin_m();
+  return std::llround(sweep_columns_per_bin(s) * sizeof(float) * (kept + 4 * nodes));
 }
 
 void SweepEchoes::run(FrameStats& stats) {

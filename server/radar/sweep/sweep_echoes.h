@@ -28,7 +28,7 @@ class SweepEchoes {
 
   void run(FrameStats& stats);
 
-  /// A float a bin and plane, and what its view of buildings takes.
+  /// Of each plane a float a bin, and the nodes of the view of buildings.
   static std::int64_t bytes(const RadarSettings& settings);
 
  private:
