@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/scene/exact_hit.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

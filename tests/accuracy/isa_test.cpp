@@ -14,6 +14,7 @@
 #include "server/radar/render.h"
 #include "server/radar/samples.h"
 #include "server/scene/embree_tracer.h"
+#include "server/scene/exact_hit.h"
 #include "terrain/buildings/building_mesh.h"
 #include "tests/support/scenes.h"
 

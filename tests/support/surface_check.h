@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "server/radar/samples.h"
+#include "server/scene/exact_hit.h"
 #include "terrain/world.h"
 
 namespace obliq::test {

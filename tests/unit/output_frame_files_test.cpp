@@ -21,6 +21,7 @@
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
 #include "server/radar/frame_plan.h"
+#include "server/scene/exact_hit.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/frame_files_fixture.h"
 
