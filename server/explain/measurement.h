@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/accuracy/bin_errors.h"
+#include "server/accuracy/truth_bins.h"
 #include "server/radar/frame_plan.h"
 
 namespace obliq {
@@ -36,32 +37,30 @@ constexpr Density kOtherDensities[] = {{9, 15.43}, {7, 17.21}};
 /// r_max.
 int columns_factor(const RadarSettings& settings, double cell_m);
 
-/// Eight wedges of a frame, 64 azimuth bins, spread evenly over it; all when it has no more.
-std::vector<AzimuthRange> even_wedges(const RadarSettings& settings);
-/// 0: all cores.
-int threads_of(int threads);
-int azimuth_bins_in(const std::vector<AzimuthRange>& wedges);
+/// So many azimuth bins are measured, in even wedges; all where there are no more.
+constexpr int kMeasuredAzimuths = 64;
 
 /// The bins of some wedges, one after the other: planes [azimuth bins of the wedges][n_range].
 struct WedgePlanes {
   std::vector<double> power_w;
   std::vector<std::complex<float>> iq;
   std::vector<std::uint32_t> count;
-  double frame_s =
-      0;  ///< the wedges' processor time scaled to all bins and threads, of the quickest repetition
+  /// The wedges' processor time scaled to all bins and threads, of the quickest repetition.
+  double frame_s = 0;
   double spread_s = 0;  ///< how much longer the slowest took
   FrameStats stats;
 };
 
-/// Renders the wedges, as often as told; a wedge each for `threads` threads (0: all cores).
-WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int threads,
-                          int repetitions, bool states);
+/// Renders the runs, as often as told; one each for `threads` threads (0: all cores).
+WedgePlanes render_sample(const FramePlan& plan, const AzimuthRuns& runs, int threads, int repetitions,
+                          bool states);
 
 /// The scene's settings with another source, of 1 W and 0 dB. No range normalisation, so that bins weigh as
 /// design section 3 has it.
 RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Density density);
 
-RangeBins range_bins_of(const BinGrid& bins);
+/// The middle one of values in any order, the upper of two; 0 without any.
+double upper_median(std::vector<double>& values);
 
 /// Speckle of a frame: intensity over power in the lit bins.
 struct SpeckleMeasure {

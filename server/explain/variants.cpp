@@ -9,13 +9,6 @@ namespace obliq {
 
 namespace {
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// By the shoelace formula; holes count as built over.
 double outline_area_m2(const Buildings& buildings, const Building& building) {
   const std::uint32_t begin = buildings.ring_start[building.first_ring];
@@ -55,14 +48,14 @@ BuildingSizes median_sizes(const Buildings& buildings) {
       break;
     }
   }
-  return {median(heights_m), median(sides_m)};
+  return {upper_median(heights_m), upper_median(sides_m)};
 }
 
-GroundProbes::GroundProbes(const FramePlan& plan, const std::vector<AzimuthRange>& wedges) {
+GroundProbes::GroundProbes(const FramePlan& plan, const AzimuthRuns& runs) {
   const HeightGrid& grid = plan.scene().world().grid;
   const Sector& sector = plan.sector();
-  for (const AzimuthRange& wedge : wedges) {
-    for (int bin = wedge.first; bin < wedge.first + wedge.count; ++bin) {
+  for (const AzimuthRange& run : runs) {
+    for (int bin = run.first; bin < run.first + run.count; ++bin) {
       const double bearing = plan.looks_at().bearing_rad(bin + 0.5);
       for (int n = 1; n <= kDistances; ++n) {
         const double ground_m = sector.r_max_m * n / kDistances;

@@ -29,7 +29,7 @@ struct GroundShift {
 /// the same in every earth of one origin.
 class GroundProbes {
  public:
-  GroundProbes(const FramePlan& plan, const std::vector<AzimuthRange>& wedges);
+  GroundProbes(const FramePlan& plan, const AzimuthRuns& runs);
 
   /// Where both worlds know the ground.
   GroundShift shift_in(const World& world, const Pose& pose) const;
