@@ -9,7 +9,6 @@
 
 #include "server/explain/measurement.h"
 #include "server/explain/row.h"
-#include "server/explain/variants.h"
 #include "server/radar/receiver/weather.h"
 #include "server/scene/ray_method.h"
 #include "terrain/base/parallel.h"
