@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "server/explain/explanation.h"
 #include "server/radar/receiver/decibel.h"
