@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "server/explain/measurement.h"
-#include "server/explain/radar_rows.h"
-#include "server/explain/variants.h"
+#include "server/explain/row.h"
+#include "server/radar/receiver/weather.h"
 #include "server/scene/ray_method.h"
 #include "terrain/base/parallel.h"
 #include "terrain/dem/source_error.h"
@@ -93,7 +93,7 @@ struct Explanation {
   SpeckleMeasure ground_speckle;
   SpeckleMeasure geometric_speckle;
   std::vector<Comparison> comparisons;
-  std::vector<RadarRow> radar;  ///< what is between echoes and display
+  std::vector<Row> radar;  ///< what is between echoes and display
 };
 
 /// For a terminal of 100 columns.
@@ -102,27 +102,28 @@ std::string markdown_report(const Explanation& explanation);
 /// A header line, then a line for the scene, for each of the two noises and for every comparison; RFC 4180.
 std::string csv_report(const Explanation& explanation);
 
+// Tables of sentences: a row more is one more line there, with the values that it names.
+
+/// What the scene is and how it was measured.
+std::vector<Row> scene_rows(const Explanation& explanation);
+/// What each part of the radar does in this scene's bins, by closed forms and the bins' measured power.
+/// `power_of` gives the bins of the wedges for other settings of the radar.
+std::vector<Row> radar_rows(const RadarSettings& settings, const AirView& air,
+                            const std::function<std::vector<double>(const RadarSettings&)>& power_of);
+/// From where on the ingredient matters: a closed form with this scene's own numbers.
+std::string threshold_text(const Comparison& comparison, const Explanation& explanation);
+
 /// Frame times that differ by less are not told apart: a twentieth, or what repetitions of any of them and
 /// the scene itself from the first to the last measurement differed by. In whole milliseconds, rounded up.
 double frame_repeats_within_s(const Explanation& all);
 
-/// Completes a comparison: the verdict, the threshold for this scene's own numbers with its formula, and both
-/// in words.
+/// Completes a comparison: verdict, threshold and advice.
 void judge(Comparison& comparison, const Explanation& all);
-
-// A change counts when it reaches any of these. A tenth of a decibel and half a range bin are what thresholds
-// are worked out for; a radar that is calibrated to a decibel is a good one.
-constexpr double kNoticeableMedian_db = 0.1;
-constexpr double kNoticeable95_db = 1;
-constexpr double kNoticeableShare = 0.01;  ///< of the lit bins: by more than 1 dB, gone or new
-constexpr double kNoticeableTotal_db = 0.1;
-constexpr double kNoticeableShift_bins = 0.5;  ///< range bins
-
-/// A change must be this much larger than the measurement's own noise to be told from it.
-constexpr double kAboveNoise = 2;
-
 /// Sets verdict and below_frustum_noise from the numbers.
 void decide(Comparison& comparison, const Explanation& all);
+
+/// Of the lit bins: by more than 1 dB, gone or new.
+constexpr double kNoticeableShare = 0.01;
 
 struct ExplainInput {
   std::string scene;

@@ -1,14 +1,11 @@
 #include "server/explain/measurement.h"
 
-#include <time.h>
-
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <numeric>
-#include <thread>
+#include <ctime>
+#include <future>
 
 #include "server/radar/render.h"
 #include "terrain/base/units.h"
@@ -17,70 +14,61 @@ namespace obliq {
 
 namespace {
 
-constexpr int kWedges = 8;  ///< of 8 azimuth bins: 64
 /// A plane of 16384 x 32768 pixels still numbers its pixels in 32 bits.
 constexpr int kMostColumns = 32768;
 constexpr int kMostRows = 32768;
 
-/// Processor time of this thread: what a wedge costs, however busy the machine is.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+void append(WedgePlanes& to, const auto& bins, const FrameStats& stats) {
+  const auto add = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+  add(to.power_w, bins.power_w);
+  add(to.iq, bins.iq);
+  add(to.count, bins.count);
+  to.stats.add(stats);
 }
 
-/// Every wedge once, each on one thread. Returns the processor time of all.
-double render_once(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int workers, bool states,
+/// Every run once, each on one thread. Returns the processor time of all, however busy the machine is.
+double render_once(const FramePlan& plan, const AzimuthRuns& runs, int workers, bool states,
                    WedgePlanes& planes) {
-  const auto n_range = static_cast<std::size_t>(plan.bins().n_range);
-  std::vector<std::size_t> first_bin;
-  std::size_t bins = 0;
-  for (const AzimuthRange& wedge : wedges) {
-    first_bin.push_back(bins);
-    bins += static_cast<std::size_t>(wedge.count) * n_range;
-  }
-  planes.power_w.resize(bins);
-  planes.iq.resize(bins);
-  planes.count.resize(bins);
-  std::vector<FrameStats> stats(wedges.size());
-  std::vector<double> seconds(wedges.size());
+  std::vector<WedgePlanes> rendered(runs.size());
   std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failing;
   const auto work = [&] {
-    for (std::size_t w = next++; w < wedges.size(); w = next++) {
+    for (std::size_t k = next++; k < runs.size(); k = next++) {
       RenderOptions options;
       options.threads = 1;
       options.states = states;
-      options.on_wedge = [&](Wedge&& wedge) {
-        std::ranges::copy(wedge.bins.power_w,
-                          planes.power_w.begin() + static_cast<std::ptrdiff_t>(first_bin[w]));
-        std::ranges::copy(wedge.bins.iq, planes.iq.begin() + static_cast<std::ptrdiff_t>(first_bin[w]));
-        std::ranges::copy(wedge.bins.count, planes.count.begin() + static_cast<std::ptrdiff_t>(first_bin[w]));
-        stats[w] = wedge.stats;
-      };
-      try {
-        const double start = thread_seconds();
-        render_wedges(plan, wedges[w], options);
-        seconds[w] = thread_seconds() - start;
-      } catch (...) {
-        const std::scoped_lock lock(failing);
-        failure = std::current_exception();
-      }
+      options.on_wedge = [&](Wedge&& wedge) { append(rendered[k], wedge.bins, wedge.stats); };
+      render_wedges(plan, runs[k], options);
     }
   };
+  const std::clock_t start = std::clock();
   {
-    std::vector<std::jthread> helpers;
-    for (int t = 1; t < workers; ++t) helpers.emplace_back(work);
-    work();
+    std::vector<std::future<void>> threads;
+    for (int t = 0; t < workers; ++t) threads.push_back(std::async(std::launch::async, work));
+    for (auto& thread : threads) thread.get();
   }
-  if (failure) std::rethrow_exception(failure);
-  planes.stats = {};
-  for (const FrameStats& one : stats) planes.stats.add(one);
-  return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  const double processor_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  planes = {};
+  for (const WedgePlanes& part : rendered) append(planes, part, part.stats);
+  return processor_s;
 }
 
 constexpr double kOneDecibel = 1.2589254117941673;  // 10^0.1
+
+/// By the shoelace formula; holes count as built over.
+double outline_area_m2(const Buildings& buildings, const Building& building) {
+  const std::uint32_t begin = buildings.ring_start[building.first_ring];
+  const std::uint32_t end = buildings.ring_start[building.first_ring + 1];
+  double doubled = 0;
+  for (std::uint32_t k = begin; k < end; ++k) {
+    // Differences from the first corner, since the outline is far smaller than its distance from the origin.
+    const glm::dvec2 a(buildings.ring_xz_m[k] - buildings.ring_xz_m[begin]);
+    const glm::dvec2 b(buildings.ring_xz_m[k + 1 < end ? k + 1 : begin] - buildings.ring_xz_m[begin]);
+    doubled += a.x * b.y - b.x * a.y;
+  }
+  return std::abs(doubled) / 2;
+}
+
+constexpr int kDistances = 512;  ///< along each azimuth, evenly from under the antenna to r_max
 
 }  // namespace
 
@@ -91,42 +79,19 @@ int columns_factor(const RadarSettings& settings, double cell_m) {
   return static_cast<int>(std::clamp(std::ceil(columns / kComparisonDensity.columns), 1.0, kMostFactor));
 }
 
-std::vector<AzimuthRange> even_wedges(const RadarSettings& settings) {
-  const int all = wedge_count(settings.azimuth_bins);
-  const int chosen = std::min(all, kWedges);
-  std::vector<AzimuthRange> wedges;
-  for (int n = 0; n < chosen; ++n) {
-    const int index = static_cast<int>((2LL * n + 1) * all / (2LL * chosen));
-    const int first = index * kWedgeAzimuthBins;
-    wedges.push_back({first, std::min(kWedgeAzimuthBins, settings.azimuth_bins - first)});
-  }
-  return wedges;
-}
-
-int threads_of(int threads) {
-  return threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
-int azimuth_bins_in(const std::vector<AzimuthRange>& wedges) {
-  int bins = 0;
-  for (const AzimuthRange& wedge : wedges) bins += wedge.count;
-  return bins;
-}
-
-WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int threads,
-                          int repetitions, bool states) {
+WedgePlanes render_sample(const FramePlan& plan, const AzimuthRuns& runs, int threads, int repetitions,
+                          bool states) {
   WedgePlanes planes;
-  const int all_threads = threads_of(threads);
-  const int workers = std::min(all_threads, static_cast<int>(wedges.size()));
-  // From some wedges to all, and from one thread to all of them.
-  const double scale = static_cast<double>(plan.bins().n_azimuth) / azimuth_bins_in(wedges) / all_threads;
-  double slowest_s = 0;
-  for (int n = 0; n < repetitions; ++n) {
-    const double frame_s = scale * render_once(plan, wedges, workers, states, planes);
-    planes.frame_s = n == 0 ? frame_s : std::min(planes.frame_s, frame_s);
-    slowest_s = std::max(slowest_s, frame_s);
-  }
-  planes.spread_s = slowest_s - planes.frame_s;
+  const int all_threads = thread_count(threads);
+  const int workers = std::min(all_threads, static_cast<int>(runs.size()));
+  // From some azimuths to all, and from one thread to all of them.
+  const double scale = static_cast<double>(plan.bins().n_azimuth) / azimuth_count(runs) / all_threads;
+  std::vector<double> frames_s;
+  for (int n = 0; n < repetitions; ++n)
+    frames_s.push_back(scale * render_once(plan, runs, workers, states, planes));
+  const auto [least, most] = std::ranges::minmax(frames_s);
+  planes.frame_s = least;
+  planes.spread_s = most - least;
   return planes;
 }
 
@@ -153,13 +118,9 @@ RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Den
   return settings;
 }
 
-RangeBins range_bins_of(const BinGrid& bins) {
-  return {bins.r_min_m, bins.range_spacing_m, bins.n_range, false};
-}
-
 SpeckleMeasure measure_speckle(const WedgePlanes& planes) {
   SpeckleMeasure measure;
-  std::vector<std::uint32_t> samples;
+  std::vector<double> samples;
   double sum = 0, squares = 0;
   for (std::size_t k = 0; k < planes.power_w.size(); ++k) {
     if (!(planes.power_w[k] > 0)) continue;
@@ -171,23 +132,25 @@ SpeckleMeasure measure_speckle(const WedgePlanes& planes) {
   if (samples.empty() || !(sum > 0)) return measure;
   const auto n = static_cast<double>(samples.size());
   measure.contrast = std::sqrt(std::max(0.0, squares / n - sum / n * (sum / n))) / (sum / n);
-  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-  std::nth_element(samples.begin(), middle, samples.end());
-  measure.median_samples = *middle;
+  measure.median_samples = upper_median(samples);
   return measure;
+}
+
+double upper_median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
 }
 
 double PowerChange::total_db() const { return 10 * std::log10(total_ratio); }
 
 PowerChange larger_of(const PowerChange& a, const PowerChange& b) {
-  PowerChange larger;
+  PowerChange larger = std::abs(a.total_db()) > std::abs(b.total_db()) ? a : b;
   larger.lit = std::max(a.lit, b.lit);
-  larger.median_db = std::max(a.median_db, b.median_db);
-  larger.percentile95_db = std::max(a.percentile95_db, b.percentile95_db);
-  larger.over_1_db = std::max(a.over_1_db, b.over_1_db);
-  larger.vanished = std::max(a.vanished, b.vanished);
-  larger.appeared = std::max(a.appeared, b.appeared);
-  larger.total_ratio = std::abs(a.total_db()) > std::abs(b.total_db()) ? a.total_ratio : b.total_ratio;
+  for (const auto measure : {&PowerChange::median_db, &PowerChange::percentile95_db, &PowerChange::over_1_db,
+                             &PowerChange::vanished, &PowerChange::appeared})
+    larger.*measure = std::max(a.*measure, b.*measure);
   return larger;
 }
 
@@ -213,6 +176,61 @@ PowerChange power_change(const std::vector<double>& power_w, const std::vector<d
   }
   change.over_1_db = static_cast<double>(changed) / lit;
   return change;
+}
+
+std::vector<std::uint8_t> materials_used(const World& world) {
+  std::array<bool, 256> used{};
+  for (const std::uint8_t id : world.surface_material) used[id] = true;
+  for (const Building& building : world.buildings.list) used[building.material] = true;
+  std::vector<std::uint8_t> ids;
+  for (std::size_t id = 1; id < used.size(); ++id)
+    if (used[id]) ids.push_back(static_cast<std::uint8_t>(id));
+  return ids;
+}
+
+BuildingSizes median_sizes(const Buildings& buildings) {
+  std::vector<double> heights_m, sides_m;
+  for (const Building& building : buildings.list) {
+    sides_m.push_back(std::sqrt(outline_area_m2(buildings, building)));
+    // A wall's centre is half-way up what stands out of the ground.
+    for (std::uint32_t f = building.first_face; f < building.first_face + building.n_faces; ++f) {
+      if (!buildings.faces[f].wall) continue;
+      heights_m.push_back(2 * (static_cast<double>(building.roof_y_m) - buildings.faces[f].centre_m.y));
+      break;
+    }
+  }
+  return {upper_median(heights_m), upper_median(sides_m)};
+}
+
+GroundProbes::GroundProbes(const FramePlan& plan, const AzimuthRuns& runs) {
+  const HeightGrid& grid = plan.scene().world().grid;
+  const Sector& sector = plan.sector();
+  for (const AzimuthRange& run : runs) {
+    for (int bin = run.first; bin < run.first + run.count; ++bin) {
+      const double bearing = plan.looks_at().bearing_rad(bin + 0.5);
+      for (int n = 1; n <= kDistances; ++n) {
+        const double ground_m = sector.r_max_m * n / kDistances;
+        const double x = sector.antenna_m.x + ground_m * std::sin(bearing);
+        const double z = sector.antenna_m.z + ground_m * std::cos(bearing);
+        const double below = sector.antenna_m.y - grid.height_at_m(x, z);
+        const double slant = std::hypot(ground_m, below);
+        if (slant >= sector.r_min_m && slant <= sector.r_max_m) points_.push_back({x, z, below, slant});
+      }
+    }
+  }
+}
+
+GroundShift GroundProbes::shift_in(const World& world, const Pose& pose) const {
+  GroundShift shift;
+  const glm::dvec3& antenna = pose.antenna.m;
+  for (const Point& p : points_) {
+    const double below = antenna.y - world.grid.height_at_m(p.x_m, p.z_m);
+    if (std::isnan(below)) continue;
+    const double ground_m = std::hypot(p.x_m - antenna.x, p.z_m - antenna.z);
+    shift.slant_m = std::max(shift.slant_m, std::abs(std::hypot(ground_m, below) - p.slant_m));
+    shift.vertical_m = std::max(shift.vertical_m, std::abs(below - p.below_antenna_m));
+  }
+  return shift;
 }
 
 }  // namespace obliq

@@ -1,11 +1,14 @@
 #pragma once
-// Frames of which only some even wedges are rendered: their bins and their time.
+// Frames of which only some even wedges are rendered: their bins and their time; how bins and ground of a
+// changed world differ.
 #include <complex>
 #include <cstdint>
 #include <vector>
 
 #include "server/accuracy/bin_errors.h"
+#include "server/accuracy/truth_bins.h"
 #include "server/radar/frame_plan.h"
+#include "terrain/world.h"
 
 namespace obliq {
 
@@ -13,7 +16,6 @@ namespace obliq {
 struct SampleKind {
   FrustumKind frustum;
   PlateKind plates;
-  bool operator==(const SampleKind&) const = default;
 };
 
 /// What the comparisons are rendered with: the sweep, the source with the least sampling noise of its own,
@@ -36,32 +38,30 @@ constexpr Density kOtherDensities[] = {{9, 15.43}, {7, 17.21}};
 /// r_max.
 int columns_factor(const RadarSettings& settings, double cell_m);
 
-/// Eight wedges of a frame, 64 azimuth bins, spread evenly over it; all when it has no more.
-std::vector<AzimuthRange> even_wedges(const RadarSettings& settings);
-/// 0: all cores.
-int threads_of(int threads);
-int azimuth_bins_in(const std::vector<AzimuthRange>& wedges);
+/// So many azimuth bins are measured, in even wedges; all where there are no more.
+constexpr int kMeasuredAzimuths = 64;
 
 /// The bins of some wedges, one after the other: planes [azimuth bins of the wedges][n_range].
 struct WedgePlanes {
   std::vector<double> power_w;
   std::vector<std::complex<float>> iq;
   std::vector<std::uint32_t> count;
-  double frame_s =
-      0;  ///< the wedges' processor time scaled to all bins and threads, of the quickest repetition
+  /// The wedges' processor time scaled to all bins and threads, of the quickest repetition.
+  double frame_s = 0;
   double spread_s = 0;  ///< how much longer the slowest took
   FrameStats stats;
 };
 
-/// Renders the wedges, as often as told; a wedge each for `threads` threads (0: all cores).
-WedgePlanes render_sample(const FramePlan& plan, const std::vector<AzimuthRange>& wedges, int threads,
-                          int repetitions, bool states);
+/// Renders the runs, as often as told; one each for `threads` threads (0: all cores).
+WedgePlanes render_sample(const FramePlan& plan, const AzimuthRuns& runs, int threads, int repetitions,
+                          bool states);
 
 /// The scene's settings with another source, of 1 W and 0 dB. No range normalisation, so that bins weigh as
 /// design section 3 has it.
 RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Density density);
 
-RangeBins range_bins_of(const BinGrid& bins);
+/// The middle one of values in any order, the upper of two; 0 without any.
+double upper_median(std::vector<double>& values);
 
 /// Speckle of a frame: intensity over power in the lit bins.
 struct SpeckleMeasure {
@@ -93,5 +93,40 @@ PowerChange larger_of(const PowerChange& a, const PowerChange& b);
 /// Compares two planes [n_azimuth][n_range] of the same bins.
 PowerChange power_change(const std::vector<double>& power_w, const std::vector<double>& changed_w,
                          const RangeBins& ranges);
+
+/// Material ids that ground or buildings of a world have, 0 (the terrain's) left out, rising.
+std::vector<std::uint8_t> materials_used(const World& world);
+
+/// Middle sizes of a world's buildings, metres: roofs above the ground, roots of the outlines' areas. 0
+/// without any.
+struct BuildingSizes {
+  double height_m = 0;
+  double side_m = 0;
+};
+BuildingSizes median_sizes(const Buildings& buildings);
+
+/// How far a change of the model moves the ground, as the antenna sees it. Metres.
+struct GroundShift {
+  double slant_m = 0;     ///< greatest change of a ground point's slant range
+  double vertical_m = 0;  ///< greatest change of its height below the antenna
+};
+
+/// Points of the ground in sector and swath that are looked up again in a changed world. Positions (x, z) are
+/// the same in every earth of one origin.
+class GroundProbes {
+ public:
+  GroundProbes(const FramePlan& plan, const AzimuthRuns& runs);
+
+  /// Where both worlds know the ground.
+  GroundShift shift_in(const World& world, const Pose& pose) const;
+
+  std::size_t size() const { return points_.size(); }
+
+ private:
+  struct Point {
+    double x_m, z_m, below_antenna_m, slant_m;
+  };
+  std::vector<Point> points_;
+};
 
 }  // namespace obliq

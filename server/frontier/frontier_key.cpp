@@ -1,10 +1,9 @@
-#include "server/frontier/frontier_key.h"
-
 #include <fmt/core.h>
 
 #include <array>
 
 #include "server/control/scene_file.h"
+#include "server/frontier/frontier_run.h"
 #include "terrain/base/hash.h"
 
 namespace obliq {

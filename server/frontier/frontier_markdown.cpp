@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <limits>
+#include <utility>
 
 #include "server/frontier/frontier_table.h"
 #include "terrain/base/text.h"
@@ -25,19 +25,19 @@ std::string ratio_text(double theirs, double ours) {
 }
 
 std::string comparison_rows(const std::vector<FrontierRow>& rows, double scene_cell_m, Returns returns) {
-  const std::vector<PaperComparison> table = compare_with_paper(rows, scene_cell_m, returns);
-  if (table.empty() || table.front().row.lit == 0) return "Nothing is lit here: nothing to compare.\n";
-  const FrontierRow& paper = table.front().row;
+  const std::vector<FrontierRow> table = compare_with_paper(rows, scene_cell_m, returns);
+  if (table.empty() || table.front().lit == 0) return "Nothing is lit here: nothing to compare.\n";
+  const FrontierRow& paper = table.front();
   std::string text =
       "| sampling | frame, ms | quicker | E | E lower | gaps | gaps lower | false light | missed buildings "
       "|\n"
       "|---|---|---|---|---|---|---|---|---|\n";
-  for (const PaperComparison& c : table)
-    text += fmt::format("| {} | {:.1f} | {} | {} | {} | {} | {} | {} | {} |\n", sampling_cell(c.row),
-                        c.row.frame_ms, ratio_text(paper.frame_ms, c.row.frame_ms),
-                        short_number(c.row.power_error), ratio_text(paper.power_error, c.row.power_error),
-                        percent_text(c.row.gap_fraction), ratio_text(paper.gap_fraction, c.row.gap_fraction),
-                        percent_text(c.row.false_light_fraction), missed_text(c.row));
+  for (const FrontierRow& row : table)
+    text += fmt::format("| {} | {:.1f} | {} | {} | {} | {} | {} | {} | {} |\n", sampling_cell(row),
+                        row.frame_ms, ratio_text(paper.frame_ms, row.frame_ms), short_number(row.power_error),
+                        ratio_text(paper.power_error, row.power_error), percent_text(row.gap_fraction),
+                        ratio_text(paper.gap_fraction, row.gap_fraction),
+                        percent_text(row.false_light_fraction), missed_text(row));
   return text;
 }
 
@@ -78,30 +78,32 @@ std::string error_table(const std::vector<FrontierRow>& rows, Returns returns) {
   return text;
 }
 
-std::string bin_counts(const std::vector<FrontierRow>& rows, Returns returns) {
+/// The bins of those returns, and the errors of every sampling in them.
+std::string returns_section(const std::string& title, const std::vector<FrontierRow>& rows, Returns returns) {
   const auto row =
       std::ranges::find_if(rows, [&](const FrontierRow& r) { return r.returns == returns && r.possible(); });
-  if (row == rows.end()) return "";
-  return fmt::format("{:.0f} bins are lit, {:.0f} dark, {:.0f} neither.\n\n", row->lit, row->dark,
-                     row->dont_care);
+  const std::string counts = row == rows.end()
+                                 ? ""
+                                 : fmt::format("{:.0f} bins are lit, {:.0f} dark, {:.0f} neither.\n\n",
+                                               row->lit, row->dark, row->dont_care);
+  return "\n## " + title + "\n\n" + counts + error_table(rows, returns);
 }
 
 /// The check against what the table shows; before it was measured, the finest frames stood for it.
 TruthCheck against_rows(TruthCheck check, const std::vector<FrontierRow>& rows) {
-  struct Named {
-    const char* name;
-    double FrontierRow::*value;
-  };
-  for (const Named& m :
-       {Named{"E", &FrontierRow::power_error}, Named{"median dB", &FrontierRow::median_db},
-        Named{"gaps", &FrontierRow::gap_fraction}, Named{"false light", &FrontierRow::false_light_fraction}})
-    for (bool first = true; const FrontierRow& row : rows) {
-      if (!row.possible() || check.measure != m.name + (", " + returns_name(row.returns))) continue;
-      if (first) check.smallest = 0;
-      first = false;
-      const double value = row.*m.value;
-      if (value > 0 && (check.smallest <= 0 || value < check.smallest)) check.smallest = value;
+  constexpr std::pair<const char*, double FrontierRow::*> kMeasures[] = {
+      {"E", &FrontierRow::power_error},
+      {"median dB", &FrontierRow::median_db},
+      {"gaps", &FrontierRow::gap_fraction},
+      {"false light", &FrontierRow::false_light_fraction}};
+  for (const auto& [name, value] : kMeasures) {
+    bool first = true;
+    for (const FrontierRow& row : rows) {
+      if (!row.possible() || check.measure != name + (", " + returns_name(row.returns))) continue;
+      if (std::exchange(first, false)) check.smallest = 0;
+      if (row.*value > 0 && (check.smallest <= 0 || row.*value < check.smallest)) check.smallest = row.*value;
     }
+  }
   return check;
 }
 
@@ -128,14 +130,11 @@ std::string truth_text(const FrontierHeader& h, const std::vector<FrontierRow>& 
 
 /// Times mean little on a busy machine, and the reader is to know.
 std::string load_text(const std::vector<FrontierRow>& rows, int threads) {
-  double least = std::numeric_limits<double>::infinity();
-  double most = 0;
-  for (const FrontierRow& row : rows) {
-    if (!row.possible()) continue;
-    least = std::min(least, row.load);
-    most = std::max(most, row.load);
-  }
-  if (!(least <= most)) return "";
+  std::vector<double> loads;
+  for (const FrontierRow& row : rows)
+    if (row.possible()) loads.push_back(row.load);
+  if (loads.empty()) return "";
+  const auto [least, most] = std::ranges::minmax(loads);
   return fmt::format(" The machine's load before the frames was {} to {}; this run alone makes up to {}.",
                      short_number(least), short_number(most), threads);
 }
@@ -154,17 +153,13 @@ std::string impossible_list(const std::vector<FrontierRow>& rows) {
 std::string frontier_markdown(const FrontierHeader& h, const std::vector<FrontierRow>& rows) {
   std::string text = fmt::format(
       "# Speed against error: {}\n\n{}; {} buildings.\n{}.{}\n\n![Frame time against "
-      "error](frontier.svg)\n\n## Against the paper's setting\n\n{}\n## All returns\n\n{}{}",
-      h.scene, h.view, h.buildings, machine_text(h), load_text(rows, h.threads), comparison_tables(h, rows),
-      bin_counts(rows, Returns::all), error_table(rows, Returns::all));
-  if (h.buildings > 0) {
-    text += "\n## Returns of the terrain alone\n\n" + bin_counts(rows, Returns::terrain) +
-            error_table(rows, Returns::terrain);
-    text += "\n## Returns of the buildings alone\n\n" + bin_counts(rows, Returns::buildings) +
-            error_table(rows, Returns::buildings);
-  }
-  text += impossible_list(rows);
-  return text +
+      "error](frontier.svg)\n\n## Against the paper's setting\n\n{}",
+      h.scene, h.view, h.buildings, machine_text(h), load_text(rows, h.threads), comparison_tables(h, rows));
+  text += returns_section("All returns", rows, Returns::all);
+  if (h.buildings > 0)
+    text += returns_section("Returns of the terrain alone", rows, Returns::terrain) +
+            returns_section("Returns of the buildings alone", rows, Returns::buildings);
+  return text + impossible_list(rows) +
          "\n## How it was measured\n\n"
          "Frame: plan, render and every plane of the whole sector, as a client gets it. Without states: the "
          "same without the\n`state` plane. Processor: time of all threads together. T is the truth's power "

@@ -24,6 +24,7 @@ struct Colour {
   double red, green, blue;
 };
 // Okabe and Ito's palette, told apart by the colour-blind.
+constexpr Colour kPaper{1, 1, 1};
 constexpr Colour kInk{0.13, 0.14, 0.16};
 constexpr Colour kSoft{0.42, 0.44, 0.47};
 constexpr Colour kLine{0.88, 0.89, 0.90};
@@ -71,7 +72,7 @@ class Plot {
   }
 
   void draw() {
-    ink({1, 1, 1});
+    ink(kPaper);
     cairo_paint(c_);
     cairo_set_line_join(c_, CAIRO_LINE_JOIN_ROUND);
     ink(kInk);
@@ -111,46 +112,36 @@ class Plot {
     cairo_arc(c_, x, y, radius, 0, 2 * kPi);
   }
 
-  void triangle(double x, double y, double radius) {
+  /// One corner up; every other one is nearer by that factor.
+  void polygon(double x, double y, double radius, int corners, double inner = 1) {
     cairo_new_path(c_);
-    for (int k = 0; k < 3; ++k)
-      cairo_line_to(c_, x + radius * std::sin(2 * kPi * k / 3), y - radius * std::cos(2 * kPi * k / 3));
-    cairo_close_path(c_);
-  }
-
-  void star(double x, double y, double radius) {
-    cairo_new_path(c_);
-    for (int k = 0; k < 10; ++k) {
-      const double r = k % 2 == 0 ? radius : 0.42 * radius;
-      cairo_line_to(c_, x + r * std::sin(kPi * k / 5), y - r * std::cos(kPi * k / 5));
+    for (int k = 0; k < corners; ++k) {
+      const double r = k % 2 == 0 ? radius : inner * radius;
+      cairo_line_to(c_, x + r * std::sin(2 * kPi * k / corners), y - r * std::cos(2 * kPi * k / corners));
     }
     cairo_close_path(c_);
   }
+  void triangle(double x, double y) { polygon(x, y, 5.2, 3); }
+  void star(double x, double y, double radius) { polygon(x, y, radius, 10, 0.42); }
 
   /// Full for plates that spread (and the sweep), hollow for nearest bins.
-  void fill_mark(const Colour& colour, bool hollow) {
-    if (hollow)
-      ink({1, 1, 1});
-    else
-      ink(colour);
+  void fill_mark(const Colour& colour, bool hollow) { outlined(hollow ? kPaper : colour, colour, 1.8); }
+  void outlined(const Colour& inside, const Colour& outline, double width) {
+    ink(inside);
     cairo_fill_preserve(c_);
-    ink(colour);
-    cairo_set_line_width(c_, 1.8);
+    ink(outline);
+    cairo_set_line_width(c_, width);
     cairo_stroke(c_);
   }
 
   void mark(const FrontierRow& row, double x, double y) {
     const Colour colour = colour_of(row.sampling.kind);
     if (row.sampling.cell_m != header_.scene_cell_m) {
-      triangle(x, y, 5.2);
+      triangle(x, y);
       fill_mark(colour, true);
     } else if (is_paper_sampling(row.sampling)) {
       star(x, y, 11.5);
-      ink(colour);
-      cairo_fill_preserve(c_);
-      ink({1, 1, 1});
-      cairo_set_line_width(c_, 1.2);
-      cairo_stroke(c_);
+      outlined(colour, kPaper, 1.2);
     } else {
       circle(x, y, 4.6);
       fill_mark(colour, row.sampling.plates == PlateKind::nearest);
@@ -169,29 +160,26 @@ class Plot {
       x += 18 + text(x + 18, y, 14, frustum_name(kind), 0) + 22;
     }
     face(false);
-    const auto entry = [&](const char* words) {
+    x = 32;
+    const double at = y + 21.5;
+    const auto entry = [&](const char* words, const Colour& colour, bool hollow) {
+      fill_mark(colour, hollow);
       ink(kInk);
       x += 16 + text(x + 16, y + 26, 13, words, 0) + 18;
     };
-    x = 32;
-    const double at = y + 21.5;
     if (std::ranges::any_of(rows_, [&](const auto& r) { return is_scene_paper(r); })) {
       x += 5;
       star(x + 5, at, 10);
-      fill_mark(colour_of(FrustumKind::oblique), false);
-      entry(" the paper's setting, 2048 x 2048");
+      entry(" the paper's setting, 2048 x 2048", colour_of(FrustumKind::oblique), false);
     }
     circle(x + 5, at, 4.6);
-    fill_mark(kSoft, true);
-    entry("nearest bin");
+    entry("nearest bin", kSoft, true);
     circle(x + 5, at, 4.6);
-    fill_mark(kSoft, false);
-    entry("spread over bins, or sweep");
+    entry("spread over bins, or sweep", kSoft, false);
     if (std::ranges::any_of(rows_,
                             [&](const auto& r) { return r.sampling.cell_m != header_.scene_cell_m; })) {
-      triangle(x + 5, at + 1, 5.2);
-      fill_mark(kSoft, true);
-      entry("coarser ground grid");
+      triangle(x + 5, at + 1);
+      entry("coarser ground grid", kSoft, true);
     }
     ink(kSoft);
     text(kWidth - 36, y, 13.5, "lower left is better: quicker and closer to the truth", 1);
@@ -254,18 +242,21 @@ class Plot {
     const Box& b = axes.box;
     const double floor = b.y + b.height;
     face(false);
-    for (const auto& tick : axes.time.ticks(1, "")) {
-      ink(kLine, tick.label.empty() ? 0.5 : 1);
-      rule(axes.x(tick.value), b.y, axes.x(tick.value), floor, 1);
+    const auto line = [&](const std::string& label, double x0, double y0, double x1, double y1) {
+      ink(kLine, label.empty() ? 0.5 : 1);
+      rule(x0, y0, x1, y1, 1);
       ink(kSoft);
-      if (!tick.label.empty()) text(axes.x(tick.value), floor + 18, 12.5, tick.label, 0.5);
+    };
+    for (const auto& [value, label] : axes.time.ticks(1, "")) {
+      const double x = axes.x(value);
+      line(label, x, b.y, x, floor);
+      if (!label.empty()) text(x, floor + 18, 12.5, label, 0.5);
     }
-    for (const auto& tick : axes.error.ticks(measure.factor, measure.unit)) {
+    for (const auto& [value, label] : axes.error.ticks(measure.factor, measure.unit)) {
       if (axes.all_zero) break;
-      ink(kLine, tick.label.empty() ? 0.5 : 1);
-      rule(b.x, axes.y(tick.value), b.x + b.width, axes.y(tick.value), 1);
-      ink(kSoft);
-      if (!tick.label.empty()) text(b.x - 7, axes.y(tick.value) + 4.5, 12.5, tick.label, 1);
+      const double y = axes.y(value);
+      line(label, b.x, y, b.x + b.width, y);
+      if (!label.empty()) text(b.x - 7, y + 4.5, 12.5, label, 1);
     }
     if (axes.zeros) {
       ink(kLine, 0.55);

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <thread>
 
 #include "server/accuracy/radar_truth.h"
 #include "server/accuracy/truth_bins.h"
@@ -14,11 +13,11 @@
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
 #include "server/control/scene_file.h"
-#include "server/frontier/frontier_key.h"
 #include "server/frontier/frontier_table.h"
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/render.h"
 #include "server/scene/embree_tracer.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/process.h"
@@ -45,9 +44,7 @@ class FrontierRun {
       : config_(config),
         options_(options),
         radar_(choose_radar(config, options.radar)),
-        threads_(options.threads > 0 ? options.threads : config.threads) {
-    if (threads_ == 0) threads_ = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  }
+        threads_(thread_count(options.threads > 0 ? options.threads : config.threads)) {}
 
   bool run() {
     prepare_output_folder(options_.out);
@@ -164,7 +161,7 @@ class FrontierRun {
     }
     std::string text = csv_header();
     for (const FrontierRow& row : rows_) text += csv_line(row);
-    std::ofstream(file("frontier.csv")) << text;
+    write_text(file("frontier.csv"), text);
   }
 
   std::shared_ptr<const FramePlan> plan_for_truth() const {
@@ -172,6 +169,13 @@ class FrontierRun {
     const PlanResult planned = plan_frame(view.scene, view.settings, view.pose);
     if (!planned.plan) throw InputError("radar \"" + radar_.name + "\": " + all_text(planned.errors));
     return planned.plan;
+  }
+
+  /// The header is complete with them.
+  void keep_checks(std::vector<TruthCheck> checks, const AzimuthRuns& runs) {
+    header_.truth_checks = std::move(checks);
+    header_.truth_check_azimuths = azimuth_count(runs);
+    write_frontier_header(file("frontier.json"), header_);
   }
 
   /// Behind a beam and a pulse one bin gathers so many planes that they need not be searched for: a finer
@@ -183,9 +187,7 @@ class FrontierRun {
     if (resumed_) return;
     const ReferenceSampling finer{2 * options_.truth_planes, options_.truth_step_m / 2, threads_};
     const TruthBins check = integrate_radar_truth(*plan, runs_, finer, terminal_progress());
-    header_.truth_checks = check_truth(truth_, check, range_bins(radar_.settings), {});
-    header_.truth_check_azimuths = azimuth_count(runs_);
-    write_frontier_header(file("frontier.json"), header_);
+    keep_checks(check_truth(truth_, check, range_bins(radar_.settings), {}), runs_);
     print_truth();
   }
 
@@ -199,9 +201,7 @@ class FrontierRun {
           *plan, probe, start, options_.most_truth_planes,
           [&](const TruthBins& truth) { return pilot(truth); }, terminal_progress());
       header_.truth = quality.sampling;
-      header_.truth_checks = quality.checks;
-      header_.truth_check_azimuths = azimuth_count(probe);
-      write_frontier_header(file("frontier.json"), header_);
+      keep_checks(quality.checks, probe);
     }
     header_.truth.threads = threads_;
     print_truth();
@@ -229,13 +229,11 @@ class FrontierRun {
         fmt::format("reference: the sweep with {} planes in each azimuth bin and exact strands", planes));
     truth_ = render_exact(planes, runs_);
     if (resumed_) return;
-    if (exact_sweep(2 * planes).columns <= kMostSide) {
-      const AzimuthRuns probe = choose_azimuths(header_.azimuth_bins, kProbeAzimuths);
-      header_.truth_checks = check_truth(render_exact(planes, probe), render_exact(2 * planes, probe),
-                                         range_bins(radar_.settings), {});
-      header_.truth_check_azimuths = azimuth_count(probe);
-    }
-    write_frontier_header(file("frontier.json"), header_);
+    if (exact_sweep(2 * planes).columns > kMostSide) return keep_checks({}, {});
+    const AzimuthRuns probe = choose_azimuths(header_.azimuth_bins, kProbeAzimuths);
+    keep_checks(check_truth(render_exact(planes, probe), render_exact(2 * planes, probe),
+                            range_bins(radar_.settings), {}),
+                probe);
   }
 
   /// The errors that the finest samplings will show.
@@ -346,16 +344,11 @@ class FrontierRun {
 
   void report() {
     const std::vector<FrontierRow> rows = read_frontier_csv(file("frontier.csv"));
-    std::ofstream markdown(file("frontier.md"));
-    markdown << frontier_markdown(header_, rows);
-    markdown.close();
-    if (!markdown) throw InputError(file("frontier.md").string() + ": cannot be written (disk full?)");
+    write_text(file("frontier.md"), frontier_markdown(header_, rows));
     draw_frontier(options_.out, header_, rows);
-    std::printf("%s: frontier.csv, frontier.md, frontier.svg, frontier.png (%zu of %zu samplings)\n",
-                options_.out.c_str(),
-                static_cast<std::size_t>(
-                    std::ranges::count_if(cases_, [&](const SamplingCase& c) { return is_done(c); })),
-                cases_.size());
+    const auto done = std::ranges::count_if(cases_, [&](const SamplingCase& c) { return is_done(c); });
+    std::printf("%s: frontier.csv, frontier.md, frontier.svg, frontier.png (%td of %zu samplings)\n",
+                options_.out.c_str(), done, cases_.size());
   }
 
   const SceneConfig& config_;

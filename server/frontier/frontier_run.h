@@ -5,6 +5,7 @@
 #include "server/accuracy/sampling_case.h"
 #include "server/control/scene_config.h"
 #include "server/frontier/frontier_table.h"
+#include "terrain/world.h"
 
 namespace obliq {
 
@@ -24,6 +25,12 @@ struct FrontierOptions {
   int stop_after = 0;    ///< samplings measured in this run; 0: all
   bool restart = false;  ///< drop what an earlier run left
 };
+
+/// Names everything that the lines of a frontier's table depend on: scene, samplings, options, machine and
+/// version. A run with another key is another run. world: the truth's.
+std::uint64_t frontier_key(const SceneConfig& config, const std::string& radar,
+                           const FrontierOptions& options, const FrontierHeader& header,
+                           const std::vector<SamplingCase>& cases, const World& world);
 
 /// Measures every sampling that is not in the folder's table yet, and writes table, report and pictures. True
 /// when all are measured, false after stop_after of them. Throws InputError.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "server/output/frame_files.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
@@ -16,40 +17,53 @@ namespace obliq {
 
 namespace {
 
+/// What a row is made of.
+struct Measured {
+  const FrameMeasurement& frame;
+  const BinErrors& bins;
+  const BuildingErrors& buildings;
+  double load;
+};
+using M = const Measured&;
+using Row = FrontierRow;
+
+double count(std::uint64_t n) { return static_cast<double>(n); }
+
+/// A number of a row: its name in the file, its member, and where it comes from.
 struct Column {
   std::string_view name;
-  double FrontierRow::*value;
+  double Row::*value;
+  double (*of)(M measured);
 };
-
-constexpr std::array kColumns{
-    Column{"frame_ms", &FrontierRow::frame_ms},
-    Column{"frame_median_ms", &FrontierRow::frame_median_ms},
-    Column{"bare_ms", &FrontierRow::bare_ms},
-    Column{"bare_median_ms", &FrontierRow::bare_median_ms},
-    Column{"processor_ms", &FrontierRow::processor_ms},
-    Column{"rays", &FrontierRow::rays},
-    Column{"samples", &FrontierRow::samples},
-    Column{"power_error", &FrontierRow::power_error},
-    Column{"median_db", &FrontierRow::median_db},
-    Column{"percentile95_db", &FrontierRow::percentile95_db},
-    Column{"mean_relative", &FrontierRow::mean_relative},
-    Column{"energy_error", &FrontierRow::energy_error},
-    Column{"bins", &FrontierRow::bins},
-    Column{"lit", &FrontierRow::lit},
-    Column{"dark", &FrontierRow::dark},
-    Column{"dont_care", &FrontierRow::dont_care},
-    Column{"gaps", &FrontierRow::gaps},
-    Column{"gap_fraction", &FrontierRow::gap_fraction},
-    Column{"false_light", &FrontierRow::false_light},
-    Column{"false_light_fraction", &FrontierRow::false_light_fraction},
-    Column{"false_light_energy", &FrontierRow::false_light_energy},
-    Column{"buildings_visible", &FrontierRow::buildings_visible},
-    Column{"buildings_missed", &FrontierRow::buildings_missed},
-    Column{"load", &FrontierRow::load},
+constexpr Column kColumns[] = {
+    {"frame_ms", &Row::frame_ms, [](M m) { return 1000 * m.frame.all_planes.least_s; }},
+    {"frame_median_ms", &Row::frame_median_ms, [](M m) { return 1000 * m.frame.all_planes.median_s; }},
+    {"bare_ms", &Row::bare_ms, [](M m) { return 1000 * m.frame.no_states.least_s; }},
+    {"bare_median_ms", &Row::bare_median_ms, [](M m) { return 1000 * m.frame.no_states.median_s; }},
+    {"processor_ms", &Row::processor_ms, [](M m) { return 1000 * m.frame.all_planes.processor_s; }},
+    {"rays", &Row::rays, [](M m) { return count(m.frame.stats.rays); }},
+    {"samples", &Row::samples, [](M m) { return count(m.frame.stats.samples); }},
+    {"power_error", &Row::power_error, [](M m) { return m.bins.power_error; }},
+    {"median_db", &Row::median_db, [](M m) { return m.bins.median_db; }},
+    {"percentile95_db", &Row::percentile95_db, [](M m) { return m.bins.percentile95_db; }},
+    {"mean_relative", &Row::mean_relative, [](M m) { return m.bins.mean_relative; }},
+    {"energy_error", &Row::energy_error, [](M m) { return m.bins.energy_error(); }},
+    {"bins", &Row::bins, [](M m) { return count(m.bins.bins); }},
+    {"lit", &Row::lit, [](M m) { return count(m.bins.lit); }},
+    {"dark", &Row::dark, [](M m) { return count(m.bins.dark); }},
+    {"dont_care", &Row::dont_care, [](M m) { return count(m.bins.dont_care); }},
+    {"gaps", &Row::gaps, [](M m) { return count(m.bins.gaps); }},
+    {"gap_fraction", &Row::gap_fraction, [](M m) { return m.bins.gap_fraction(); }},
+    {"false_light", &Row::false_light, [](M m) { return count(m.bins.false_light); }},
+    {"false_light_fraction", &Row::false_light_fraction, [](M m) { return m.bins.false_light_fraction(); }},
+    {"false_light_energy", &Row::false_light_energy, [](M m) { return m.bins.false_light_energy(); }},
+    {"buildings_visible", &Row::buildings_visible, [](M m) { return count(m.buildings.visible); }},
+    {"buildings_missed", &Row::buildings_missed, [](M m) { return count(m.buildings.missed); }},
+    {"load", &Row::load, [](M m) { return m.load; }},
 };
 constexpr std::string_view kCaseColumns = "kind,columns,rows,plates,sub_columns,cell_m,returns";
 constexpr std::size_t kCaseFields = 7;
-constexpr std::size_t kFields = kCaseFields + kColumns.size() + 1;
+constexpr std::size_t kFields = kCaseFields + std::size(kColumns) + 1;
 
 /// The shortest text that reads back to the same bits.
 std::string number_text(double value) {
@@ -91,10 +105,11 @@ std::optional<FrontierRow> row_of(const std::string& line) {
   c.rows = static_cast<int>(*rows);
   c.sub_columns = static_cast<int>(*sub_columns);
   c.cell_m = *cell_m;
-  for (std::size_t k = 0; k < kColumns.size(); ++k) {
-    const auto value = number_of(fields[kCaseFields + k]);
+  auto field = fields.begin() + kCaseFields;
+  for (const Column& column : kColumns) {
+    const auto value = number_of(*field++);
     if (!value) return std::nullopt;
-    row.*kColumns[k].value = *value;
+    row.*column.value = *value;
   }
   row.not_possible = fields.back();
   return row;
@@ -112,36 +127,11 @@ std::vector<FrontierRow> rows_of(const SamplingCase& sampling, const FrameMeasur
   std::vector<FrontierRow> rows;
   for (const Returns returns : {Returns::all, Returns::terrain, Returns::buildings}) {
     if (returns != Returns::all && !measured.has_buildings) break;
-    const ReturnErrors& errors = measured.errors[static_cast<int>(returns)];
-    const BinErrors& e = errors.bins;
-    const auto count = [](std::uint64_t n) { return static_cast<double>(n); };
+    const auto& [bins, buildings] = measured.errors[static_cast<int>(returns)];
     FrontierRow row;
     row.sampling = sampling;
     row.returns = returns;
-    row.frame_ms = measured.all_planes.least_s * 1000;
-    row.frame_median_ms = measured.all_planes.median_s * 1000;
-    row.bare_ms = measured.no_states.least_s * 1000;
-    row.bare_median_ms = measured.no_states.median_s * 1000;
-    row.processor_ms = measured.all_planes.processor_s * 1000;
-    row.rays = count(measured.stats.rays);
-    row.samples = count(measured.stats.samples);
-    row.power_error = e.power_error;
-    row.median_db = e.median_db;
-    row.percentile95_db = e.percentile95_db;
-    row.mean_relative = e.mean_relative;
-    row.energy_error = e.energy_error();
-    row.bins = count(e.bins);
-    row.lit = count(e.lit);
-    row.dark = count(e.dark);
-    row.dont_care = count(e.dont_care);
-    row.gaps = count(e.gaps);
-    row.gap_fraction = e.gap_fraction();
-    row.false_light = count(e.false_light);
-    row.false_light_fraction = e.false_light_fraction();
-    row.false_light_energy = e.false_light_energy();
-    row.buildings_visible = errors.buildings.visible;
-    row.buildings_missed = errors.buildings.missed;
-    row.load = load;
+    for (const Column& column : kColumns) row.*column.value = column.of({measured, bins, buildings, load});
     rows.push_back(row);
   }
   return rows;
@@ -197,75 +187,69 @@ const FrontierRow* find_row(const std::vector<FrontierRow>& rows, const Sampling
   return found != rows.end() ? &*found : nullptr;
 }
 
-std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
-                                                Returns returns) {
+std::vector<FrontierRow> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
+                                            Returns returns) {
   const FrontierRow* paper = find_row(rows, paper_sampling(scene_cell_m), returns);
   if (paper == nullptr || !paper->possible()) return {};
-  const auto compared = [&](const FrontierRow& row) {
-    const auto ratio = [](double theirs, double ours) { return ours > 0 ? theirs / ours : 0; };
-    return PaperComparison{row, ratio(paper->frame_ms, row.frame_ms),
-                           ratio(paper->power_error, row.power_error),
-                           ratio(paper->gap_fraction, row.gap_fraction)};
+  const auto rank = [&](const FrontierRow& row) {
+    const bool late = row.frame_ms > paper->frame_ms;
+    return std::pair(late, late ? row.frame_ms : row.power_error);
   };
-  std::vector<PaperComparison> table{compared(*paper)};
+  std::vector<FrontierRow> table{*paper};
   for (const FrustumKind kind : {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep}) {
     const FrontierRow* best = nullptr;
-    const auto late = [&](const FrontierRow& row) { return row.frame_ms > paper->frame_ms; };
-    for (const FrontierRow& row : rows) {
-      if (!row.possible() || row.returns != returns || row.sampling.kind != kind ||
-          row.sampling.cell_m != scene_cell_m)
-        continue;
-      const bool better = best == nullptr            ? true
-                          : late(row) != late(*best) ? late(*best)
-                          : late(row)                ? row.frame_ms < best->frame_ms
-                                                     : row.power_error < best->power_error;
-      if (better) best = &row;
-    }
-    if (best != nullptr && best != paper) table.push_back(compared(*best));
+    for (const FrontierRow& row : rows)
+      if (row.possible() && row.returns == returns && row.sampling.kind == kind &&
+          row.sampling.cell_m == scene_cell_m && (best == nullptr || rank(row) < rank(*best)))
+        best = &row;
+    if (best != nullptr && best != paper) table.push_back(*best);
   }
   return table;
 }
 
 using nlohmann::ordered_json;
 
-void write_frontier_header(const std::filesystem::path& path, const FrontierHeader& h) {
-  ordered_json checks = ordered_json::array();
-  for (const TruthCheck& check : h.truth_checks)
-    checks.push_back({{"measure", check.measure},
-                      {"truth", check.own},
-                      {"smallest_shown", check.smallest},
-                      {"holds", check.holds()}});
-  const ordered_json json = {
-      {"key", h.key},
-      {"version", h.version},
-      {"scene", h.scene},
-      {"radar", h.radar},
-      {"view", h.view},
-      {"cpu", h.cpu},
-      {"threads", h.threads},
-      {"tracer", h.tracer},
-      {"repeats", h.repeats},
-      {"azimuth_bins", h.azimuth_bins},
-      {"range_bins", h.range_bins},
-      {"azimuths_compared", h.azimuths_compared},
-      {"buildings", h.buildings},
-      {"scene_cell_m", h.scene_cell_m},
-      {"against", h.against == Against::truth ? "truth" : "reference"},
-      {"truth",
-       {{"cell_m", h.truth_cell_m},
-        {"planes_per_bin", h.truth.planes_per_bin},
-        {"step_m", h.truth.step_m},
-        {"checked_azimuths", h.truth_check_azimuths},
-        {"checks", checks}}},
-  };
-  // Renamed into place, so that a run that is cut off leaves the old one or the new one.
-  const std::filesystem::path fresh = path.string() + ".new";
-  std::ofstream file(fresh);
-  file << json.dump(2) << '\n';
-  file.close();
-  std::error_code failed;
-  if (file) std::filesystem::rename(fresh, path, failed);
-  if (!file || failed) throw InputError(path.string() + ": cannot be written (disk full?)");
+NLOHMANN_JSON_SERIALIZE_ENUM(Against, {{Against::truth, "truth"}, {Against::reference, "reference"}})
+
+static void to_json(ordered_json& json, const TruthCheck& check) {
+  json = {{"measure", check.measure},
+          {"truth", check.own},
+          {"smallest_shown", check.smallest},
+          {"holds", check.holds()}};
+}
+static void from_json(const ordered_json& json, TruthCheck& check) {
+  check = {json.at("measure"), json.at("truth"), json.at("smallest_shown")};
+}
+
+/// Tells of each entry of frontier.json, in its order: where it is, and which member it has.
+static void each_entry(auto& h, auto&& entry) {
+  entry("/key", h.key);
+  entry("/version", h.version);
+  entry("/scene", h.scene);
+  entry("/radar", h.radar);
+  entry("/view", h.view);
+  entry("/cpu", h.cpu);
+  entry("/threads", h.threads);
+  entry("/tracer", h.tracer);
+  entry("/repeats", h.repeats);
+  entry("/azimuth_bins", h.azimuth_bins);
+  entry("/range_bins", h.range_bins);
+  entry("/azimuths_compared", h.azimuths_compared);
+  entry("/buildings", h.buildings);
+  entry("/scene_cell_m", h.scene_cell_m);
+  entry("/against", h.against);
+  entry("/truth/cell_m", h.truth_cell_m);
+  entry("/truth/planes_per_bin", h.truth.planes_per_bin);
+  entry("/truth/step_m", h.truth.step_m);
+  entry("/truth/checked_azimuths", h.truth_check_azimuths);
+  entry("/truth/checks", h.truth_checks);
+}
+
+void write_frontier_header(const std::filesystem::path& path, const FrontierHeader& header) {
+  ordered_json json;
+  each_entry(header,
+             [&](const char* where, const auto& value) { json[ordered_json::json_pointer(where)] = value; });
+  write_text(path, json.dump(2) + "\n");
 }
 
 std::optional<FrontierHeader> read_frontier_header(const std::filesystem::path& path) {
@@ -273,30 +257,11 @@ std::optional<FrontierHeader> read_frontier_header(const std::filesystem::path& 
   if (!file) return std::nullopt;
   try {
     const ordered_json json = ordered_json::parse(file);
-    FrontierHeader h;
-    json.at("key").get_to(h.key);
-    json.at("version").get_to(h.version);
-    json.at("scene").get_to(h.scene);
-    json.at("radar").get_to(h.radar);
-    json.at("view").get_to(h.view);
-    json.at("cpu").get_to(h.cpu);
-    json.at("threads").get_to(h.threads);
-    json.at("tracer").get_to(h.tracer);
-    json.at("repeats").get_to(h.repeats);
-    json.at("azimuth_bins").get_to(h.azimuth_bins);
-    json.at("range_bins").get_to(h.range_bins);
-    json.at("azimuths_compared").get_to(h.azimuths_compared);
-    json.at("buildings").get_to(h.buildings);
-    json.at("scene_cell_m").get_to(h.scene_cell_m);
-    h.against = json.at("against") == "reference" ? Against::reference : Against::truth;
-    const ordered_json& truth = json.at("truth");
-    truth.at("cell_m").get_to(h.truth_cell_m);
-    truth.at("planes_per_bin").get_to(h.truth.planes_per_bin);
-    truth.at("step_m").get_to(h.truth.step_m);
-    truth.at("checked_azimuths").get_to(h.truth_check_azimuths);
-    for (const ordered_json& check : truth.at("checks"))
-      h.truth_checks.push_back({check.at("measure"), check.at("truth"), check.at("smallest_shown")});
-    return h;
+    FrontierHeader header;
+    each_entry(header, [&](const char* where, auto& value) {
+      json.at(ordered_json::json_pointer(where)).get_to(value);
+    });
+    return header;
   } catch (const nlohmann::json::exception& e) {
     throw InputError(path.string() + ": found no header of a frontier (" + e.what() +
                      "); allowed: one that `obliq frontier` wrote, or --restart to begin again");

@@ -64,19 +64,11 @@ std::vector<FrontierRow> read_frontier_csv(const std::filesystem::path& path);
 const FrontierRow* find_row(const std::vector<FrontierRow>& rows, const SamplingCase& sampling,
                             Returns returns);
 
-/// A sampling against the paper's setting, over the same ground, in the same run, for one part of the
-/// returns.
-struct PaperComparison {
-  FrontierRow row;
-  double time_ratio = 0;   ///< the paper's frame time over this one's: above 1 is quicker
-  double error_ratio = 0;  ///< the paper's E over this one's: above 1 is closer to the truth
-  double gap_ratio = 0;    ///< the same of gap fractions; 0 when this one has no gaps
-};
-
-/// First the paper's setting itself, then for each kind the row of least E that takes no more time (the
+/// What is compared with the paper's setting, over the same ground, in the same run, for one part of the
+/// returns: first that setting itself, then for each kind the row of least E that takes no more time (the
 /// quickest one where all take more). Empty when the paper's setting cannot see the scene.
-std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
-                                                Returns returns = Returns::all);
+std::vector<FrontierRow> compare_with_paper(const std::vector<FrontierRow>& rows, double scene_cell_m,
+                                            Returns returns = Returns::all);
 
 // frontier.json: which run a frontier.csv belongs to, and on what machine it was measured.
 
@@ -85,8 +77,8 @@ std::vector<PaperComparison> compare_with_paper(const std::vector<FrontierRow>& 
 enum class Against { truth, reference };
 
 struct FrontierHeader {
-  std::string
-      key;  ///< hash of scene, settings, options, machine and version: a run with another is another run
+  /// Hash of scene, settings, options, machine and version: a run with another is another run.
+  std::string key;
   std::string version;
   std::string scene;
   std::string radar;

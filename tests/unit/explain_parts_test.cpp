@@ -6,7 +6,6 @@
 #include "server/explain/explanation.h"
 #include "server/explain/measurement.h"
 #include "server/explain/table.h"
-#include "server/explain/variants.h"
 #include "terrain/base/text.h"
 #include "terrain/buildings/building_mesh.h"
 #include "tests/support/scenes.h"
@@ -144,6 +143,22 @@ TEST(Report, AFrustumWithoutASampleHasNoDecibels) {
   for (const std::string& text : {plain_report(all), markdown_report(all), csv_report(all)})
     EXPECT_EQ(text.find("inf"), std::string::npos) << text;
   EXPECT_NE(plain_report(all).find("sampling noise of this frustum: nothing sampled"), std::string::npos);
+}
+
+TEST(Rows, SayTheirClausesWithTheValuesTheyName) {
+  const Values measured =
+      values("loss_db"_is = -0.04, "r_km"_is = 37.0401, "none"_is = INFINITY, "rain"_is = "on");
+  const std::vector<Row> rows = rows_of(measured, {{"rain", true, "{rain}: {loss_db:.1f} dB"},
+                                                   {"rain", false, " and {none:.1f}"},
+                                                   {"rain", true, " at {r_km:4} km"},
+                                                   {"gas", false, "{rain}"},
+                                                   {"video", true, "{loss_db:+.1f}, {none:.2f}"}});
+  ASSERT_EQ(rows.size(), 2u);  // nothing is said of gas
+  EXPECT_EQ(rows[0].name, "rain");
+  EXPECT_EQ(rows[0].text, "on: 0.0 dB at 37.04 km");
+  EXPECT_EQ(rows[1].text, "+0.0, -");
+  // A name that there is not shows in every run, whatever is said.
+  EXPECT_ANY_THROW(rows_of(measured, {{"rain", false, "{snow}"}}));
 }
 
 TEST(Variants, RoofsStayWhenWallsGo) {

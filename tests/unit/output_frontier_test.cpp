@@ -92,12 +92,9 @@ TEST_F(Frontier, TheComparisonTakesTheBestOfEachKindThatIsNoSlowerThanThePaper) 
   // The paper's own; symmetric, which has nothing as quick; the sweep: 4096 is better but slower than the
   // paper's.
   ASSERT_EQ(table.size(), 3u);
-  EXPECT_TRUE(is_paper_sampling(table[0].row.sampling));
-  EXPECT_EQ(table[1].row.sampling.kind, FrustumKind::symmetric);
-  EXPECT_EQ(table[2].row.sampling.columns, 2048);
-  EXPECT_DOUBLE_EQ(table[2].time_ratio, 400.0 / 390);
-  EXPECT_DOUBLE_EQ(table[2].error_ratio, 15);
-  EXPECT_DOUBLE_EQ(table[2].gap_ratio, 8);
+  EXPECT_TRUE(is_paper_sampling(table[0].sampling));
+  EXPECT_EQ(table[1].sampling.kind, FrustumKind::symmetric);
+  EXPECT_EQ(table[2].sampling.columns, 2048);
   EXPECT_TRUE(compare_with_paper(some_rows(), 60).empty());
 }
 
