@@ -50,38 +50,20 @@ class HttpServerTest : public testing::Test {
 
 class ImpatientHttpServerTest : public HttpServerTest {
  protected:
-  ImpatientHttpServerTest() : HttpServerTest(options()) {}
-  static HttpOptions options() {
-    HttpOptions options;
-    options.timeout_s = 1;
-    return options;
-  }
+  ImpatientHttpServerTest() : HttpServerTest({.timeout_s = 1}) {}
 };
 
 /// Time is not what ends anything here.
 class SmallHttpServerTest : public HttpServerTest {
  protected:
-  SmallHttpServerTest() : HttpServerTest(options()) {}
-  static HttpOptions options() {
-    HttpOptions options;
-    options.timeout_s = 600;
-    options.max_connections = 3;
-    options.max_requests = 2;
-    return options;
-  }
+  SmallHttpServerTest() : HttpServerTest({.max_connections = 3, .max_requests = 2, .timeout_s = 600}) {}
 };
 
 /// Nor here.
 class SharedHttpServerTest : public HttpServerTest {
  protected:
-  SharedHttpServerTest() : HttpServerTest(options()) {}
-  static HttpOptions options() {
-    HttpOptions options;
-    options.timeout_s = 600;
-    options.max_connections = 4;
-    options.max_connections_per_address = 3;
-    return options;
-  }
+  SharedHttpServerTest()
+      : HttpServerTest({.max_connections = 4, .max_connections_per_address = 3, .timeout_s = 600}) {}
 };
 
 TEST_F(HttpServerTest, AKnownPathIsAnsweredAndTheConnectionGoesOn) {
