@@ -203,12 +203,17 @@ TEST(StreamChoice, ImpossibleWishesAreRefusedByFieldFoundAndAllowed) {
 struct Stream {
   std::uint64_t sequence = 0;
   FrameEncoder encoder{{.stream_id = 9, .frame_id = 4, .request_id = 3}, sequence};
+  FrameAssembler frames;
+
+  FrameAssembler& begun(int n_azimuth, int n_range) {
+    EXPECT_TRUE(feed(frames, *encoder.begin(descriptor(n_azimuth, n_range)).front()).ok());
+    return frames;
+  }
 };
 
 TEST(FrameEncoder, WedgesInAnyOrderMakeTheWholeFrame) {
   Stream stream;
-  FrameAssembler frames;
-  ASSERT_TRUE(feed(frames, *stream.encoder.begin(descriptor(20, 32)).front()).ok());
+  FrameAssembler& frames = stream.begun(20, 32);
   for (const int wedge : {2, 0, 1}) {
     for (const BlockPtr& block : stream.encoder.wedge(wedge, filled(wedge * 8, wedge == 2 ? 4 : 8, 32))) {
       ASSERT_TRUE(is_ok(feed(frames, *block)));
@@ -224,8 +229,7 @@ TEST(FrameEncoder, ALargeWedgeTakesSeveralBlocksWithinTheLimit) {
   // row is more than a block.
   for (const int n_range : {100000, 200000}) {
     Stream stream;
-    FrameAssembler frames;
-    ASSERT_TRUE(feed(frames, *stream.encoder.begin(descriptor(3, n_range)).front()).ok());
+    FrameAssembler& frames = stream.begun(3, n_range);
     std::uint64_t sequence = 1;
     for (const BlockPtr& block : stream.encoder.wedge(0, filled(0, 3, n_range))) {
       EXPECT_EQ(block->sequence, ++sequence);
@@ -290,8 +294,7 @@ TEST(FrameEncoder, WithoutABrowserThereIsNoJson) {
 
 TEST(FrameAssembler, NoticesAMissingBlock) {
   Stream stream;
-  FrameAssembler frames;
-  ASSERT_TRUE(feed(frames, *stream.encoder.begin(descriptor(8, 32)).front()).ok());
+  FrameAssembler& frames = stream.begun(8, 32);
   const auto blocks = stream.encoder.wedge(0, filled(0, 8, 32));
   for (std::size_t i = 1; i < blocks.size(); ++i) ASSERT_TRUE(feed(frames, *blocks[i]).ok());
   EXPECT_EQ(feed(frames, *stream.encoder.end({}, 0)).outcome, client::Outcome::bad_stream);
@@ -299,8 +302,7 @@ TEST(FrameAssembler, NoticesAMissingBlock) {
 
 TEST(FrameAssembler, NoticesABlockThatComesTwiceOrLiesOutside) {
   Stream stream;
-  FrameAssembler frames;
-  ASSERT_TRUE(feed(frames, *stream.encoder.begin(descriptor(8, 32)).front()).ok());
+  FrameAssembler& frames = stream.begun(8, 32);
   const auto blocks = stream.encoder.wedge(0, filled(0, 8, 32));
   ASSERT_TRUE(feed(frames, *blocks[0]).ok());
   EXPECT_EQ(feed(frames, *blocks[0]).outcome, client::Outcome::bad_stream);
@@ -324,8 +326,7 @@ TEST(FrameAssembler, RefusesFramesThatCannotBe) {
 
 TEST(FrameAssembler, AnAbortedFrameGivesWayToTheNext) {
   Stream stream;
-  FrameAssembler frames;
-  ASSERT_TRUE(feed(frames, *stream.encoder.begin(descriptor(8, 32)).front()).ok());
+  FrameAssembler& frames = stream.begun(8, 32);
   ASSERT_TRUE(feed(frames, *stream.encoder.abort("because")).ok());
   EXPECT_EQ(frames.state(), FrameAssembler::State::aborted);
   EXPECT_EQ(frames.abort_reason(), "because");
