@@ -12,8 +12,8 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/simd/kernels.h"
 #include "server/rendering/parked_work.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
-#include "tests/support/small_frames.h"
 
 namespace obliq {
 namespace {

@@ -93,15 +93,8 @@ TEST(FlatPlane, ExactPlanesMatchTheClosedFormAroundTheNadir) {
   // An antenna 50 m up, ranges of 0 to 12 km all around; the first bin with ground ends nearly twice as far
   // as it begins. The range of the mean 1 / r^2 is exact over level ground. With a part's mean range in its
   // place (the named wrong version) the total is 8.6 % low and the first bin 8.8 %.
-  RadarSettings settings;
-  settings.frustum = FrustumKind::sweep;
+  RadarSettings settings = test::radar_settings(FrustumKind::sweep, {0, 12000, 360}, {256, 256}, {256});
   settings.sub_columns = 0;
-  settings.sector_deg = 360;
-  settings.r_min_m = 0;
-  settings.r_max_m = 12000;
-  settings.azimuth_bins = 256;
-  settings.range_bins = 256;
-  settings.pixel_columns = 256;
   const double height_m = 50;
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 13000, 100)));
   const Frame frame = render(scene, test::snapshot(settings),

@@ -34,16 +34,8 @@ std::shared_ptr<const Scene> hills_with_prisms() {
 }
 
 RadarSettings settings_of(FrustumKind kind, PlateKind plates, int columns, int rows) {
-  RadarSettings s;
-  s.frustum = kind;
+  RadarSettings s = test::radar_settings(kind, {1200, 6000, 60}, {64, 128}, {columns, rows});
   s.plates = plates;
-  s.sector_deg = 60;
-  s.r_min_m = 1200;
-  s.r_max_m = 6000;
-  s.pixel_columns = columns;
-  s.pixel_rows = rows;
-  s.azimuth_bins = 64;
-  s.range_bins = 128;
   return s;
 }
 

@@ -9,7 +9,6 @@
 
 #include "server/accuracy/bin_errors.h"
 #include "tests/support/scenes.h"
-#include "tests/support/small_frames.h"
 
 namespace obliq {
 namespace {
@@ -21,14 +20,7 @@ constexpr int kBinsOfPulse = 4;
 /// cosecant. With bins as long as the pulse resolves E is 0.06, whatever the sampling: where in its bin a
 /// house stands is not known any more.
 RadarSettings radar() {
-  RadarSettings s;
-  s.frustum = FrustumKind::sweep;
-  s.sector_deg = 20;
-  s.azimuth_bins = 40;
-  s.pixel_columns = 80;
-  s.range_bins = 96;
-  s.r_min_m = 3000;
-  s.r_max_m = 6000;
+  RadarSettings s = test::radar_settings(FrustumKind::sweep, {3000, 6000, 20}, {40, 96}, {80});
   s.beam.pattern = BeamPattern::gaussian;
   s.beam.width_deg = 3;
   s.beam.elevation = ElevationPattern::cosecant;

@@ -62,14 +62,10 @@ class SpeckleOfEverySource : public testing::TestWithParam<test::NamedSource> {
   static constexpr std::size_t kIndependent = 100000;
 
   static RadarSettings settings(double pixels_a_bin, SpeckleKind speckle = SpeckleKind::ground) {
-    RadarSettings s;
-    s.frustum = GetParam().kind;
+    RadarSettings s = test::radar_settings(
+        GetParam().kind, {2000, 10000, 60}, {kBins, kBins},
+        {static_cast<int>(pixels_a_bin * kBins), static_cast<int>(pixels_a_bin * kBins)});
     s.speckle = speckle;
-    s.sector_deg = 60;
-    s.r_min_m = 2000;
-    s.r_max_m = 10000;
-    s.azimuth_bins = s.range_bins = kBins;
-    s.pixel_columns = s.pixel_rows = static_cast<int>(pixels_a_bin * kBins);
     return s;
   }
 

@@ -19,15 +19,7 @@ constexpr double kStep_m = 0.5;
 constexpr double kAntenna_m = 1200;
 
 RadarSettings settings(FrustumKind kind, int pixels) {
-  RadarSettings s;
-  s.frustum = kind;
-  s.sector_deg = 70;
-  s.r_min_m = 1000;
-  s.r_max_m = 9000;
-  s.azimuth_bins = 60;
-  s.range_bins = 160;
-  s.pixel_columns = s.pixel_rows = pixels;
-  return s;
+  return test::radar_settings(kind, {1000, 9000, 70}, {60, 160}, {pixels, pixels});
 }
 
 /// Height of the two triangles of a cell; NaN where a corner is unknown.

@@ -97,38 +97,6 @@ void over_wedges(const FramePlan& plan, int threads, const Work& work) {
 
 int threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
-/// All rays of a frame, made beforehand, traced by Embree alone: the floor that whole frames are held
-/// against.
-void BareTrace(benchmark::State& state) {
-  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)), SpeckleKind::ground, PlateKind::nearest,
-                            RayMethod::embree);
-  std::vector<std::unique_ptr<RayBatch>> batches;
-  for (int first = 0; first < plan->settings().azimuth_bins; first += kWedgeAzimuthBins) {
-    const auto source = make_ray_source(
-        plan->looks_at(), {first, std::min(kWedgeAzimuthBins, plan->settings().azimuth_bins - first)});
-    for (auto batch = std::make_unique<RayBatch>(); source->generate(*batch);
-         batch = std::make_unique<RayBatch>())
-      batches.push_back(std::move(batch));
-  }
-  double rays = 0;
-  for (const auto& batch : batches) rays += batch->n;
-  for (auto _ : state) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&] {
-      const auto hits = std::make_unique<std::array<RoughHit, kBatch>>();
-      for (std::size_t k = next++; k < batches.size(); k = next++)
-        plan->scene().tracer().trace(plan->sector().antenna_m, batches[k]->dir_x.data(),
-                                     batches[k]->dir_y.data(), batches[k]->dir_z.data(), batches[k]->n,
-                                     hits->data(), batches[k]->packet_order.data());
-    };
-    std::vector<std::jthread> helpers;
-    for (int t = 1; t < threads(); ++t) helpers.emplace_back(run);
-    run();
-  }
-  state.counters["Mray/s"] =
-      benchmark::Counter(rays / 1e6 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
-}
-
 void WholeFrame(benchmark::State& state) {
   const auto plan =
       plan_of(static_cast<FrustumKind>(state.range(0)), static_cast<SpeckleKind>(state.range(1)),
@@ -160,25 +128,32 @@ void RayGeneration(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(rays.load()) / 1e6, benchmark::Counter::kIsRate);
 }
 
-/// From rays to samples: generation, trace, refinement and, with spread plates, their walks. With the states
-/// asked for, the profiles that perspective plates use cost a frame nothing more.
-void Samples(benchmark::State& state) {
-  const auto plan = plan_of(static_cast<FrustumKind>(state.range(0)), SpeckleKind::ground,
-                            static_cast<PlateKind>(state.range(1)));
-  std::atomic<std::uint64_t> found{0};
+/// The frame's samples, neither scattered nor binned.
+void find_samples(benchmark::State& state, const FramePlan& plan) {
+  std::atomic<std::uint64_t> found{0}, cast{0};
   for (auto _ : state) {
-    over_wedges(*plan, threads(), [&](AzimuthRange range) {
+    over_wedges(plan, threads(), [&](AzimuthRange range) {
       const auto batch = std::make_unique<SampleBatch>();
       FrameStats stats;
       std::uint64_t n = 0;
-      for (const auto source = make_sample_source(plan->looks_at(), range, nullptr);
+      for (const auto source = make_sample_source(plan.looks_at(), range, nullptr);
            source->fill(*batch, stats);)
         n += static_cast<std::uint64_t>(batch->n);
       found += n;
+      cast += stats.rays;
     });
   }
   state.counters["Msample/s"] =
       benchmark::Counter(static_cast<double>(found.load()) / 1e6, benchmark::Counter::kIsRate);
+  state.counters["rays"] =
+      benchmark::Counter(static_cast<double>(cast.load()), benchmark::Counter::kAvgIterations);
+}
+
+/// From rays to samples: generation, trace, refinement and, with spread plates, their walks. With the states
+/// asked for, the profiles that perspective plates use cost a frame nothing more.
+void Samples(benchmark::State& state) {
+  find_samples(state, *plan_of(static_cast<FrustumKind>(state.range(0)), SpeckleKind::ground,
+                               static_cast<PlateKind>(state.range(1))));
 }
 
 std::shared_ptr<const FramePlan> sweep_plan(std::int64_t planes_per_bin) {
@@ -188,28 +163,8 @@ std::shared_ptr<const FramePlan> sweep_plan(std::int64_t planes_per_bin) {
   return plan_frame(setting().scene, test::snapshot(settings), setting().pose).plan;
 }
 
-/// The sweep alone: planes marched, samples neither scattered nor binned.
-void Sweep(benchmark::State& state) {
-  const auto plan = sweep_plan(state.range(0));
-  std::atomic<std::uint64_t> found{0};
-  std::atomic<std::uint64_t> planes{0};
-  for (auto _ : state) {
-    over_wedges(*plan, threads(), [&](AzimuthRange range) {
-      const auto batch = std::make_unique<SampleBatch>();
-      FrameStats stats;
-      std::uint64_t n = 0;
-      for (const auto source = make_sample_source(plan->looks_at(), range, nullptr);
-           source->fill(*batch, stats);)
-        n += static_cast<std::uint64_t>(batch->n);
-      found += n;
-      planes += stats.rays;
-    });
-  }
-  state.counters["Msample/s"] =
-      benchmark::Counter(static_cast<double>(found.load()) / 1e6, benchmark::Counter::kIsRate);
-  state.counters["planes"] =
-      benchmark::Counter(static_cast<double>(planes.load()), benchmark::Counter::kAvgIterations);
-}
+/// The sweep alone: planes marched.
+void Sweep(benchmark::State& state) { find_samples(state, *sweep_plan(state.range(0))); }
 
 void WholeSweepFrame(benchmark::State& state) {
   const auto plan = sweep_plan(state.range(0));
@@ -285,12 +240,6 @@ constexpr auto kEmbree = static_cast<std::int64_t>(RayMethod::embree);
 
 BENCHMARK(PlanFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(RayGeneration)
-    ->ArgName("frustum")
-    ->Arg(kSymmetric)
-    ->Arg(kOblique)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK(BareTrace)
     ->ArgName("frustum")
     ->Arg(kSymmetric)
     ->Arg(kOblique)

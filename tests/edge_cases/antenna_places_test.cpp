@@ -23,15 +23,7 @@ constexpr test::RenderChecks kOnSurface{.none_rejected = false};
 constexpr test::RenderChecks kSane{.on_surface = false, .none_rejected = false};
 
 RadarSettings settings(double r_min_m, double r_max_m) {
-  RadarSettings s;
-  s.sector_deg = 60;
-  s.r_min_m = r_min_m;
-  s.r_max_m = r_max_m;
-  s.azimuth_bins = 12;
-  s.range_bins = 40;
-  s.pixel_columns = 240;
-  s.pixel_rows = 240;
-  return s;
+  return test::radar_settings(FrustumKind::oblique, {r_min_m, r_max_m, 60}, {12, 40}, {240, 240});
 }
 
 std::vector<Material> one_material() { return {test::two_materials()[0], test::two_materials()[0]}; }

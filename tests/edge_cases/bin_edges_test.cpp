@@ -24,15 +24,7 @@ namespace obliq {
 namespace {
 
 RadarSettings settings() {
-  RadarSettings s;
-  s.sector_deg = 60;
-  s.r_min_m = 1500;
-  s.r_max_m = 6000;
-  s.azimuth_bins = 12;
-  s.range_bins = 30;
-  s.pixel_columns = 96;
-  s.pixel_rows = 96;
-  return s;
+  return test::radar_settings(FrustumKind::oblique, {1500, 6000, 60}, {12, 30}, {96, 96});
 }
 
 std::shared_ptr<const Scene> flat_scene() {

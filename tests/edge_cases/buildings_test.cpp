@@ -20,15 +20,7 @@ using test::Rendered;
 using test::rendered;
 
 RadarSettings settings() {
-  RadarSettings s;
-  s.sector_deg = 60;
-  s.r_min_m = 600;
-  s.r_max_m = 2800;
-  s.azimuth_bins = 12;
-  s.range_bins = 40;
-  s.pixel_columns = 180;
-  s.pixel_rows = 180;
-  return s;
+  return test::radar_settings(FrustumKind::oblique, {600, 2800, 60}, {12, 40}, {180, 180});
 }
 
 /// Ground and buildings of one diffuse material, so that only geometry decides the power.

@@ -182,14 +182,8 @@ Result check_tower(const Place& origin, const Place& place, double bearing_deg, 
 
   for (const test::Sampling& sampling : test::kSamplings) {
     SCOPED_TRACE(sampling.name);
-    RadarSettings s;
-    s.sector_deg = kSector_deg;
-    s.r_min_m = kRMin_m;
-    s.r_max_m = kRMax_m;
-    s.azimuth_bins = kAzimuthBins;
-    s.range_bins = kRangeBins;
-    s.pixel_columns = 1024;
-    s.pixel_rows = 512;
+    RadarSettings s = test::radar_settings(FrustumKind::oblique, {kRMin_m, kRMax_m, kSector_deg},
+                                           {kAzimuthBins, kRangeBins}, {1024, 512});
     s = test::sampled(s, sampling);
     const PlanResult planned = plan_frame(scene, test::snapshot(s), *pose);
     if (!planned.plan) {

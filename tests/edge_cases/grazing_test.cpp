@@ -17,15 +17,7 @@ namespace {
 using test::kPi;
 
 RadarSettings settings(double r_min_m, double r_max_m) {
-  RadarSettings s;
-  s.sector_deg = 20;
-  s.r_min_m = r_min_m;
-  s.r_max_m = r_max_m;
-  s.azimuth_bins = 16;
-  s.range_bins = 128;
-  s.pixel_columns = 64;
-  s.pixel_rows = 1024;
-  return s;
+  return test::radar_settings(FrustumKind::oblique, {r_min_m, r_max_m, 20}, {16, 128}, {64, 1024});
 }
 
 /// Renders, or says which field refuses the pose. Only a perspective frustum may refuse.

@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
@@ -16,6 +14,7 @@
 #include "server/output/ground_map.h"
 #include "server/radar/frame_plan.h"
 #include "tests/support/made_worlds.h"
+#include "tests/support/npy.h"
 #include "tests/support/samplings.h"
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
@@ -38,15 +37,7 @@ World town() {
 }
 
 RadarSettings settings() {
-  RadarSettings s;
-  s.sector_deg = 70;
-  s.r_min_m = 1000;
-  s.r_max_m = 3900;
-  s.azimuth_bins = 9;
-  s.range_bins = 24;
-  s.pixel_columns = 45;
-  s.pixel_rows = 60;
-  return s;
+  return test::radar_settings(FrustumKind::oblique, {1000, 3900, 70}, {9, 24}, {45, 60});
 }
 
 struct Case {
@@ -195,17 +186,6 @@ void expect_numbers(const nlohmann::json& json, const std::string& where) {
     for (const auto& [key, value] : json.items()) expect_numbers(value, where + "/" + key);
 }
 
-template <class T>
-std::vector<T> npy(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  char head[10] = {};
-  file.read(head, sizeof head);
-  file.seekg(10 + static_cast<unsigned char>(head[8]) + 256 * static_cast<unsigned char>(head[9]));
-  std::vector<T> values;
-  for (T value; file.read(reinterpret_cast<char*>(&value), sizeof value);) values.push_back(value);
-  return values;
-}
-
 TEST(HardMaterials, EveryFileOfTheDarkestAndTheBrightestFrameHoldsNumbers) {
   const auto world = std::make_shared<const World>(town());
   const Pose pose = test::pose_at(*world, {13, 900, -7}, 20);
@@ -243,10 +223,10 @@ TEST(HardMaterials, EveryFileOfTheDarkestAndTheBrightestFrameHoldsNumbers) {
           write_frame_files(folder, descriptor, summary, frame.bins);
           std::ifstream text(folder / "frame.json");
           expect_numbers(nlohmann::json::parse(text), "");
-          for (const double power : npy<double>(folder / "power.npy")) {
+          for (const double power : test::read_npy<double>(folder / "power.npy")) {
             EXPECT_TRUE(dark ? power == 0 : std::isfinite(power) && power >= 0);
           }
-          const auto parts = npy<float>(folder / "bins.npy");
+          const auto parts = test::read_npy<float>(folder / "bins.npy");
           EXPECT_EQ(parts.size(), 2 * frame.bins.iq.size());
           for (const float part : parts) EXPECT_TRUE(dark ? part == 0 : std::isfinite(part));
           EXPECT_GT(fs::file_size(folder / "ground_map.png"), 1000u);

@@ -26,15 +26,7 @@ using test::rendered;
 constexpr double kLon = -99.5, kLat = 33;
 
 RadarSettings settings() {
-  RadarSettings s;
-  s.sector_deg = 60;
-  s.r_min_m = 900;
-  s.r_max_m = 3900;
-  s.azimuth_bins = 12;
-  s.range_bins = 40;
-  s.pixel_columns = 200;
-  s.pixel_rows = 200;
-  return s;
+  return test::radar_settings(FrustumKind::oblique, {900, 3900, 60}, {12, 40}, {200, 200});
 }
 
 double rough(double x, double z) { return 40 * std::sin(x / 300) * std::cos(z / 410); }

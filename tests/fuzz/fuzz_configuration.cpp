@@ -12,8 +12,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const obliq::SceneConfig config = obliq::load_scene_text(text, "scene.toml");
     if (config.radars.empty()) obliq::fuzz::broken("a scene without a radar");
-  } catch (const obliq::InputError&) {
-    // What an operator gets to read.
+  } catch (const obliq::InputError& error) {
+    if (*error.what() == '\0') obliq::fuzz::broken("refused without words");
   }
   return 0;
 }

@@ -65,6 +65,10 @@ void run(fuzz::Input input) {
     }
     Request request;
     if (parse(frame, request) != Exception::none) continue;
+    const bool masks = request.function == Function::mask_write_register;
+    if (request.read.count > 2000 || request.read.count + request.write.count <= 0 ||
+        (!masks && request.values.size() != static_cast<std::size_t>(request.write.count)))
+      fuzz::broken("a frame is taken for more than it is");
     const bool is_there = request.unit >= 1 && request.unit <= panel.radars();
     const Registers before = is_there ? registers_of(image, request.unit) : Registers{};
     Registers registers;

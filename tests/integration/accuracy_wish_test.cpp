@@ -59,7 +59,7 @@ TEST_F(AccuracyWish, WhatIsAskedIsMetForEveryKindAndToldWithItsMeasure) {
 }
 
 TEST_F(AccuracyWish, QualityObliqueFindsPixelsThatLeaveFewLitBinsUnsampled) {
-  const auto run = render({"frustum.quality=oblique"});
+  const auto run = render({"frustum.quality=oblique", "terrain.cell_m=20"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_NE(run.err.find("radar \"main\": frustum.quality \"oblique\": "), std::string::npos) << run.err;
   const std::string json = text_of(folder_ / "files" / "frame.json");
@@ -105,8 +105,8 @@ TEST_F(AccuracyWish, FewPixelsAreWarnedOfOnStderr) {
 
 TEST_F(AccuracyWish, AskingForMoreTakesMore) {
   const auto columns = [&](const std::string& limit_db) {
-    const auto run = render({"frustum.kind=oblique", "bins.azimuth=128", "bins.range=128",
-                             "accuracy.max_power_error_db=" + limit_db});
+    const auto run = render({"frustum.kind=oblique", "terrain.cell_m=20", "bins.azimuth=128",
+                             "bins.range=128", "accuracy.max_power_error_db=" + limit_db});
     EXPECT_EQ(run.code, 0) << run.err;
     return number_after(run.err, "oblique ");
   };

@@ -1,23 +1,20 @@
 // `obliq cat240` against a real daemon: what a receiver gets is the radar's video.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 
 #include <csignal>
 #include <cstring>
 #include <map>
 #include <vector>
 
-#include "client/client.h"
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "terrain/base/files.h"
+#include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
+#include "tests/support/loopback.h"
 
 namespace obliq::test {
 namespace {
-
-constexpr client::Timeout kLong{60000};  // reached only when something is broken
 
 /// A video or summary message, read as edition 1.3 says.
 struct Message {
@@ -32,13 +29,7 @@ struct Message {
 class Receiver {
  public:
   Receiver() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in at{};
-    at.sin_family = AF_INET;
-    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof at;
-    EXPECT_EQ(bind(socket_.get(), reinterpret_cast<sockaddr*>(&at), size), 0);
-    EXPECT_EQ(getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&at), &size), 0);
-    to = "127.0.0.1:" + std::to_string(ntohs(at.sin_port));
+    to = "127.0.0.1:" + std::to_string(bind_to_loopback(socket_.get()));
     const int large = 8 << 20;  // everything waits here until the command has ended
     (void)setsockopt(socket_.get(), SOL_SOCKET, SO_RCVBUF, &large, sizeof large);
     const timeval patience{60, 0};
@@ -91,20 +82,14 @@ class Receiver {
   UniqueFd socket_;
 };
 
-class Cat240Command : public testing::Test {
+class Cat240Command : public ProgramTest {
  protected:
-  Outcome cat240(const std::vector<std::string>& more) const {
-    std::vector<std::string> all = {"cat240"};
-    all.insert(all.end(), more.begin(), more.end());
-    return run_program(OBLIQ_PROGRAM, all, folder.path());
-  }
-  TestFolder folder;
+  Outcome cat240(const std::vector<std::string>& more) const { return obliq({"cat240"}, more); }
   Receiver receiver;
 };
 
 client::AssembledFrame video_of(const std::string& address, int bits) {
-  client::Client client;
-  EXPECT_TRUE(client.connect(*client::parse_endpoint(address)).ok());
+  client::Client client = connected(address);
   client::FrameAssembler frames(wire::plane_bit(wire::Plane::video));
   client.set_handler(&frames);
   wire::Subscribe request;
@@ -197,12 +182,10 @@ TEST_F(Cat240Command, TheRecordedPassesOfAScanningAntennaAreSentAgain) {
   const std::string file = folder / "passes.obliq";
   {
     const Daemon daemon({"--config", scene}, folder.path());
-    ASSERT_EQ(run_program(
-                  OBLIQ_PROGRAM,
-                  {"record", "--server", daemon.address(), "--out", file, "--frames", "4", "--planes", "iq"},
-                  folder.path())
-                  .code,
-              0);
+    ASSERT_EQ(
+        obliq({"record", "--server", daemon.address(), "--out", file, "--frames", "4", "--planes", "iq"})
+            .code,
+        0);
   }
   Running replay({"replay", file, "--serve", "--loop", "--port", "0"}, folder / "replay.log");
   const Outcome outcome = cat240({replay.await(" on "), "--to", receiver.to, "--frames", "4"});
@@ -228,8 +211,7 @@ TEST_F(Cat240Command, NewGeometryIsToldByANewSummary) {
   EXPECT_TRUE(message.summary);
   while ((message = receiver.receive()).summary) FAIL() << "one is enough";
   const std::uint32_t cell_dur = message.cell_dur;
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(daemon.address())).ok());
+  client::Client client = connected(daemon.address());
   const std::string radar = client.welcome().radars(0);
   ASSERT_TRUE(client.claim_control(radar).ok());
   wire::RadarSettings settings;
@@ -270,8 +252,7 @@ TEST_F(Cat240Command, BadInputIsRefusedWithWhatIsAllowed) {
 TEST_F(Cat240Command, CellsThatAreTooLongAreRefusedByName) {
   std::string text = text_of(SmallScene{.range_bins = 8});
   const Daemon daemon({"--config", folder.write("scene.toml", text)}, folder.path());
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(daemon.address())).ok()) << daemon.log();
+  client::Client client = connected(daemon.address());
   const std::string radar = client.welcome().radars(0);
   EXPECT_TRUE(client.claim_control(radar).ok());
   wire::RadarSettings settings;
@@ -292,8 +273,7 @@ TEST_F(Cat240Command, CellsThatAreTooLongAreRefusedByName) {
 TEST_F(Cat240Command, ARateThatTheServerRefusesIsRefusedBeforeAnythingIsSaidToBeSent) {
   const Daemon daemon({"--config", folder.write("scene.toml", text_of(SmallScene{}))}, folder.path());
   ASSERT_NE(daemon.address(), "") << daemon.log();
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(daemon.address())).ok());
+  client::Client client = connected(daemon.address());
   const double most_hz = client.welcome().limits().max_rate_hz();
   for (const double rate_hz : {most_hz * 1.001, 9999.0}) {
     const Outcome outcome =
@@ -320,12 +300,10 @@ TEST_F(Cat240Command, AReplayWithoutVideoIsRefusedWithThePlanesThatItHas) {
   const std::string file = folder / "state.obliq";
   {
     const Daemon daemon({"--config", scene}, folder.path());
-    ASSERT_EQ(run_program(OBLIQ_PROGRAM,
-                          {"record", "--server", daemon.address(), "--out", file, "--frames", "1", "--planes",
-                           "state"},
-                          folder.path())
-                  .code,
-              0);
+    ASSERT_EQ(
+        obliq({"record", "--server", daemon.address(), "--out", file, "--frames", "1", "--planes", "state"})
+            .code,
+        0);
   }
   Running replay({"replay", file, "--serve", "--loop", "--port", "0"}, folder / "replay.log");
   const Outcome outcome = cat240({replay.await(" on "), "--to", receiver.to});

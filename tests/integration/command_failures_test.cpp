@@ -1,7 +1,5 @@
 // obliq get and watch against servers that fail them: one clear line, exit code 1, no hang.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <functional>
@@ -11,6 +9,7 @@
 #include "proto/message_codec.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/daemon.h"
+#include "tests/support/loopback.h"
 
 namespace obliq::test {
 namespace {
@@ -31,14 +30,8 @@ class ScriptedServer {
   explicit ScriptedServer(Script script, int close_after = 0)
       : script_(std::move(script)), close_after_(close_after) {
     listener_ = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    address_ = "127.0.0.1:" + std::to_string(bind_to_loopback(listener_));
     EXPECT_EQ(listen(listener_, 1), 0);
-    EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    address_ = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
     thread_ = std::thread([this] { serve(); });
   }
   ~ScriptedServer() {
@@ -102,82 +95,84 @@ void append(wire::Bytes& bytes, const wire::Bytes& more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-/// Runs `obliq COMMAND` against a script and expects one line with `part` in it.
-void expect_failure(const std::string& command, const Script& script, const std::string& part,
-                    int close_after = 0) {
-  const TestFolder folder;
-  const ScriptedServer server(script, close_after);
-  std::vector<std::string> arguments = {command, "--server", server.address()};
-  if (command == "watch") arguments.insert(arguments.end(), {"--reconnect", "0"});
-  if (command == "get") arguments.insert(arguments.end(), {"--out", folder / "frame"});
-  const Outcome outcome = run_program(OBLIQ_PROGRAM, arguments, folder.path());
-  EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-}
+class CommandFailures : public ProgramTest {
+ protected:
+  /// Runs `obliq COMMAND` against a script and expects one line with `part` in it.
+  void expect_failure(const std::string& command, const Script& script, const std::string& part,
+                      int close_after = 0) {
+    const ScriptedServer server(script, close_after);
+    std::vector<std::string> more;
+    if (command == "watch") more = {"--reconnect", "0"};
+    if (command == "get") more = {"--out", folder / "frame"};
+    const Outcome outcome = obliq({command, "--server", server.address()}, more);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+};
 
-TEST(CommandFailures, NobodyListens) {
-  const TestFolder folder;
+TEST_F(CommandFailures, NobodyListens) {
   std::string address;
   {
     address = ScriptedServer([](MessageType, std::uint64_t) { return wire::Bytes(); }).address();
   }
-  const Outcome outcome = run_program(OBLIQ_PROGRAM, {"status", "--server", address}, folder.path());
+  const Outcome outcome = obliq({"status", "--server", address});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "obliq: cannot connect to " + address + ": Connection refused" + kWhatToDo);
 }
 
-TEST(CommandFailures, AnAddressThatIsNone) {
-  const TestFolder folder;
-  const Outcome outcome = run_program(OBLIQ_PROGRAM, {"status", "--server", "host:port"}, folder.path());
+TEST_F(CommandFailures, AnAddressThatIsNone) {
+  const Outcome outcome = obliq({"status", "--server", "host:port"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.err.find("--server: found \"host:port\""), std::string::npos) << outcome.err;
 }
 
-TEST(CommandFailures, AServerOfAnotherMajorVersion) {
-  expect_failure(
-      "get",
-      [](MessageType, std::uint64_t id) {
-        wire::Bytes answer = welcome(id);
-        answer[4] = std::byte{2};
-        return answer;
-      },
-      "protocol version: found 2.1; allowed: 1.x");
+TEST_F(CommandFailures, AServerThatDoesNotAnswerAsOneIsToldInALine) {
+  const struct {
+    const char* command;
+    Script script;
+    const char* said;
+  } cases[] = {
+      {"get",
+       [](MessageType, std::uint64_t id) {
+         wire::Bytes answer = welcome(id);
+         answer[4] = std::byte{2};
+         return answer;
+       },
+       "protocol version: found 2.1; allowed: 1.x"},
+      {"get", [](MessageType, std::uint64_t id) { return welcome(id, 9); },
+       "protocol version: found 9.0; allowed: 1.x"},
+      {"watch", [](MessageType, std::uint64_t) { return wire::Bytes(100, std::byte{'x'}); },
+       "not an obliq stream"},
+      {"status", [](MessageType, std::uint64_t) { return wire::Bytes(); }, "the server has closed"},
+      {"status",
+       [](MessageType, std::uint64_t id) {
+         wire::Bytes answer = welcome(id);
+         answer.back() ^= std::byte{1};
+         return answer;
+       },
+       "damaged"},
+  };
+  for (const auto& [command, script, said] : cases) expect_failure(command, script, said);
 }
 
-TEST(CommandFailures, AServerWhoseWelcomeIsOfAnotherMajorVersion) {
-  expect_failure(
-      "get", [](MessageType, std::uint64_t id) { return welcome(id, 9); },
-      "protocol version: found 9.0; allowed: 1.x");
-}
-
-TEST(CommandFailures, NobodyListensForAsLongAsOneWaits) {
-  const TestFolder folder;
+TEST_F(CommandFailures, NobodyListensForAsLongAsOneWaits) {
   std::string address;
   {
     address = ScriptedServer([](MessageType, std::uint64_t) { return wire::Bytes(); }).address();
   }
-  const Outcome outcome =
-      run_program(OBLIQ_PROGRAM, {"status", "--wait", "1", "--server", address}, folder.path());
+  const Outcome outcome = obliq({"status", "--wait", "1", "--server", address});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "obliq: waiting for a server at " + address +
                              ", 1 s at most\nobliq: cannot connect to " + address +
                              ": Connection refused (waited 1 s)" + kWhatToDo);
 }
 
-TEST(CommandFailures, AServerThatRefusesIsNotWaitedFor) {
-  const TestFolder folder;
+TEST_F(CommandFailures, AServerThatRefusesIsNotWaitedFor) {
   const ScriptedServer server([](MessageType, std::uint64_t id) { return welcome(id, 9); });
-  const Outcome outcome =
-      run_program(OBLIQ_PROGRAM, {"watch", "--wait", "600", "--server", server.address()}, folder.path());
+  const Outcome outcome = obliq({"watch", "--wait", "600", "--server", server.address()});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err.find("waiting"), std::string::npos) << outcome.err;
-}
-
-TEST(CommandFailures, AServerThatIsNone) {
-  expect_failure(
-      "watch", [](MessageType, std::uint64_t) { return wire::Bytes(100, std::byte{'x'}); },
-      "not an obliq stream");
 }
 
 wire::Bytes bytes_of(std::string_view text) {
@@ -185,7 +180,7 @@ wire::Bytes bytes_of(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-TEST(CommandFailures, AForeignServerIsKnownByItsFirstBytesHoweverFew) {
+TEST_F(CommandFailures, AForeignServerIsKnownByItsFirstBytesHoweverFew) {
   for (const auto& [says, found] :
        {std::pair{"SSH-2.0-OpenSSH_9.2\r\n", "found \"SSH-2.0-OpenSSH_9.2\", which is an SSH server"},
         std::pair{"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n",
@@ -198,18 +193,11 @@ TEST(CommandFailures, AForeignServerIsKnownByItsFirstBytesHoweverFew) {
   }
 }
 
-TEST(CommandFailures, AServerThatTakesConnectionsAndSaysNothingIsNotWaitedForLong) {
+TEST_F(CommandFailures, AServerThatTakesConnectionsAndSaysNothingIsNotWaitedForLong) {
   const int listener = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+  const std::string port = std::to_string(bind_to_loopback(listener));
   ASSERT_EQ(listen(listener, 1), 0);
-  ASSERT_EQ(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  const TestFolder folder;
-  const Outcome outcome = run_program(
-      OBLIQ_PROGRAM, {"status", "--server", std::to_string(ntohs(address.sin_port))}, folder.path());
+  const Outcome outcome = obliq({"status", "--server", port});
   close(listener);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.err.find("has sent nothing for 2 s: it is not obliqd, or too busy to answer"),
@@ -217,32 +205,14 @@ TEST(CommandFailures, AServerThatTakesConnectionsAndSaysNothingIsNotWaitedForLon
       << outcome.err;
 }
 
-TEST(CommandFailures, AServerThatClosesAtOnce) {
-  expect_failure(
-      "status", [](MessageType, std::uint64_t) { return wire::Bytes(); }, "the server has closed");
-}
-
-TEST(CommandFailures, ADamagedAnswer) {
-  expect_failure(
-      "status",
-      [](MessageType, std::uint64_t id) {
-        wire::Bytes answer = welcome(id);
-        answer.back() ^= std::byte{1};
-        return answer;
-      },
-      "damaged");
-}
-
-TEST(CommandFailures, AnUnknownRadar) {
-  const TestFolder folder;
+TEST_F(CommandFailures, AnUnknownRadar) {
   const ScriptedServer server([](MessageType, std::uint64_t id) { return welcome(id); });
-  const Outcome outcome =
-      run_program(OBLIQ_PROGRAM, {"pose", "--server", server.address(), "--radar", "tail"}, folder.path());
+  const Outcome outcome = obliq({"pose", "--server", server.address(), "--radar", "tail"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "obliq: --radar: found \"tail\"; allowed: main\n");
 }
 
-TEST(CommandFailures, AServerThatGoesInTheMiddleOfAFrame) {
+TEST_F(CommandFailures, AServerThatGoesInTheMiddleOfAFrame) {
   // Answers the subscription with the beginning of a frame, then closes: the client sends no more, so the
   // script's end is the end of the connection.
   expect_failure(
@@ -256,7 +226,7 @@ TEST(CommandFailures, AServerThatGoesInTheMiddleOfAFrame) {
       "the server has closed the connection", /*close_after=*/2);
 }
 
-TEST(CommandFailures, AFrameThatTheServerGivesUp) {
+TEST_F(CommandFailures, AFrameThatTheServerGivesUp) {
   expect_failure(
       "get",
       [](MessageType type, std::uint64_t id) {
@@ -276,7 +246,7 @@ TEST(CommandFailures, AFrameThatTheServerGivesUp) {
       "the server gave the frame up: no memory");
 }
 
-TEST(CommandFailures, AFrameOfImpossibleSize) {
+TEST_F(CommandFailures, AFrameOfImpossibleSize) {
   for (const auto& [azimuths, said] : {std::pair{1 << 14, "bytes; allowed: at most"},
                                        std::pair{1 << 20, "bins; allowed: 1 to 16384 x 1 to 16777216"}}) {
     expect_failure(

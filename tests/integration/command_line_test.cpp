@@ -1,7 +1,6 @@
 // The obliq command as an operator meets it: exit codes, one line on stderr for each mistake.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
@@ -9,13 +8,10 @@
 #include <fstream>
 #include <sstream>
 
-namespace {
+#include "tests/integration/daemon.h"
 
-struct Outcome {
-  int code = -1;  ///< exit code; negative: killed by that signal
-  std::string out;
-  std::string err;
-};
+namespace obliq::test {
+namespace {
 
 std::string quoted(const std::string& argument) {
   std::string text = "'";
@@ -23,47 +19,31 @@ std::string quoted(const std::string& argument) {
   return text + "'";
 }
 
-class CommandLine : public testing::Test {
+class CommandLine : public ProgramTest {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("obliq_cli_" + std::to_string(getpid()) + "_" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string text_of(const std::string& name) const {
-    std::stringstream text;
-    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    return text.str();
-  }
-
   /// Runs obliq. `around`: an assignment of the environment, or a redirection, in the shell's words.
   Outcome obliq(const std::vector<std::string>& arguments, const std::string& environment = {},
                 const std::string& out = "out") const {
     std::string line = environment + " " + quoted(OBLIQ_PROGRAM);
     for (const std::string& argument : arguments) line += " " + quoted(argument);
-    line += " >" + (out == "out" ? quoted(folder_ / "out") : out) + " 2>" + quoted(folder_ / "err") +
-            " </dev/null";
+    line +=
+        " >" + (out == "out" ? quoted(folder / "out") : out) + " 2>" + quoted(folder / "err") + " </dev/null";
     const int status = std::system(line.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of("out"), text_of("err")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(folder / "out"),
+            text_of(folder / "err")};
   }
 
   std::string scene(const std::string& text, const std::string& name = "scene.toml") const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
+    return folder.write(name, text);
   }
 
   /// What `obliq render` says of a scene file; it renders nothing.
   Outcome check(const std::string& file, const std::vector<std::string>& more = {},
                 const std::string& environment = {}) const {
-    std::vector<std::string> arguments{"render", file, "--out", folder_ / "frame", "--check-config"};
+    std::vector<std::string> arguments{"render", file, "--out", folder / "frame", "--check-config"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return obliq(arguments, environment);
   }
-
-  std::filesystem::path folder_;
 };
 
 /// Refused: exit code 1, nothing on stdout, and on stderr lines that begin "obliq: ", one of them with
@@ -76,7 +56,7 @@ void expect_refused(const Outcome& outcome, const std::string& part) {
   for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.starts_with("obliq: ")) << line;
 }
 
-constexpr auto kFlat = "[terrain]\nsynthetic = \"flat\"\n";
+constexpr auto kScene = "[terrain]\nsynthetic = \"flat\"\n";
 
 TEST_F(CommandLine, HelpAndVersionSucceed) {
   for (const std::string flag : {"--help", "-h"}) {
@@ -120,14 +100,14 @@ TEST_F(CommandLine, WhereTheServerIsCanBeSaidInSeveralWays) {
 
 TEST_F(CommandLine, AMissingFileIsNamedOnce) {
   const Outcome outcome =
-      obliq({"render", scene("[terrain]\ndem = \"none.tif\"\n"), "--out", folder_ / "frame"});
+      obliq({"render", scene("[terrain]\ndem = \"none.tif\"\n"), "--out", folder / "frame"});
   expect_refused(outcome, "none.tif: No such file or directory; allowed: a raster");
   EXPECT_EQ(outcome.err.find("none.tif"), outcome.err.rfind("none.tif")) << outcome.err;
 }
 
 TEST_F(CommandLine, AnAntennaUnderTheGroundIsToldHowToCountFromIt) {
   const std::string hill = "[terrain]\nsynthetic = \"flat\"\nshape = { base_m = 1500.0 }\n";
-  const Outcome outcome = obliq({"render", scene(hill), "--out", folder_ / "frame"});
+  const Outcome outcome = obliq({"render", scene(hill), "--out", folder / "frame"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.err.find("antenna.height_reference = \"ground\" counts the height from there"),
             std::string::npos)
@@ -136,7 +116,7 @@ TEST_F(CommandLine, AnAntennaUnderTheGroundIsToldHowToCountFromIt) {
 
 TEST_F(CommandLine, AFileThatMayGrowNoFurtherIsAFailureWithASentence) {
   const Outcome outcome = obliq(
-      {"render", scene(kFlat), "--out", folder_ / "frame", "--set", "frustum.pixels=64"}, "ulimit -f 20;");
+      {"render", scene(kScene), "--out", folder / "frame", "--set", "frustum.pixels=64"}, "ulimit -f 20;");
   EXPECT_EQ(outcome.code, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("cannot be written"), std::string::npos) << outcome.err;
 }
@@ -155,19 +135,19 @@ TEST_F(CommandLine, ParametersAreListedWithUnitAndLimits) {
 }
 
 TEST_F(CommandLine, AGoodSceneIsGoodAndPrintsAsASceneThatIsGood) {
-  EXPECT_EQ(check(scene(kFlat)).code, 0);
-  const Outcome printed = obliq({"render", scene(kFlat), "--out", folder_ / "frame", "--print-config"});
+  EXPECT_EQ(check(scene(kScene)).code, 0);
+  const Outcome printed = obliq({"render", scene(kScene), "--out", folder / "frame", "--print-config"});
   ASSERT_EQ(printed.code, 0) << printed.err;
   const Outcome again =
-      obliq({"render", scene(printed.out, "printed.toml"), "--out", folder_ / "frame", "--print-config"});
+      obliq({"render", scene(printed.out, "printed.toml"), "--out", folder / "frame", "--print-config"});
   EXPECT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(again.out.substr(again.out.find('\n')), printed.out.substr(printed.out.find('\n')));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "frame"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "frame"));
 }
 
 TEST_F(CommandLine, FlagsAndVariablesReachTheScene) {
   const auto print = [&](const std::vector<std::string>& more, const std::string& environment) {
-    std::vector<std::string> arguments{"render", scene(kFlat), "--out", folder_ / "frame", "--print-config"};
+    std::vector<std::string> arguments{"render", scene(kScene), "--out", folder / "frame", "--print-config"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return obliq(arguments, environment).out;
   };
@@ -176,16 +156,16 @@ TEST_F(CommandLine, FlagsAndVariablesReachTheScene) {
   EXPECT_NE(
       print({"--set", "frustum.kind=symmetric", "--set", "bins.azimuth=7"}, "").find("kind = \"symmetric\""),
       std::string::npos);
-  expect_refused(check(scene(kFlat), {"--set", "radar.r_max=9"}), "did you mean radar.r_max_m?");
-  expect_refused(check(scene(kFlat), {"--set", "nonsense"}), "KEY=VALUE");
-  expect_refused(check(scene(kFlat), {"--set"}), "--set");
-  expect_refused(check(scene(kFlat), {}, "OBLIQ_BINS_RANGE=zero"),
+  expect_refused(check(scene(kScene), {"--set", "radar.r_max=9"}), "did you mean radar.r_max_m?");
+  expect_refused(check(scene(kScene), {"--set", "nonsense"}), "KEY=VALUE");
+  expect_refused(check(scene(kScene), {"--set"}), "--set");
+  expect_refused(check(scene(kScene), {}, "OBLIQ_BINS_RANGE=zero"),
                  "environment OBLIQ_BINS_RANGE: bins.range: found zero");
 }
 
 TEST_F(CommandLine, TheSweepHasNoPixelsToWriteSamplesOf) {
   const Outcome outcome =
-      obliq({"render", scene(kFlat), "--out", folder_ / "frame", "--samples", "--set", "frustum.kind=sweep"});
+      obliq({"render", scene(kScene), "--out", folder / "frame", "--samples", "--set", "frustum.kind=sweep"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(
       outcome.err.find("render: --samples: found frustum.kind = \"sweep\", which has no pixels; allowed: "
@@ -194,63 +174,12 @@ TEST_F(CommandLine, TheSweepHasNoPixelsToWriteSamplesOf) {
       << outcome.err;
 }
 
-TEST_F(CommandLine, FilesThatAreNoSceneAreRefused) {
-  expect_refused(check(folder_ / "missing.toml"), "missing.toml: cannot be read: No such file or directory");
-  expect_refused(check(folder_), "found a folder");
+TEST_F(CommandLine, FilesThatAreNoSceneAreRefusedWithFileLineKeyAndWhatIsAllowed) {
+  expect_refused(check(folder / "missing.toml"), "missing.toml: cannot be read: No such file or directory");
   expect_refused(check(scene("")), "scene.toml: terrain: found neither dem nor synthetic");
-  std::string garbage;
-  for (std::uint32_t i = 0; i < 4096; ++i) garbage += static_cast<char>((i * 2654435761u) >> 24);
-  expect_refused(check(scene(garbage)), "found something that is not TOML");
-  expect_refused(check(scene(std::string("\x7f"
-                                         "ELF\0\1",
-                                         6))),
-                 "found something that is not TOML");
-  expect_refused(check("/dev/zero"), "found a device");
+  expect_refused(check(scene(std::string("[radar]\nsector_deg = 0\n") + kScene)),
+                 "scene.toml:2: radar.sector_deg: found 0.0; allowed: number above 0, at most 360 deg");
 }
-
-struct BadLine {
-  const char* lines;  ///< above a flat terrain
-  const char* says;
-};
-
-class BadScene : public CommandLine, public testing::WithParamInterface<BadLine> {};
-
-TEST_P(BadScene, IsRefusedWithFileLineKeyAndWhatIsAllowed) {
-  expect_refused(check(scene(std::string(GetParam().lines) + "\n" + kFlat)), GetParam().says);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Every, BadScene,
-    testing::Values(
-        BadLine{"[radar]\nrmax = 5",
-                "scene.toml:2: radar.rmax: found an unknown key; allowed: did you mean radar.r_max_m?"},
-        BadLine{"[radar]\nr_max_km = 37", "scene.toml:2: radar.r_max_km: found an unknown key"},
-        BadLine{"[[buildings]]\nsource = 'x'\nunit = \"furlong\"",
-                "scene.toml:3: buildings.unit: found \"furlong\""},
-        BadLine{"[radar]\nr_min_m = 37000", "scene.toml:2: radar.r_min_m: found 37000"},
-        BadLine{"[radar]\nr_min_m = 5000\nr_max_m = 4000",
-                "scene.toml:2: radar.r_min_m: found 5000.0 with radar.r_max_m = 4000.0"},
-        BadLine{"[radar]\nsector_deg = 0",
-                "scene.toml:2: radar.sector_deg: found 0.0; allowed: number above 0, at most 360 deg"},
-        BadLine{"[radar]\nsector_deg = 360.5", "scene.toml:2: radar.sector_deg: found 360.5"},
-        BadLine{"[radar]\nsector_deg = -10", "scene.toml:2: radar.sector_deg: found -10"},
-        BadLine{"[frustum]\npixels = 0",
-                "scene.toml:2: frustum.pixel_columns: found 0; allowed: integer 1 to 16384"},
-        BadLine{"[frustum]\npixels = 10000000", "found 10000000; allowed: integer 1 to 16384"},
-        BadLine{"[frustum]\npixels = 99999999999999999", "allowed: integer 1 to 16384"},
-        BadLine{"[frustum]\npixels = -2048", "found -2048"},
-        BadLine{"[frustum]\nkind = \"symmetric\"\n[radar]\nsector_deg = 180",
-                "or frustum.kind = \"oblique\" or \"sweep\""},
-        BadLine{"[frustum]\nkind = \"round\"", "\"symmetric\" | \"oblique\" | \"sweep\""},
-        BadLine{"[radar]\nfrequency_ghz = nan", "scene.toml:2: radar.frequency_ghz: found nan"},
-        BadLine{"[radar]\nr_max_m = inf", "scene.toml:2: radar.r_max_m: found inf"},
-        BadLine{"[antenna]\nlatitude_deg = nan", "scene.toml:2: antenna.latitude_deg: found nan"},
-        BadLine{"[antenna]\nheight_m = \"high\"",
-                "scene.toml:2: antenna.height_m: found \"high\"; allowed: number -1000 to 100000 m"},
-        BadLine{"[earth]\nradius_factor = nan", "scene.toml:2: earth.radius_factor: found nan"},
-        BadLine{"[earth]\nradius_factor = 0", "at least 0.5 (inf included)"},
-        BadLine{"[run]\nthreads = -1", "integer 0 to 1024"},
-        BadLine{"[server]\nport = 65536", "integer 0 to 65535"},
-        BadLine{"[radar", "scene.toml:1: found something that is not TOML"}));
 
 }  // namespace
+}  // namespace obliq::test

@@ -1,5 +1,6 @@
 #pragma once
 // The real programs, run as an operator runs them.
+#include <gtest/gtest.h>
 #include <sys/types.h>
 
 #include <filesystem>
@@ -75,6 +76,17 @@ class TestFolder {
 
  private:
   std::filesystem::path path_;
+};
+
+/// A test that runs the programs in a folder of its own.
+class ProgramTest : public testing::Test {
+ protected:
+  /// `obliq` with these words and more of them.
+  Outcome obliq(std::vector<std::string> words, const std::vector<std::string>& more = {}) const {
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(OBLIQ_PROGRAM, words, folder.path());
+  }
+  TestFolder folder;
 };
 
 std::string text_of(const std::filesystem::path& file);

@@ -16,8 +16,8 @@
 #include <sstream>
 #include <thread>
 
-#include "client/client.h"
 #include "proto/obliq.pb.h"
+#include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 #include "tests/integration/http_peer.h"
 
@@ -33,7 +33,7 @@ std::string between(const std::string& text, const std::string& before, const st
   return text.substr(first, text.find(after, first) - first);
 }
 
-class DaemonOperation : public testing::Test {
+class DaemonOperation : public ProgramTest {
  protected:
   /// "127.0.0.1:PORT" of HTTP.
   static std::string http_address(const Daemon& daemon) { return between(daemon.log(), "HTTP on ", ": /"); }
@@ -47,17 +47,9 @@ class DaemonOperation : public testing::Test {
   }
   static std::string http_port(const Daemon& daemon) { return std::to_string(port_of(http_address(daemon))); }
   Outcome health(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments = {"health", "--config", scene};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
-  }
-  static client::Client come(const std::string& address, const std::string& name = "tester") {
-    client::Client made;
-    EXPECT_TRUE(made.connect(*client::parse_endpoint(address), {.name = name}).ok());
-    return made;
+    return obliq({"health", "--config", scene}, more);
   }
 
-  TestFolder folder;
   std::string scene = folder.write("scene.toml", kScene);
 };
 
@@ -136,7 +128,7 @@ TEST_F(DaemonOperation, EveryJsonLineIsAnObjectAndClientsAreNamed) {
                 "ready: ");
   const std::string address = between(daemon.log().substr(daemon.log().find("ready: ")), " on ", "\"");
   {
-    const client::Client odd = come(address, "o\"dd}\n{\x1b");
+    const client::Client odd = connected(address, "o\"dd}\n{\x1b");
     client::Client wrong;  // bytes that are no UTF-8 are refused; protobuf has its own words for that
     EXPECT_FALSE(wrong.connect(*client::parse_endpoint(address), {.name = "\xff"}).ok());
     HttpPeer no_client(port_of(address));
@@ -252,7 +244,7 @@ TEST_F(DaemonOperation, ReadinessEndsAtTheSignalAndASecondSignalEndsItAtOnce) {
       {"--config", scene, "--set", "server.stop_limit_s=600", "--set", "server.stall_timeout_s=600"},
       folder.path());
   client::Client stalled =
-      come(daemon.address());  // asks for 80 MB and never reads: its queue does not drain
+      connected(daemon.address());  // asks for 80 MB and never reads: its queue does not drain
   wire::RenderOnce request;
   request.set_radar("main");
   request.mutable_settings()->set_azimuth_bins(2000);
@@ -261,8 +253,7 @@ TEST_F(DaemonOperation, ReadinessEndsAtTheSignalAndASecondSignalEndsItAtOnce) {
   request.mutable_pose()->set_latitude_deg(33);
   request.mutable_pose()->set_longitude_deg(-99.5);
   request.mutable_pose()->set_height_m(1500);
-  const client::Status asked = stalled.render_once(request);
-  ASSERT_TRUE(asked.ok()) << asked.sentence();
+  ASSERT_TRUE(is_ok(stalled.render_once(request)));
   // Its frame has begun: the server had something to send.
   ASSERT_TRUE(stalled.receive(client::Timeout(20000)).ok());
   daemon.send_signal(SIGTERM);

@@ -1,12 +1,14 @@
 // obliqd and obliq with TLS and tokens, and what obliqd refuses to start with, end to end.
+// What a frame may cost the commands that render, where nobody has set a limit.
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/stat.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
 #include "tests/integration/daemon.h"
+#include "tests/integration/http_peer.h"
 #include "tests/integration/test_certificate.h"
 
 namespace obliq::test {
@@ -34,7 +36,7 @@ port = 0
 constexpr const char* kAdminToken = "daemon-test-admin-token";
 constexpr const char* kViewerToken = "daemon-test-viewer-token";
 
-class Protection : public testing::Test {
+class Protection : public ProgramTest {
  protected:
   std::string secret(const std::string& name, const std::string& text) const {
     const std::string path = folder.write(name, text);
@@ -49,15 +51,11 @@ class Protection : public testing::Test {
     for (const std::string& setting : settings) arguments.insert(arguments.end(), {"--set", setting});
     return arguments;
   }
-  Outcome obliq(const std::vector<std::string>& arguments) const {
-    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
-  }
   static void expect_says(const Outcome& outcome, const std::string& words) {
     EXPECT_EQ(outcome.code, 1);
     EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
   }
 
-  TestFolder folder;
   std::string scene = folder.write("scene.toml", kScene);
   TestCertificate own = make_certificate(folder.path(), "own");
   std::string tokens =
@@ -174,6 +172,22 @@ TEST_F(Protection, RelativePathsCountFromTheSceneFile) {
                                     "tls_key = \"own.key\"\n");
   const Daemon daemon({"--config", here}, folder.path());
   EXPECT_NE(daemon.address(), "") << daemon.log();
+}
+
+using DaemonLimits = ProgramTest;
+
+TEST_F(DaemonLimits, HoldForACommandThatRendersAsWell) {
+  const std::string scene = folder.write("scene.toml", text_of(SmallScene{.terrain = kFlat}));
+  const auto render = [&](const std::vector<std::string>& more) {
+    return obliq({"render", scene, "--out", folder / "frame"}, more);
+  };
+  const Outcome refused = render({"--set", "bins.azimuth=1", "--set", "bins.range=8192", "--set",
+                                  "frustum.pixel_columns=16384", "--set", "frustum.kind=sweep"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("server.max_memory_mb is "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("--set server.max_memory_mb=MB"), std::string::npos) << refused.err;
+  EXPECT_EQ(render({"--set", "server.max_memory_mb=1"}).code, 1);
+  EXPECT_EQ(render({"--set", "server.max_memory_mb=inf"}).code, 0);
 }
 
 }  // namespace

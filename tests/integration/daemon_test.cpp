@@ -8,8 +8,8 @@
 #include <future>
 #include <sstream>
 
-#include "client/client.h"
 #include "proto/obliq.pb.h"
+#include "tests/integration/clients.h"
 
 namespace obliq::test {
 namespace {
@@ -20,13 +20,8 @@ const std::string kScene =
                        .antenna = "latitude_deg = 33.0\nlongitude_deg = -99.5\nbearing_deg = 20.0\n",
                        .radars = kTwoRadars});
 
-class DaemonTest : public testing::Test {
+class DaemonTest : public ProgramTest {
  protected:
-  Outcome obliq(const std::vector<std::string>& arguments) const {
-    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
-  }
-
-  TestFolder folder;
   std::string scene = folder.write("scene.toml", kScene);
 };
 
@@ -109,6 +104,7 @@ TEST_F(DaemonTest, GetLeavesTheLiveRadarAloneAndPoseMovesIt) {
                 .code,
             0);
   Outcome pose = obliq({"pose", "--server", server, "--radar", "main"});
+  EXPECT_EQ(pose.out.rfind("main: 33.0000000 N, 99.5000000 W, ", 0), 0u) << pose.out;
   EXPECT_NE(pose.out.find("bearing 20.000"), std::string::npos) << pose.out;
   pose = obliq({"pose", "--server", server, "--radar", "main", "--bearing", "77", "--height=1600"});
   EXPECT_EQ(pose.code, 0) << pose.err;
@@ -151,8 +147,7 @@ TEST_F(DaemonTest, WatchPrintsALinePerFrameAndKeepsTheNewestPicture) {
 TEST_F(DaemonTest, SignalsStopItCleanlyWhileClientsWatchAndStall) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Daemon daemon({"--config", scene}, folder.path());
-    client::Client stalled;  // subscribes and never reads
-    ASSERT_TRUE(stalled.connect(*client::parse_endpoint(daemon.address())).ok());
+    client::Client stalled = connected(daemon.address());
     ASSERT_TRUE(stalled.subscribe("main", 100).ok());
     daemon.send_signal(signal);
     EXPECT_EQ(daemon.wait(), 0);
@@ -198,24 +193,6 @@ TEST_F(DaemonTest, GetWaitsForADaemonThatIsNotThereYet) {
   EXPECT_TRUE(std::filesystem::exists(own / "got/ground_map.png"));
   // The one line, and what get says about the frame itself.
   EXPECT_EQ(got.err.find("waiting"), got.err.rfind("waiting")) << got.err;
-}
-
-TEST_F(DaemonTest, APortInUseIsKnownBeforeAnythingIsLoaded) {
-  const Daemon running({"--config", scene}, folder.path());
-  const std::string port = running.address().substr(running.address().find(':') + 1);
-  const Outcome second = run_program(OBLIQD_PROGRAM, {"--config", scene, "--port", port}, folder.path());
-  EXPECT_EQ(second.code, 1);
-  EXPECT_EQ(second.err,
-            "obliqd: cannot listen on " + running.address() +
-                ": Address already in use; end what listens there (another obliqd?), or take another "
-                "port (0: any free one)\n");
-}
-
-TEST_F(DaemonTest, APoseIsPrintedWithItsHemispheres) {
-  const Daemon daemon({"--config", scene}, folder.path());
-  const std::string server = daemon.address();
-  Outcome pose = obliq({"pose", "--server", server, "--radar", "main"});
-  EXPECT_EQ(pose.out.rfind("main: 33.0000000 N, 99.5000000 W, ", 0), 0u) << pose.out;
 }
 
 TEST_F(DaemonTest, MistakesAtStartAreOneLineAndAnExitCode) {

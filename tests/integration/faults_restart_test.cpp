@@ -1,25 +1,34 @@
 // kill -9 of obliqd, and another one on the same port: clients resume what they had asked for.
+// Half-open connections: a network that swallows packets without a word. In a network namespace of its own,
+// with a firewall that drops what comes from or goes to one address of the loopback; skipped where neither is
+// allowed.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <future>
+#include <memory>
 #include <optional>
 #include <sstream>
-#include <thread>
 
 #include "client/frame_assembler.h"
 #include "client/resuming_client.h"
+#include "proto/message_codec.h"
 #include "proto/obliq.pb.h"
+#include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 
 namespace obliq::test {
 namespace {
 
 using client::FrameAssembler;
-
-constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
 const std::string kScene = text_of(SmallScene{.pixels = 512, .azimuth_bins = 360, .range_bins = 256});
 
@@ -45,8 +54,7 @@ class Restart : public testing::Test {
 };
 
 client::ResumingClient connect(const std::string& address, client::ResumeOptions options) {
-  client::Client client;
-  EXPECT_TRUE(client.connect(*client::parse_endpoint(address)).ok());
+  client::Client client = connected(address);
   return {std::move(client), std::move(options)};
 }
 
@@ -186,6 +194,157 @@ TEST_F(Restart, ARadarThatIsNoLongerThereIsNotWaitedFor) {
   while (status.ok()) status = watching.receive(kLong);
   EXPECT_EQ(status.outcome, client::Outcome::refused);
   EXPECT_NE(status.sentence().find("main"), std::string::npos) << status.sentence();
+}
+
+using wire::MessageType;
+
+// As short as the configuration allows: 4 s without a sign of life.
+const std::string kPlain =
+    text_of(SmallScene{.pixels = 256, .azimuth_bins = 180, .range_bins = 128, .server = R"(address = "0.0.0.0"
+unprotected = true
+dead_after_s = 4.0
+heartbeat_s = 1.0
+stall_timeout_s = 600.0
+idle_timeout_s = 0.0
+)"});
+
+bool run(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
+
+class HalfOpen : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (unshare(CLONE_NEWNET) != 0) GTEST_SKIP() << "no right to make a network namespace (root has it)";
+    if (!run("ip link set lo up")) GTEST_SKIP() << "no ip command";
+    if (!run("iptables -L -n")) GTEST_SKIP() << "no iptables here";
+    daemon = std::make_unique<Daemon>(std::vector<std::string>{"--config", scene}, folder.path());
+    ASSERT_NE(daemon->address(), "") << daemon->log();
+    port = daemon->address().substr(daemon->address().rfind(':') + 1);
+  }
+  /// Packets of that address vanish from now on, or are let through again.
+  static void swallow(const std::string& address, bool swallowed) {
+    for (const char* end : {"-s ", "-d "}) {
+      ASSERT_TRUE(
+          run(std::string("iptables ") + (swallowed ? "-A" : "-D") + " INPUT " + end + address + " -j DROP"));
+    }
+  }
+  client::Endpoint endpoint(const std::string& host) const {
+    return *client::parse_endpoint(host + ":" + port);
+  }
+
+  TestFolder folder;
+  std::string scene = folder.write("scene.toml", kPlain);
+  std::unique_ptr<Daemon> daemon;
+  std::string port;
+};
+
+/// A client that connects from 127.0.0.2 and says Hello, and what more it is told.
+class Guest {
+ public:
+  explicit Guest(const std::string& port) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    inet_pton(AF_INET, "127.0.0.2", &own.sin_addr);
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
+    sockaddr_in server = own;
+    inet_pton(AF_INET, "127.0.0.1", &server.sin_addr);
+    server.sin_port = htons(static_cast<std::uint16_t>(std::stoi(port)));
+    EXPECT_EQ(::connect(fd_, reinterpret_cast<sockaddr*>(&server), sizeof server), 0);
+    wire::Hello hello;
+    hello.set_request_id(1);
+    hello.set_major(1);
+    send(MessageType::hello, hello);
+  }
+  ~Guest() { close(fd_); }
+  void send(MessageType type, const google::protobuf::MessageLite& message) {
+    const wire::Bytes bytes = wire::encode_message(type, {0, ++sequence_, 0}, message);
+    EXPECT_EQ(::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL), static_cast<ssize_t>(bytes.size()));
+  }
+
+ private:
+  int fd_;
+  std::uint64_t sequence_ = 0;
+};
+
+void next_frame(client::Client& client, FrameAssembler& frames, const Daemon& daemon) {
+  while (frames.state() != FrameAssembler::State::complete) {
+    const client::Status status = client.receive(kLong);
+    ASSERT_TRUE(status.ok()) << status.sentence() << "\n" << daemon.log();
+  }
+  (void)frames.take();
+}
+
+// Fails without TCP_USER_TIMEOUT: frames that wait unacknowledged keep the watcher for a quarter of an hour.
+// And without heartbeats and keepalive: a guest who asks for nothing stays for ever.
+TEST_F(HalfOpen, PeersThatVanishWithoutAWordAreGoneAndOthersLoseNothing) {
+  client::Client watching;
+  ASSERT_TRUE(watching.connect(endpoint("127.0.0.1")).ok());
+  FrameAssembler frames;
+  watching.set_handler(&frames);
+  ASSERT_TRUE(watching.subscribe("main", 50).ok());
+  {
+    Guest silent(port);
+    Guest watcher(port);
+    wire::Subscribe subscribe;
+    subscribe.set_request_id(2);
+    subscribe.set_radar("main");
+    subscribe.set_rate_hz(50);
+    watcher.send(MessageType::subscribe, subscribe);
+    const auto are_here = [&] {
+      wire::Status status;
+      EXPECT_TRUE(watching.get_status(status).ok());
+      return status.clients();
+    };
+    while (are_here() < 3) next_frame(watching, frames, *daemon);
+    swallow("127.0.0.2", true);
+  }  // closed, and nobody hears of it
+  const auto since = std::chrono::steady_clock::now();
+  const auto gone = [&] {
+    int lines = 0;
+    std::istringstream log(daemon->log());
+    for (std::string line; std::getline(log, line);) {
+      lines += line.find("127.0.0.2") != std::string::npos && line.find("disconnected") != std::string::npos;
+    }
+    return lines;
+  };
+  while (gone() < 2) ASSERT_NO_FATAL_FAILURE(next_frame(watching, frames, *daemon));
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+  RecordProperty("gone_after_s", std::to_string(took_s));
+  std::printf("both were gone %.1f s after the last packet; dead_after_s is 4\n", took_s);
+}
+
+// Fails when a client trusts a connection on which nothing comes.
+TEST_F(HalfOpen, AClientNoticesANetworkThatSwallowsEverythingAndResumes) {
+  int lost = 0;
+  client::ResumeOptions options;
+  options.on_lost = [&](const client::Status&) {
+    ++lost;
+    swallow("127.0.0.3", false);  // the network comes back once the client has given the connection up
+  };
+  client::Client plain;
+  ASSERT_TRUE(plain.connect(endpoint("127.0.0.3")).ok());
+  client::ResumingClient watching(std::move(plain), options);
+  FrameAssembler frames;
+  watching.client().set_handler(&frames);
+  ASSERT_TRUE(watching.claim_control("main").ok());
+  ASSERT_TRUE(watching.subscribe("main", 50).ok());
+  const auto receive_frame = [&] {
+    while (frames.state() != FrameAssembler::State::complete) {
+      // Less than a heartbeat at a time, so that silence is looked at often.
+      const client::Status status = watching.receive(client::Timeout(500));
+      ASSERT_TRUE(status.ok() || status.outcome == client::Outcome::timed_out) << status.sentence();
+    }
+    (void)frames.take();
+  };
+  ASSERT_NO_FATAL_FAILURE(receive_frame());
+  swallow("127.0.0.3", true);
+  while (lost == 0) {
+    const client::Status status = watching.receive(client::Timeout(500));
+    ASSERT_TRUE(status.ok() || status.outcome == client::Outcome::timed_out) << status.sentence();
+    if (frames.state() == FrameAssembler::State::complete) (void)frames.take();
+  }
+  // Control as well, which the old connection held for as long as the server believed in it.
+  ASSERT_NO_FATAL_FAILURE(receive_frame());
+  EXPECT_EQ(lost, 1);
 }
 
 }  // namespace

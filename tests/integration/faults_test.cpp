@@ -12,10 +12,10 @@
 #include <future>
 #include <thread>
 
-#include "client/client.h"
 #include "client/frame_assembler.h"
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
+#include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 #include "tests/support/process_memory.h"
 #include "tests/unit/terrain_files.h"
@@ -30,8 +30,6 @@ constexpr bool kSanitized = true;
 #else
 constexpr bool kSanitized = false;
 #endif
-
-constexpr client::Timeout kLong{20000};  // reached only when something is broken
 
 std::string scene_text(const std::string& terrain, const std::string& more = "") {
   return text_of(SmallScene{.terrain = terrain,
@@ -76,14 +74,7 @@ class Watcher {
   const Daemon& daemon_;
 };
 
-class Faults : public testing::Test {
- protected:
-  Outcome obliq(const std::vector<std::string>& arguments) const {
-    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
-  }
-
-  TestFolder folder;
-};
+using Faults = ProgramTest;
 
 // ---- Elevation files that change ----
 
@@ -239,8 +230,7 @@ TEST_F(Faults, SettingsForWhichThereIsNoMemoryAreAFaultUntilSmallerOnesCome) {
   const Daemon daemon({"--config", folder.write("scene.toml", scene_text(kRidge))}, folder.path());
   Watcher watcher(daemon, 50);
   const auto before = watcher.next_frame();
-  client::Client controller;
-  ASSERT_TRUE(controller.connect(*client::parse_endpoint(daemon.address())).ok());
+  client::Client controller = connected(daemon.address());
   ASSERT_TRUE(controller.claim_control("main").ok());
   wire::RadarInfo info;
   ASSERT_TRUE(controller.get_radar("main", info).ok());

@@ -1,9 +1,6 @@
 #include "tests/integration/http_peer.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -11,19 +8,16 @@
 #include <array>
 #include <cctype>
 
+#include "tests/support/loopback.h"
+
 namespace obliq::test {
 
 HttpPeer::HttpPeer(std::uint16_t port, const char* from) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
   const timeval limit{20, 0};  // reached only when something is broken
   setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   setsockopt(fd_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = inet_addr(from);
-  EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  bind_to_loopback(fd_, ntohl(inet_addr(from)));
+  connect_to_loopback(fd_, port);
 }
 
 HttpPeer::~HttpPeer() { close(fd_); }

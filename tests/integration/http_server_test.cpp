@@ -42,6 +42,14 @@ class HttpServerTest : public testing::Test {
     options.max_connections_per_address = options.max_connections;
     return options;
   }
+  static HttpOptions limited(double timeout_s, int connections, int of_an_address, int requests) {
+    HttpOptions options;
+    options.timeout_s = timeout_s;
+    options.max_connections = connections;
+    options.max_connections_per_address = of_an_address;
+    options.max_requests = requests;
+    return options;
+  }
 
  private:
   net::IoThread io_;
@@ -50,38 +58,19 @@ class HttpServerTest : public testing::Test {
 
 class ImpatientHttpServerTest : public HttpServerTest {
  protected:
-  ImpatientHttpServerTest() : HttpServerTest(options()) {}
-  static HttpOptions options() {
-    HttpOptions options;
-    options.timeout_s = 1;
-    return options;
-  }
+  ImpatientHttpServerTest() : HttpServerTest(limited(1, 64, 16, 1000)) {}
 };
 
 /// Time is not what ends anything here.
 class SmallHttpServerTest : public HttpServerTest {
  protected:
-  SmallHttpServerTest() : HttpServerTest(options()) {}
-  static HttpOptions options() {
-    HttpOptions options;
-    options.timeout_s = 600;
-    options.max_connections = 3;
-    options.max_requests = 2;
-    return options;
-  }
+  SmallHttpServerTest() : HttpServerTest(limited(600, 3, 16, 2)) {}
 };
 
 /// Nor here.
 class SharedHttpServerTest : public HttpServerTest {
  protected:
-  SharedHttpServerTest() : HttpServerTest(options()) {}
-  static HttpOptions options() {
-    HttpOptions options;
-    options.timeout_s = 600;
-    options.max_connections = 4;
-    options.max_connections_per_address = 3;
-    return options;
-  }
+  SharedHttpServerTest() : HttpServerTest(limited(600, 4, 3, 1000)) {}
 };
 
 TEST_F(HttpServerTest, AKnownPathIsAnsweredAndTheConnectionGoesOn) {

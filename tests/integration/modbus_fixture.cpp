@@ -15,8 +15,7 @@ void put(Octets& bytes, int word) {
 }  // namespace
 
 RawMaster::RawMaster(std::uint16_t port) {
-  const client::Status status = client::Socket::connect({"127.0.0.1", port}, kLong, socket_);
-  EXPECT_TRUE(status.ok()) << status.sentence();
+  EXPECT_TRUE(is_ok(client::Socket::connect({"127.0.0.1", port}, kLong, socket_)));
 }
 
 void RawMaster::send(const Octets& bytes) { (void)socket_.send(std::as_bytes(std::span(bytes)), kLong).ok(); }

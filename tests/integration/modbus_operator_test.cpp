@@ -1,7 +1,5 @@
 // What the operator's console does to a radar that clients of the stream watch and control.
-#include <netinet/in.h>
 #include <poll.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,6 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "tests/integration/modbus_fixture.h"
+#include "tests/support/loopback.h"
 
 namespace obliq::test {
 namespace {
@@ -21,14 +20,10 @@ constexpr std::uint16_t kFault = 4;
 struct WatchedServer : ModbusServer {
   using ModbusServer::ModbusServer;
 
-  void watch() {
-    const client::Status status = client.subscribe("main", 50);
-    ASSERT_TRUE(status.ok()) << status.sentence();
-  }
+  void watch() { ASSERT_TRUE(is_ok(client.subscribe("main", 50))); }
   const client::AssembledFrame& next_frame() {
     frames = std::make_unique<client::FrameAssembler>();
-    const client::Status status = receive_frame(client, *frames);
-    EXPECT_TRUE(status.ok()) << status.sentence();
+    EXPECT_TRUE(is_ok(receive_frame(client, *frames)));
     return frames->frame();
   }
   wire::RadarInfo info() {
@@ -42,9 +37,13 @@ struct WatchedServer : ModbusServer {
   std::unique_ptr<client::FrameAssembler> frames;
 };
 
-TEST(ModbusOperator, WithTransmitOffNothingIsRenderedAndWatchersStay) {
+class ModbusOperator : public testing::Test {
+ protected:
   WatchedServer s;
-  RawMaster master(s.service.port());
+  RawMaster master{s.service.port()};
+};
+
+TEST_F(ModbusOperator, WithTransmitOffNothingIsRenderedAndWatchersStay) {
   s.watch();
   s.next_frame();
   EXPECT_EQ(master.coil(0, false), 0);
@@ -65,9 +64,7 @@ TEST(ModbusOperator, WithTransmitOffNothingIsRenderedAndWatchersStay) {
   EXPECT_FALSE(s.info().transmit_off());
 }
 
-TEST(ModbusOperator, AFrozenRadarKeepsItsPictureUntilTheThaw) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, AFrozenRadarKeepsItsPictureUntilTheThaw) {
   EXPECT_EQ(master.coil(1, true), 0);
   EXPECT_EQ(master.input(100), kFrozen);
   EXPECT_TRUE(s.info().frozen());
@@ -88,9 +85,7 @@ TEST(ModbusOperator, AFrozenRadarKeepsItsPictureUntilTheThaw) {
   }
 }
 
-TEST(ModbusOperator, AControllerAndTheConsoleSwitchTheSameRadar) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, AControllerAndTheConsoleSwitchTheSameRadar) {
   ASSERT_TRUE(s.client.claim_control("main").ok());
   ASSERT_TRUE(s.client.set_state("main", false, {}).ok());
   EXPECT_TRUE(master.reaches(100, kTransmitOff));
@@ -120,9 +115,7 @@ TEST(ModbusOperator, AControllerAndTheConsoleSwitchTheSameRadar) {
   EXPECT_FALSE(status.radars(1).frozen());
 }
 
-TEST(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWork) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWork) {
   ASSERT_TRUE(s.client.claim_control("main").ok());
   EXPECT_EQ(master.write(254, {18}), 0);
   EXPECT_EQ(master.coil(2, true), 6);
@@ -140,9 +133,7 @@ TEST(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWork
   EXPECT_EQ(s.info().settings().azimuth_bins(), 18);
 }
 
-TEST(ModbusOperator, TheRatesLimitHoldsForAllWatchers) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, TheRatesLimitHoldsForAllWatchers) {
   EXPECT_EQ(master.write(230, {250}), 0);  // 2.5 Hz
   EXPECT_EQ(master.coil(2, true), 0);
   s.watch();
@@ -155,9 +146,7 @@ TEST(ModbusOperator, TheRatesLimitHoldsForAllWatchers) {
   EXPECT_EQ(s.info().rate_hz(), 50);
 }
 
-TEST(ModbusOperator, ARadarThatCannotBeRenderedIsInFaultUntilItIsMended) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, ARadarThatCannotBeRenderedIsInFaultUntilItIsMended) {
   EXPECT_EQ(master.write(204, {0, 5000}), 0);  // 5 m, too low for the stand-in's oblique frustum
   EXPECT_EQ(master.coil(2, true), 0);
   s.watch();
@@ -172,9 +161,7 @@ TEST(ModbusOperator, ARadarThatCannotBeRenderedIsInFaultUntilItIsMended) {
   EXPECT_EQ(master.input(113), 0);
 }
 
-TEST(ModbusOperator, AFrustumThatCannotLookIsRefusedByApply) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, AFrustumThatCannotLookIsRefusedByApply) {
   EXPECT_EQ(master.write(250, {2}), 3) << "polar, which only recordings have";
   EXPECT_EQ(master.input(114), 250);
   EXPECT_EQ(master.write(242, {1, 0x2CC8}), 0);  // kGainOverPlates_db in mdB: 77000
@@ -190,7 +177,7 @@ TEST(ModbusOperator, AFrustumThatCannotLookIsRefusedByApply) {
   EXPECT_EQ(master.coil(2, true), 0);
 }
 
-TEST(ModbusOperator, AConsoleThatDiesHasItsRadarFrozenUntilSomebodyUndoesIt) {
+TEST(ModbusMaster, AConsoleThatDiesHasItsRadarFrozenUntilSomebodyUndoesIt) {
   ModbusConfig config = modbus_on_any_port();
   config.watchdog_s = 0.2;
   WatchedServer s(config);
@@ -223,15 +210,13 @@ TEST(ModbusOperator, AConsoleThatDiesHasItsRadarFrozenUntilSomebodyUndoesIt) {
   EXPECT_EQ(watching.input(100), 0);
 }
 
-TEST(ModbusOperator, TheOtherRadarIsLeftAlone) {
-  WatchedServer s;
-  RawMaster master(s.service.port());
+TEST_F(ModbusOperator, TheOtherRadarIsLeftAlone) {
   EXPECT_EQ(master.coil(1, true, 2), 0);
   EXPECT_EQ(master.input(100, 2), kFrozen);
   EXPECT_EQ(master.input(100, 1), 0);
 }
 
-TEST(ModbusOperator, NoMoreMastersThanAllowedAndAPlaceThatIsFreeIsGivenAgain) {
+TEST(ModbusMaster, NoMoreMastersThanAllowedAndAPlaceThatIsFreeIsGivenAgain) {
   ModbusConfig config = modbus_on_any_port();
   config.max_masters = 2;
   ModbusServer s(config);
@@ -250,7 +235,7 @@ TEST(ModbusOperator, NoMoreMastersThanAllowedAndAPlaceThatIsFreeIsGivenAgain) {
   EXPECT_LT(tries, 1000);
 }
 
-TEST(ModbusOperator, OnlyListedAddressesMayCome) {
+TEST(ModbusMaster, OnlyListedAddressesMayCome) {
   ModbusConfig config = modbus_on_any_port();
   config.allow = {"10.0.0.0/8", "192.0.2.1"};
   ModbusServer s(config);
@@ -260,7 +245,7 @@ TEST(ModbusOperator, OnlyListedAddressesMayCome) {
   EXPECT_EQ(RawMaster(open.service.port()).input(2), 1);
 }
 
-TEST(ModbusOperator, AMasterThatAsksNothingIsDisconnected) {
+TEST(ModbusMaster, AMasterThatAsksNothingIsDisconnected) {
   ModbusConfig config = modbus_on_any_port();
   config.idle_timeout_s = 0.1;
   ModbusServer s(config);
@@ -268,7 +253,7 @@ TEST(ModbusOperator, AMasterThatAsksNothingIsDisconnected) {
   EXPECT_TRUE(master.receive().empty());
 }
 
-TEST(ModbusOperator, AMasterThatDoesNotReadDoesNotHoldUpTheEnd) {
+TEST(ModbusMaster, AMasterThatDoesNotReadDoesNotHoldUpTheEnd) {
   TestServer server(small_options());
   const ModbusConfig config = modbus_on_any_port();
   // Time is not what ends anything here.
@@ -279,11 +264,7 @@ TEST(ModbusOperator, AMasterThatDoesNotReadDoesNotHoldUpTheEnd) {
       1 << 16;  // in the kernel: that nothing goes out any more soon means that nobody reads
   ASSERT_EQ(::setsockopt(deaf, SOL_SOCKET, SO_SNDBUF, &few_bytes, sizeof few_bytes), 0);
   ASSERT_EQ(::setsockopt(deaf, SOL_SOCKET, SO_RCVBUF, &few_bytes, sizeof few_bytes), 0);
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  to.sin_port = htons(service->port());
-  ASSERT_EQ(::connect(deaf, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  connect_to_loopback(deaf, service->port());
   const Octets request = frame_of({4, 0, 100, 0, 22});
   Octets many;
   for (int i = 0; i < 100; ++i) many.insert(many.end(), request.begin(), request.end());
@@ -300,7 +281,7 @@ TEST(ModbusOperator, AMasterThatDoesNotReadDoesNotHoldUpTheEnd) {
   ::close(deaf);
 }
 
-TEST(ModbusOperator, AServerThatHasStoppedAnswersBusyAndChangesNothing) {
+TEST(ModbusMaster, AServerThatHasStoppedAnswersBusyAndChangesNothing) {
   ModbusServer s;
   RawMaster master(s.service.port());
   s.server.stop();

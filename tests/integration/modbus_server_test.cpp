@@ -8,33 +8,31 @@ namespace {
 
 using Words = std::vector<std::uint16_t>;
 
-TEST(Modbus, IntroducesItself) {
+class Modbus : public testing::Test {
+ protected:
   ModbusServer s;
-  RawMaster master(s.service.port());
+  RawMaster master{s.service.port()};
+};
+
+TEST_F(Modbus, IntroducesItself) {
   EXPECT_EQ(master.read(4, 0, 5), (Words{0x4F42, 0x4C51, 1, 2, 1}));
   EXPECT_EQ(master.read(4, 8, 2), (Words{'m' << 8 | 'a', 'i' << 8 | 'n'}));
   EXPECT_EQ(master.read(3, 8, 2, 2), (Words{'n' << 8 | 'o', 's' << 8 | 'e'}));
 }
 
-TEST(Modbus, BeatsAsLongAsItLives) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, BeatsAsLongAsItLives) {
   const std::uint16_t before = master.input(5);
   EXPECT_TRUE(master.reaches(5, static_cast<std::uint16_t>(before + 2)));
 }
 
-TEST(Modbus, StatusStandsInHoldingRegistersTooAndCannotBeWritten) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, StatusStandsInHoldingRegistersTooAndCannotBeWritten) {
   EXPECT_EQ(master.read(3, 0, 3), master.read(4, 0, 3));
   EXPECT_EQ(master.read(3, 104, 4), master.read(4, 104, 4));
   EXPECT_EQ(master.write(100, {1}), 2);
   EXPECT_EQ(master.write(0, {1, 2}), 2);
 }
 
-TEST(Modbus, AChangeOfSeveralRegistersShowsWithApplyAndAsAWhole) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, AChangeOfSeveralRegistersShowsWithApplyAndAsAWhole) {
   // 35.1234567 deg = 351234567 counts = 14EF 6A07; -120.5 deg = -1205000000 = B82D 28C0; 2500 m = 0026 25A0
   // mm.
   const Words pose{0x14EF, 0x6A07, 0xB82D, 0x28C0, 0x0026, 0x25A0};
@@ -55,9 +53,7 @@ TEST(Modbus, AChangeOfSeveralRegistersShowsWithApplyAndAsAWhole) {
   EXPECT_EQ(s.server.panel().status(1)->config.pose.height_m, 1000);  // the other unit is another radar
 }
 
-TEST(Modbus, ValuesOutOfLimitsAreRefusedWithAllThatCameWithThem) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, ValuesOutOfLimitsAreRefusedWithAllThatCameWithThem) {
   const Words before = master.read(3, 200, 6);
   // A good latitude beside a longitude of 181 deg.
   EXPECT_EQ(master.write(200, {0, 1, 0x6BE2, 0x6880}), 3);
@@ -76,18 +72,14 @@ TEST(Modbus, ValuesOutOfLimitsAreRefusedWithAllThatCameWithThem) {
   EXPECT_EQ(master.input(114), 0xFFFF);
 }
 
-TEST(Modbus, AWavelengthIsAFloatWithItsHighWordFirst) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, AWavelengthIsAFloatWithItsHighWordFirst) {
   // IEEE 754: 1.0f is 3F800000. 1 m is 0.299792458 GHz.
   EXPECT_EQ(master.write(232, {0x3F80, 0x0000}), 0);
   EXPECT_EQ(master.coil(2, true), 0);
   EXPECT_EQ(s.server.panel().status(0)->config.settings.frequency_ghz, 0.299792458);
 }
 
-TEST(Modbus, WhatWasNotWrittenKeepsTheDigitsThatRegistersCannotShow) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, WhatWasNotWrittenKeepsTheDigitsThatRegistersCannotShow) {
   net::PanelChange change;
   change.settings.push_back({find_parameter("radar.frequency_ghz"), 9.87654321987654});
   change.settings.push_back({find_parameter("radar.r_max_m"), 36999.99987654});
@@ -100,9 +92,7 @@ TEST(Modbus, WhatWasNotWrittenKeepsTheDigitsThatRegistersCannotShow) {
   EXPECT_EQ(now->config.settings.r_max_m, 36999.99987654);
 }
 
-TEST(Modbus, ARefusedApplyLeavesTheRadarAndWhatIsStagedAsTheyWere) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, ARefusedApplyLeavesTheRadarAndWhatIsStagedAsTheyWere) {
   const auto before = s.server.panel().status(0);
   EXPECT_EQ(master.write(254, {18}), 0);
   EXPECT_EQ(master.write(236, {0x0262, 0x5A00}), 0);  // r_min 40 km, beyond r_max
@@ -117,9 +107,7 @@ TEST(Modbus, ARefusedApplyLeavesTheRadarAndWhatIsStagedAsTheyWere) {
   EXPECT_EQ(master.read(3, 254, 1), Words{20});
 }
 
-TEST(Modbus, WhatTheTerrainForbidsIsRefusedByApply) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, WhatTheTerrainForbidsIsRefusedByApply) {
   EXPECT_EQ(master.write(204, {0xFFFF, 0xFFFF}), 0);  // -1 mm, below the stand-in's ground
   EXPECT_EQ(master.coil(2, true), 3);
   EXPECT_EQ(master.input(113), 2);
@@ -127,7 +115,7 @@ TEST(Modbus, WhatTheTerrainForbidsIsRefusedByApply) {
   EXPECT_EQ(s.server.panel().status(0)->config.pose.height_m, 1000);
 }
 
-TEST(Modbus, AFrameOverALimitOfTheServerIsRefusedByTheLimitsName) {
+TEST(ModbusLimits, AFrameOverALimitOfTheServerIsRefusedByTheLimitsName) {
   const CapturedLog log;
   for (const int fault : {7, 8, 9, 10}) {
     net::ServerOptions options = small_options();
@@ -151,9 +139,7 @@ TEST(Modbus, AFrameOverALimitOfTheServerIsRefusedByTheLimitsName) {
         << log.text();
 }
 
-TEST(Modbus, HalvesOfAValueAreLookedAtByApply) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, HalvesOfAValueAreLookedAtByApply) {
   EXPECT_EQ(master.write(204, {0x7FFF}), 0);  // the high half of 2147 km
   EXPECT_EQ(master.coil(2, true), 3);
   EXPECT_EQ(master.input(114), 204);
@@ -163,9 +149,7 @@ TEST(Modbus, HalvesOfAValueAreLookedAtByApply) {
   EXPECT_EQ(s.server.panel().status(0)->config.pose.height_m, 2500);
 }
 
-TEST(Modbus, MaskWriteAndWriteAndReadStageLikeTheOthers) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, MaskWriteAndWriteAndReadStageLikeTheOthers) {
   // Specification V1.1b3, 6.16: (current AND and_mask) OR (or_mask AND NOT and_mask). 20 = 0x14 becomes 0x15.
   EXPECT_EQ(exception_of(master.ask({22, 0, 254, 0xFF, 0xFE, 0x00, 0x01})), 0);
   EXPECT_EQ(master.read(3, 254, 1), Words{0x15});
@@ -174,9 +158,7 @@ TEST(Modbus, MaskWriteAndWriteAndReadStageLikeTheOthers) {
   EXPECT_EQ(s.server.panel().status(0)->config.settings.range_bins, 48);
 }
 
-TEST(Modbus, UnknownAddressesUnitsAndFunctionsHaveTheirExceptions) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, UnknownAddressesUnitsAndFunctionsHaveTheirExceptions) {
   EXPECT_EQ(exception_of(master.ask({4, 0, 50, 0, 1})), 2);         // a gap
   EXPECT_EQ(exception_of(master.ask({4, 0, 4, 0, 4})), 2);          // into a gap
   EXPECT_EQ(exception_of(master.ask({3, 0xFF, 0xFF, 0, 125})), 2);  // past the end
@@ -193,9 +175,7 @@ TEST(Modbus, UnknownAddressesUnitsAndFunctionsHaveTheirExceptions) {
   EXPECT_EQ(master.input(2), 1);  // and the connection lives
 }
 
-TEST(Modbus, EveryFunctionCodeHasAnAnswerWithItsOwnCodeAndTheHighestBit) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, EveryFunctionCodeHasAnAnswerWithItsOwnCodeAndTheHighestBit) {
   for (int code = 0; code < 256; ++code) {
     const auto function = static_cast<std::uint8_t>(code);
     const bool known = (code >= 1 && code <= 6) || code == 15 || code == 16 || code == 22 || code == 23;
@@ -209,9 +189,7 @@ TEST(Modbus, EveryFunctionCodeHasAnAnswerWithItsOwnCodeAndTheHighestBit) {
   EXPECT_EQ(master.input(2), 1);
 }
 
-TEST(Modbus, MalformedRequestsAreRefusedAndTheNextOneIsAnswered) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, MalformedRequestsAreRefusedAndTheNextOneIsAnswered) {
   const std::vector<Octets> malformed{
       {3},
       {3, 0, 0},
@@ -239,9 +217,7 @@ TEST(Modbus, MalformedRequestsAreRefusedAndTheNextOneIsAnswered) {
   EXPECT_EQ(master.input(115), 0);
 }
 
-TEST(Modbus, PipelinedRequestsAreAllAnswered) {
-  ModbusServer s;
-  RawMaster master(s.service.port());
+TEST_F(Modbus, PipelinedRequestsAreAllAnswered) {
   Octets three;
   for (const Octets& request : {Octets{3, 0, 2, 0, 1}, Octets{7}, Octets{3, 0, 0, 0, 1}}) {
     const Octets frame = frame_of(request, 1, 0);
@@ -253,8 +229,7 @@ TEST(Modbus, PipelinedRequestsAreAllAnswered) {
   EXPECT_EQ(master.receive(), (Octets{3, 2, 0x4F, 0x42}));
 }
 
-TEST(Modbus, WhatIsNoModbusIsDisconnectedAndOthersAreServed) {
-  ModbusServer s;
+TEST_F(Modbus, WhatIsNoModbusIsDisconnectedAndOthersAreServed) {
   RawMaster good(s.service.port());
   for (const Octets& bytes : {Octets{'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'},  // no protocol 0
                               Octets{0, 1, 0, 0, 0, 0, 1, 3},                  // nothing follows
@@ -268,8 +243,7 @@ TEST(Modbus, WhatIsNoModbusIsDisconnectedAndOthersAreServed) {
   }
 }
 
-TEST(Modbus, AMasterThatSendsAByteAtATimeIsServedAndHoldsUpNobody) {
-  ModbusServer s;
+TEST_F(Modbus, AMasterThatSendsAByteAtATimeIsServedAndHoldsUpNobody) {
   RawMaster slow(s.service.port());
   RawMaster good(s.service.port());
   const Octets frame = frame_of({4, 0, 2, 0, 1}, 1, 0);

@@ -29,23 +29,6 @@ class Abuse : public testing::Test {
   client::Client watcher;
 };
 
-TEST_F(Abuse, GarbageIsToldThatItIsNotObliq) {
-  RawPeer peer(server);
-  peer.send("GET / HTTP/1.0\r\n\r\n");
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_magic));
-}
-
-TEST_F(Abuse, ALotOfGarbageToo) {
-  RawPeer peer(server);
-  peer.send(std::string(300000, '\xFF'));
-  peer.error_number();  // Error or a reset, as the kernel will: the flood may not be read to its end
-}
-
-TEST_F(Abuse, SilenceBeforeHelloTimesOut) {
-  RawPeer peer(server);
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::timed_out));
-}
-
 TEST_F(Abuse, HalfAHelloAndThenNothingTimesOut) {
   RawPeer peer(server);
   const wire::Bytes hello = hello_bytes();
@@ -59,78 +42,6 @@ TEST_F(Abuse, HalfARequestAfterHelloTimesOut) {
   peer.send(hello);
   peer.send(std::span(hello).first(20));
   EXPECT_EQ(peer.error_number(), number(ErrorNumber::timed_out));
-}
-
-TEST_F(Abuse, LeavingInTheMiddleOfAMessageIsNoTrouble) {
-  RawPeer peer(server);
-  const wire::Bytes hello = hello_bytes();
-  peer.send(hello);
-  peer.send(std::span(hello).first(50));
-  peer.socket().close();
-}
-
-TEST_F(Abuse, AnOversizedLengthIsRefusedAtOnce) {
-  RawPeer peer(server);
-  wire::MessageHeader header;
-  header.type = MessageType::hello;
-  header.payload_length = 0xFFFFFFFF;  // never sent, never allocated
-  wire::HeaderBytes bytes{};
-  wire::encode_header(header, bytes);
-  peer.send(bytes);
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
-}
-
-TEST_F(Abuse, APayloadThatAClientMayNotSendIsRefused) {
-  RawPeer peer(server);
-  peer.send(hello_bytes());
-  // A client may be sent this much, a server not.
-  const wire::Bytes plane(wire::kMaxPlaneBytes);
-  wire::RenderOnce request;
-  request.set_radar("main");
-  peer.send(wire::encode_message(MessageType::render_once, {}, request, plane));
-  static_assert(wire::kMaxRequestBytes <= wire::kMaxPlaneBytes);
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_length));
-}
-
-TEST_F(Abuse, AWrongCrcIsRefused) {
-  RawPeer peer(server);
-  wire::Bytes hello = hello_bytes();
-  hello.back() ^= std::byte{1};
-  peer.send(hello);
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_crc));
-}
-
-TEST_F(Abuse, AnotherMajorVersionIsRefused) {
-  RawPeer peer(server);
-  wire::Bytes hello = hello_bytes();
-  hello[4] = std::byte{2};
-  peer.send(hello);
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::version_mismatch));
-}
-
-TEST_F(Abuse, AMessageThatDoesNotParseIsRefused) {
-  RawPeer peer(server);
-  peer.send(hello_bytes());
-  // Valid framing around a protobuf field that is cut short.
-  wire::Bytes message(wire::kHeaderBytes + 2);
-  wire::MessageHeader header;
-  header.type = MessageType::get_radar;
-  header.payload_length = header.descriptor_length = 2;
-  const std::span<std::byte> all(message);
-  all[wire::kHeaderBytes] = std::byte{0x12};
-  all[wire::kHeaderBytes + 1] = std::byte{0x7F};
-  wire::encode_header(header, all.first<wire::kHeaderBytes>());
-  header.crc = wire::message_crc(all.first(wire::kHeaderBytes), all.subspan(wire::kHeaderBytes));
-  wire::encode_header(header, all.first<wire::kHeaderBytes>());
-  peer.send(message);
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::bad_message));
-}
-
-TEST_F(Abuse, ARequestBeforeHelloIsRefused) {
-  RawPeer peer(server);
-  wire::GetStatus request;
-  peer.send(wire::encode_message(MessageType::get_status, {}, request));
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::handshake_expected));
 }
 
 TEST_F(Abuse, AnUnknownTypeIsSkippedAndTheNextRequestAnswered) {
@@ -170,20 +81,9 @@ TEST_F(Abuse, AStalledWatcherGetsNewFramesWhenItReadsAgain) {
   }
   FrameAssembler frames;
   for (int i = 0; i < 5; ++i) {
-    const client::Status status = receive_frame(stalled, frames);
-    ASSERT_TRUE(status.ok()) << status.sentence();
+    ASSERT_TRUE(is_ok(receive_frame(stalled, frames)));
     frames.take();
   }
-}
-
-TEST(Limits, TheClientBeyondTheLimitIsTurnedAwayWithAReason) {
-  net::ServerOptions options = small_options();
-  options.max_clients = 1;
-  const TestServer server(options);
-  const client::Client first = connect(server);
-  client::Client second;
-  const client::Status status = second.connect(server.endpoint());
-  EXPECT_EQ(status.number, number(ErrorNumber::too_many_clients)) << status.sentence();
 }
 
 TEST(Limits, AClientThatReadsNothingIsDroppedInTheEnd) {
@@ -193,8 +93,7 @@ TEST(Limits, AClientThatReadsNothingIsDroppedInTheEnd) {
   client::Client watcher = connect(server);
   client::Client stalled = connect(server);
   wire::RenderOnce request = large_once_request();
-  const client::Status queued = stalled.render_once(request);
-  ASSERT_TRUE(queued.ok()) << queued.sentence();
+  ASSERT_TRUE(is_ok(stalled.render_once(request)));
   wire::Status status;
   do {
     ASSERT_TRUE(watcher.get_status(status).ok());
@@ -335,8 +234,7 @@ TEST(Stop, AStalledClientDoesNotDelayIt) {
   client::Client stalled = connect(server);
   RawPeer silent(server);
   wire::RenderOnce request = large_once_request();
-  const client::Status status = stalled.render_once(request);
-  ASSERT_TRUE(status.ok()) << status.sentence();
+  ASSERT_TRUE(is_ok(stalled.render_once(request)));
   server.stop();  // returns, or the test times out
 }
 

@@ -29,17 +29,25 @@ class GroundBehindAGate : public PatternRenderer {
 
 /// Its sector is widened to the full circle, which its bins do not divide, where the antenna is high
 /// (radar_plan_size_test).
-void need_the_ground(wire::RadarSettings& settings) {
+wire::RadarSettings steep() {
+  wire::RadarSettings settings;
   settings.set_sector_deg(250);
   settings.set_azimuth_bins(64);
   settings.set_beam_pattern(wire::UNIFORM_BEAM);
   settings.set_beam_width_deg(10);
   settings.set_beam_extent_deg(25);
+  return settings;
+}
+
+wire::RadarSettings gain(double db) {
+  wire::RadarSettings settings;
+  settings.set_gain_db(db);
+  return settings;
 }
 
 wire::RenderOnce steep_request(std::uint64_t id) {
   wire::RenderOnce request = once_request();
-  need_the_ground(*request.mutable_settings());
+  request.mutable_settings()->MergeFrom(steep());
   request.set_request_id(id);
   return request;
 }
@@ -140,14 +148,10 @@ TEST_F(GroundRequests, AreAnsweredInTheirOrder) {
   Pipeline client(server);
   client.claim(9);
   EXPECT_EQ(client.next_id(), 9u);
-  wire::RadarSettings steep;
-  need_the_ground(steep);
-  client.set(steep, 10);
+  client.set(steep(), 10);
   client.send(MessageType::subscribe, request_at(10), 11);
   client.send(MessageType::render_once, once_request(), 12);
-  wire::RadarSettings gain;
-  gain.set_gain_db(3);
-  client.set(gain, 13);
+  client.set(gain(3), 13);
   client.list(14);
   EXPECT_EQ(client.next_id(), 14u);
   renderer_.gate.open();
@@ -225,10 +229,8 @@ TEST_F(GroundRequests, AreJudgedByTheControlOfTheMomentInWhichTheyTakeEffect) {
   renderer_.gate.close();
   const TestServer server(renderer_, options_);
   Pipeline first(server);
-  wire::RadarSettings steep;
-  need_the_ground(steep);
   first.claim(1);
-  first.set(steep, 2);
+  first.set(steep(), 2);
   first.release(3);
   EXPECT_EQ(first.next_id(), 1u);
   EXPECT_EQ(first.next_id(), 3u);
@@ -245,19 +247,15 @@ TEST_F(GroundRequests, AreJudgedAgainWhereAnotherHasChangedTheRadarMeanwhile) {
   renderer_.gate.close();
   const TestServer server(renderer_, options_);
   Pipeline first(server);
-  wire::RadarSettings steep;
-  need_the_ground(steep);
   first.claim(1);
-  first.set(steep, 2);
+  first.set(steep(), 2);
   renderer_.gate.await_somebody();
   first.release(3);
   EXPECT_EQ(first.next_id(), 1u);
   EXPECT_EQ(first.next_id(), 3u);
   Pipeline second(server);
   second.claim(1);
-  wire::RadarSettings gain;
-  gain.set_gain_db(7);
-  second.set(gain, 2);
+  second.set(gain(7), 2);
   second.release(3);
   for (const std::uint64_t id : {1u, 2u, 3u}) EXPECT_EQ(second.next_id(), id);
   first.claim(4);
@@ -307,9 +305,7 @@ TEST(LongPlans, KeepNobodyWaitingButTheFrame) {
   EXPECT_EQ(client.next_id(), 2u);
   client.claim(3);
   EXPECT_EQ(client.next_id(), 3u);
-  wire::RadarSettings gain;
-  gain.set_gain_db(3);
-  client.set(gain, 4);
+  client.set(gain(3), 4);
   EXPECT_EQ(client.next_id(), 4u);
   client::Client other = connect(server);
   EXPECT_EQ(status_of(other).clients(), 2u);

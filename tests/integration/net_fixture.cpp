@@ -131,8 +131,7 @@ void TestServer::stop() {
 
 client::Client connect(const TestServer& server, const std::string& name) {
   client::Client made;
-  const client::Status status = made.connect(server.endpoint(), {.name = name});
-  EXPECT_TRUE(status.ok()) << status.sentence();
+  EXPECT_TRUE(is_ok(made.connect(server.endpoint(), {.name = name})));
   return made;
 }
 
@@ -148,8 +147,7 @@ client::Status receive_frame(client::Client& client, client::FrameAssembler& fra
 }
 
 RawPeer::RawPeer(const TestServer& server) {
-  const client::Status status = client::Socket::connect(server.endpoint(), kLong, socket_);
-  EXPECT_TRUE(status.ok()) << status.sentence();
+  EXPECT_TRUE(is_ok(client::Socket::connect(server.endpoint(), kLong, socket_)));
 }
 
 void RawPeer::send(std::span<const std::byte> bytes) {
@@ -222,14 +220,12 @@ void size_radar(client::Client& client, std::uint32_t azimuth_bins, std::uint32_
   settings.set_azimuth_bins(static_cast<std::int32_t>(azimuth_bins));
   settings.set_range_bins(static_cast<std::int32_t>(range_bins));
   wire::Ack ack;
-  const client::Status status = client.set_settings("main", settings, ack);
-  ASSERT_TRUE(status.ok()) << status.sentence();
+  ASSERT_TRUE(is_ok(client.set_settings("main", settings, ack)));
 }
 
 wire::Status status_of(client::Client& client) {
   wire::Status status;
-  const client::Status got = client.get_status(status);
-  EXPECT_TRUE(got.ok()) << got.sentence();
+  EXPECT_TRUE(is_ok(client.get_status(status)));
   return status;
 }
 

@@ -10,14 +10,12 @@
 #include <thread>
 #include <vector>
 
-#include "client/client.h"
 #include "client/frame_assembler.h"
 #include "proto/error_number.h"
 #include "server/net/server.h"
+#include "tests/integration/clients.h"
 
 namespace obliq::test {
-
-constexpr client::Timeout kLong{20000};  ///< reached only when something is broken
 
 constexpr std::uint32_t number(wire::ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
@@ -106,6 +104,13 @@ wire::Subscribe request_at(double rate_hz);
 
 /// A connected client; the test fails if it cannot be.
 client::Client connect(const TestServer& server, const std::string& name = "tester");
+
+/// A server and a client of it.
+class Served : public testing::Test {
+ protected:
+  TestServer server;
+  client::Client client = connect(server);
+};
 
 /// Claims radar "main" and gives it so many bins.
 void size_radar(client::Client& client, std::uint32_t azimuth_bins, std::uint32_t range_bins);

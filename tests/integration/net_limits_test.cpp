@@ -1,7 +1,5 @@
 // The operator's limits, each refused by its own name.
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -15,6 +13,8 @@
 #include "terrain/base/memory_limit.h"
 #include "terrain/base/process.h"
 #include "tests/integration/net_fixture.h"
+#include "tests/support/loopback.h"
+#include "tests/support/radar_settings.h"
 
 namespace obliq::test {
 namespace {
@@ -45,14 +45,8 @@ TEST(RequestLimits, TooManyClientsOfOneAddressAreTurnedAwayAndOthersAreNot) {
   // Another address of this machine: Linux connects from 127.0.0.1 to any of 127.0.0.0/8, so the peer must
   // bind.
   const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in from{};
-  from.sin_family = AF_INET;
-  from.sin_addr.s_addr = htonl(0x7F000002);  // 127.0.0.2
-  ASSERT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&from), sizeof from), 0);
-  sockaddr_in to = from;
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  to.sin_port = htons(server.endpoint().port);
-  ASSERT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  bind_to_loopback(fd, 0x7F000002);  // 127.0.0.2
+  connect_to_loopback(fd, server.endpoint().port);
   const wire::Bytes hello = hello_bytes();
   ASSERT_EQ(::send(fd, hello.data(), hello.size(), MSG_NOSIGNAL), static_cast<ssize_t>(hello.size()));
   std::byte head[wire::kHeaderBytes];
@@ -73,14 +67,8 @@ class Silent {
  public:
   Silent(const TestServer& server, std::uint32_t address)
       : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in from{};
-    from.sin_family = AF_INET;
-    from.sin_addr.s_addr = htonl(address);
-    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&from), sizeof from), 0);
-    sockaddr_in to = from;
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    to.sin_port = htons(server.endpoint().port);
-    EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    bind_to_loopback(fd_, address);
+    connect_to_loopback(fd_, server.endpoint().port);
   }
   Silent(const Silent&) = delete;
   Silent& operator=(const Silent&) = delete;
@@ -167,11 +155,7 @@ TEST(RequestLimits, AtTheLimitARequestIsServed) {
 }
 
 TEST(RequestLimits, ASweepHasItsPlanesTimesItsRangeBinsForPixels) {
-  RadarSettings settings;
-  settings.pixel_columns = 100;
-  settings.pixel_rows = 7;
-  settings.azimuth_bins = 10;
-  settings.range_bins = 30;
+  RadarSettings settings = radar_settings(FrustumKind::oblique, {}, {10, 30}, {100, 7});
   net::ServerOptions options;
   EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).pixels, 700);
   settings.frustum = FrustumKind::sweep;
@@ -185,7 +169,7 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   settings.range_bins = 1000;
   net::ServerOptions options;
   options.render_threads = 2;
-  const std::int64_t wedges = 2 * wedge_bytes(settings);  // which radar_wedge_memory_test measures
+  const std::int64_t wedges = 2 * wedge_bytes(settings);  // which radar_work_test measures
   // 8 + 8 + 4 + 1 bytes a bin, PROTOCOL.md.
   EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).bytes, wedges + 21'000'000);
   options.slice_bytes = 1'000'000;
@@ -216,9 +200,7 @@ TEST(RequestLimits, PixelsOfAWedgeCountInTheMemoryThatAViewerMayTake) {
   EXPECT_TRUE(client.render_once(once).ok()) << "as many bins, and few pixels";
 }
 
-TEST(RequestLimits, TheWeightsOfABeamsPlanHaveALimitThatIsLookedAtBeforeItIsMade) {
-  const TestServer server;
-  client::Client client = connect(server);
+TEST_F(Served, TheWeightsOfABeamsPlanHaveALimitThatIsLookedAtBeforeItIsMade) {
   wire::RenderOnce once = once_request();
   wire::RadarSettings& settings = *once.mutable_settings();
   settings.set_frustum(wire::SWEEP);
@@ -265,42 +247,6 @@ TEST(RequestLimits, OfMemoryAreThreeQuartersOfWhatThereIsUnlessTheOperatorSaysOt
   options.max_memory_mb = std::numeric_limits<double>::infinity();
   const TestServer server(options);
   EXPECT_EQ(connect(server).welcome().limits().max_memory_mb(), 0u) << "no limit";
-}
-
-TEST(RequestLimits, ReadersOfNothingStayWithinTheMemoryAndGiveItBack) {
-  net::ServerOptions options = small_options();
-  options.stall_timeout_s = 3600;
-  const double before_mb = 1e-6 * static_cast<double>(resident_bytes());
-  options.max_memory_mb = before_mb + 500;
-  const TestServer server(options);
-  const auto resident_mb = [] { return 1e-6 * static_cast<double>(resident_bytes()); };
-  client::Client honest = connect(server);
-  {
-    // Once blocks have been freed malloc no longer maps each by itself (mallopt(3), M_MMAP_THRESHOLD).
-    wire::RenderOnce once = large_once_request();
-    ASSERT_TRUE(honest.render_once(once).ok());
-    client::FrameAssembler frames;
-    ASSERT_TRUE(receive_frame(honest, frames).ok());
-    honest.set_handler(nullptr);
-  }
-  {
-    std::vector<client::Client> readers;
-    int taken = 0;
-    for (int k = 0; k < 20; ++k) {
-      wire::RenderOnce once = large_once_request();
-      const Status status = readers.emplace_back(connect(server)).render_once(once);
-      taken += status.ok() ? 1 : 0;
-      EXPECT_TRUE(status.ok() || status.number == number(ErrorNumber::over_limit)) << status.sentence();
-    }
-    ASSERT_GT(taken, 5);  // 16 MB each at least, less what their sockets hold
-    EXPECT_LT(taken, 20);
-    while (resident_mb() < before_mb + 80) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_LT(resident_mb(), options.max_memory_mb);
-  }
-  // Ctest ends what does not come to an end.
-  while (resident_mb() > before_mb + 60) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  wire::RenderOnce once = once_request();
-  EXPECT_TRUE(honest.render_once(once).ok());
 }
 
 TEST(RequestLimits, WorkThatWaitsIsCountedOverAllClients) {

@@ -1,7 +1,7 @@
 // Ground queries over the wire: what is refused and why, and that a long one holds up no other client.
+// Frames for one client alone: RenderOnce.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <thread>
 
 #include "proto/limits.h"
@@ -67,8 +67,7 @@ TEST(NetQuery, TheLargestComesBackWholeAndInOrder) {
   for (std::uint32_t k = 0; k < wire::kMaxQueryPoints; ++k) request.add_height_m(k);
   wire::GroundAnswer answer;
   std::vector<wire::GroundRecord> records;
-  const Status status = client.query_ground(request, answer, records);
-  ASSERT_TRUE(status.ok()) << status.sentence();
+  ASSERT_TRUE(is_ok(client.query_ground(request, answer, records)));
   ASSERT_EQ(records.size(), wire::kMaxQueryPoints);
   EXPECT_EQ(answer.materials(1), "water");
   EXPECT_EQ(answer.antenna().bearing_deg(), 45);
@@ -175,13 +174,113 @@ TEST(NetQuery, OnlySoManyOfAClientWaitAndThoseOfOneThatLeftAreDropped) {
   EXPECT_EQ(answered, 2);  // the one in hand, and the other client's
 }
 
-TEST(NetQuery, AServerWithoutGroundSaysSo) {
-  const TestServer server;
-  client::Client client = connect(server);
+TEST_F(Served, AServerWithoutGroundSaysSo) {
   EXPECT_EQ(client.welcome().limits().max_query_points(), 0u);
   const Status status = ask(client, places(1));
   EXPECT_EQ(status.outcome, Outcome::bad_argument);
   EXPECT_NE(status.sentence().find("answers no ground queries"), std::string::npos);
+}
+
+using client::FrameAssembler;
+
+TEST_F(Served, RenderOnceGivesItsOwnFrameAndTouchesNoRadar) {
+  wire::RenderOnce request = once_request();
+  request.mutable_settings()->set_r_max_m(44000);
+  ASSERT_TRUE(client.render_once(request).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  EXPECT_EQ(frames.frame().request_id, request.request_id());
+  EXPECT_EQ(frames.frame().descriptor->settings().r_max_m(), 44000);
+  EXPECT_EQ(frames.frame().descriptor->settings().frequency_ghz(), 10) << "absent fields take their default";
+  expect_pattern(frames.frame());
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().r_max_m(), 37000);
+  EXPECT_EQ(info.settings_version(), 1u);
+}
+
+TEST(RenderOnce, RenderOnceOfAnySizeComesInSlices) {
+  net::ServerOptions options = small_options();
+  options.slice_bytes = 1;  // one wedge a slice, and each waits until the one before has been taken
+  const TestServer server(options);
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  ASSERT_TRUE(client.render_once(request).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  EXPECT_EQ(frames.frame().summary->samples(), 3u) << "counts of all slices, added up";
+  expect_pattern(frames.frame());
+}
+
+TEST(RenderOnce, TooManyRendersAreRefusedByTheLimitsName) {
+  Gate gate;
+  gate.close();
+  net::ServerOptions options = small_options();
+  options.max_renders_queued = 2;
+  PatternRenderer renderer;
+  renderer.before_wedge = [&](int) { gate.pass(); };
+  const TestServer server(renderer, options);
+  client::Client client = connect(server);
+  wire::RenderOnce request = once_request();
+  EXPECT_TRUE(client.render_once(request).ok());
+  EXPECT_TRUE(client.render_once(request).ok());
+  const client::Status status = client.render_once(request);
+  EXPECT_EQ(status.number, number(ErrorNumber::too_many_renders));
+  EXPECT_NE(status.text.find("max_renders_queued is 2"), std::string::npos);
+  gate.open();
+  struct Ends : client::FrameHandler {
+    int count = 0;
+    client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
+      ++count;
+      return {};
+    }
+  } ends;
+  client.set_handler(&ends);
+  while (ends.count < 2) ASSERT_TRUE(client.receive(kLong).ok());
+  EXPECT_TRUE(client.render_once(request).ok()) << "room again";
+}
+
+/// Requests in the order in which their frames begin and end.
+struct Order : client::FrameHandler {
+  std::vector<std::uint64_t> begun, ended;
+  client::Status on_begin(const wire::MessageHeader&, const wire::FrameBegin& begin) override {
+    begun.push_back(begin.request_id());
+    EXPECT_EQ(begun.size(), ended.size() + 1) << "one frame after the other";
+    return {};
+  }
+  client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override {
+    ended.push_back(begun.back());
+    return {};
+  }
+};
+
+TEST(RenderOnce, AClientsFramesComeOneAfterTheOtherInTheOrderOfItsRequests) {
+  for (const std::size_t slice_bytes : {std::size_t{1}, std::size_t{1} << 20}) {
+    Gate gate;
+    gate.close();
+    net::ServerOptions options = small_options();
+    options.slice_bytes = slice_bytes;
+    PatternRenderer renderer;
+    renderer.before_wedge = [&](int) { gate.pass(); };
+    const TestServer server(renderer, options);
+    client::Client client = connect(server), other = connect(server);
+    Order order, others;
+    client.set_handler(&order);
+    other.set_handler(&others);
+    std::vector<std::uint64_t> asked, asked_by_other;
+    wire::RenderOnce request = once_request();
+    for (int k = 0; k < 4; ++k) {
+      ASSERT_TRUE(client.render_once(request).ok());
+      asked.push_back(request.request_id());
+      ASSERT_TRUE(other.render_once(request).ok());
+      asked_by_other.push_back(request.request_id());
+    }
+    gate.open();
+    while (order.ended.size() < asked.size()) ASSERT_TRUE(client.receive(kLong).ok());
+    while (others.ended.size() < asked_by_other.size()) ASSERT_TRUE(other.receive(kLong).ok());
+    EXPECT_EQ(order.ended, asked);
+    EXPECT_EQ(others.ended, asked_by_other);
+  }
 }
 
 }  // namespace

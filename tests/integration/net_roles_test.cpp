@@ -1,8 +1,10 @@
 // Tokens and roles: who may come, who may do what, and that no token is ever written down.
+// What the log says of connections: one line for who only asks, none for a pose, all of it for guests.
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
+#include <sstream>
 #include <thread>
 
 #include "proto/obliq.pb.h"
@@ -73,26 +75,6 @@ TEST_F(Roles, WithoutATokenOrWithAWrongOneTheConnectionCloses) {
     EXPECT_EQ(status.number, number(refusal)) << status.sentence();
     EXPECT_FALSE(nobody.is_open());
   }
-}
-
-TEST_F(Roles, ARequestWithoutHelloIsRefusedWhateverTheToken) {
-  const TestServer server(options());
-  RawPeer peer(server);
-  wire::ListRadars request;
-  peer.send(wire::encode_message(wire::MessageType::list_radars, {}, request));
-  EXPECT_EQ(peer.error_number(), number(ErrorNumber::handshake_expected));
-}
-
-TEST_F(Roles, OnlyAControllerMayWatchWithoutLossesAndSoSlowARadar) {
-  const TestServer server(options());
-  wire::Subscribe request = request_at(50);
-  request.set_lossless(true);
-  client::Client viewer;
-  ASSERT_TRUE(come(server, kViewer, viewer).ok());
-  EXPECT_EQ(viewer.subscribe(request).number, number(ErrorNumber::role_too_low));
-  client::Client controller;
-  ASSERT_TRUE(come(server, kController, controller).ok());
-  EXPECT_TRUE(controller.subscribe(request).ok());
 }
 
 TEST_F(Roles, AViewerMayLookAndRenderButNotClaim) {
@@ -288,6 +270,91 @@ TEST_F(Roles, WhatIsWrongInATokenFileIsSaidWithItsLineAndWithoutTheToken) {
   }
   EXPECT_NE(complaint(folder / "none").find("No such file"), std::string::npos);
   EXPECT_NE(complaint(folder.path()).find("allowed: a file of tokens"), std::string::npos);
+}
+
+/// Lines of that level that name the client.
+std::vector<std::string> lines_about(const std::string& client, const std::string& log,
+                                     const std::string& level = "[info]") {
+  std::vector<std::string> found;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(level) != std::string::npos && line.find(client) != std::string::npos)
+      found.push_back(line);
+  return found;
+}
+
+/// Runs `visit` as a client of that name on a server of its own, and returns the log.
+template <typename Visit>
+std::string log_of(const std::string& name, Visit visit) {
+  const CapturedLog log;
+  {
+    TestServer server;
+    client::Client client = connect(server, name);
+    visit(client);
+    client.close();
+    client::Client witness = connect(server, "witness");
+    while (status_of(witness).clients() > 1) {
+    }
+  }
+  return log.text();
+}
+
+TEST(Visits, WhoOnlyAsksIsOneLineWithNameAddressRequestsAndTime) {
+  const std::string log = log_of("asker", [](client::Client& client) {
+    wire::Status status;
+    EXPECT_TRUE(client.get_status(status).ok());
+    wire::RadarInfo info;
+    EXPECT_TRUE(client.get_radar("main", info).ok());
+  });
+  const auto lines = lines_about("asker", log);
+  ASSERT_EQ(lines.size(), 1u) << log;
+  EXPECT_NE(lines[0].find("asker (127.0.0.1:"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("asked for GetRadar, GetStatus and disconnected after 0."), std::string::npos)
+      << lines[0];
+}
+
+TEST(Visits, APoseIsNoLineButForTheLevelDebug) {
+  const std::string log = log_of("poser", [](client::Client& client) {
+    wire::Pose pose;
+    pose.set_bearing_deg(10);
+    wire::Ack ack;
+    EXPECT_TRUE(client.claim_control("main").ok());
+    EXPECT_TRUE(client.set_pose("main", pose, ack).ok());
+    EXPECT_TRUE(client.release_control("main").ok());
+  });
+  EXPECT_TRUE(lines_about("poser", log).empty()) << log;
+  EXPECT_EQ(lines_about("poser", log, "[debug]").size(), 4u) << "come, claimed, released, gone: " << log;
+}
+
+TEST(Visits, SettingsAreALineThatSaysSo) {
+  const std::string log = log_of("setter", [](client::Client& client) {
+    wire::Ack ack;
+    EXPECT_TRUE(client.claim_control("main").ok());
+    EXPECT_TRUE(client.set_settings("main", {}, ack).ok());
+    EXPECT_TRUE(client.release_control("main").ok());
+  });
+  const auto lines = lines_about("setter", log);
+  ASSERT_EQ(lines.size(), 1u) << log;
+  EXPECT_NE(lines[0].find("SetSettings"), std::string::npos) << lines[0];
+}
+
+TEST(Visits, WhoWatchesOrFliesIsToldWhenHeComesAndWhenHeGoes) {
+  std::string log =
+      log_of("watcher", [](client::Client& client) { EXPECT_TRUE(client.subscribe("main", 50).ok()); });
+  auto lines = lines_about("watcher", log);
+  ASSERT_EQ(lines.size(), 2u) << log;
+  EXPECT_NE(lines[0].find("connected as admin"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("disconnected"), std::string::npos) << lines[1];
+  log = log_of("pilot", [](client::Client& client) {
+    wire::Ack ack;
+    EXPECT_TRUE(client.claim_control("main").ok());
+    for (int i = 0; i < 5; ++i) EXPECT_TRUE(client.set_pose("main", {}, ack).ok());
+    EXPECT_TRUE(client.release_control("main").ok());
+  });
+  lines = lines_about("pilot", log);
+  ASSERT_EQ(lines.size(), 4u) << log;
+  EXPECT_NE(lines[1].find("radar main: flown by pilot"), std::string::npos) << lines[1];
+  EXPECT_NE(lines[2].find("radar main: released by pilot"), std::string::npos) << lines[2];
 }
 
 }  // namespace

@@ -14,8 +14,8 @@
 #include "server/rendering/frame_cache.h"
 #include "server/rendering/scene_renderer.h"
 #include "tests/integration/net_fixture.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
-#include "tests/support/small_frames.h"
 
 namespace obliq::test {
 namespace {
@@ -46,8 +46,7 @@ class ReceiverStream : public testing::Test {
     cache_.emplace(*renderer_);
     server_.emplace(*cache_, std::vector<RadarConfig>{radar_}, small_options());
     thread_ = std::thread([this] { server_->run(); });
-    const client::Status status = client_.connect({"127.0.0.1", server_->port()}, {.name = "tester"});
-    EXPECT_TRUE(status.ok()) << status.sentence();
+    EXPECT_TRUE(is_ok(client_.connect({"127.0.0.1", server_->port()}, {.name = "tester"})));
   }
   ~ReceiverStream() override {
     server_->stop();
@@ -55,8 +54,7 @@ class ReceiverStream : public testing::Test {
   }
 
   client::AssembledFrame next_frame(FrameAssembler& frames) {
-    const client::Status status = receive_frame(client_, frames);
-    EXPECT_TRUE(status.ok()) << status.sentence();
+    EXPECT_TRUE(is_ok(receive_frame(client_, frames)));
     return frames.take();
   }
   /// The frame of that number again.

@@ -10,11 +10,8 @@
 
 namespace obliq::test {
 
-class RecordTest : public testing::Test {
+class RecordTest : public ProgramTest {
  protected:
-  Outcome obliq(const std::vector<std::string>& arguments) const {
-    return run_program(OBLIQ_PROGRAM, arguments, folder.path());
-  }
   std::vector<std::string> record(const std::string& address, std::vector<std::string> more) const {
     std::vector<std::string> all = {"record", "--server", address, "--radar", "main", "--rate", "50"};
     all.insert(all.end(), more.begin(), more.end());
@@ -30,7 +27,6 @@ class RecordTest : public testing::Test {
     }
   }
 
-  TestFolder folder;
   std::string scene = folder.write(
       "scene.toml",
       text_of(SmallScene{.antenna = "latitude_deg = 33.0\nlongitude_deg = -99.5\nbearing_deg = 20.0\n",

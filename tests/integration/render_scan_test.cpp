@@ -44,6 +44,11 @@ class ScanTest : public ::testing::Test {
     now_ns_ = kStart_ns + static_cast<std::int64_t>(s * 1e9);
     thread_.wake();
   }
+  bool first_dwell_comes(ScanMode mode) {
+    begin(mode);
+    advance_to(0.07);
+    return events_.wait([&] { return events_.wedges.size() == 1; });
+  }
   net::RenderThreadOptions options() {
     net::RenderThreadOptions options;
     options.threads = 1;
@@ -109,9 +114,7 @@ TEST_F(ScanTest, EachDwellHasThePoseOfItsMoment) {
 }
 
 TEST_F(ScanTest, WhatTheBeamHasPassedLongAgoIsSaidToBeMissed) {
-  begin(ScanMode::sector);
-  advance_to(0.07);
-  ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 1; }));
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
   // The beam is in dwell 5; dwell 1 ended at 0.25 s, more than a quarter of a second ago, and so did 2.
   advance_to(0.70);
   ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 2; }));
@@ -134,9 +137,7 @@ TEST_F(ScanTest, WhatTheBeamHasPassedLongAgoIsSaidToBeMissed) {
 }
 
 TEST_F(ScanTest, ACircularAntennaBeginsEachTurnAtItsLeftEdge) {
-  begin(ScanMode::circular);
-  advance_to(0.07);
-  ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 1; }));
+  ASSERT_TRUE(first_dwell_comes(ScanMode::circular));
   advance_to(1.07);
   ASSERT_TRUE(events_.wait([&] { return events_.ends.size() == 1 && events_.wedges.size() == 2; }));
   EXPECT_EQ(events_.wedges.back().first_azimuth(), 0u);
@@ -144,9 +145,7 @@ TEST_F(ScanTest, ACircularAntennaBeginsEachTurnAtItsLeftEdge) {
 }
 
 TEST_F(ScanTest, ChangedSettingsEndThePassAndBeginAnother) {
-  begin(ScanMode::sector);
-  advance_to(0.07);
-  ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 1; }));
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
   RadarSettings settings = settings_->settings;
   settings.scan_mode = ScanMode::frame;
   const auto whole = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 8});
@@ -157,18 +156,14 @@ TEST_F(ScanTest, ChangedSettingsEndThePassAndBeginAnother) {
 }
 
 TEST_F(ScanTest, APassThatTheServersEndCutsSaysSo) {
-  begin(ScanMode::sector);
-  advance_to(0.07);
-  ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 1; }));
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
   thread_.finish();
   ASSERT_TRUE(events_.wait([&] { return events_.aborts.size() == 1; }));
   EXPECT_EQ(events_.aborts[0].reason(), "the server is stopping");
 }
 
 TEST_F(ScanTest, ADwellThatCannotBeRenderedEndsThePassAndIsTriedAgainWhenThePoseChanges) {
-  begin(ScanMode::sector);
-  advance_to(0.07);
-  ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == 1; }));
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
   RadarSettings settings = settings_->settings;
   settings.frustum = FrustumKind::oblique;  // which the stand-in refuses below 10 m
   PoseSettings low;

@@ -106,16 +106,7 @@ constexpr int kRaysATurn = 4 * kBatch;
 constexpr int kTurns = kSide * kSide / kRaysATurn;
 
 RadarSettings small_radar() {
-  RadarSettings settings;
-  settings.frustum = FrustumKind::symmetric;
-  settings.sector_deg = 80;
-  settings.azimuth_bins = 64;
-  settings.range_bins = 8;
-  settings.pixel_columns = 64;
-  settings.pixel_rows = 16;
-  settings.r_min_m = 1500;
-  settings.r_max_m = 6000;
-  return settings;
+  return radar_settings(FrustumKind::symmetric, {1500, 6000, 80}, {64, 8}, {64, 16});
 }
 
 class Turns : public ::testing::Test {

@@ -5,16 +5,15 @@
 #include <csignal>
 #include <limits>
 
-#include "client/client.h"
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
+#include "tests/integration/clients.h"
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
 namespace obliq::test {
 namespace {
 
-constexpr client::Timeout kLong{60000};  // reached only when something is broken
 constexpr double kStep_s = 0.1;
 constexpr std::int64_t kStep_ns = 100'000'000;
 constexpr int kFrames = 600;
@@ -249,8 +248,7 @@ TEST_F(ReplayControl, PosesWithoutAClockAreNoPlace) {
 
 TEST_F(ReplayControl, ALiveServerSaysThatItIsNoReplay) {
   const Daemon daemon({"--config", scene}, folder.path());
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(daemon.address())).ok()) << daemon.log();
+  client::Client client = connected(daemon.address());
   wire::SetReplay request;
   request.set_paused(true);
   const client::Status refused = client.set_replay(request);

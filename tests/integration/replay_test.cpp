@@ -7,17 +7,15 @@
 #include <csignal>
 #include <limits>
 
-#include "client/client.h"
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
 #include "server/stream/frame_encoder.h"
+#include "tests/integration/clients.h"
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
 namespace obliq::test {
 namespace {
-
-constexpr client::Timeout kLong{60000};  // reached only when something is broken
 
 TEST_F(RecordTest, TimesThatLieFurtherApartThanANumberHoldsAreShownAsTheyAre) {
   MadeRecording made = made_recording();
@@ -67,8 +65,7 @@ TEST_F(RecordTest, ReplayServesTheFramesToAClientBitForBitAndRefusesWhatOnlyARad
   Running replay({"replay", file, "--serve", "--port", "0"}, folder / "replay.log");
   const std::string address = replay.await(" on ");
   ASSERT_NE(address, "") << replay.log();
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok());
+  client::Client client = connected(address);
   ASSERT_EQ(client.welcome().radars_size(), 1);
   EXPECT_EQ(client.welcome().radars(0), "main");
   wire::RadarInfo info;
@@ -126,8 +123,7 @@ TEST_F(RecordTest, AServedReplayHasTheServersLimitOfMemory) {
   for (const auto& [limit, expected] : {std::pair("5000", 5000u), std::pair("inf", 0u)}) {
     Running replay({"replay", file, "--serve", "--port", "0", "--max-memory-mb", limit},
                    folder / ("replay" + std::string(limit) + ".log"));
-    client::Client client;
-    ASSERT_TRUE(client.connect(*client::parse_endpoint(replay.await(" on "))).ok()) << replay.log();
+    client::Client client = connected(replay.await(" on "));
     EXPECT_EQ(client.welcome().limits().max_memory_mb(), expected);
   }
 }
@@ -173,8 +169,7 @@ TEST_F(RecordTest, ThePassesOfAScanningAntennaAreServedBitForBitWithTheirScanAnd
   ASSERT_EQ(expected.size(), 3u);
   Running replay({"replay", file, "--serve", "--port", "0"}, folder / "replay.log");
   const std::string address = replay.await(" on ");
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok()) << replay.log();
+  client::Client client = connected(address);
   Passes passes;
   client.set_handler(&passes);
   ASSERT_TRUE(client.subscribe("main", 100).ok());
@@ -286,8 +281,7 @@ TEST_F(RecordTest, PlanesThatWereNotRecordedAreNotServed) {
             0);
   Running replay({"replay", file, "--serve", "--port", "0", "--loop"}, folder / "replay.log");
   const std::string address = replay.await(" on ");
-  client::Client client;
-  ASSERT_TRUE(client.connect(*client::parse_endpoint(address)).ok()) << replay.log();
+  client::Client client = connected(address);
   const client::Status refused = client.subscribe("main", 10);
   ASSERT_EQ(refused.fields.size(), 1u) << refused.text;
   EXPECT_EQ(refused.fields[0].allowed, "iq, state, video");

@@ -7,6 +7,9 @@
 // Clients take turns: each reads all that the server has to say before the next one speaks, and live radars
 // give one frame and then rest. Not in it, as they would depend on the time: dwells missed, frames skipped or
 // shed, clients that read too slowly; and TLS. The bits of the frames hold where those of frame_sums_test do.
+// The recorded session (session_bytes_test) over a WebSocket: every type of the protocol, every encoding,
+// every refusal, with the fields and the plane bytes that TCP has. What a client sends is written, and what
+// it gets is read, by protobuf's own JSON.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -28,6 +31,12 @@ TEST(SessionBytes, AreThoseRecorded) {
   }
   if (const char* target = std::getenv("OBLIQ_WRITE_SESSION_BYTES")) return record.write(target);
   record.compare(OBLIQ_SOURCE_DIR "/tests/integration/session_bytes.txt");
+}
+
+TEST(WebSocketSession, IsThatOfTcp) {
+  if (!has_isa(TracerIsa::avx2)) GTEST_SKIP() << "no session recorded without fused multiply-add";
+  const SessionRecord record = played_session(Door::web);
+  record.compare(OBLIQ_SOURCE_DIR "/tests/integration/session_bytes.txt", kDamagedBytes);
 }
 
 }  // namespace

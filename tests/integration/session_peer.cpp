@@ -9,15 +9,12 @@
 #include <utility>
 
 #include "proto/limits.h"
+#include "tests/integration/clients.h"
 
 namespace obliq::test {
 
 using google::protobuf::Message;
 using wire::MessageType;
-
-namespace {
-constexpr client::Timeout kLong{20000};  ///< reached only when something is broken
-}  // namespace
 
 RecordedPeer::RecordedPeer(SessionRecord& record, std::string name, const client::Endpoint& server, Door door)
     : record_(record), name_(std::move(name)) {
@@ -26,8 +23,7 @@ RecordedPeer::RecordedPeer(SessionRecord& record, std::string name, const client
     EXPECT_EQ(web_->status(), 101) << web_->answer();
     return;
   }
-  const client::Status status = client::Socket::connect(server, kLong, socket_);
-  EXPECT_TRUE(status.ok()) << status.sentence();
+  EXPECT_TRUE(is_ok(client::Socket::connect(server, kLong, socket_)));
 }
 
 void RecordedPeer::send(MessageType type, const std::string& fields) {

@@ -4,16 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "tests/integration/clients.h"
 #include "tests/integration/session_record.h"
 
 namespace obliq::test {
 namespace {
-
-constexpr client::Timeout kLong{20000};  ///< reached only when something is broken
 
 // RFC 6455 section 1.3 has this key and what it must be answered.
 constexpr const char* kKey = "dGhlIHNhbXBsZSBub25jZQ==";
@@ -34,23 +31,6 @@ wire::Bytes web_message(wire::MessageType type, std::string_view json) {
   wire::encode_header(header, std::span(bytes).first<wire::kHeaderBytes>());
   const auto text = bytes_of(json);
   bytes.insert(bytes.end(), text.begin(), text.end());
-  return bytes;
-}
-
-wire::Bytes bytes_of_block(const std::string& page, const std::string& name) {
-  std::ifstream file(page);
-  wire::Bytes bytes;
-  bool inside = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("```")) {
-      inside = line == "```" + name;
-      continue;
-    }
-    if (!inside) continue;
-    std::istringstream rest(line.substr(line.find(':') + 1));
-    for (std::string word; rest >> word && word != "|";)
-      bytes.push_back(static_cast<std::byte>(std::stoi(word, nullptr, 16)));
-  }
   return bytes;
 }
 
@@ -79,17 +59,15 @@ wire::Bytes as_protobuf(const wire::Bytes& message) {
 }
 
 WebPeer::WebPeer(const client::Endpoint& server, const WebRequest& request) {
-  const client::Status connected = client::Socket::connect(server, kLong, socket_);
-  EXPECT_TRUE(connected.ok()) << connected.sentence();
+  EXPECT_TRUE(is_ok(client::Socket::connect(server, kLong, socket_)));
   if (!request.ca_file.empty()) {
-    const client::Status safe = socket_.start_tls(server.host, {true, request.ca_file}, kLong);
-    EXPECT_TRUE(safe.ok()) << safe.sentence();
+    EXPECT_TRUE(is_ok(socket_.start_tls(server.host, {true, request.ca_file}, kLong)));
   }
   std::string text = "GET " + request.path +
                      " HTTP/1.1\r\nHost: " + (request.host.empty() ? server.text() : request.host) +
                      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                      "Sec-WebSocket-Key: " +
-                     (request.key.empty() ? kKey : request.key) + "\r\n" + request.more;
+                     kKey + "\r\n";
   if (!request.protocol.empty()) text += "Sec-WebSocket-Protocol: " + request.protocol + "\r\n";
   if (!request.origin.empty()) text += "Origin: " + request.origin + "\r\n";
   send_raw(bytes_of(text + "\r\n"));

@@ -7,6 +7,7 @@
 
 #include "client/socket.h"
 #include "proto/message_codec.h"
+#include "tests/support/page_block.h"
 
 namespace google::protobuf {
 class Message;
@@ -20,8 +21,6 @@ struct WebRequest {
   std::string protocol = "obliq.v1.json";
   std::string origin{};   ///< empty: none, as of a program that is no browser
   std::string ca_file{};  ///< empty: without TLS
-  std::string key{};      ///< empty: a good one
-  std::string more{};     ///< further lines of the header, each with its end
 };
 
 class WebPeer {
@@ -65,8 +64,6 @@ class WebPeer {
 wire::Bytes web_message(wire::MessageType type, std::string_view json);
 /// A message with JSON as the stream has it, by protobuf's own reader of JSON.
 wire::Bytes as_protobuf(const wire::Bytes& message);
-/// Of a page's block "```name": offset, colon, bytes, a bar and a comment in each line.
-wire::Bytes bytes_of_block(const std::string& page, const std::string& name);
 /// By protobuf's own writer.
 std::string json_of(const google::protobuf::Message& message);
 

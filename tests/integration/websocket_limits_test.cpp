@@ -1,8 +1,19 @@
 // What a peer of the WebSocket may send at most, and what it is told beyond.
+// obliq replay --serve --http-port: a recording in the browser, with the bytes that were recorded, for
+// several at a time.
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "proto/error_number.h"
 #include "proto/limits.h"
+#include "proto/obliq.pb.h"
+#include "tests/integration/http_peer.h"
+#include "tests/integration/record_fixture.h"
+#include "tests/integration/web_peer.h"
 #include "tests/integration/web_server.h"
+#include "tests/support/made_recording.h"
 
 namespace obliq::test {
 namespace {
@@ -21,22 +32,6 @@ void greet(WebPeer& peer) {
 void expect_alive(const WebPattern& pattern) {
   WebPeer peer(pattern.server.web());
   greet(peer);
-}
-
-TEST(WebSocketLimits, AMessageThatOnlyAsProtobufIsTooLongIsRefusedAndTheServerLives) {
-  WebPattern pattern;
-  WebPeer peer(pattern.server.web());
-  greet(peer);
-  std::string ones = "[1";  // two bytes each, as protobuf eight
-  for (std::uint32_t i = 1; i < wire::kMaxQueryPoints; ++i) ones += ",1";
-  ones += "]";
-  peer.send(MessageType::query_ground, R"({"latitude_deg":)" + ones + R"(,"longitude_deg":)" + ones +
-                                           R"(,"bearing_deg":)" + ones + R"(,"range_m":)" + ones + "}");
-  std::string text;
-  EXPECT_EQ(peer.error_number(&text), number(ErrorNumber::bad_length)) << text;
-  EXPECT_NE(text.find("allowed: at most 262144"), std::string::npos) << text;
-  EXPECT_FALSE(peer.read()) << "and then the end";
-  expect_alive(pattern);
 }
 
 TEST(WebSocketLimits, BeforeHelloAMessageHasAtMost4096Bytes) {
@@ -91,47 +86,57 @@ TEST(WebSocketLimits, ALongNameOfAFieldIsToldInFewWords) {
   }
 }
 
-// RFC 6455 section 5.2: "the most significant bit MUST be 0".
-TEST(WebSocketLimits, ALengthWithItsHighestBitSetIsClosedWith1002) {
-  WebPattern pattern;
-  for (const unsigned rest : {0x00u, 0xffu}) {
-    wire::Bytes frame(14, static_cast<std::byte>(rest));
-    frame[0] = std::byte{0x82};
-    frame[1] = std::byte{0xff};
-    frame[2] = static_cast<std::byte>(0x80u | rest);
-    WebPeer peer(pattern.server.web());
-    greet(peer);
-    peer.send_raw(std::span(frame).first(5));
-    peer.send_raw(std::span(frame).subspan(5));
-    const auto answer = peer.read_frame();
-    ASSERT_TRUE(answer);
-    EXPECT_EQ(answer->kind, Kind::close);
-    EXPECT_EQ(answer->bytes, (wire::Bytes{std::byte{1002 >> 8}, std::byte{1002 & 0xff}}));
+using nlohmann::json;
+
+/// The I&Q of the next whole frame.
+std::vector<std::complex<float>> iq_of_frame(WebPeer& peer) {
+  std::vector<std::complex<float>> iq;
+  while (const auto message = peer.read()) {
+    wire::MessageView view;
+    const wire::Bytes binary = as_protobuf(*message);
+    EXPECT_EQ(wire::decode_message(binary, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
+    if (view.header.type == MessageType::frame_begin) iq.assign(kMadeAzimuths * kMadeRanges, {});
+    if (view.header.type == MessageType::frame_end && !iq.empty()) return iq;
+    wire::WedgeBlock block;
+    if (view.header.type != MessageType::wedge_block || !wire::parse_descriptor(view.descriptor, block))
+      continue;
+    if (block.plane() != wire::IQ || iq.empty()) continue;
+    EXPECT_EQ(view.plane.size(), block.n_azimuth() * block.n_range() * sizeof iq[0]);
+    std::memcpy(iq.data() + block.first_azimuth() * kMadeRanges, view.plane.data(), view.plane.size());
   }
+  return {};
 }
 
-// RFC 6455 section 4.1: a base64-encoded value that, when decoded, is 16 bytes in length.
-TEST(WebSocketLimits, AKeyThatIsNot16BytesOfBase64Is400) {
-  const WebPattern pattern;
-  for (const char* key :
-       {"short", "dGhlIHNhbXBsZSBub25jZQ", "dGhlIHNhbXBsZSBub25jZQ=", "dGhlIHNhbXBsZSBub25jZSE=",
-        "dGhlIHNhbXBsZSBub2 jZQ==", "dGhlIHNhbXBsZSBub25jZSBhbmQgbW9yZQ=="}) {
-    const WebPeer peer(pattern.server.web(), {.key = key});
-    EXPECT_EQ(peer.status(), 400) << key;
-    EXPECT_NE(peer.answer().find("Sec-WebSocket-Key"), std::string::npos) << peer.answer();
+TEST_F(RecordTest, WebSocketReplayShowsTheRecordedBytesToSeveral) {
+  folder.write("main.obliq", made_recording().bytes);
+  const auto expected = frames_of(file);
+  ASSERT_FALSE(expected.empty());
+  const Running replay({"replay", file, "--serve", "--port", "0", "--http-port", "0", "--loop"},
+                       folder / "replay.log");
+  const std::string url = replay.await("in a browser: ");
+  ASSERT_EQ(url.rfind("http://127.0.0.1:", 0), 0u) << replay.log();
+  const auto at = *client::parse_endpoint(url.substr(7, url.find('/', 7) - 7));
+  EXPECT_EQ(http_get(at.port, "/").body,
+            text_of(std::filesystem::path(OBLIQ_SOURCE_DIR "/server/http/page/index.html")));
+  EXPECT_EQ(http_get(at.port, "/readyz").status, 200);
+  EXPECT_EQ(http_get(at.port, "/parameters.json").status, 200);
+  EXPECT_EQ(WebPeer(at, {.origin = "http://evil.example"}).status(), 403);
+  WebPeer rude(at);
+  rude.send(MessageType::hello, R"({"client_name": ")" + std::string(300'000, 'x') + "\"}");
+  EXPECT_EQ(rude.error_number(), static_cast<std::uint32_t>(wire::ErrorNumber::bad_length));
+  WebPeer student(at), instructor(at);
+  for (WebPeer* peer : {&student, &instructor}) {
+    peer->send(MessageType::hello, R"({"major": 1})");
+    EXPECT_EQ(json::parse(peer->await(MessageType::welcome)).at("server_name"), "obliq replay");
+    peer->send(MessageType::subscribe,
+               R"({"request_id": 1, "radar": "main", "rate_hz": 100, "planes": ["IQ"]})");
   }
-  const WebPeer twice(pattern.server.web(), {.more = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"});
-  EXPECT_EQ(twice.status(), 400);
-}
-
-TEST(WebSocketLimits, TwoOriginsAndTwoHostsAre400) {
-  const WebPattern pattern;
-  const std::string own = "http://" + pattern.server.web().text();
-  EXPECT_EQ(WebPeer(pattern.server.web(), {.origin = own}).status(), 101);
-  EXPECT_EQ(
-      WebPeer(pattern.server.web(), {.origin = own, .more = "Origin: http://evil.example\r\n"}).status(),
-      400);
-  EXPECT_EQ(WebPeer(pattern.server.web(), {.more = "Host: evil.example\r\n"}).status(), 400);
+  for (WebPeer* peer : {&student, &instructor, &student}) {
+    const auto iq = iq_of_frame(*peer);
+    EXPECT_TRUE(std::ranges::any_of(expected, [&](const auto& one) { return one.second.iq == iq; }));
+  }
+  student.send(MessageType::claim_control, R"({"request_id": 2, "radar": "main"})");
+  EXPECT_EQ(student.error_number(), static_cast<std::uint32_t>(wire::ErrorNumber::replay_only));
 }
 
 }  // namespace

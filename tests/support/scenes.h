@@ -9,6 +9,7 @@
 #include "server/radar/render.h"
 #include "server/scene/scene.h"
 #include "terrain/world.h"
+#include "tests/support/radar_settings.h"
 
 namespace obliq::test {
 
@@ -46,6 +47,11 @@ inline std::shared_ptr<const Scene> make_scene(World world, std::vector<Material
 
 inline SettingsPtr snapshot(const RadarSettings& settings) {
   return std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 1});
+}
+
+/// Of few pixels and bins, 2 to 8 km away.
+inline SettingsPtr small_settings(FrustumKind kind) {
+  return snapshot(radar_settings(kind, {2000, 8000}, {32, 32}, {64, 64}));
 }
 
 /// Made once in a process.

@@ -3,6 +3,7 @@
 #include <complex>
 
 #include "server/radar/receiver/receiver.h"
+#include "tests/support/radar_settings.h"
 
 namespace obliq::test {
 
@@ -10,11 +11,7 @@ inline constexpr double kSpeedOfLight_m_s = 299792458.0;
 
 /// 64 x 1024 bins of 30 m with noise.
 inline RadarSettings noisy() {
-  RadarSettings settings;
-  settings.azimuth_bins = 64;
-  settings.range_bins = 1024;
-  settings.r_min_m = 1000;
-  settings.r_max_m = 1000 + 30.0 * 1024;
+  RadarSettings settings = radar_settings(FrustumKind::oblique, {1000, 1000 + 30.0 * 1024}, {64, 1024});
   settings.receiver.noise = true;
   return settings;
 }

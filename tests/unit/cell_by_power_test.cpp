@@ -1,18 +1,25 @@
 // Automatic cells by the power that radars see.
+// Automatic cells against the elevation model that they stand for.
+// The memory that there is: of the machine, and of control groups of both versions (cgroups(7)).
 #include "server/loading/cell_by_power.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <limits>
 #include <numeric>
+#include <string>
 
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
+#include "terrain/base/memory_limit.h"
+#include "terrain/dem/source_error.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::test {
 namespace {
 
 using test::Folder;
@@ -149,5 +156,186 @@ TEST(CellByPower, OfACoarseModelOfTheRockiesIsWithinThreeThousandths) {
       std::to_string(power_over(config, load_world(config.world)) / power_over_cells(config, 15) - 1));
 }
 
+/// Ridges of 120 m, 2.5 to 3 km from crest to crest, at 300 m a post.
+double gentle_alps(double lon, double lat) { return 2000 + 60 * std::sin(235 * lon) * std::cos(235 * lat); }
+
+WorldSpec by_itself(const std::string& dem, double most_posts = 16e6) {
+  WorldSpec spec = test::scene(-99.5, 33, 10000, {dem});
+  spec.terrain.most_auto_posts = most_posts;
+  return spec;
+}
+
+bool notes(const World& world, const std::string& part) {
+  for (const std::string& note : world.report.notes) {
+    if (note.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(AutoCell, BecomesFinerUntilTheGridFollowsTheModel) {
+  const Folder folder;
+  const std::string dem = coarse(folder, gentle_alps);
+  const World before = load_world(by_itself(dem, 0));
+  EXPECT_NEAR(before.grid.cell_m, 299, 5);  // the root of 275 x 326 m
+  EXPECT_GT(before.report.source_error.p95_m, 1);
+  const World after = load_world(by_itself(dem));
+  EXPECT_LE(after.report.source_error.p95_m, 0.5);
+  EXPECT_NEAR(std::remainder(std::log2(before.grid.cell_m / after.grid.cell_m), 1.0), 0, 0.02) << "halves";
+  EXPECT_TRUE(notes(after, "terrain.cell_m = \"auto\""));
+}
+
+TEST(AutoCell, OfANamedSizeStays) {
+  const Folder folder;
+  WorldSpec spec = by_itself(coarse(folder, gentle_alps));
+  spec.terrain.cell_m = 250;
+  EXPECT_EQ(load_world(spec).grid.cell_m, 250);
+}
+
+TEST(AutoCell, OverPlainsStaysAtThePosting) {
+  const Folder folder;
+  const auto plain = [](double lon, double lat) { return 100 + 3 * lon + 2 * lat; };
+  const World world = load_world(by_itself(coarse(folder, plain)));
+  EXPECT_NEAR(world.grid.cell_m, 299, 5);
+  EXPECT_FALSE(notes(world, "cell_m"));
+}
+
+TEST(AutoCell, ThatStopsEarlySaysWhyAndWhatIsLeft) {
+  const Folder folder;
+  const std::string dem = coarse(folder, gentle_alps);
+  const World few = load_world(by_itself(dem, 30000));
+  EXPECT_LE(few.grid.y_m.size(), 30000u);
+  EXPECT_TRUE(notes(few, "flight.max_megaposts"));
+  EXPECT_TRUE(notes(few, "of the grid; wanted: 0.5 m"));
+  WorldSpec slow = by_itself(dem);
+  slow.sampling_footprint_m = 150;  // finer cells are most of the march
+  EXPECT_TRUE(notes(load_world(slow), "times the frame time"));
+}
+
+TEST(AutoCell, IsTheSameFromTheCache) {
+  const Folder folder;
+  WorldSpec spec = by_itself(coarse(folder, gentle_alps));
+  const World plain = load_world(spec);
+  std::filesystem::last_write_time(spec.terrain.dem[0],
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  spec.terrain.cache_folder = folder.file("cache");
+  for (int k = 0; k < 2; ++k) {
+    const World world = load_world(spec);
+    EXPECT_EQ(world.grid.cell_m, plain.grid.cell_m);
+    EXPECT_EQ(world.grid.y_m, plain.grid.y_m);
+  }
+}
+
+TEST(AutoCell, HalvingTakesTheTimeThatWasMeasured) {
+  // The sweep of source_error.cpp: range bins of 18.55 m, half of which is the footprint.
+  EXPECT_NEAR(halving_time(60, 9.28), 268.0 / 184, 0.1);
+  EXPECT_NEAR(halving_time(30, 9.28), 472.0 / 268, 0.2);
+  EXPECT_NEAR(halving_time(15, 9.28), 862.0 / 472, 0.2);
+}
+
+TEST(AutoCell, AllowsHalfTheModelsOwnErrorAndHalfAMetreAtLeast) {
+  EXPECT_EQ(allowed_error_m({"", 0}), 0.5);
+  EXPECT_EQ(allowed_error_m({"", 0.1}), 0.5);
+  EXPECT_EQ(allowed_error_m({"", 5.5}), 2.75);
+}
+
+TEST(AutoCell, KnowsModelsByNameFormatAndPosting) {
+  const Folder folder;
+  const auto rmse_m = [&](const std::string& name, double pixel_deg, const char* type) {
+    test::RasterPlan plan = test::around(-99.5, 33, [](double, double) { return 1; });
+    plan.geotransform = {-99.5, pixel_deg, 0, 33, 0, -pixel_deg};
+    plan.type = type;
+    return dem_accuracy(Raster(test::write_raster(folder, name, plan), "[terrain] dem", {})).rmse_m;
+  };
+  EXPECT_EQ(rmse_m("NASADEM_HGT_n34w119.tif", 1 / 3600.0, "Int16"), 3.66);
+  EXPECT_EQ(rmse_m("USGS_13_n34w119.tif", 1 / 10800.0, "Float32"), 0.82);
+  EXPECT_EQ(rmse_m("mine.tif", 1 / 3600.0, "Int16"), 5.5);
+  EXPECT_EQ(rmse_m("mine.tif", 1 / 3600.0, "Float32"), 1.55);
+  EXPECT_EQ(rmse_m("mine.tif", 1e-5, "Float32"), 0.10);
+  EXPECT_EQ(rmse_m("mine.tif", 0.01, "Float32"), 0) << "nobody knows";
+}
+
+namespace fs = std::filesystem;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+class MemoryLimit : public testing::Test {
+ protected:
+  MemoryLimit()
+      : folder_(
+            fs::path(testing::TempDir()) /
+            ("memory_limit_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))),
+        files_{folder_ / "meminfo", folder_ / "cgroup", folder_ / "sys"} {
+    fs::remove_all(folder_);
+    write("meminfo", "MemTotal:        8000000 kB\nMemFree:          100000 kB\n");
+  }
+  ~MemoryLimit() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << text;
+  }
+  std::int64_t there_is() const { return memory_there_is_bytes(files_); }
+
+  static constexpr std::int64_t kMachine = 8'000'000LL * 1024;
+
+  fs::path folder_;
+  MemoryFiles files_;
+};
+
+TEST_F(MemoryLimit, IsTheMachinesOutsideOfGroups) { EXPECT_EQ(there_is(), kMachine); }
+
+TEST_F(MemoryLimit, IsTheLeastOfTheGroupsThatTheProcessIsIn) {
+  write("cgroup", "0::/system.slice/obliqd.service\n");
+  write("sys/system.slice/obliqd.service/memory.max", "max\n");
+  write("sys/system.slice/obliqd.service/memory.high", "max\n");
+  EXPECT_EQ(there_is(), kMachine);
+  write("sys/system.slice/memory.max", "4000000000\n");
+  EXPECT_EQ(there_is(), 4'000'000'000);
+  write("sys/system.slice/obliqd.service/memory.max", "3000000000\n");
+  EXPECT_EQ(there_is(), 3'000'000'000);
+  write("sys/system.slice/obliqd.service/memory.high", "2000000000\n");
+  EXPECT_EQ(there_is(), 2'000'000'000);
+  write("sys/system.slice/other.service/memory.max", "1000\n");
+  EXPECT_EQ(there_is(), 2'000'000'000);
+}
+
+TEST_F(MemoryLimit, OfAContainerIsThatOfTheRootThatItSees) {
+  write("cgroup", "0::/\n");
+  write("sys/memory.max", "1500000000\n");
+  EXPECT_EQ(there_is(), 1'500'000'000);
+}
+
+TEST_F(MemoryLimit, OfVersionOneStandsBelowItsController) {
+  write("cgroup", "9:cpu,cpuacct:/a\n4:memory:/docker/0123\n0::/\n");
+  write("sys/memory/memory.limit_in_bytes", "9223372036854771712\n");
+  EXPECT_EQ(there_is(), kMachine);
+  write("sys/memory/docker/0123/memory.limit_in_bytes", "500000000\n");
+  EXPECT_EQ(there_is(), 500'000'000);
+  write("cgroup", "9:cpu,cpuacct:/a\n4:blkio,memory:/of_the_host/0123\n0::/\n");
+  EXPECT_EQ(there_is(), kMachine) << "the host's name, which is not seen in here";
+  write("sys/memory/memory.limit_in_bytes", "600000000\n");
+  EXPECT_EQ(there_is(), 600'000'000);
+}
+
+TEST_F(MemoryLimit, OfNothingIsThreeQuartersOfWhatThereIs) {
+  EXPECT_EQ(memory_limit_mb(0, files_), 6144);
+  EXPECT_EQ(memory_limit_mb(300, files_), 300);
+  EXPECT_EQ(memory_limit_mb(kInfinite, files_), kInfinite);
+  write("cgroup", "0::/\n");
+  write("sys/memory.max", "4000000000\n");
+  EXPECT_EQ(memory_limit_mb(0, files_), 3000);
+  EXPECT_EQ(memory_limit_mb(5000, files_), 5000) << "what the operator says counts";
+}
+
+TEST_F(MemoryLimit, IsNoneWhereTheSystemDoesNotSay) {
+  fs::remove(folder_ / "meminfo");
+  EXPECT_EQ(there_is(), 0);
+  EXPECT_EQ(memory_limit_mb(0, files_), kInfinite);
+  write("cgroup", "nonsense\n:\n0:\n0::\n");
+  EXPECT_EQ(there_is(), 0);
+}
+
+TEST_F(MemoryLimit, OfThisMachineIsKnown) { EXPECT_GT(memory_there_is_bytes(), 100'000'000); }
+
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::test

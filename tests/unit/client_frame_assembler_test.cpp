@@ -1,15 +1,25 @@
 // What the client's assembler makes of frames that claim more than they bring.
+// What the kernel is told about a connection.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <memory>
 
+#include "client/socket.h"
 #include "proto/obliq.pb.h"
+#include "server/net/io_thread.h"
+#include "server/net/socket_transport.h"
+#include "server/security/networks.h"
+#include "tests/integration/clients.h"
+#include "tests/support/loopback.h"
 #include "tests/unit/encoder_fixture.h"
 
-namespace obliq::net {
+namespace obliq::test {
 namespace {
 
+using namespace net;
 using client::FrameAssembler;
+using client::parse_endpoint;
 
 /// A pass of which the first wedges come.
 struct Pass {
@@ -21,8 +31,7 @@ struct Pass {
   }
   void add(int wedge, int n_range) {
     for (const BlockPtr& block : encoder->wedge(wedge, filled(8 * wedge, 8, n_range))) {
-      const client::Status status = feed(frames, *block);
-      EXPECT_TRUE(status.ok()) << status.sentence();
+      EXPECT_TRUE(is_ok(feed(frames, *block)));
     }
   }
   client::Status end(const std::vector<AzimuthRange>& missed = {}) {
@@ -111,5 +120,74 @@ TEST(FrameAssembler, AWindowMayBeNarrowerThanThePassHasGaps) {
   EXPECT_TRUE(pass.end({{8, 1}, {16, 1}}).ok());
 }
 
+TEST(Endpoint, TakesHostsAndPorts) {
+  EXPECT_EQ(parse_endpoint("radar.example:99")->text(), "radar.example:99");
+  EXPECT_EQ(parse_endpoint("10.0.0.1")->text(), "10.0.0.1:7420");
+  EXPECT_EQ(parse_endpoint("[::1]:80")->host, "::1");
+  EXPECT_EQ(parse_endpoint("[::1]:80")->text(), "[::1]:80");
+  EXPECT_EQ(parse_endpoint("[::1]")->port, 7420);
+  EXPECT_EQ(parse_endpoint(":99")->text(), "127.0.0.1:99");
+  EXPECT_EQ(parse_endpoint("99")->text(), "127.0.0.1:99");
+}
+
+TEST(Endpoint, RefusesWhatIsNone) {
+  for (const char* text : {"", ":", "0", "65536", ":0", ":65536", "1:2:3", "host:", "host:0", "host:65536",
+                           "host:-1", "host:12x", "host: 12", "[::1", "[::1]80", "::1", "[]:5"}) {
+    EXPECT_FALSE(parse_endpoint(text).has_value()) << text;
+  }
+}
+
+/// What a transport makes of the send buffer and the peer's address, when a peer on 127.0.0.1 comes to a
+/// listener of IPv4, or to one of IPv6 that takes IPv4 as well. False: no IPv6 here.
+bool look(bool dual_stack, int& send_bytes, std::string& host) {
+  const int family = dual_stack ? AF_INET6 : AF_INET;
+  const int listener = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (listener < 0) return false;
+  sockaddr_storage address{};  // all zeros: any address, any port
+  address.ss_family = static_cast<sa_family_t>(family);
+  socklen_t size = dual_stack ? sizeof(sockaddr_in6) : sizeof(sockaddr_in);
+  const int off = 0;
+  if (dual_stack) (void)::setsockopt(listener, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+  if (::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) != 0) {
+    ::close(listener);
+    return false;
+  }
+  EXPECT_EQ(::listen(listener, 1), 0);
+  EXPECT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const int peer = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  test::connect_to_loopback(peer, ntohs(dual_stack ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                                   : reinterpret_cast<const sockaddr_in&>(address).sin_port));
+  const int accepted = ::accept(listener, nullptr, nullptr);
+  {
+    net::IoThread io;
+    const net::SocketTransport transport(io.context(), accepted, dual_stack, nullptr);
+    host = transport.host();
+    socklen_t length = sizeof send_bytes;
+    EXPECT_EQ(::getsockopt(accepted, SOL_SOCKET, SO_SNDBUF, &send_bytes, &length), 0);
+    io.end();
+  }
+  ::close(peer);
+  ::close(listener);
+  return true;
+}
+
+TEST(Transport, APeerOfThisMachineHasTheSameSendBufferWhateverClothesItsAddressWears) {
+  int plain_bytes = 0;
+  int mapped_bytes = 0;
+  std::string host;
+  ASSERT_TRUE(look(false, plain_bytes, host));
+  EXPECT_EQ(host, "127.0.0.1");
+  if (!look(true, mapped_bytes, host)) GTEST_SKIP() << "no IPv6 here";
+  EXPECT_EQ(host, "::ffff:127.0.0.1");
+  EXPECT_EQ(mapped_bytes, plain_bytes);
+}
+
+TEST(Exposure, LoopbackInIPv6ClothesIsLoopback) {
+  for (const char* here : {"127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1", "localhost"})
+    EXPECT_TRUE(net::resolves_to_loopback(here)) << here;
+  for (const char* everywhere : {"0.0.0.0", "::", "::ffff:192.0.2.7", "192.0.2.7", ""})
+    EXPECT_FALSE(net::resolves_to_loopback(everywhere)) << everywhere;
+}
+
 }  // namespace
-}  // namespace obliq::net
+}  // namespace obliq::test

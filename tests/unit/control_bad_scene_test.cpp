@@ -286,52 +286,5 @@ TEST_F(BadSceneFile, APassOfLessThanTenMillisecondsIsRefused) {
             "accepted");
 }
 
-TEST_F(BadSceneFile, DamagedFilesAreReadOrRefusedButNeverWorse) {
-  const std::string whole = print_config(read(std::string(kFlat) + R"(
-[[prisms]]
-within = [[-100, 32], [-99, 32], [-99.5, 33]]
-[[surfaces]]
-source = "x.tif"
-classes = [1, 2]
-material = "water"
-[[radar]]
-name = "a"
-[[radar]]
-name = "b"
-)"));
-  std::mt19937_64 random(42);
-  const std::string_view pieces[] = {"[",  "]",     "nan", "inf",       "-",    "=", "\n",
-                                     "\"", "1e999", "{}",  "[[radar]]", "\xff", "."};
-  int refused = 0;
-  constexpr int kTrials = 600;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    std::string text = whole;
-    for (std::uint64_t damage = 1 + random() % 3; damage > 0; --damage) {
-      const std::size_t at = random() % text.size();
-      const std::string_view piece = pieces[random() % std::size(pieces)];
-      switch (random() % 4) {
-        case 0:
-          text[at] = static_cast<char>(random() % 256);
-          break;
-        case 1:
-          text.erase(at, 1 + random() % 40);
-          break;
-        case 2:
-          text.insert(at, piece);
-          break;
-        default:
-          text.insert(at, text.substr(random() % text.size(), random() % 80));
-      }
-    }
-    const std::string answer = complaint(text);
-    if (answer == "accepted") continue;
-    ++refused;
-    EXPECT_NE(answer.find("FILE"), std::string::npos) << answer;
-    EXPECT_NE(answer.find("found"), std::string::npos) << answer;
-  }
-  EXPECT_GT(refused, kTrials / 4);
-  EXPECT_LT(refused, kTrials);
-}
-
 }  // namespace
 }  // namespace obliq

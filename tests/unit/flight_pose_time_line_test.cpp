@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "server/control/scene_file.h"
 #include "server/flight/pose_time_line.h"
+#include "server/flight/window.h"
 
 namespace obliq::test {
 namespace {
@@ -147,6 +149,155 @@ TEST(PoseBetween, AnAntennaThatOnlyTurnsStaysWhereItIsBitForBit) {
   const PoseSettings b = pose(0, 33.123456789, 20);
   EXPECT_EQ(between(a, b, 0.3).latitude_deg, a.latitude_deg);
   EXPECT_EQ(between(a, b, 0.3).height_m, a.height_m);
+}
+
+using Time = Speedometer::Time;
+
+std::vector<RadarPlace> at(double longitude_deg, double latitude_deg) {
+  return {{{longitude_deg, latitude_deg}, 1000}};
+}
+Time second(double s) { return Time(std::chrono::milliseconds(static_cast<int>(1000 * s))); }
+
+TEST(Speedometer, GoesOnAsTheRadarsDo) {
+  Speedometer speed;
+  speed.note(at(10, 50), second(100));
+  EXPECT_EQ(speed.ahead(at(10, 50), 60, second(100))[0].position.longitude_deg, 10) << "nothing is known yet";
+  speed.note(at(10.001, 50.002), second(101));
+  const LonLat later = speed.ahead(at(10.001, 50.002), 10, second(101))[0].position;
+  EXPECT_NEAR(later.longitude_deg, 10.011, 1e-9);
+  EXPECT_NEAR(later.latitude_deg, 50.022, 1e-9);
+}
+
+TEST(Speedometer, PosesInQuickSuccessionDoNotShakeIt) {
+  Speedometer speed;
+  for (int i = 0; i <= 120; ++i) speed.note(at(10 + 1e-5 * i + (i % 2) * 1e-6, 50), second(100 + i / 60.0));
+  // 60 poses a second of 1e-5 degrees each; the jitter of 1e-6 counts for half a second at least.
+  EXPECT_NEAR(speed.ahead(at(0, 50), 10, second(102))[0].position.longitude_deg, 6e-3, 5e-5);
+}
+
+TEST(Speedometer, CrossesTheAntimeridian) {
+  Speedometer speed;
+  speed.note(at(179.9995, 0), second(100));
+  speed.note(at(-179.9995, 0), second(101));
+  EXPECT_NEAR(distance_m(speed.ahead(at(-179.9995, 0), 10, second(101))[0].position, {-179.9895, 0}), 0, 0.1);
+}
+
+TEST(Speedometer, RadarsOfWhichNothingIsHeardForTwoSecondsStandStill) {
+  Speedometer speed;
+  speed.note(at(10, 50), second(100));
+  speed.note(at(11, 50), second(101));  // a jump, or the last of a flight
+  EXPECT_NEAR(speed.ahead(at(11, 50), 10, second(103))[0].position.longitude_deg, 21, 1e-9);
+  EXPECT_EQ(speed.ahead(at(11, 50), 10, second(103.001))[0].position.longitude_deg, 11);
+  speed.note(at(11, 50), second(103.1));
+  EXPECT_NEAR(speed.ahead(at(11, 50), 10, second(103.2))[0].position.longitude_deg, 11, 1e-9);
+}
+
+// On the equator a degree of longitude of the mean sphere is 111.195 km.
+constexpr double kDegree_km = 111.195;
+
+SceneConfig equator_config(double r_max_m) {
+  SceneConfig config;
+  config.radars.emplace_back();
+  config.radars[0].settings.r_max_m = r_max_m;
+  set_terrain_reach(config);
+  return config;
+}
+
+RadarPlace east(double km, double r_max_m) { return {{km / kDegree_km, 0}, r_max_m}; }
+
+TEST(FlightWindow, DistanceIsTheGreatCirclesEvenAcrossTheAntimeridian) {
+  EXPECT_NEAR(distance_m({0, 0}, {1, 0}), 111195, 1);
+  EXPECT_NEAR(distance_m({179.5, 0}, {-179.5, 0}), 111195, 1);
+  EXPECT_NEAR(distance_m({10, 0}, {10, 90}), 10007557, 10) << "a quarter of the way round";
+  EXPECT_NEAR(distance_m({10, 60}, {11, 60}), 55595, 10) << "cos 60 degrees, and the great circle is shorter";
+}
+
+bool due(const SceneConfig& config, const SceneWindow& window, const RadarPlace& here,
+         const RadarPlace& ahead) {
+  return needs_next_window(config, window, std::span(&here, 1), std::span(&ahead, 1));
+}
+bool due(const SceneConfig& config, const RadarPlace& here) {
+  return due(config, window_of(config), here, here);
+}
+SceneWindow next(const SceneConfig& config, const RadarPlace& here, const RadarPlace& ahead) {
+  return next_window(config, window_of(config), std::span(&here, 1), std::span(&ahead, 1));
+}
+
+TEST(FlightWindow, IsDueWhenHalfOfTheMarginIsUsed) {
+  const SceneConfig config = equator_config(40000);  // margin 10 km
+  EXPECT_FALSE(due(config, east(0, 40000)));
+  EXPECT_FALSE(due(config, east(4.99, 40000)));
+  EXPECT_TRUE(due(config, east(5.01, 40000)));
+  EXPECT_TRUE(due(config, east(-5.01, 40000)));
+}
+
+TEST(FlightWindow, IsDueEarlierForAFastRadar) {
+  const SceneConfig config = equator_config(40000);
+  EXPECT_FALSE(due(config, window_of(config), east(3, 40000), east(4.5, 40000)));
+  EXPECT_TRUE(due(config, window_of(config), east(3, 40000), east(6, 40000)));
+  EXPECT_FALSE(due(config, window_of(config), east(-8, 40000), east(-2, 40000))) << "it comes back";
+}
+
+TEST(FlightWindow, LeavesNothingToDoOnceItIsBuilt) {
+  const SceneConfig config = equator_config(40000);
+  for (const double km : {5.5, 16.0, 25.0, 400.0, 20000.0}) {
+    const RadarPlace here = east(km, 40000);
+    EXPECT_FALSE(due(config, next(config, here, here), here, here)) << km;
+    for (const double ahead_km : {4.0, 5.0, 500.0, -500.0}) {  // 100 km/s: a jump
+      const RadarPlace ahead = east(km + ahead_km, 40000);
+      const SceneWindow built = next(config, here, ahead);
+      EXPECT_FALSE(due(config, built, here, ahead)) << km << ", ahead by " << ahead_km;
+      EXPECT_FALSE(due(config, built, here, here)) << km << ", stopped, ahead by " << ahead_km;
+    }
+  }
+}
+
+TEST(FlightWindow, LiesAheadButNotSoFarThatTheRadarIsNotInIt) {
+  const SceneConfig config = equator_config(40000);
+  const RadarPlace here = east(10, 40000);
+  EXPECT_NEAR(next(config, here, east(12, 40000)).reaches[0].centre.longitude_deg, 12 / kDegree_km, 1e-9);
+  EXPECT_NEAR(next(config, here, east(90, 40000)).reaches[0].centre.longitude_deg, 14.5 / kDegree_km, 1e-4)
+      << "45 % of the margin";
+}
+
+TEST(FlightWindow, TheOriginStaysUntilThreeQuartersOfTheWayAndThenIsTheFirstRadars) {
+  const SceneConfig config = equator_config(40000);
+  const RadarPlace near[] = {east(14.9, 40000), east(30, 40000)};
+  EXPECT_EQ(next_window(config, window_of(config), near, near).origin.longitude_deg, 0);
+  const RadarPlace far[] = {east(15.1, 40000), east(30, 40000)};
+  EXPECT_EQ(next_window(config, window_of(config), far, far).origin.longitude_deg,
+            far[0].position.longitude_deg);
+}
+
+TEST(FlightWindow, WithAnAreaOnlyTheOriginMoves) {
+  SceneConfig config = equator_config(40000);
+  config.world.terrain.area = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  const RadarPlace near = east(19.9, 40000);
+  EXPECT_FALSE(due(config, near));
+  const RadarPlace far = east(20.1, 40000);
+  EXPECT_TRUE(due(config, far));
+}
+
+TEST(FlightWindow, SwitchedOffIsNeverDue) {
+  SceneConfig config = equator_config(40000);
+  config.flight.enabled = false;
+  const RadarPlace far = east(500, 40000);
+  EXPECT_FALSE(due(config, far));
+}
+
+TEST(FlightWindow, ARangeBeyondTheSceneFilesIsNotFollowedUnlessAllowed) {
+  SceneConfig config = equator_config(40000);
+  const RadarPlace longer = east(0, 200000);
+  EXPECT_FALSE(due(config, longer));
+  config.flight.max_reach_km = 100;
+  EXPECT_TRUE(due(config, longer));
+  EXPECT_EQ(next(config, longer, longer).reaches[0].radius_m, 125000);
+}
+
+TEST(FlightWindow, PostsAreThoseOfTheRectangleAroundAllReaches) {
+  SceneWindow window;
+  window.reaches = {{{0, 0}, 10000}, {{1, 0}, 10000}};
+  EXPECT_NEAR(window_posts(window, 100), 1311.95 * 200, 10) << "131.195 km x 20 km";
 }
 
 }  // namespace

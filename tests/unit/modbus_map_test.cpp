@@ -88,28 +88,6 @@ TEST(ModbusMap, WholeNumbersOf64BitsKeepAllOfThem) {
             std::optional<Value>(std::int64_t{-2}));
 }
 
-TEST(ModbusRequest, NoFrameOfRandomBytesIsTakenForMoreThanItIs) {
-  std::uint32_t state = 1;
-  const auto random = [&] {
-    return static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24);
-  };
-  int understood = 0;
-  for (int trial = 0; trial < 200000; ++trial) {
-    std::vector<std::uint8_t> frame(6 + 2 + random() % 24);
-    for (std::uint8_t& byte : frame)
-      byte = random() % 4 == 0 ? random() : static_cast<std::uint8_t>(random() % 24);
-    Request request;
-    if (parse(frame, request) != Exception::none) continue;
-    ++understood;
-    EXPECT_LE(request.read.count, 2000);
-    EXPECT_GT(request.read.count + request.write.count, 0);
-    if (request.function != Function::mask_write_register) {
-      EXPECT_EQ(request.values.size(), static_cast<std::size_t>(request.write.count));
-    }
-  }
-  EXPECT_GT(understood, 100);
-}
-
 TEST(Networks, HoldTheirAddressesAndNoOthers) {
   EXPECT_TRUE(net::is_within("10.0.0.255", {"10.0.0.0/24"}));
   EXPECT_FALSE(net::is_within("10.0.1.0", {"10.0.0.0/24"}));

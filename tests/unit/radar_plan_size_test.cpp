@@ -11,6 +11,7 @@
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/wedge_memory.h"
+#include "tests/support/radar_settings.h"
 
 namespace obliq::test {
 namespace {
@@ -136,14 +137,8 @@ TEST_F(PlanSize, IsAboutThatOfTheHighestAntenna) {
 
 /// The largest bins, cut into eight each way, and a beam that is 0 nowhere.
 RadarSettings largest(int azimuth_bins, int range_bins) {
-  RadarSettings s;
-  s.frustum = FrustumKind::sweep;
-  s.sector_deg = 360;
-  s.azimuth_bins = azimuth_bins;
-  s.range_bins = range_bins;
-  s.pixel_columns = azimuth_bins;
-  s.r_min_m = 4000;
-  s.r_max_m = 20'000;
+  RadarSettings s =
+      radar_settings(FrustumKind::sweep, {4000, 20'000, 360}, {azimuth_bins, range_bins}, {azimuth_bins});
   s.beam.pattern = BeamPattern::taylor;
   s.beam.width_deg = std::max(0.05, 360.0 / azimuth_bins / 4 * 1.0001);
   s.beam.extent_deg = 180;

@@ -33,6 +33,23 @@ World waves(test::Dice& dice) {
   });
 }
 
+/// Bare ground under a camera that looks straight down.
+PlateField field_over(const World& world, const glm::dvec3& antenna_m, const RangeAxis& axis) {
+  return {ground_view(world.grid, antenna_m),
+          nullptr,
+          axis,
+          64 * world.grid.cell_m,
+          kLook_cells,
+          kTouching_m,
+          false,
+          0.05,
+          0.05,
+          1,
+          0,
+          0,
+          1};
+}
+
 /// What is visible in a vertical plane, marched from near the nadir.
 std::vector<SurfaceSegment> all_visible(LocalSurface& surface) {
   std::vector<SurfaceSegment> visible;
@@ -52,19 +69,9 @@ struct Scene8 {
     test::Dice dice(seed);
     world = waves(dice);
     antenna_m = {dice.uniform(-200, 200), dice.uniform(150, 900), dice.uniform(-200, 200)};
-    field = {ground_view(world.grid, antenna_m),
-             nullptr,
-             RangeAxis{200, 400, 1400, 5},
-             64 * world.grid.cell_m,
-             kLook_cells,
-             kTouching_m,
-             false,
-             dice.uniform(0.001, 0.02),
-             dice.uniform(0.001, 0.02),
-             1,
-             0,
-             0,
-             1};
+    field = field_over(world, antenna_m, {200, 400, 1400, 5});
+    field.half_width = dice.uniform(0.001, 0.02);
+    field.half_height = dice.uniform(0.001, 0.02);
     LocalSurface surface(world, antenna_m);
     const double bearing = dice.uniform(0, 6.28);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -217,19 +224,9 @@ TEST(PlateLanes, MaterialsAndIncidenceAreThoseOfTheGround) {
   const std::size_t cells = static_cast<std::size_t>(world.grid.nx - 1);
   std::vector<std::uint8_t> material(cells * cells);
   for (std::size_t k = 0; k < material.size(); ++k) material[k] = k / cells % 2 == 0 ? 1 : 2;
-  const PlateField field{ground_view(world.grid, antenna),
-                         material.data(),
-                         RangeAxis{100, 300, 1800, 15},
-                         64 * world.grid.cell_m,
-                         kLook_cells,
-                         kTouching_m,
-                         true,
-                         0.05,
-                         0.05,
-                         1,
-                         0,
-                         0,
-                         1};
+  PlateField field = field_over(world, antenna, {100, 300, 1800, 15});
+  field.material = material.data();
+  field.incidence = true;
   Eight dir_x{}, dir_y{}, dir_z{}, range{}, solid{}, cosine{};
   PlatePixels pixels{solid.data(), cosine.data(), range.data(), nullptr, {}, {}};
   const std::int32_t azimuth[kLanes] = {};
@@ -274,19 +271,13 @@ TEST(PlateLanes, ExtentsAreThoseOfHalfARowAndHalfAColumn) {
         pitched ? symmetric_frustum(box, 1.0, 512, 512) : oblique_frustum(box, 512, 512);
     const World world = test::made_world(8000, 100, [](double, double) { return 0; });
     const double pitch = pitched ? camera.pitch_rad : std::numbers::pi / 2;
-    const PlateField field{ground_view(world.grid, {0, 900, 0}),
-                           nullptr,
-                           RangeAxis{100, 1200, 6000, 48},
-                           6400,
-                           kLook_cells,
-                           kTouching_m,
-                           false,
-                           camera.pixel_width_m() / camera.near_m / 2,
-                           camera.pixel_height_m() / camera.near_m / 2,
-                           std::sin(pitch),
-                           std::cos(pitch),
-                           std::sin(0.7),
-                           std::cos(0.7)};
+    PlateField field = field_over(world, {0, 900, 0}, {100, 1200, 6000, 48});
+    field.half_width = camera.pixel_width_m() / camera.near_m / 2;
+    field.half_height = camera.pixel_height_m() / camera.near_m / 2;
+    field.sin_pitch = std::sin(pitch);
+    field.cos_pitch = std::cos(pitch);
+    field.sin_bearing = std::sin(0.7);
+    field.cos_bearing = std::cos(0.7);
     Eight dir_x{}, dir_y{}, dir_z{}, range{}, expected{};
     const auto slope = [&](double column, double row) {
       const glm::dvec3 d = camera.direction(column, row);

@@ -13,9 +13,9 @@
 #include "server/radar/render.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 #include "tests/support/silent_radar.h"
-#include "tests/support/small_frames.h"
 #include "tests/support/sources.h"
 
 namespace obliq::test {

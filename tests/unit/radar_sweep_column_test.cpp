@@ -1,29 +1,30 @@
 // The parts of the sweep: how a piece of surface becomes samples, and how strands share a column's bearings.
+// The sweep by sub-columns: the same bits whatever the instruction set, and what it asks within a column.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <vector>
 
+#include "server/radar/echo/echo_cells.h"
+#include "server/radar/simd/kernels.h"
 #include "server/radar/sweep/sweep_column.h"
+#include "server/radar/sweep/sweep_echoes.h"
 #include "server/radar/sweep/sweep_samples.h"
+#include "server/radar/wedge_work.h"
+#include "tests/support/heard_work.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
+#include "tests/support/random_towns.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
 namespace {
 
 RadarSettings sweep_settings() {
-  RadarSettings s;
-  s.frustum = FrustumKind::sweep;
-  s.sector_deg = 60;
-  s.r_min_m = 500;
-  s.r_max_m = 4500;
-  s.azimuth_bins = 20;
-  s.range_bins = 40;
-  s.pixel_columns = 40;
-  return s;
+  return test::radar_settings(FrustumKind::sweep, {500, 4500, 60}, {20, 40}, {40});
 }
 
 class Pieces : public testing::Test {
@@ -212,6 +213,95 @@ TEST(SweepColumns, AreWholeOnesInEveryBin) {
     s.pixel_columns = columns;
     EXPECT_EQ(sweep_columns_per_bin(s), per_bin) << columns;
   }
+}
+
+std::shared_ptr<const FramePlan> plan_of(const test::RandomScene& town) {
+  RadarSettings settings = town.settings;
+  settings.frustum = FrustumKind::sweep;
+  settings.sub_columns = 64;
+  const auto scene = test::make_scene(town.world);
+  return plan_frame(scene, test::snapshot(settings), town.pose).plan;
+}
+
+/// The first wedge.
+BinBlock first_wedge(const ScenePlan& plan, const FrameTables& tables) {
+  const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
+  EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true);
+  cells.restart(0);
+  SweepEchoes sweep(plan, range, cells);
+  FrameStats stats;
+  sweep.run(stats);
+  BinBlock bins(range.first, range.count, plan.bins().n_range);
+  cells.write(bins);
+  return bins;
+}
+
+TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
+  std::uint64_t echoes = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const test::RandomScene town = test::random_town(seed);
+    SCOPED_TRACE(town.text);
+    const auto plan = plan_of(town);
+    if (!plan) continue;
+    const FrameTables tables(plan->looks_at());
+    const BinBlock widest = first_wedge(plan->looks_at(), tables);
+    for (const Kernels& kernels : all_kernels()) {
+      use_kernels(kernels);
+      const BinBlock bins = first_wedge(plan->looks_at(), tables);
+      SCOPED_TRACE(kernels.name);
+      test::expect_same_bits(bins, widest);
+    }
+    for (const std::uint32_t n : widest.count) echoes += n;
+  }
+  EXPECT_GT(echoes, 10000u);
+}
+
+/// A street of small houses, one behind the other, all in the one wedge.
+World street(int houses) {
+  World world = test::made_world(9000, 50, [](double, double) { return 0; });
+  for (int k = 0; k < houses; ++k)
+    test::add_prism(world, test::rectangle(-12 + k % 8 * 3, 1000 + 1.5 * k, 2, 1), 1 + k * 0.002);
+  return world;
+}
+
+TEST(SubColumns, LookUpAfterAThousandBuildingsAtMostWithinOneAzimuthBin) {
+  constexpr int kHouses = 4000;
+  constexpr std::uint32_t kMostAtOnce = 1024;
+  const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(street(kHouses)),
+                                                   test::two_materials(), 0, RayMethod::march);
+  RadarSettings settings = test::radar_settings(FrustumKind::sweep, {900, 7500, 0.4}, {1, 128}, {2});
+  const auto plan =
+      plan_frame(scene, test::snapshot(settings), test::pose_at(scene->world(), {0, 400, 0}, 0)).plan;
+  ASSERT_TRUE(plan);
+  ASSERT_GT(plan->looks_at().buildings_in(0).size(), 2 * kMostAtOnce);
+  const FrameTables tables(plan->looks_at());
+  ASSERT_TRUE(tables.sub_columns.all_of({0, 1}));
+
+  // Between two asks, neither more buildings are seen nor, before that, more collected.
+  EchoCells cells(plan->looks_at(), tables.scattering, tables.speckle, Surfaces::all, true);
+  cells.restart(0);
+  SweepEchoes sweep(plan->looks_at(), {0, 1}, cells);
+  FrameStats stats;
+  std::uint32_t seen = 0, most = 0;
+  test::HeardWork heard;
+  heard.on_ask = [&] {
+    const std::uint32_t now = plan->looks_at().seen().count();
+    most = std::max(most, now - seen);
+    seen = now;
+  };
+  EXPECT_TRUE(test::hear(heard, [&] { sweep.run(stats); }));
+  EXPECT_GT(plan->looks_at().seen().count(), 3u * kMostAtOnce) << "they rise one above the other";
+  EXPECT_LE(most, kMostAtOnce);
+  EXPECT_GE(heard.asks(),
+            static_cast<std::int64_t>(2 * plan->looks_at().buildings_in(0).size() / kMostAtOnce));
+
+  // A frame that is told to stop when it asks for the third time does.
+  test::HeardWork stopped;
+  stopped.most_asks = 3;
+  RenderOptions options;
+  options.threads = 1;
+  EXPECT_TRUE(test::hear(stopped, [&] { EXPECT_FALSE(render_wedges(*plan, {0, 1}, options)); }));
+  EXPECT_EQ(stopped.asks(), 3);
 }
 
 }  // namespace

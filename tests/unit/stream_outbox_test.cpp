@@ -39,16 +39,23 @@ std::vector<std::uint64_t> drain(Outbox& outbox) {
   return sequences;
 }
 
-/// The next message, which the outbox made itself.
-wire::FrameAbort pop_abort(Outbox& outbox) {
-  wire::FrameAbort abort;
+/// The next message, which is of that type.
+template <typename Message>
+Message pop_message(Outbox& outbox, MessageType type) {
+  Message message;
   const BlockPtr next = outbox.pop();
   wire::MessageView view;
   if (!next || wire::decode_message(next->bytes, 1u << 20, view) != wire::MessageStatus::ok ||
-      view.header.type != MessageType::frame_abort || !wire::parse_descriptor(view.descriptor, abort)) {
-    ADD_FAILURE() << "the next message is no FrameAbort";
+      view.header.type != type || !wire::parse_descriptor(view.descriptor, message)) {
+    ADD_FAILURE() << "the next message is another";
   }
-  return abort;
+  return message;
+}
+wire::FrameAbort pop_abort(Outbox& outbox) {
+  return pop_message<wire::FrameAbort>(outbox, MessageType::frame_abort);
+}
+wire::FrameBegin pop_begin(Outbox& outbox) {
+  return pop_message<wire::FrameBegin>(outbox, MessageType::frame_begin);
 }
 
 BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) {
@@ -65,27 +72,28 @@ BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) 
   return made;
 }
 
-TEST(Outbox, HandsOutAFrameInOrder) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+/// One live queue.
+class LiveOutbox : public testing::Test {
+ protected:
+  LiveOutbox() { outbox.open_live_queue(kStream, {}); }
+  Outbox outbox{2, kPlenty};
+};
+
+TEST_F(LiveOutbox, HandsOutAFrameInOrder) {
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.queued_bytes(), 400u);
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{11, 12, 13, 14}));
   EXPECT_EQ(outbox.queued_bytes(), 0u);
 }
 
-TEST(Outbox, BetweenFramesTheNewestWins) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, BetweenFramesTheNewestWins) {
   for (std::uint64_t frame = 1; frame <= 50; ++frame) push_frame(outbox, frame);
   EXPECT_EQ(outbox.queued_bytes(), 800u) << "two frames are held, however many came";
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{491, 492, 493, 494, 501, 502, 503, 504}));
   EXPECT_EQ(outbox.frames_dropped(), 48u);
 }
 
-TEST(Outbox, ABegunFrameIsCompletedBeforeANewerOne) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, ABegunFrameIsCompletedBeforeANewerOne) {
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   push_frame(outbox, 2);
@@ -93,9 +101,7 @@ TEST(Outbox, ABegunFrameIsCompletedBeforeANewerOne) {
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{12, 13, 14, 31, 32, 33, 34}));
 }
 
-TEST(Outbox, WaitsForTheRestOfABegunFrame) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, WaitsForTheRestOfABegunFrame) {
   outbox.push(block(MessageType::frame_begin, 1, 11));
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -128,17 +134,13 @@ TEST(Outbox, PlanesThatWereNotAskedForAreLeftOut) {
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{11, 13, 14}));
 }
 
-TEST(Outbox, AFrameWithoutAPlaneAskedForIsNotBegun) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, AFrameWithoutAPlaneAskedForIsNotBegun) {
   outbox.push(block(MessageType::frame_begin, 1, 11, wire::plane_bit(Plane::iq)));
   outbox.push(block(MessageType::wedge_block, 1, 12, wire::plane_bit(Plane::iq)));
   EXPECT_EQ(outbox.pop(), nullptr);
 }
 
-TEST(Outbox, ClosingAQueueAbortsTheBegunFrameAndForgetsTheRest) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, ClosingAQueueAbortsTheBegunFrameAndForgetsTheRest) {
   push_frame(outbox, 1);
   EXPECT_EQ(outbox.pop()->sequence, 11u);
   push_frame(outbox, 2);
@@ -152,9 +154,7 @@ TEST(Outbox, ClosingAQueueAbortsTheBegunFrameAndForgetsTheRest) {
   EXPECT_EQ(outbox.pop(), nullptr);
 }
 
-TEST(Outbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
   outbox.push(block(MessageType::frame_begin, 1, 11));
   outbox.push(block(MessageType::frame_abort, 1, 12));
   EXPECT_EQ(outbox.pop(), nullptr);
@@ -221,9 +221,7 @@ TEST(Outbox, ABrowsersOwnMessagesAreJson) {
   EXPECT_EQ(abort->json_head.substr(wire::kHeaderBytes), R"({"frame_id":"2","reason":"because"})");
 }
 
-TEST(Outbox, FramesThatWereAskedForOnceComeOneAfterTheOtherAndTakeTurnsWithStreams) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, FramesThatWereAskedForOnceComeOneAfterTheOtherAndTakeTurnsWithStreams) {
   for (const std::uint32_t stream : {2u, 3u})
     outbox.open_once_queue(stream, stream, {}, std::make_shared<std::atomic<std::size_t>>(0));
   push_frame(outbox, 3, 3);  // before the older one has a block
@@ -251,21 +249,7 @@ TEST(Outbox, ALosslessQueueKeepsEveryFrameWhateverItsBytes) {
   EXPECT_EQ(outbox.frames_dropped(), 0u);
 }
 
-/// The next message, a FrameBegin.
-wire::FrameBegin pop_begin(Outbox& outbox) {
-  wire::FrameBegin begin;
-  const BlockPtr next = outbox.pop();
-  wire::MessageView view;
-  if (!next || wire::decode_message(next->bytes, 1u << 20, view) != wire::MessageStatus::ok ||
-      view.header.type != MessageType::frame_begin || !wire::parse_descriptor(view.descriptor, begin)) {
-    ADD_FAILURE() << "the next message is no FrameBegin";
-  }
-  return begin;
-}
-
-TEST(Outbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
+TEST_F(LiveOutbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
   outbox.push(encoded_begin(1, 0));
   EXPECT_EQ(pop_begin(outbox).frames_skipped(), 0u);
   for (std::uint64_t frame = 2; frame <= 6; ++frame) outbox.push(encoded_begin(frame, frame == 6 ? 10 : 0));
@@ -296,11 +280,9 @@ TEST(Outbox, AFrameGivenUpIsAbortedIfBegunAndSkippedIfNot) {
   EXPECT_EQ(begin.frames_skipped(), 1u) << "the aborted one was told of already";
 }
 
-TEST(Outbox, AFrameIsAliveUntilItsLastBlockIsTaken) {
+TEST_F(LiveOutbox, AFrameIsAliveUntilItsLastBlockIsTaken) {
   int freed = 0;
   const auto frames = std::make_shared<LiveFrames>([&] { ++freed; });
-  Outbox outbox(2, kPlenty);
-  outbox.open_live_queue(kStream, {});
   {
     const LiveFramePtr frame = frames->open(1, {});
     outbox.push(block(MessageType::frame_begin, 1, 11), frame);

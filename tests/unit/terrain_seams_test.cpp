@@ -1,10 +1,16 @@
 // Elevation models that adjoin: each ends at its own last posts, the ground goes on.
+// Elevation models as they come from agencies. They are not part of the project: without them, skipped.
+// Real outlines. They are not part of the project: without them, skipped.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <ostream>
 #include <utility>
 
+#include "tests/support/parts_check.h"
 #include "tests/unit/terrain_files.h"
+#include "tests/unit/terrain_outlines.h"
 
 namespace obliq {
 namespace {
@@ -150,6 +156,130 @@ TEST(Seams, TheTwoQuadsOfSanFranciscoHaveNoCrackBetweenThem) {
     std::swap(spec.terrain.dem[0], spec.terrain.dem[1]);
   }
 }
+
+struct RealFile {
+  const char* name;
+  double lowest_m, highest_m;  // of the whole file, by gdalinfo
+  const char* crs = "";
+  VerticalUnit unit = VerticalUnit::metre;
+  bool override_unit = false;
+};
+
+/// What a listing of the tests shows of the parameter.
+void PrintTo(const RealFile& value, std::ostream* out) { *out << value.name; }
+
+class RealDem : public testing::TestWithParam<RealFile> {};
+
+TEST_P(RealDem, LoadsWholeWithHeightsInItsRange) {
+  const RealFile& real = GetParam();
+  const std::string dem = test::shared_file(real.name);
+  if (dem.empty())
+    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << real.name;
+  WorldSpec spec = test::scene(0, 0, 1, {dem});
+  if (*real.crs) spec.terrain.crs = real.crs;
+  if (real.override_unit) spec.terrain.unit = real.unit;
+  spec.origin = dem_centre(spec.terrain);
+  spec.reaches.clear();
+  const World world = load_world(spec);
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (float y : world.grid.y_m) {
+    if (std::isnan(y)) continue;
+    low = std::min(low, static_cast<double>(y));
+    high = std::max(high, static_cast<double>(y));
+  }
+  // Interpolated between posts: inside the range, and most of the way to its ends.
+  EXPECT_GE(low, real.lowest_m - 0.01);
+  EXPECT_LE(high, real.highest_m + 0.01);
+  EXPECT_GT(high - low, 0.85 * (real.highest_m - real.lowest_m));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, RealDem,
+    testing::Values(RealFile{"nm_ned13_10m/USGS_NED_13_n37w108_Clipped.tif", 1834.2, 2278.6},
+                    RealFile{"fortworth_tx_90m/dem.tif", 147, 298},
+                    RealFile{"houston_tx_3dep_10m/dem_tx_10m.tif", 0, 22.5},
+                    RealFile{"sf_city/sf_3dep_resampled_30m_utm10n.tif", -5.6, 282.8},
+                    RealFile{"sf_city/San_Fran_North.dem", 0, 343},
+                    RealFile{"sf_city/sanfranciscos.dem", 0, 1314 * 0.3048},  // tagged in feet
+                    RealFile{"az_utm_vertfeet/dem.tif", 4029 * 0.3048, 6458 * 0.3048, "", VerticalUnit::foot,
+                             true},
+                    RealFile{"nh_gridfloat_ned/PresRange_1as.flt", 415.7, 1916.5},
+                    RealFile{"small/sagehen_dem10m.img", 1920.4, 2663.3},
+                    RealFile{"small/faultzone.tif", 631.6, 700, "EPSG:32611"},
+                    RealFile{"small/hugo_site.asc", 1660, 1711, "EPSG:26913"},
+                    RealFile{"small/osmnx_elevation2.tif", -35, 118},
+                    RealFile{"small/elevation_pkg_GLO-90_nw_san_francisco.tif", -6.2, 198.5},
+                    RealFile{"small/elevation_pkg_SRTM3_nw_san_francisco.tif", -16, 193},
+                    RealFile{"windninja_usfs/mackay.tif", 1732.5, 3645.4},
+                    RealFile{"windninja_usfs/some_nodata.tif", 1733.1, 3602.9}),
+    [](const testing::TestParamInfo<RealFile>& given) {
+      std::string name = given.param.name;
+      std::replace_if(
+          name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+      return name;
+    });
+
+struct City {
+  const char* name;
+  const char* dem;
+  const char* outlines;
+  const char* height_field;
+  double longitude_deg, latitude_deg, reach_m;
+  std::uint64_t features;
+  double least_kept;
+};
+
+/// What a listing of the tests shows of the parameter.
+void PrintTo(const City& value, std::ostream* out) { *out << value.name; }
+
+class RealCity : public testing::TestWithParam<City> {};
+
+TEST_P(RealCity, EveryPrismIsAClosedSolidOfItsFootprintAndHeight) {
+  const City& city = GetParam();
+  const std::string dem = test::shared_file(city.dem);
+  const std::string outlines = test::shared_file(city.outlines);
+  if (dem.empty() || outlines.empty()) {
+    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << city.outlines;
+  }
+  WorldSpec spec = test::scene(city.longitude_deg, city.latitude_deg, city.reach_m, {dem});
+  spec.radius_factor = 4.0 / 3;
+  spec.buildings.emplace_back();
+  spec.buildings[0].source = outlines;
+  spec.buildings[0].height_field = city.height_field;
+  const World world = load_world(spec);
+  const LoadReport& r = world.report;
+  std::printf(
+      "%s: read %lu kept %lu repaired %lu zero %lu duplicate %lu outside %lu no ground %lu unusable %lu\n",
+      city.name, r.buildings_read, r.buildings_kept, r.buildings_repaired, r.buildings_zero_area,
+      r.buildings_duplicate, r.buildings_outside, r.buildings_no_ground, r.buildings_unusable);
+  EXPECT_EQ(r.buildings_read, city.features);
+  EXPECT_GT(static_cast<double>(r.buildings_kept), city.least_kept * static_cast<double>(city.features));
+  for (std::size_t k = 0; k < world.buildings.list.size(); ++k) {
+    const Building& building = world.buildings.list[k];
+    const double area = test::roof_area_m2(world.buildings, k);
+    const double height = static_cast<double>(building.roof_y_m) - static_cast<double>(building.base_y_m);
+    ASSERT_GT(area, 0);
+    ASSERT_GT(height, 0);
+    ASSERT_NEAR(test::enclosed_volume_m3(world.buildings, k), area * height, 1e-6 * area * height) << k;
+    test::expect_parts_make_up(world.buildings, static_cast<std::uint32_t>(k),
+                               "building " + std::to_string(k));
+  }
+  std::printf("%zu buildings are cut into %zu convex parts\n",
+              static_cast<std::size_t>(std::ranges::count_if(
+                  world.buildings.list, [](const Building& b) { return b.n_parts > 0; })),
+              world.buildings.parts.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Cities, RealCity,
+                         testing::Values(City{"SanFrancisco", "sf_city/sf_3dep_resampled_30m_utm10n.tif",
+                                              "sf_city/sf_buildings_heights_from_mvt.geojson", "height",
+                                              -122.435, 37.77, 12000, 13896, 0.95},
+                                         City{"LosAngeles", "la_nasadem_30m/NASADEM_HGT_n34w119.tif",
+                                              "la_city/la_buildings_in_nasadem_tile_metres.geojson",
+                                              "height_m", -118.45, 34.05, 46250, 5434, 0.9}),
+                         [](const testing::TestParamInfo<City>& given) {
+                           return std::string(given.param.name);
+                         });
 
 }  // namespace
 }  // namespace obliq

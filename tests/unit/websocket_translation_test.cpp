@@ -179,28 +179,6 @@ TEST(WebSocketTranslation, EveryFieldOfEveryTypeIsWhatProtobufWrites) {
   }
 }
 
-TEST(WebSocketTranslation, ThereAndBackIsTheSameMessage) {
-  const wire::Bytes plane{std::byte{1}, std::byte{0}, std::byte{255}};
-  for (unsigned seed = 0; seed < 50; ++seed) {
-    for (const Sample& sample : samples(77 * seed)) {
-      const wire::Bytes sent = wire::encode_message(sample.type, {3, 4, 5}, *sample.message, plane);
-      wire::Bytes back;
-      const auto refusal = to_binary(as_json(sample.type, {3, 4, 5}, *sample.message, plane), 1 << 22, back);
-      ASSERT_FALSE(refusal) << refusal->text;
-      wire::MessageView was, is;
-      ASSERT_EQ(wire::decode_message(sent, 1 << 22, was), wire::MessageStatus::ok);
-      ASSERT_EQ(wire::decode_message(back, 1 << 22, is), wire::MessageStatus::ok);
-      EXPECT_TRUE(std::ranges::equal(is.plane, plane));
-      EXPECT_EQ(is.header.stream_id, 3u);
-      EXPECT_EQ(is.header.sequence, 4u);
-      EXPECT_EQ(is.header.utc_ns, 5);
-      const std::unique_ptr<Message> message(sample.message->New());
-      ASSERT_TRUE(wire::parse_descriptor(is.descriptor, *message));
-      expect_same(*message, *sample.message);
-    }
-  }
-}
-
 /// Read as a message of a type: the reason why not; empty when it is one.
 std::string refusal_of(MessageType type, const std::string& json, Message* read = nullptr) {
   const std::unique_ptr<Message> message(example_of(type)->New());
