@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
-#include "server/asterix/pace.h"
 #include "server/asterix/paced_sender.h"
 #include "terrain/base/errors.h"
 

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "server/asterix/cells.h"
-
 namespace obliq::asterix {
 namespace {
 
