@@ -5,7 +5,6 @@
 #include <cstring>
 #include <string_view>
 
-#include "proto/crc32c.h"
 #include "proto/limits.h"
 #include "proto/message_header.h"
 
