@@ -10,6 +10,7 @@
 #include "server/control/scene_file.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/sources.h"
 
 namespace obliq {
 namespace {
