@@ -50,6 +50,13 @@ struct Client::State {
 
 namespace {
 
+template <typename Request>
+Request about(const std::string& radar) {
+  Request request;
+  request.set_radar(radar);
+  return request;
+}
+
 // Others may ask whether this client is there, at any time.
 Status answer_heartbeat(Connection& connection, const Message& message) {
   wire::Heartbeat asked;
@@ -84,9 +91,7 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
   // Where sending failed because the server has closed, its last words may still wait to be read.
   for (;;) {
     Message message;
-    if (Status status = receive(message, patience); !status.ok()) {
-      return sent.ok() ? status : sent;
-    }
+    if (Status status = receive(message, patience); !status.ok()) return sent.ok() ? status : sent;
     last_heard = Clock::now();
     if (message.header.type == reply_type) {
       if (!wire::parse_descriptor(message.descriptor(), reply)) return unreadable("answer");
@@ -155,9 +160,8 @@ Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
   state_->endpoint = endpoint;
   state_->options = options;
   if (Status status = Connection::open(endpoint, options.tls, options.connect_timeout, state_->connection);
-      !status.ok()) {
+      !status.ok())
     return status;
-  }
   wire::Hello hello;
   hello.set_major(wire::kMajorVersion);
   hello.set_minor(wire::kMinorVersion);
@@ -166,12 +170,11 @@ Status Client::connect(const Endpoint& endpoint, const ClientOptions& options) {
   Status status = state_->explain_silence(
       state_->call(MessageType::hello, hello, MessageType::welcome, state_->welcome, options.hello_timeout));
   const wire::Welcome& welcome = state_->welcome;
-  if (status.ok() && welcome.major() != wire::kMajorVersion) {
+  if (status.ok() && welcome.major() != wire::kMajorVersion)
     status = Status::failure(Outcome::bad_stream,
                              "the server's protocol version: found " + std::to_string(welcome.major()) + "." +
                                  std::to_string(welcome.minor()) +
                                  "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
-  }
   if (!status.ok()) {
     status.text = endpoint.text() + ": " + status.text;
     state_->connection.close();
@@ -203,53 +206,45 @@ Status Client::list_radars(wire::RadarList& list) {
 }
 
 Status Client::get_radar(const std::string& radar, wire::RadarInfo& info) {
-  wire::GetRadar request;
-  request.set_radar(radar);
+  auto request = about<wire::GetRadar>(radar);
   return state_->call(MessageType::get_radar, request, MessageType::radar_info, info);
 }
 
 Status Client::claim_control(const std::string& radar, bool force) {
-  wire::ClaimControl request;
-  request.set_radar(radar);
+  auto request = about<wire::ClaimControl>(radar);
   request.set_force(force);
   return state_->acknowledged(MessageType::claim_control, request);
 }
 
 Status Client::release_control(const std::string& radar) {
-  wire::ReleaseControl request;
-  request.set_radar(radar);
+  auto request = about<wire::ReleaseControl>(radar);
   return state_->acknowledged(MessageType::release_control, request);
 }
 
 Status Client::set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack) {
-  wire::SetSettings request;
-  request.set_radar(radar);
+  auto request = about<wire::SetSettings>(radar);
   *request.mutable_settings() = settings;
   return state_->call(MessageType::set_settings, request, MessageType::ack, ack);
 }
 
 Status Client::set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack) {
-  wire::SetPose request;
-  request.set_radar(radar);
+  auto request = about<wire::SetPose>(radar);
   *request.mutable_pose() = pose;
   return state_->call(MessageType::set_pose, request, MessageType::ack, ack);
 }
 
 Status Client::set_state(const std::string& radar, std::optional<bool> transmit, std::optional<bool> freeze) {
-  wire::SetState request;
-  request.set_radar(radar);
+  auto request = about<wire::SetState>(radar);
   if (transmit) request.set_transmit(*transmit);
   if (freeze) request.set_freeze(*freeze);
   return state_->acknowledged(MessageType::set_state, request);
 }
 
 Status Client::subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes) {
-  wire::Subscribe request;
-  request.set_radar(radar);
+  auto request = about<wire::Subscribe>(radar);
   request.set_rate_hz(rate_hz);
-  for (int plane = 0; plane < wire::kPlanes; ++plane) {
+  for (int plane = 0; plane < wire::kPlanes; ++plane)
     if ((planes >> plane) & 1) request.add_planes(static_cast<wire::PlaneKind>(plane));
-  }
   return subscribe(request);
 }
 
@@ -258,8 +253,7 @@ Status Client::subscribe(wire::Subscribe& request) {
 }
 
 Status Client::unsubscribe(const std::string& radar) {
-  wire::Unsubscribe request;
-  request.set_radar(radar);
+  auto request = about<wire::Unsubscribe>(radar);
   return state_->acknowledged(MessageType::unsubscribe, request);
 }
 
@@ -299,9 +293,8 @@ Status Client::query_ground(wire::QueryGround& request, wire::GroundAnswer& answ
 
 Status Client::receive(Timeout timeout) {
   Message message;
-  if (Status status = state_->receive(message, timeout); !status.ok()) {
+  if (Status status = state_->receive(message, timeout); !status.ok())
     return state_->doubt_server(std::move(status));
-  }
   state_->last_heard = Clock::now();
   if (message.header.type == MessageType::heartbeat) return answer_heartbeat(state_->connection, message);
   if (message.header.type == MessageType::replay_state) return state_->keep_replay_state(message);

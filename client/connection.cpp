@@ -88,9 +88,8 @@ Status Connection::explain_tls_failure(Status failure, Timeout timeout) {
     const auto status = wire::decode_message(said, kLongestFarewellBytes, view);
     wire::Error error;
     if (status == wire::MessageStatus::ok && view.header.type == wire::MessageType::error &&
-        wire::parse_descriptor(view.descriptor, error)) {
+        wire::parse_descriptor(view.descriptor, error))
       return Status::from_error(error);
-    }
     if (status != wire::MessageStatus::need_more) break;
     std::byte next{};
     if (!socket_.receive(std::span(&next, 1), timeout).ok()) break;
@@ -138,19 +137,16 @@ Status Connection::receive_begun(Message& message) {
   if (Status status = socket_.receive(fixed.subspan(kMagicBytes), kMessageTimeout); !status.ok())
     return status;
   const auto decoded = wire::decode_header(fixed, wire::kMaxPayloadBytes, message.header);
-  if (decoded != wire::HeaderStatus::ok) {
+  if (decoded != wire::HeaderStatus::ok)
     return Status::failure(Outcome::bad_stream,
                            wire::describe(decoded, message.header, wire::kMaxPayloadBytes));
-  }
   const auto header = all.first(message.header.header_length);
-  if (Status status = socket_.receive(header.subspan(wire::kHeaderBytes), kMessageTimeout); !status.ok()) {
+  if (Status status = socket_.receive(header.subspan(wire::kHeaderBytes), kMessageTimeout); !status.ok())
     return status;
-  }
   message.payload.resize(message.header.payload_length);
   if (Status status = socket_.receive(message.payload, kMessageTimeout); !status.ok()) return status;
-  if (wire::message_crc(header, message.payload) != message.header.crc) {
+  if (wire::message_crc(header, message.payload) != message.header.crc)
     return Status::failure(Outcome::bad_stream, "a message from the server is damaged (CRC mismatch)");
-  }
   return {};
 }
 

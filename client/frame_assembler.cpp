@@ -53,10 +53,9 @@ Status FrameAssembler::expect(std::uint64_t n_azimuth, std::uint64_t n_range) {
     bytes_expected_ += n_azimuth * n_range * wire::bytes_per_bin(plane);
     bins_expected_ += n_azimuth * n_range;
   }
-  if (bytes_expected_ > max_bytes_) {
+  if (bytes_expected_ > max_bytes_)
     return bad("the frame needs " + std::to_string(bytes_expected_) + " bytes; allowed: at most " +
                std::to_string(max_bytes_));
-  }
   for (auto& filled : filled_) filled.assign(static_cast<std::size_t>(n_azimuth), 0);
   frame_.n_azimuth = static_cast<int>(n_azimuth);
   frame_.n_range = static_cast<int>(n_range);
@@ -111,14 +110,12 @@ Status FrameAssembler::on_begin(const wire::MessageHeader& header, const wire::F
   if (state_ == State::receiving) return bad("a frame began before the one before it ended");
   const wire::RadarSettings& settings = begin.frame().settings();
   if (settings.azimuth_bins() < 1 || settings.azimuth_bins() > kMostAzimuths || settings.range_bins() < 1 ||
-      settings.range_bins() > kMostRanges) {
+      settings.range_bins() > kMostRanges)
     return bad("a frame of " + std::to_string(settings.azimuth_bins()) + " x " +
                std::to_string(settings.range_bins()) + " bins; allowed: 1 to " +
                std::to_string(kMostAzimuths) + " x 1 to " + std::to_string(kMostRanges));
-  }
-  const auto window = wire::cut_window(wire::read_window(begin.frame().window()),
-                                       static_cast<std::uint32_t>(settings.azimuth_bins()),
-                                       static_cast<std::uint32_t>(settings.range_bins()));
+  const auto window = wire::cut_window(wire::read_window(begin.frame().window()), settings.azimuth_bins(),
+                                       settings.range_bins());
   if (!window) return bad("a frame of a window without bins");
   window_ = *window;
   frame_ = {};
@@ -134,19 +131,9 @@ Status FrameAssembler::on_begin(const wire::MessageHeader& header, const wire::F
 }
 
 std::byte* FrameAssembler::plane_data(wire::Plane plane) {
-  switch (plane) {
-    case wire::Plane::iq:
-      return reinterpret_cast<std::byte*>(frame_.iq.data());
-    case wire::Plane::power:
-      return reinterpret_cast<std::byte*>(frame_.power_w.data());
-    case wire::Plane::count:
-      return reinterpret_cast<std::byte*>(frame_.count.data());
-    case wire::Plane::state:
-      return reinterpret_cast<std::byte*>(frame_.state.data());
-    case wire::Plane::video:
-      return reinterpret_cast<std::byte*>(frame_.video.data());
-  }
-  return nullptr;
+  void* const data[wire::kPlanes] = {frame_.iq.data(), frame_.power_w.data(), frame_.count.data(),
+                                     frame_.state.data(), frame_.video.data()};
+  return static_cast<std::byte*>(data[static_cast<int>(plane)]);
 }
 
 Status FrameAssembler::on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
@@ -190,9 +177,8 @@ Status FrameAssembler::on_block(const wire::MessageHeader& header, const wire::W
 std::optional<wire::Rectangle> FrameAssembler::place_of(const wire::WedgeBlock& block) const {
   const auto place = [](const wire::BinRun& run, std::uint32_t first, std::uint32_t n,
                         std::uint32_t step) -> std::optional<std::uint32_t> {
-    if (std::max(1u, step) != run.step || first < run.first || (first - run.first) % run.step != 0) {
+    if (std::max(1u, step) != run.step || first < run.first || (first - run.first) % run.step != 0)
       return std::nullopt;
-    }
     const std::uint32_t index = (first - run.first) / run.step;
     if (index > run.kept() || n > run.kept() - index) return std::nullopt;
     return index;
@@ -232,9 +218,8 @@ Status FrameAssembler::on_end(const wire::MessageHeader& header, const wire::Fra
   const auto missed = values_missed(end);
   if (!missed) return bad("the frame's end says that more azimuth bins were missed than the frame has");
   bins_expected_ -= *missed;
-  if (bins_received_ != bins_expected_) {
+  if (bins_received_ != bins_expected_)
     return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
-  }
   if (!allocated_) {  // as where nearly all of a pass was missed
     if (!has_arrived(kLeastPartOfPass)) {
       abort_reason_ = "the scanning antenna missed nearly all of it";

@@ -104,10 +104,9 @@ class RecordedFrames::Collector : public FrameAssembler {
       // What a scanning antenna missed is known at the end.
       if (!azimuths_[i].seen) azimuths_[i].utc_ns = whole.end_utc_ns;
       if (i == 0 || azimuths_[i].seen != azimuths_[i - 1].seen ||
-          azimuths_[i].wedge != azimuths_[i - 1].wedge) {
+          azimuths_[i].wedge != azimuths_[i - 1].wedge)
         whole.wedges.push_back(
             {azimuths_[i].wedge, i, 0, azimuths_[i].utc_ns, !azimuths_[i].seen, azimuths_[i].block});
-      }
       RecordedWedge& wedge = whole.wedges.back();
       ++wedge.n_azimuth;
       wedge.utc_ns = std::max(wedge.utc_ns, azimuths_[i].utc_ns);
@@ -135,9 +134,8 @@ class RecordedFrames::Collector : public FrameAssembler {
   // What is of no frame in hand: of a stream that is the radar's, the first of a frame whose FrameBegin is
   // missing is told.
   Status orphan(const wire::MessageHeader& header, std::uint64_t frame_id) {
-    if (state() == State::receiving || seen_.stream_id != header.stream_id || seen_.frame_id == frame_id) {
+    if (state() == State::receiving || seen_.stream_id != header.stream_id || seen_.frame_id == frame_id)
       return {};
-    }
     seen_.frame_id = frame_id;
     ++losses_.frames;
     return Status::failure(Outcome::bad_stream,

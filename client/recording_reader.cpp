@@ -74,16 +74,14 @@ Status RecordingReader::open(const std::string& path, std::unique_ptr<RecordingR
   std::error_code error;
   const auto kind = std::filesystem::status(path, error).type();
   if (std::filesystem::exists(std::filesystem::file_status(kind)) &&
-      kind != std::filesystem::file_type::regular) {
+      kind != std::filesystem::file_type::regular)
     return Status::failure(Outcome::bad_argument,
                            path + ": found " + name_of(kind) + "; allowed: a file that `obliq record` wrote");
-  }
   errno = 0;
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
-  if (!*file) {
+  if (!*file)
     return Status::failure(Outcome::bad_argument,
                            path + ": cannot be read: " + std::system_category().message(errno));
-  }
   out = std::make_unique<RecordingReader>(std::move(file));
   return {};
 }
@@ -173,9 +171,8 @@ bool RecordingReader::seek_whole_message() {
     wire::MessageView candidate;
     if (!hold(wire::kHeaderBytes)) return false;
     MessageStatus status = wire::decode_message(window(), wire::kMaxPayloadBytes, candidate);
-    if (status == MessageStatus::need_more && hold(candidate.size)) {
+    if (status == MessageStatus::need_more && hold(candidate.size))
       status = wire::decode_message(window(), wire::kMaxPayloadBytes, candidate);
-    }
     if (status == MessageStatus::ok) return true;
     if (status == MessageStatus::bad_crc) searched_bytes_ += candidate.size;
     if (searched_bytes_ > kMaxSearchedBytes) {

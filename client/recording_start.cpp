@@ -33,9 +33,8 @@ class FirstFrame : public FrameHandler {
   Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
                   std::span<const std::byte>) override {
     const auto plane = wire::plane_from_number(block.plane());
-    if (start_.descriptor && header.stream_id == stream_id_ && plane) {
+    if (start_.descriptor && header.stream_id == stream_id_ && plane)
       start_.planes = static_cast<wire::PlaneSet>(start_.planes | wire::plane_bit(*plane));
-    }
     return {};
   }
   Status on_end(const wire::MessageHeader& header, const wire::FrameEnd&) override {

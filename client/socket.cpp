@@ -111,9 +111,8 @@ Status Socket::connect(const Endpoint& endpoint, Timeout timeout, Socket& out) {
   addrinfo* found = nullptr;
   const int code =
       ::getaddrinfo(endpoint.host.c_str(), std::to_string(endpoint.port).c_str(), &hints, &found);
-  if (code != 0) {
+  if (code != 0)
     return Status::failure(Outcome::cannot_connect, endpoint.text() + ": " + ::gai_strerror(code));
-  }
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, ::freeaddrinfo);
   Status last = Status::failure(Outcome::cannot_connect, "no address");
   for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {

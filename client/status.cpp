@@ -26,9 +26,8 @@ Status Status::failure(Outcome outcome, std::string text) {
 Status Status::from_error(const wire::Error& error) {
   Status status = failure(Outcome::refused, error.text());
   status.number = error.number();
-  for (const wire::FieldFault& fault : error.fields()) {
+  for (const wire::FieldFault& fault : error.fields())
     status.fields.push_back({fault.field(), fault.found(), fault.allowed()});
-  }
   return status;
 }
 

@@ -29,13 +29,13 @@ void write_window(const Window& window, BinWindow& message) {
   message.set_range_step(window.range.step);
 }
 
-std::optional<BinRun> cut_run(const BinRun& run, std::uint32_t n) {
+std::optional<BinRun> cut_run(const BinRun& run, std::int64_t n) {
   if (run.first >= n || run.step == 0) return std::nullopt;
-  const std::uint32_t left = n - run.first;
+  const auto left = static_cast<std::uint32_t>(n - run.first);
   return BinRun{run.first, run.count == 0 ? left : std::min(run.count, left), run.step};
 }
 
-std::optional<Window> cut_window(const Window& window, std::uint32_t n_azimuth, std::uint32_t n_range) {
+std::optional<Window> cut_window(const Window& window, std::int64_t n_azimuth, std::int64_t n_range) {
   const auto azimuth = cut_run(window.azimuth, n_azimuth);
   const auto range = cut_run(window.range, n_range);
   if (!azimuth || !range) return std::nullopt;

@@ -2,7 +2,6 @@
 #include <compare>
 #include <cstdint>
 #include <optional>
-#include <string>
 
 namespace obliq::wire {
 
@@ -36,7 +35,7 @@ void write_window(const Window& window, BinWindow& message);
 
 /// The run within a frame of n bins: open counts filled in, what lies beyond cut off. Nothing when no bin
 /// is left.
-std::optional<BinRun> cut_run(const BinRun& run, std::uint32_t n);
-std::optional<Window> cut_window(const Window& window, std::uint32_t n_azimuth, std::uint32_t n_range);
+std::optional<BinRun> cut_run(const BinRun& run, std::int64_t n);
+std::optional<Window> cut_window(const Window& window, std::int64_t n_azimuth, std::int64_t n_range);
 
 }  // namespace obliq::wire

@@ -1,9 +1,8 @@
 #include "proto/message_header.h"
 
-#include <algorithm>
-#include <type_traits>
+#include <isa-l/crc.h>
 
-#include "proto/crc32c.h"
+#include <type_traits>
 
 namespace obliq::wire {
 namespace {
@@ -18,10 +17,9 @@ void put(std::byte*& at, T value) {
 template <typename T>
 T take(const std::byte*& at) {
   std::make_unsigned_t<T> bits = 0;
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
+  for (std::size_t i = 0; i < sizeof(T); ++i)
     bits = static_cast<std::make_unsigned_t<T>>(
         bits | (static_cast<std::make_unsigned_t<T>>(std::to_integer<std::uint8_t>(*at++)) << (8 * i)));
-  }
   return static_cast<T>(bits);
 }
 
@@ -45,6 +43,19 @@ std::string describe(HeaderStatus status, const MessageHeader& header, const Mes
              std::to_string(limits.payload_bytes);
   }
   return "?";
+}
+
+std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t so_far) {
+  // ISA-L's function is the bare register: it neither inverts the seed nor the result, and counts in int.
+  std::uint32_t state = ~so_far;
+  while (!bytes.empty()) {
+    const std::size_t n = std::min<std::size_t>(bytes.size(), std::size_t{1} << 30);
+    // The parameter is not const, but the function only reads.
+    auto* data = reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data()));
+    state = crc32_iscsi(data, static_cast<int>(n), state);
+    bytes = bytes.subspan(n);
+  }
+  return ~state;
 }
 
 void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderBytes> out) {
@@ -84,9 +95,8 @@ HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes, const
   if (header.major != kMajorVersion) return HeaderStatus::version_mismatch;
   if (header.header_length < kHeaderBytes || header.header_length > kMaxHeaderBytes ||
       header.payload_length > limits.payload_bytes || header.descriptor_length > limits.descriptor_bytes ||
-      header.descriptor_length > header.payload_length) {
+      header.descriptor_length > header.payload_length)
     return HeaderStatus::bad_length;
-  }
   return HeaderStatus::ok;
 }
 

@@ -51,6 +51,10 @@ void encode_header(const MessageHeader& header, std::span<std::byte, kHeaderByte
 [[nodiscard]] HeaderStatus decode_header(std::span<const std::byte, kHeaderBytes> bytes,
                                          const MessageLimits& limits, MessageHeader& header);
 
+/// CRC-32C (Castagnoli; RFC 3720 appendix B.4): reflected, initial value and final xor all ones, so that
+/// crc32c("123456789") = 0xE3069283. To continue over more bytes, pass the value so far.
+std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t so_far = 0);
+
 /// The CRC of a message, for header bytes (the whole header, any length) whose CRC field is taken as zero.
 std::uint32_t message_crc(std::span<const std::byte> header, std::span<const std::byte> payload);
 

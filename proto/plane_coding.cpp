@@ -118,31 +118,26 @@ std::string fault_of_block(const WedgeBlock& block, std::size_t payload_bytes) {
   const auto encoding = iq_encoding_from_number(block.iq_encoding());
   const auto compression = compression_from_number(block.compression());
   if (!plane) return "a data block of plane " + std::to_string(block.plane()) + "; allowed: 0 to 4";
-  if (!encoding) {
+  if (!encoding)
     return "a data block in encoding " + std::to_string(block.iq_encoding()) +
            "; allowed: 0 (cf32_le), 1 (ci16_le)";
-  }
-  if (!compression) {
+  if (!compression)
     return "a data block in compression " + std::to_string(block.compression()) +
            "; allowed: 0 (none), 1 (zstd)";
-  }
   const std::uint64_t bins = std::uint64_t{block.n_azimuth()} * block.n_range();
   const int video_bits = *plane == Plane::video ? video_bits_of(block, payload_bytes) : 0;
   const std::uint64_t bytes_a_bin = coded_bytes_per_bin(*plane, *encoding, video_bits);
-  if (bins > kMaxPlaneBytes / bytes_a_bin) {
+  if (bins > kMaxPlaneBytes / bytes_a_bin)
     return "a data block of " + std::to_string(bins) + " bins; allowed: at most " +
            std::to_string(kMaxPlaneBytes / bytes_a_bin);
-  }
   const std::uint64_t bytes = bins * bytes_a_bin;
   const std::uint64_t found = *compression == Compression::none ? payload_bytes : block.plain_bytes();
-  if (found != bytes) {
+  if (found != bytes)
     return "a data block has the wrong size: found " + std::to_string(found) +
            " bytes; allowed: " + std::to_string(bytes);
-  }
-  if (*encoding == IqEncoding::ci16_le && !(block.scale() >= 0 && block.scale() <= kLargestScale)) {
+  if (*encoding == IqEncoding::ci16_le && !(block.scale() >= 0 && block.scale() <= kLargestScale))
     return "a data block's scale: found " + std::to_string(block.scale()) + "; allowed: from 0 to " +
            std::to_string(kLargestScale);
-  }
   return {};
 }
 

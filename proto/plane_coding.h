@@ -1,6 +1,5 @@
 #pragma once
 // How plane values are written into a data block: I&Q as floats or scaled integers, and any plane compressed.
-#include <compare>
 #include <complex>
 #include <cstddef>
 #include <cstdint>

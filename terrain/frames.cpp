@@ -1,7 +1,6 @@
 #include "terrain/frames.h"
 
 #include <GeographicLib/Constants.hpp>
-#include <array>
 #include <cmath>
 #include <vector>
 

@@ -21,9 +21,8 @@ constexpr double kFurthest_m = 0x1p19;
 
 void require_position(const LonLat& p, const char* field) {
   if (std::isfinite(p.longitude_deg) && std::isfinite(p.latitude_deg) && std::abs(p.latitude_deg) <= 90 &&
-      std::abs(p.longitude_deg) <= 540) {
+      std::abs(p.longitude_deg) <= 540)
     return;
-  }
   throw InputError(FieldError{field,
                               fmt::format("longitude {}, latitude {}", p.longitude_deg, p.latitude_deg),
                               "a longitude in -180..180 and a latitude in -90..90 degrees"}
@@ -79,15 +78,13 @@ WantedArea wanted_area(const WorldSpec& spec, const WorldFrame& frame) {
   WantedArea wanted;
   if (!spec.terrain.area.empty()) {
     for (const LonLat& p : spec.terrain.area) require_position(p, "[terrain] area");
-    if (spec.terrain.area.size() < 3) {
+    if (spec.terrain.area.size() < 3)
       throw InputError(fmt::format("[terrain] area: found {} points; allowed: a polygon of at least 3",
                                    spec.terrain.area.size()));
-    }
     wanted.polygon.rings.push_back(area_ring(spec.terrain.area, frame));
     wanted.rect = bounds(wanted.polygon);
-    if (!(std::abs(signed_area_m2(wanted.polygon.rings[0])) > 0)) {
+    if (!(std::abs(signed_area_m2(wanted.polygon.rings[0])) > 0))
       throw InputError("[terrain] area: found a polygon of no area; allowed: a polygon that encloses ground");
-    }
     return wanted;
   }
   for (const Reach& reach : spec.reaches) {
@@ -110,35 +107,31 @@ double round_to_quantum_m(double length_m) {
 }
 
 HeightGrid empty_grid(const Rect& rect, double cell_m) {
-  if (!(cell_m > 0) || !std::isfinite(cell_m)) {
+  if (!(cell_m > 0) || !std::isfinite(cell_m))
     throw InputError(
         fmt::format("[terrain] cell_m: found {}; allowed: a positive number of metres or \"auto\"", cell_m));
-  }
   const double furthest_m =
       std::max({-rect.x0_m, -rect.z0_m, rect.x1_m, rect.z1_m, std::abs(rect.x0_m), std::abs(rect.z0_m)});
-  if (!(furthest_m <= kFurthest_m)) {
+  if (!(furthest_m <= kFurthest_m))
     throw InputError(fmt::format(
         "[terrain] area: found ground {:.1f} km from the scene's origin; allowed: at most 524 km, so "
         "give an area or a shorter range",
         furthest_m / 1000));
-  }
   // Nodes are multiples of the cell, so that another window has the same nodes where the two overlap.
   const double i0 = std::ceil(rect.x0_m / cell_m);
   const double j0 = std::ceil(rect.z0_m / cell_m);
   const double nx = std::floor(rect.x1_m / cell_m) - i0 + 1;
   const double nz = std::floor(rect.z1_m / cell_m) - j0 + 1;
-  if (!(nx * nz <= kMaxNodes) || nx > 0x1p30 || nz > 0x1p30) {
+  if (!(nx * nz <= kMaxNodes) || nx > 0x1p30 || nz > 0x1p30)
     throw InputError(
         fmt::format("[terrain] cell_m and area: found {:.1f} million nodes of {} m; allowed: at most 268 "
                     "million, so make cell_m larger or the area smaller",
                     nx * nz / 1e6, cell_m));
-  }
-  if (nx < 2 || nz < 2) {
+  if (nx < 2 || nz < 2)
     throw InputError(
         fmt::format("[terrain] cell_m and area: found fewer than 2 x 2 nodes of {} m in the area that is "
                     "covered; allowed: a smaller cell_m or a larger area",
                     cell_m));
-  }
   HeightGrid grid;
   grid.x0_m = i0 * cell_m;
   grid.z0_m = j0 * cell_m;

@@ -35,10 +35,9 @@ constexpr double kFillPostings = 3;
 double cell_size_m(const WorldSpec& spec, double auto_m) {
   if (!spec.terrain.cell_m) return round_to_quantum_m(auto_m);
   const double cell_m = *spec.terrain.cell_m;
-  if (!(cell_m >= kGridQuantum_m) || !std::isfinite(cell_m)) {
+  if (!(cell_m >= kGridQuantum_m) || !std::isfinite(cell_m))
     throw InputError(fmt::format(
         "[terrain] cell_m: found {}; allowed: \"auto\" or a number of metres from 0.03125", cell_m));
-  }
   return round_to_quantum_m(cell_m);
 }
 
@@ -53,9 +52,8 @@ GroundCache::Facts facts_of(const HeightGrid& grid, const std::vector<std::size_
 }
 
 GroundCache::Facts load_synthetic(World& world, const WorldSpec& spec, const WantedArea& wanted) {
-  if (wanted.rect.empty()) {
+  if (wanted.rect.empty())
     throw InputError("[terrain] area: found none and no radar; allowed: synthetic ground needs one of them");
-  }
   const double needed_m = spec.sampling_footprint_m > 0 ? spec.sampling_footprint_m : kSyntheticCell_m;
   const double cell_m = cell_size_m(spec, std::max(1.0, needed_m));
   Rect rect = wanted.rect;
@@ -209,9 +207,8 @@ class DemLoader {
     if (spec_.terrain.water_material) water.emplace(world_.grid);
     mosaic_.fill(world_.grid, world_.frame, errors, progress_, water ? &*water : nullptr);
     const auto known = [](float y) { return !std::isnan(y); };
-    if (std::none_of(world_.grid.y_m.begin(), world_.grid.y_m.end(), known)) {
+    if (std::none_of(world_.grid.y_m.begin(), world_.grid.y_m.end(), known))
       mosaic_.refuse_no_ground(world_.frame, rect_);
-    }
     const std::vector<std::size_t> filled = fill_voids(world_.grid, fill_m_);
     cut_to_polygon(world_.grid, wanted_.polygon);
     GroundCache::Facts facts = facts_of(world_.grid, filled, errors.summary(world_.grid));
@@ -240,14 +237,12 @@ class DemLoader {
 void load_ground(World& world, const WorldSpec& spec, const Progress& progress) {
   const TerrainSpec& terrain = spec.terrain;
   const std::optional<double>& fill_m = terrain.fill_void_m;
-  if (fill_m && (!(*fill_m >= 0) || !std::isfinite(*fill_m))) {
+  if (fill_m && (!(*fill_m >= 0) || !std::isfinite(*fill_m)))
     throw InputError(fmt::format(
         "[terrain] fill_void_m: found {}; allowed: \"auto\" or a number of metres from 0", *fill_m));
-  }
-  if (!std::isfinite(spec.sampling_footprint_m)) {
+  if (!std::isfinite(spec.sampling_footprint_m))
     throw InputError(
         fmt::format("sampling footprint: found {}; allowed: a number of metres", spec.sampling_footprint_m));
-  }
   const WantedArea wanted = wanted_area(spec, world.frame);
   GroundCache::Facts facts;
   if (terrain.synthetic != SyntheticKind::none) {
@@ -264,10 +259,9 @@ void load_ground(World& world, const WorldSpec& spec, const Progress& progress) 
         paint_water(world.grid, facts.water, *terrain.water_material, world.surface_material);
   note_heights(world);
   note_coverage(world, spec, wanted);
-  if (world.report.posts_absent == world.report.posts) {
+  if (world.report.posts_absent == world.report.posts)
     throw InputError(
         "[terrain] area: found no known ground inside it; allowed: an area on the elevation model");
-  }
 }
 
 }  // namespace obliq

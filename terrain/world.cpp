@@ -19,16 +19,14 @@ namespace {
 
 WorldFrame frame_of(const WorldSpec& spec) {
   const LonLat& o = spec.origin;
-  if (!(std::abs(o.latitude_deg) <= 90) || !(std::abs(o.longitude_deg) <= 540)) {
+  if (!(std::abs(o.latitude_deg) <= 90) || !(std::abs(o.longitude_deg) <= 540))
     throw InputError(fmt::format(
         "[antenna] latitude_deg, longitude_deg: found {}, {}; allowed: a position on the earth, in degrees",
         o.latitude_deg, o.longitude_deg));
-  }
-  if (!(spec.radius_factor > 0)) {
+  if (!(spec.radius_factor > 0))
     throw InputError(
         fmt::format("[earth] radius_factor: found {}; allowed: a positive number, or inf for flat ground",
                     spec.radius_factor));
-  }
   return WorldFrame(o.latitude_deg * kDegree_rad, o.longitude_deg * kDegree_rad, spec.radius_factor);
 }
 

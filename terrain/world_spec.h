@@ -2,7 +2,6 @@
 // What to load: plain values, filled from the scene file by server/control, read by terrain alone.
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>

@@ -116,12 +116,7 @@ class RadarTruth {
   void add(int first, int count) {
     const ReferenceBins bins =
         integrate_reference(plan_.scene().world(), plan_.scene().materials(), view_, sampling_, first, count);
-    for (std::size_t b = 0; b < bins.buildings.size(); ++b) {
-      truth_.buildings[b].visible_sr += bins.buildings[b].visible_sr;
-      truth_.buildings[b].unoccluded_sr += bins.buildings[b].unoccluded_sr;
-      truth_.buildings[b].largest_share =
-          std::max(truth_.buildings[b].largest_share, bins.buildings[b].largest_share);
-    }
+    for (std::size_t b = 0; b < bins.buildings.size(); ++b) truth_.buildings[b].add(bins.buildings[b]);
     std::vector<Row> rows(static_cast<std::size_t>(count));
     for_each_row(count, [&](int k) { rows[static_cast<std::size_t>(k)] = row_of(bins, k); });
     for_each_row(static_cast<int>(outputs_.size()), [&](int output) {

@@ -1,7 +1,6 @@
 #pragma once
 // The samplings that a frontier compares.
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -49,11 +49,7 @@ void TruthBins::append(const ReferenceBins& bins) {
   ground_w.insert(ground_w.end(), bins.ground_w.begin(), bins.ground_w.end());
   building_w.insert(building_w.end(), bins.building_w.begin(), bins.building_w.end());
   buildings.resize(bins.buildings.size());
-  for (std::size_t i = 0; i < buildings.size(); ++i) {
-    buildings[i].visible_sr += bins.buildings[i].visible_sr;
-    buildings[i].unoccluded_sr += bins.buildings[i].unoccluded_sr;
-    buildings[i].largest_share = std::max(buildings[i].largest_share, bins.buildings[i].largest_share);
-  }
+  for (std::size_t i = 0; i < buildings.size(); ++i) buildings[i].add(bins.buildings[i]);
 }
 
 ReferenceView reference_view(const FramePlan& plan) {

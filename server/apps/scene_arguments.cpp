@@ -13,15 +13,21 @@
 
 namespace obliq {
 
+void add_repeatable(CLI::App& app, const std::string& name, std::vector<std::string>& to,
+                    const std::string& text, const std::string& type) {
+  app.add_option(name, to, text)->type_name(type)->expected(1)->take_all();
+}
+
+void add_radar_argument(CLI::App& app, std::string& radar) {
+  app.add_option("--radar", radar, "Radar; default: the only one, or the one named main")->type_name("NAME");
+}
+
 void add_scene_arguments(CLI::App& app, const std::string& name, SceneArguments& arguments) {
   app.add_option(name, arguments.file, "Scene file (TOML)");
-  app.add_option(
-         "--set", arguments.set,
-         "KEY=VALUE, e.g. radar.r_max_m=50000, or RADAR:KEY=VALUE for one of several radars; beats file and "
-         "environment (repeatable)")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_repeatable(
+      app, "--set", arguments.set,
+      "KEY=VALUE, e.g. radar.r_max_m=50000, or RADAR:KEY=VALUE for one of several radars; beats file and "
+      "environment (repeatable)");
   app.add_flag("--check-config", arguments.check, "Only check the scene file");
   app.add_flag("--print-config", arguments.print, "Only print the whole configuration, defaults included");
 }

@@ -13,6 +13,13 @@ class ParseError;
 
 namespace obliq {
 
+/// Adds an option that may be given several times, with one value each.
+void add_repeatable(CLI::App& app, const std::string& name, std::vector<std::string>& to,
+                    const std::string& text, const std::string& type = "KEY=VALUE");
+
+/// Adds --radar.
+void add_radar_argument(CLI::App& app, std::string& radar);
+
 struct SceneArguments {
   std::string file;
   std::vector<std::string> set;  ///< KEY=VALUE

@@ -3,7 +3,6 @@
 #include <netinet/in.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>

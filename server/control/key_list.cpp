@@ -3,6 +3,7 @@
 #include "server/control/parameters.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/sources.h"
 
 namespace obliq {
 namespace {

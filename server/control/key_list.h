@@ -1,7 +1,6 @@
 #pragma once
 // Every key that there is, described: for the reference, for variables of the environment, for near names.
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "server/control/key.h"

@@ -10,6 +10,7 @@
 #include "server/control/sections/materials.h"
 #include "server/control/sections/radar.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/sources.h"
 #include "terrain/world.h"
 
 namespace obliq {

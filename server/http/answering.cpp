@@ -4,8 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <boost/asio/ip/address.hpp>
 #include <boost/beast/core/string.hpp>
-#include <boost/beast/http/error.hpp>
+#include <boost/beast/http.hpp>
+#include <sstream>
 #include <utility>
 
 #include "server/log/service_log.h"
@@ -17,6 +19,30 @@ namespace obliq::http {
 namespace bhttp = boost::beast::http;
 
 namespace {
+
+bool same(std::string_view a, std::string_view b) {
+  return boost::beast::iequals({a.data(), a.size()}, {b.data(), b.size()});
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// "[::1]:7480" without its port; empty when what stands behind the colon is none.
+std::string_view without_port(std::string_view host) {
+  const std::size_t bracket = host.rfind(']');
+  const std::size_t colon = host.rfind(':');
+  if (colon == std::string_view::npos || (bracket != std::string_view::npos && colon < bracket)) return host;
+  return std::ranges::all_of(host.substr(colon + 1), is_digit) ? host.substr(0, colon) : std::string_view();
+}
+
+bool is_address(std::string_view host) {
+  boost::system::error_code error;
+  if (host.starts_with('[') && host.ends_with(']')) {
+    (void)boost::asio::ip::make_address_v6(std::string(host.substr(1, host.size() - 2)), error);
+  } else {
+    (void)boost::asio::ip::make_address_v4(std::string(host), error);
+  }
+  return !error;
+}
 
 bool may_read(const Route& route, std::string_view authorization, const net::Security* security) {
   if (route.is_open || security == nullptr || !security->needs_token()) return true;
@@ -31,9 +57,7 @@ bool names(std::string_view list, std::string_view wanted) {
   while (!list.empty()) {
     const std::string_view one = list.substr(0, list.find(','));
     list.remove_prefix(std::min(one.size() + 1, list.size()));
-    const std::size_t begin = one.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) continue;
-    if (one.substr(begin, one.find_last_not_of(" \t") + 1 - begin) == wanted) return true;
+    if (trimmed(one) == wanted) return true;
   }
   return false;
 }
@@ -135,6 +159,24 @@ Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Se
   return error_page(404, "nothing here; there are " + known);
 }
 
+std::string response_text(const Page& page, bool head, bool keep_alive, unsigned http_version) {
+  bhttp::response<bhttp::empty_body> response(static_cast<bhttp::status>(page.status), http_version);
+  response.set(bhttp::field::content_type, page.type);
+  response.set(bhttp::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Content-Security-Policy", "default-src 'self'; connect-src 'self'; frame-ancestors 'none'");
+  response.set("Referrer-Policy", "no-referrer");
+  if (page.status == 401) response.set(bhttp::field::www_authenticate, "Bearer");
+  if (page.status == 405) response.set(bhttp::field::allow, "GET, HEAD");
+  if (page.status == 426) response.set(bhttp::field::upgrade, "websocket");
+  if (page.retry_after_s > 0) response.set(bhttp::field::retry_after, std::to_string(page.retry_after_s));
+  response.content_length(page.body.size());
+  response.keep_alive(keep_alive);
+  std::ostringstream header;
+  header << response.base();
+  return head ? header.str() : header.str() + page.body;
+}
+
 Page health_page() { return {200, "text/plain; charset=utf-8", "ok\n"}; }
 
 Page readiness_page(const Readiness::State& state) {
@@ -158,6 +200,17 @@ Page readiness_page(const Readiness::State& state) {
 
 Page metrics_page(std::string text) {
   return {200, "text/plain; version=0.0.4; charset=utf-8", std::move(text)};
+}
+
+bool is_own_host(std::string_view host, const Site& site) {
+  const std::string_view name = without_port(host);
+  if (is_address(name) || same(name, "localhost")) return true;
+  return std::ranges::any_of(site.names, [&](const std::string& own) { return same(own, name); });
+}
+
+bool is_own_origin(std::string_view origin, std::string_view host, const Site& site) {
+  if (same(origin, (site.tls ? "https://" : "http://") + std::string(host))) return true;
+  return std::ranges::any_of(site.origins, [&](const std::string& other) { return same(other, origin); });
 }
 
 }  // namespace obliq::http

@@ -7,13 +7,24 @@
 #include <vector>
 
 #include "server/http/http_server.h"
-#include "server/http/site.h"
 
 namespace boost::system {
 class error_code;
 }
 
 namespace obliq::http {
+
+/// What this server is called.
+struct Site {
+  bool tls = false;
+  std::vector<std::string> names;    ///< of hosts, besides addresses and localhost
+  std::vector<std::string> origins;  ///< "https://screens.example", besides its own
+};
+
+/// Whether Host (with or without a port) is an address, localhost or a name of the site.
+bool is_own_host(std::string_view host, const Site& site);
+/// Whether an Origin is that of a page which this server sent under that Host, or one of the site's.
+bool is_own_origin(std::string_view origin, std::string_view host, const Site& site);
 
 /// How far the daemon is, for /readyz. From any thread.
 class Readiness {
@@ -76,6 +87,9 @@ std::optional<Page> header_refusal(const boost::system::error_code& error);
 std::optional<Page> upgrade_refusal(const Asked& asked, const Upgrade& upgrade);
 
 Page error_page(int status, const std::string& text);
+
+/// A page as it is sent, with the fields that all answers have. To HEAD without the body.
+std::string response_text(const Page& page, bool head, bool keep_alive, unsigned http_version);
 
 /// 200 as long as the process answers at all, also while it loads.
 Page health_page();

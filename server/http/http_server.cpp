@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "server/http/answering.h"
-#include "server/http/response_text.h"
 #include "server/log/service_log.h"
 #include "server/net/result_of.h"
 #include "server/net/socket_transport.h"
@@ -159,7 +158,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
 
 void HttpServer::State::listen() {
   try {
-    net::ReservedPort reserved(options.address, options.port);
+    net::ReservedPort reserved(options.address, static_cast<std::uint16_t>(options.port));
     address = reserved.address();
     acceptor.assign(reserved.is_v6() ? tcp::v6() : tcp::v4(), reserved.release());
     acceptor.listen(asio::socket_base::max_listen_connections);
@@ -178,12 +177,11 @@ asio::awaitable<void> HttpServer::State::accept() {
     tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (stopping) break;
     if (error) {
-      if (!std::exchange(in_trouble, true)) {
+      if (!std::exchange(in_trouble, true))
         spdlog::error(
             "HTTP cannot accept a connection: {}; if descriptors have run out, raise their limit "
             "(ulimit -n, LimitNOFILE=)",
             error.message());
-      }
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;

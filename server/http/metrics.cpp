@@ -46,19 +46,30 @@ ClientMetric sample(MetricType type, double value, const std::string& radar = ""
   return metric;
 }
 
-MetricFamily single(const std::string& name, const std::string& help, MetricType type, double value) {
-  MetricFamily made = family(name, help, type);
-  made.metric.push_back(sample(type, value));
-  return made;
-}
+/// Families of one value without a label.
+struct Singles {
+  template <class Number>
+  void gauge(const std::string& name, const std::string& help, Number value) {
+    add(family(name, help, MetricType::Gauge), static_cast<double>(value));
+  }
+  template <class Number>
+  void counter(const std::string& name, const std::string& help, Number value) {
+    add(family(name, help, MetricType::Counter), static_cast<double>(value));
+  }
+  void add(MetricFamily made, double value) {
+    made.metric.push_back(sample(made.type, value));
+    all.push_back(std::move(made));
+  }
+
+  std::vector<MetricFamily>& all;
+};
 
 MetricFamily per_radar(const std::string& name, const std::string& help,
                        const std::vector<net::RadarStatistics>& radars,
                        double (*value)(const net::RadarStatistics&), MetricType type = MetricType::Gauge) {
   MetricFamily made = family(name, help, type);
-  for (const net::RadarStatistics& radar : radars) {
+  for (const net::RadarStatistics& radar : radars)
     made.metric.push_back(sample(type, value(radar), radar.name));
-  }
   return made;
 }
 
@@ -80,25 +91,19 @@ MetricFamily scene_memory_by_kind(const SceneMemory& memory) {
 
 /// What the room knows at the time of the question.
 void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all) {
-  const auto gauge = [&](const char* name, const char* help, double value) {
-    all.push_back(single(name, help, MetricType::Gauge, value));
-  };
-  const auto counter = [&](const char* name, const char* help, std::uint64_t value) {
-    all.push_back(single(name, help, MetricType::Counter, static_cast<double>(value)));
-  };
+  Singles singles{all};
   const auto radar = [&](const char* name, const char* help, double (*value)(const net::RadarStatistics&)) {
     all.push_back(per_radar(name, help, room.radars, value));
   };
   using Radar = net::RadarStatistics;
-  gauge("obliq_clients", "Clients connected to the stream.", static_cast<double>(room.clients));
-  counter("obliq_sent_bytes_total", "Bytes written to clients' sockets.", room.bytes_sent);
-  counter("obliq_frames_dropped_total", "Frames not sent because clients were too slow, over all clients.",
-          room.frames_dropped);
-  gauge("obliq_queue_messages", "Messages that wait to be written, over all clients.",
-        static_cast<double>(room.queued_messages));
-  gauge("obliq_queue_bytes", "Bytes that wait to be written, over all clients.",
-        static_cast<double>(room.queued_bytes));
-  gauge("obliq_renders_queued", "Unfinished RenderOnce requests.", static_cast<double>(room.renders_queued));
+  singles.gauge("obliq_clients", "Clients connected to the stream.", room.clients);
+  singles.counter("obliq_sent_bytes_total", "Bytes written to clients' sockets.", room.bytes_sent);
+  singles.counter("obliq_frames_dropped_total",
+                  "Frames not sent because clients were too slow, over all clients.", room.frames_dropped);
+  singles.gauge("obliq_queue_messages", "Messages that wait to be written, over all clients.",
+                room.queued_messages);
+  singles.gauge("obliq_queue_bytes", "Bytes that wait to be written, over all clients.", room.queued_bytes);
+  singles.gauge("obliq_renders_queued", "Unfinished RenderOnce requests.", room.renders_queued);
   radar("obliq_radar_watchers", "Clients that watch the radar.",
         [](const Radar& r) { return static_cast<double>(r.watchers); });
   radar("obliq_radar_wanted_rate_hertz", "Highest frame rate that a watcher of the radar asked for.",
@@ -146,57 +151,39 @@ struct Metrics::State {
   }
 
   prometheus::Registry registry;
-  prometheus::Family<Counter>& frames =
-      BuildCounter().Name("obliq_frames_total").Help("Live frames rendered completely.").Register(registry);
+  prometheus::Family<Counter>& counters(const std::string& name, const std::string& help) {
+    return BuildCounter().Name(name).Help(help).Register(registry);
+  }
+  prometheus::Family<Histogram>& times(const std::string& name, const std::string& help) {
+    return BuildHistogram().Name(name).Help(help).Register(registry);
+  }
+
+  prometheus::Family<Counter>& frames = counters("obliq_frames_total", "Live frames rendered completely.");
   prometheus::Family<Counter>& rays =
-      BuildCounter()
-          .Name("obliq_rays_total")
-          .Help("Rays of live frames; for the sweep, vertical planes marched.")
-          .Register(registry);
-  prometheus::Family<Counter>& hits =
-      BuildCounter()
-          .Name("obliq_hits_total")
-          .Help("Rays of live frames that hit; for the sweep, visible ground and wall segments.")
-          .Register(registry);
-  prometheus::Family<Histogram>& render = BuildHistogram()
-                                              .Name("obliq_frame_render_seconds")
-                                              .Help("Time from planning a live frame to its last block.")
-                                              .Register(registry);
+      counters("obliq_rays_total", "Rays of live frames; for the sweep, vertical planes marched.");
+  prometheus::Family<Counter>& hits = counters(
+      "obliq_hits_total", "Rays of live frames that hit; for the sweep, visible ground and wall segments.");
+  prometheus::Family<Histogram>& render =
+      times("obliq_frame_render_seconds", "Time from planning a live frame to its last block.");
   prometheus::Family<Histogram>& first_wedge =
-      BuildHistogram()
-          .Name("obliq_frame_first_wedge_seconds")
-          .Help("Time from planning a live frame to its first wedge.")
-          .Register(registry);
+      times("obliq_frame_first_wedge_seconds", "Time from planning a live frame to its first wedge.");
   prometheus::Family<Histogram>& pose_to_end =
-      BuildHistogram()
-          .Name("obliq_frame_pose_latency_seconds")
-          .Help("Time from the arrival of a pose to the last block of the first live frame that shows it.")
-          .Register(registry);
-  Counter& once_frames = BuildCounter()
-                             .Name("obliq_once_frames_total")
-                             .Help("Frames of RenderOnce requests rendered completely.")
-                             .Register(registry)
-                             .Add({});
-  Counter& once_rays = BuildCounter()
-                           .Name("obliq_once_rays_total")
-                           .Help("Rays of RenderOnce frames; for the sweep, vertical planes marched.")
-                           .Register(registry)
-                           .Add({});
+      times("obliq_frame_pose_latency_seconds",
+            "Time from the arrival of a pose to the last block of the first live frame that shows it.");
+  Counter& once_frames =
+      counters("obliq_once_frames_total", "Frames of RenderOnce requests rendered completely.").Add({});
+  Counter& once_rays =
+      counters("obliq_once_rays_total", "Rays of RenderOnce frames; for the sweep, vertical planes marched.")
+          .Add({});
   Counter& once_hits =
-      BuildCounter()
-          .Name("obliq_once_hits_total")
-          .Help("Rays of RenderOnce frames that hit; for the sweep, visible ground and wall segments.")
-          .Register(registry)
+      counters("obliq_once_hits_total",
+               "Rays of RenderOnce frames that hit; for the sweep, visible ground and wall segments.")
           .Add({});
   Histogram& once_render_s =
-      BuildHistogram()
-          .Name("obliq_once_render_seconds")
-          .Help(
-              "Rendering time of a RenderOnce frame, its plan included, without the waits between its turns.")
-          .Register(registry)
+      times("obliq_once_render_seconds",
+            "Rendering time of a RenderOnce frame, its plan included, without the waits between its turns.")
           .Add({}, kSeconds);
-  prometheus::Family<Counter>& log_lines =
-      BuildCounter().Name("obliq_log_lines_total").Help("Lines logged.").Register(registry);
+  prometheus::Family<Counter>& log_lines = counters("obliq_log_lines_total", "Lines logged.");
   Gauge& scene_load_s = BuildGauge()
                             .Name("obliq_scene_load_seconds")
                             .Help("Time to load and build the scene in use.")
@@ -256,22 +243,18 @@ std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics
   if (scene.swaps > 0) state_->scene_load_s.Set(scene.last_build_s);
   std::vector<MetricFamily> all = state_->registry.Collect();
   if (room != nullptr) append_room(*room, all);
-  all.push_back(single("obliq_scene_swaps_total",
-                       "Scenes that replaced another: terrain windows of a flight, reloads.",
-                       MetricType::Counter, static_cast<double>(scene.swaps)));
-  all.push_back(single("obliq_scene_failures_total",
-                       "Scenes that could not be loaded; the server keeps using the old one.",
-                       MetricType::Counter, static_cast<double>(scene.failures)));
-  all.push_back(single("obliq_scene_building", "1 while the next scene is being built.", MetricType::Gauge,
-                       scene.building ? 1 : 0));
+  Singles singles{all};
+  singles.counter("obliq_scene_swaps_total",
+                  "Scenes that replaced another: terrain windows of a flight, reloads.", scene.swaps);
+  singles.counter("obliq_scene_failures_total",
+                  "Scenes that could not be loaded; the server keeps using the old one.", scene.failures);
+  singles.gauge("obliq_scene_building", "1 while the next scene is being built.", scene.building ? 1 : 0);
   if (scene.memory.total() > 0) all.push_back(scene_memory_by_kind(scene.memory));
-  all.push_back(single("process_resident_memory_bytes", "Memory in use.", MetricType::Gauge,
-                       static_cast<double>(resident_bytes())));
-  all.push_back(single("process_resident_memory_peak_bytes",
-                       "Highest memory use so far, mostly while loading.", MetricType::Gauge,
-                       static_cast<double>(peak_resident_bytes())));
-  all.push_back(single("process_start_time_seconds", "Start time of the process, since 1970, UTC.",
-                       MetricType::Gauge, state_->started_s));
+  singles.gauge("process_resident_memory_bytes", "Memory in use.", resident_bytes());
+  singles.gauge("process_resident_memory_peak_bytes", "Highest memory use so far, mostly while loading.",
+                peak_resident_bytes());
+  singles.gauge("process_start_time_seconds", "Start time of the process, since 1970, UTC.",
+                state_->started_s);
   return prometheus::TextSerializer().Serialize(all);
 }
 

@@ -1,18 +1,72 @@
 #include "server/loading/scene_loading.h"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
 
 #include "server/loading/cell_by_power.h"
 #include "server/radar/frame_plan.h"
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/process.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// What takes no longer needs no line in a log, nor a guess when it will end.
+constexpr double kQuick_s = 1.5;
+constexpr double kPause_s = 5;        // between two lines of one stage
+constexpr double kLeastShare = 0.02;  // from which the time left is guessed
+
+class ProgressLines {
+ public:
+  explicit ProgressLines(bool terminal) : terminal_(terminal) {}
+
+  void tell(std::string_view stage, double fraction) {
+    const auto now = Clock::now();
+    if (fraction < fraction_) {
+      start_ = now;
+      start_fraction_ = fraction;
+    }
+    fraction_ = fraction;
+    if (terminal_) return write_over(stage, now);
+    const bool is_new = stage != stage_;
+    stage_ = stage;
+    if (to_seconds(now - start_) < kQuick_s || fraction >= 1) return;
+    if (!is_new && to_seconds(now - written_) < kPause_s) return;
+    written_ = now;
+    std::fprintf(stderr, "%s\n", text(stage, now).c_str());
+  }
+
+ private:
+  std::string text(std::string_view stage, Clock::time_point now) const {
+    const std::string line = fmt::format("{} {:3.0f} %", stage, 100 * fraction_);
+    const double spent_s = to_seconds(now - start_);
+    const double done = fraction_ - start_fraction_;
+    if (spent_s < kQuick_s || done < kLeastShare) return line;
+    return line + fmt::format(", {:.0f} s left", spent_s / done * (1 - fraction_));
+  }
+
+  void write_over(std::string_view stage, Clock::time_point now) const {
+    std::fprintf(stderr, "\r\033[K%s", fraction_ >= 1 ? "" : text(stage, now).c_str());
+  }
+
+  const bool terminal_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point written_;
+  double start_fraction_ = 0;
+  double fraction_ = 0;
+  std::string stage_;
+};
 
 std::string source_error_line(const SourceError& error) {
   return fmt::format(
@@ -37,14 +91,12 @@ std::string elevation_line(const LoadReport& report) {
 
 std::string heights_line(const BuildingHeights& heights) {
   std::string line = "buildings of " + heights.file + ":";
-  if (heights.found > 0) {
+  if (heights.found > 0)
     line += fmt::format(" heights {:.3g} to {:.4g} m, median {:.3g} m, from {} in {}", heights.least_m,
                         heights.most_m, heights.median_m, heights.field, heights.unit);
-  }
-  if (heights.by_default > 0) {
+  if (heights.by_default > 0)
     line += fmt::format("{} {} with the default height of {:g} m", heights.found > 0 ? "," : "",
                         heights.by_default, heights.default_m);
-  }
   return line;
 }
 
@@ -100,10 +152,9 @@ std::vector<ReportLine> world_report_lines(const World& world) {
   count(report.posts_absent, "without known ground");
   lines.push_back(line);
   if (!report.elevation.empty()) lines.push_back(elevation_line(report));
-  if (report.water_m2 > 0) {
+  if (report.water_m2 > 0)
     lines.push_back(
         fmt::format("water: {:.3g} km2 found in the elevation models (terrain.sea)", report.water_m2 / 1e6));
-  }
   if (report.source_error.posts > 0) lines.push_back(source_error_line(report.source_error));
   if (report.buildings_read > 0 || report.prisms_placed > 0) {
     line = fmt::format("buildings: {} in the scene", world.buildings.list.size());
@@ -171,6 +222,15 @@ std::shared_ptr<const World> load_world_with_report(const SceneConfig& config) {
   auto world = std::make_shared<const World>(load_judged_world(config, config.threads, terminal_progress()));
   print_world_report(*world);
   return world;
+}
+
+void say_on_terminal(const ReportLine& line) {
+  std::fprintf(stderr, "%s%s\n", line.warns ? "warning: " : "", line.text.c_str());
+}
+
+Progress terminal_progress() {
+  const auto lines = std::make_shared<ProgressLines>(isatty(STDERR_FILENO) != 0);
+  return [lines](std::string_view stage, double fraction) { lines->tell(stage, fraction); };
 }
 
 }  // namespace obliq

@@ -2,6 +2,7 @@
 // What render, frustum and mesh share: a scene file from the command line, loaded with progress on the
 // terminal. The daemon logs the same report.
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -9,12 +10,28 @@
 
 #include "server/control/scene_config.h"
 #include "server/control/sections/radar.h"
-#include "server/loading/terminal_progress.h"
 #include "server/radar/geometry/pose.h"
 #include "server/scene/scene.h"
 #include "terrain/base/parallel.h"
 
 namespace obliq {
+
+/// A line for the operator.
+struct ReportLine {
+  ReportLine(std::string line, bool is_warning = false) : text(std::move(line)), warns(is_warning) {}
+  ReportLine(const char* line) : text(line) {}
+
+  std::string text;
+  bool warns = false;
+};
+using Say = std::function<void(const ReportLine&)>;
+
+/// On stderr, warnings behind "warning: ".
+void say_on_terminal(const ReportLine& line);
+
+/// How far a long stage has come, on stderr: a line that is written over on a terminal, elsewhere a line now
+/// and then, from the second second on. The time left is counted from where the fraction last fell.
+Progress terminal_progress();
 
 /// Of several radars, the one that is taken where none is named.
 constexpr std::string_view kUsualRadar = "main";

@@ -181,9 +181,8 @@ std::string json_line(std::chrono::system_clock::time_point time, std::string_vi
   line["time"] = utc_text(time);
   line["level"] = level;
   line["message"] = message;
-  for (const LogField& field : fields) {
+  for (const LogField& field : fields)
     std::visit([&](const auto& value) { line[field.name] = value; }, field.value);
-  }
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

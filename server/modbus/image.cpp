@@ -135,8 +135,7 @@ Exception Image::write_registers(std::size_t radar, const Request& request) {
     net::PanelChange unused;
     if (setpoint.address >= first && past <= end &&
         !decode(setpoint, words_of(setpoint, staged.words), unused)) {
-      unit.facts.last_error = Fault::out_of_range;
-      unit.facts.last_error_address = static_cast<std::uint16_t>(setpoint.address);
+      unit.facts.tell(Fault::out_of_range, setpoint.address);
       return Exception::illegal_value;
     }
   }
@@ -169,8 +168,7 @@ Exception Image::write_coils(std::size_t radar, const Request& request) {
   const std::lock_guard lock(mutex_);
   Unit& unit = units_[radar];
   if (pulled(kClearFaults)) {
-    unit.facts.last_error = Fault::none;
-    unit.facts.last_error_address = kNoAddress;
+    unit.facts.tell(Fault::none);
     unit.facts.watchdog_tripped = false;
   }
   if (pulled(kDiscard)) unit.staged.dirty.assign(setpoints().size(), false);
@@ -186,8 +184,7 @@ bool Image::collect(std::size_t radar, Staged& staged, net::PanelChange& wanted)
   for (std::size_t i = 0; i < setpoints().size(); ++i) {
     const Setpoint& setpoint = setpoints()[i];
     if (!staged.dirty[i] || decode(setpoint, words_of(setpoint, staged.words), wanted)) continue;
-    unit.facts.last_error = Fault::out_of_range;
-    unit.facts.last_error_address = static_cast<std::uint16_t>(setpoint.address);
+    unit.facts.tell(Fault::out_of_range, setpoint.address);
     return false;
   }
   return true;
@@ -265,8 +262,7 @@ void Image::tick(Clock::time_point now) {
     if (!unit.armed || to_seconds(now - unit.last_beat) < watchdog_s_) continue;
     unit.armed = false;  // until it beats again
     unit.facts.watchdog_tripped = true;
-    unit.facts.last_error = Fault::watchdog;
-    unit.facts.last_error_address = kNoAddress;
+    unit.facts.tell(Fault::watchdog);
     spdlog::warn(
         "modbus unit {}: no heartbeat of the console for {} s: the radar is frozen. When the console is "
         "back: write coil {} (clear faults), then 0 to coil {} (freeze)",

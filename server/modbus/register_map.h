@@ -51,6 +51,11 @@ struct UnitFacts {
   std::uint16_t last_error_address = kNoAddress;  ///< of the setpoint, if it was one
   int staged = 0;                                 ///< setpoints written and not yet applied
   bool watchdog_tripped = false;
+
+  void tell(Fault error, int address = kNoAddress) {
+    last_error = error;
+    last_error_address = static_cast<std::uint16_t>(address);
+  }
 };
 
 struct StatusView {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <string>
-#include <utility>
 
 #include "terrain/base/units.h"
 
@@ -48,16 +47,14 @@ void give_up(const LiveRadar& radar, std::uint64_t frame_id, const HeldFrame& fr
 /// Why a client that holds the oldest frame must be closed; empty: it may stay.
 std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerOptions& options) {
   if (queue.policy() == QueuePolicy::lossless &&
-      seconds_since(queue.last_progress()) > options.lossless_limit_s) {
+      seconds_since(queue.last_progress()) > options.lossless_limit_s)
     return "the client reads too slowly: lossless, and nothing taken for stream.lossless_limit_s";
-  }
   for (std::size_t i = 0; i < queue.held(); ++i) {
     const FrameQueue::Held held = queue.held(i);
     if (held.frame_id == oldest && queue.policy() == QueuePolicy::newest_wins &&
-        seconds_since(held.since) > options.stall_timeout_s) {
+        seconds_since(held.since) > options.stall_timeout_s)
       return "the client reads too slowly: it has held up the radar's oldest frame for longer than "
              "server.stall_timeout_s";
-    }
   }
   return {};
 }

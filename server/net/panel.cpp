@@ -94,10 +94,9 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     new_settings = true;
   }
   const double max_rate_hz = room_.options().max_rate_hz;
-  if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz)) {
+  if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz))
     errors.push_back({"rate_limit_hz", std::to_string(*change.rate_limit_hz),
                       "0 (none) to " + std::to_string(max_rate_hz)});
-  }
   if (new_settings || new_pose) append(errors, validate(config));
   if (new_settings && errors.empty()) errors = room_.renderer().scene_faults(config.settings);
   if (new_settings && errors.empty()) {
@@ -137,9 +136,7 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   const auto now = Clock::now();
   Pace& pace = paces_[index];
   const double elapsed_s = to_seconds(now - pace.since);
-  if (elapsed_s >= 1) {
-    pace = {now, radar.frames, static_cast<double>(radar.frames - pace.frames) / elapsed_s};
-  }
+  if (elapsed_s >= 1) pace = {now, radar.frames, static_cast<double>(radar.frames - pace.frames) / elapsed_s};
   const SettingsPtr settings = radar.settings.current();
   PanelStatus status;
   status.config = {radar.name, settings->settings, radar.pose};

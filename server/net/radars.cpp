@@ -73,14 +73,12 @@ void Radars::check_windows(LiveRadar& radar) const {
   for (Watcher& watcher : radar.watchers) {
     const wire::Window& window = watcher.demand.choice.format.window;
     std::vector<FieldError> errors;
-    if (window.azimuth.first >= static_cast<std::uint32_t>(settings.azimuth_bins)) {
+    if (window.azimuth.first >= static_cast<std::uint32_t>(settings.azimuth_bins))
       errors.push_back({"window.first_azimuth", std::to_string(window.azimuth.first),
                         "below " + std::to_string(settings.azimuth_bins)});
-    }
-    if (window.range.first >= static_cast<std::uint32_t>(settings.range_bins)) {
+    if (window.range.first >= static_cast<std::uint32_t>(settings.range_bins))
       errors.push_back({"window.first_range", std::to_string(window.range.first),
                         "below " + std::to_string(settings.range_bins)});
-    }
     const bool told = std::exchange(watcher.window_lost, !errors.empty());
     if (errors.empty() || told) continue;
     watcher.peer->send(MessageType::error,
@@ -187,10 +185,9 @@ void Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time)
 void Radars::tell_places() const {
   if (!options_.on_moved) return;
   std::vector<RadarPlace> places;
-  for (const LiveRadar& radar : radars_) {
+  for (const LiveRadar& radar : radars_)
     places.push_back(
         {{radar.pose.longitude_deg, radar.pose.latitude_deg}, radar.settings.current()->settings.r_max_m});
-  }
   options_.on_moved(std::move(places));
 }
 

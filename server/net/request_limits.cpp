@@ -68,26 +68,23 @@ FrameCost whole_cost(const RadarSettings& settings, const ServerOptions& options
 
 std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCost& cost,
                                     std::int64_t reserved_bytes, const ServerOptions& options) {
-  if (cost.bins > options.max_bins) {
+  if (cost.bins > options.max_bins)
     return exceeds("max_bins", options.max_bins, "the frame has " + std::to_string(cost.bins),
                    {"azimuth_bins x range_bins", product(settings.azimuth_bins, settings.range_bins),
                     "at most " + std::to_string(options.max_bins) + " bins in one frame"});
-  }
-  if (cost.pixels > options.max_pixels) {
+  if (cost.pixels > options.max_pixels)
     return exceeds(
         "max_pixels", options.max_pixels, "the frame has " + std::to_string(cost.pixels),
         {settings.frustum == FrustumKind::sweep ? "pixel_columns x range_bins" : "pixel_columns x pixel_rows",
          product(settings.pixel_columns, cost.pixels / std::max(settings.pixel_columns, 1)),
          "at most " + std::to_string(options.max_pixels) + " pixels in one frame"});
-  }
-  if (cost.plan_taps > options.max_plan_taps) {
+  if (cost.plan_taps > options.max_plan_taps)
     return exceeds(
         "max_plan_taps", options.max_plan_taps, "the plan of the beam has " + std::to_string(cost.plan_taps),
         {"beam.extent_deg, bins.azimuth, bins.range", std::to_string(cost.plan_taps) + " weights",
          "at most " + std::to_string(options.max_plan_taps) +
              ": a beam that ends nearer to its boresight, fewer azimuth or range bins, or a longer "
              "pulse"});
-  }
   return over_memory(settings, cost, reserved_bytes, options);
 }
 

@@ -6,7 +6,6 @@
 #include <type_traits>
 
 #include "proto/limits.h"
-#include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/net/peer.h"
@@ -35,6 +34,22 @@ template <typename Request>
 constexpr bool is_in_turn =
     std::is_same_v<Request, wire::SetSettings> || std::is_same_v<Request, wire::Subscribe> ||
     std::is_same_v<Request, wire::RenderOnce>;
+
+/// What RadarInfo and RadarStatus both say of a radar.
+template <typename Message>
+void write_condition(const LiveRadar& radar, Message& to) {
+  to.set_radar(radar.name);
+  if (radar.controller != nullptr) to.set_controller(radar.controller->name);
+  to.set_subscribers(static_cast<std::uint32_t>(radar.watchers.size()));
+  to.set_rate_hz(radar.rate_hz);
+  to.set_settings_version(radar.settings.current()->version);
+  to.set_fault(radar.faults.empty() ? "" : radar.faults.front().text());
+  to.set_transmit_off(!radar.transmit);
+  to.set_frozen(radar.frozen);
+  to.set_rate_limit_hz(radar.rate_limit_hz);
+  to.set_pose_stale(radar.poses->at(monotonic_ns()).stale);
+  to.set_late_poses(radar.poses->late());
+}
 
 }  // namespace
 
@@ -75,25 +90,24 @@ template <typename Request>
 void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
                       Role needed) {
   Request request;
-  if (!wire::parse_descriptor(descriptor, request)) {
+  if (!wire::parse_descriptor(descriptor, request))
     return peer_.fail(ErrorNumber::bad_message, "the protobuf part of a request does not parse");
-  }
-  if (!demand(needed, request.request_id(), "this request")) return;
+  id_ = request.request_id();
+  if (!demand(needed, "this request")) return;
   if (changes_something<Request>) {
-    if (const std::string why = room_.renderer().fixed(); !why.empty()) {
-      return refuse(request.request_id(), ErrorNumber::replay_only, why);
-    }
+    if (const std::string why = room_.renderer().fixed(); !why.empty())
+      return refuse(ErrorNumber::replay_only, why);
   }
-  if (is_in_turn<Request> && comes_later(request.request_id())) return;
+  if (is_in_turn<Request> && comes_later()) return;
   (this->*function)(request);
 }
 
-bool Requests::comes_later(std::uint64_t request_id) {
+bool Requests::comes_later() {
   if (its_turn_ || peer_.in_turn.empty()) return false;
   const auto most = static_cast<std::size_t>(room_.options().max_renders_queued);
   is_kept_ = peer_.in_turn.size() < most;
   if (!is_kept_)
-    refuse(request_id, ErrorNumber::too_many_renders,
+    refuse(ErrorNumber::too_many_renders,
            "too many unanswered requests: max_renders_queued is " + std::to_string(most));
   return true;
 }
@@ -153,63 +167,50 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
   }
 }
 
-void Requests::acknowledge(std::uint64_t request_id, std::uint64_t settings_version) {
+void Requests::acknowledge(std::uint64_t settings_version) {
   wire::Ack ack;
-  ack.set_request_id(request_id);
+  ack.set_request_id(id_);
   ack.set_settings_version(settings_version);
   peer_.send(MessageType::ack, ack);
 }
 
-void Requests::refuse(std::uint64_t request_id, ErrorNumber number, const std::string& text,
-                      const std::vector<FieldError>& fields) {
-  peer_.send(MessageType::error, make_error(request_id, number, text, fields));
+void Requests::refuse(ErrorNumber number, const std::string& text, const std::vector<FieldError>& fields) {
+  peer_.send(MessageType::error, make_error(id_, number, text, fields));
 }
 
-void Requests::refuse(std::uint64_t request_id, const OverLimit& over) {
-  refuse(request_id, ErrorNumber::over_limit, over.text, {over.field});
-}
+void Requests::refuse(const OverLimit& over) { refuse(ErrorNumber::over_limit, over.text, {over.field}); }
 
-LiveRadar* Requests::radar_of(std::uint64_t request_id, const std::string& name) {
+LiveRadar* Requests::radar_of(const std::string& name) {
   LiveRadar* radar = room_.radars().find(name);
   if (radar != nullptr) return radar;
   std::string names;
   for (const LiveRadar& known : room_.radars().all()) names += (names.empty() ? "" : ", ") + known.name;
-  refuse(request_id, ErrorNumber::unknown_radar, "unknown radar", {{"radar", presentable(name), names}});
+  refuse(ErrorNumber::unknown_radar, "unknown radar", {{"radar", presentable(name), names}});
   return nullptr;
 }
 
-void Requests::list_radars(const wire::ListRadars& request) {
+void Requests::list_radars(const wire::ListRadars& /*request*/) {
   wire::RadarList list;
-  list.set_request_id(request.request_id());
+  list.set_request_id(id_);
   for (const LiveRadar& radar : room_.radars().all()) list.add_radars(radar.name);
   peer_.send(MessageType::radar_list, list);
 }
 
 void Requests::get_radar(const wire::GetRadar& request) {
-  const LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  const LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   const SettingsPtr settings = radar->settings.current();
   wire::RadarInfo info;
-  info.set_request_id(request.request_id());
-  info.set_radar(radar->name);
+  info.set_request_id(id_);
   write_message(settings->settings, *info.mutable_settings());
   write_message(radar->pose, *info.mutable_pose());
-  info.set_settings_version(settings->version);
-  if (radar->controller != nullptr) info.set_controller(radar->controller->name);
   info.set_controlled_by_you(radar->controller == &peer_);
-  info.set_subscribers(static_cast<std::uint32_t>(radar->watchers.size()));
-  info.set_rate_hz(radar->rate_hz);
-  info.set_fault(radar->faults.empty() ? "" : radar->faults.front().text());
-  info.set_transmit_off(!radar->transmit);
-  info.set_frozen(radar->frozen);
-  info.set_rate_limit_hz(radar->rate_limit_hz);
-  info.set_pose_stale(radar->poses->at(monotonic_ns()).stale);
-  info.set_late_poses(radar->poses->late());
+  write_condition(*radar, info);
   peer_.send(MessageType::radar_info, info);
 }
 
 void Requests::set_settings(const wire::SetSettings& request) {
-  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  LiveRadar* radar = controlled_radar(request.radar());
   if (radar == nullptr) return;
   const SettingsPtr before = radar->settings.current();
   RadarSettings candidate = before->settings;
@@ -217,22 +218,20 @@ void Requests::set_settings(const wire::SetSettings& request) {
   append(errors, validate(candidate));
   if (errors.empty()) errors = room_.renderer().scene_faults(candidate);
   if (errors.empty()) {
-    if (const auto over = room_.over_live_limit(candidate, wire::kAllPlanes))
-      return refuse(request.request_id(), *over);
+    if (const auto over = room_.over_live_limit(candidate, wire::kAllPlanes)) return refuse(*over);
     auto faults = beam_faults_of(candidate, before->version, radar->poses->at(monotonic_ns()).pose);
     if (!faults) return;
     errors = std::move(*faults);
   }
-  if (!errors.empty())
-    return refuse(request.request_id(), ErrorNumber::invalid_value, "settings refused", errors);
+  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "settings refused", errors);
   const auto outcome = radar->settings.set(candidate);
   room_.radars().publish_view(*radar);
-  acknowledge(request.request_id(), outcome.published->version);
+  acknowledge(outcome.published->version);
   room_.radars().check_windows(*radar);
 }
 
 void Requests::set_pose(const wire::SetPose& request) {
-  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  LiveRadar* radar = controlled_radar(request.radar());
   if (radar == nullptr) return;
   PoseSettings pose = radar->pose;
   std::vector<FieldError> errors = merge_message(request.pose(), pose);
@@ -240,8 +239,7 @@ void Requests::set_pose(const wire::SetPose& request) {
   if (errors.empty()) errors = room_.renderer().place(pose);
   if (errors.empty() && pose.tilt_deg != radar->pose.tilt_deg)
     errors = known_beam_faults(radar->settings.current()->settings, pose).value_or(errors);
-  if (!errors.empty())
-    return refuse(request.request_id(), ErrorNumber::invalid_value, "pose refused", errors);
+  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
   room_.radars().move(*radar, pose, request.pose().has_sim_time_ns());
   if (peer_.has_moved && !peer_.is_guest) {
     log_as_guest(peer_);
@@ -250,7 +248,7 @@ void Requests::set_pose(const wire::SetPose& request) {
   peer_.has_moved = true;
   const SettingsPtr settings = radar->settings.current();
   wire::Ack ack;
-  ack.set_request_id(request.request_id());
+  ack.set_request_id(id_);
   ack.set_settings_version(settings->version);
   if (room_.options().ground_at) {
     const GroundThere ground = room_.options().ground_at(pose, settings->settings.r_max_m);
@@ -280,9 +278,9 @@ void Requests::write_coverage(const LiveRadar& radar, const KeeperState& keeper,
   }
 }
 
-void Requests::get_status(const wire::GetStatus& request) {
+void Requests::get_status(const wire::GetStatus& /*request*/) {
   wire::Status status;
-  status.set_request_id(request.request_id());
+  status.set_request_id(id_);
   status.set_server_name(room_.options().server_name);
   status.set_server_version(room_.options().server_version);
   status.set_uptime_s(to_seconds(room_.uptime()));
@@ -294,24 +292,14 @@ void Requests::get_status(const wire::GetStatus& request) {
   status.set_bytes_sent(all.bytes_sent);
   for (const LiveRadar& radar : room_.radars().all()) {
     wire::RadarStatus& entry = *status.add_radars();
-    entry.set_radar(radar.name);
-    if (radar.controller != nullptr) entry.set_controller(radar.controller->name);
-    entry.set_subscribers(static_cast<std::uint32_t>(radar.watchers.size()));
-    entry.set_rate_hz(radar.rate_hz);
+    write_condition(radar, entry);
     entry.set_frames(radar.frames);
     entry.set_last_render_s(radar.last_render_s);
-    entry.set_settings_version(radar.settings.current()->version);
     const LiveStream::Load load = room_.radars().load(radar);
     entry.set_live_frames(static_cast<std::uint32_t>(load.live_frames));
     entry.set_live_bytes(load.live_bytes);
     entry.set_frames_skipped(load.frames_skipped);
     entry.set_frames_shed(load.frames_shed);
-    entry.set_fault(radar.faults.empty() ? "" : radar.faults.front().text());
-    entry.set_transmit_off(!radar.transmit);
-    entry.set_frozen(radar.frozen);
-    entry.set_rate_limit_hz(radar.rate_limit_hz);
-    entry.set_pose_stale(radar.poses->at(monotonic_ns()).stale);
-    entry.set_late_poses(radar.poses->late());
     entry.set_dwells_missed(radar.dwells_missed);
     write_coverage(radar, keeper, entry);
   }

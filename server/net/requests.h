@@ -7,30 +7,9 @@
 
 #include "proto/error_number.h"
 #include "proto/message_type.h"
-#include "proto/plane.h"
+#include "proto/obliq.pb.h"
 #include "server/security/token_file.h"
 #include "terrain/base/errors.h"
-
-namespace obliq::wire {
-class Error;
-class Hello;
-class Heartbeat;
-class ListRadars;
-class GetRadar;
-class ClaimControl;
-class ReleaseControl;
-class SetSettings;
-class SetPose;
-class SetState;
-class SetReplay;
-class Subscribe;
-class Unsubscribe;
-class RenderOnce;
-class GetStatus;
-class QueryGround;
-class RadarStatus;
-class Pose;
-}  // namespace obliq::wire
 
 namespace obliq {
 struct KeeperState;
@@ -99,27 +78,27 @@ class Requests {
   void query_ground(const wire::QueryGround& request);
 
   /// Whether it has to come after requests that are kept; or it is refused, because they are too many.
-  bool comes_later(std::uint64_t request_id);
+  bool comes_later();
   /// What is wrong with beam and pulse. Nothing: the render thread has been asked, which knows the ground,
   /// and the request is kept. version: of the radar's settings that these are a change of.
   std::optional<std::vector<FieldError>> beam_faults_of(const RadarSettings& settings, std::uint64_t version,
                                                         const PoseSettings& pose);
   /// False after a refusal that says what `action` needs.
-  bool demand(Role needed, std::uint64_t request_id, const std::string& action);
-  void acknowledge(std::uint64_t request_id, std::uint64_t settings_version = 0);
+  bool demand(Role needed, const std::string& action);
+  void acknowledge(std::uint64_t settings_version = 0);
   /// Of a radar, in Status: how much of its ground is known, and why not more.
   void write_coverage(const LiveRadar& radar, const KeeperState& keeper, wire::RadarStatus& entry) const;
-  void refuse(std::uint64_t request_id, const OverLimit& over);
-  void refuse(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
-              const std::vector<FieldError>& fields = {});
+  void refuse(const OverLimit& over);
+  void refuse(wire::ErrorNumber number, const std::string& text, const std::vector<FieldError>& fields = {});
   /// The radar, or null after a refusal.
-  LiveRadar* radar_of(std::uint64_t request_id, const std::string& name);
+  LiveRadar* radar_of(const std::string& name);
   /// As radar_of, and this peer must control it.
-  LiveRadar* controlled_radar(std::uint64_t request_id, const std::string& name);
+  LiveRadar* controlled_radar(const std::string& name);
 
   Room& room_;
   Peer& peer_;
   const Appraised* appraised_ = nullptr;
+  std::uint64_t id_ = 0;   ///< the request's number
   bool its_turn_ = false;  ///< no kept request comes before it
   bool is_kept_ = false;
 };

@@ -5,7 +5,6 @@
 
 #include "proto/limits.h"
 #include "proto/message_header.h"
-#include "proto/obliq.pb.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
@@ -19,21 +18,19 @@ using wire::ErrorNumber;
 using wire::MessageType;
 
 void Requests::hello(const wire::Hello& request) {
-  if (request.major() != wire::kMajorVersion) {
+  if (request.major() != wire::kMajorVersion)
     return peer_.fail(ErrorNumber::version_mismatch,
                       "protocol version: found " + std::to_string(request.major()) + "." +
                           std::to_string(request.minor()) +
                           "; allowed: " + std::to_string(wire::kMajorVersion) + ".x");
-  }
   const Security& security = *room_.options().security;
   // A second Hello gets the same Welcome and changes nothing.
   if (!peer_.greeted) {
     const auto grant = security.grant(request.token());
-    if (!grant) {
+    if (!grant)
       return peer_.fail(ErrorNumber::token_refused, request.token().empty()
                                                         ? "this server wants a token (obliq: --token-file)"
                                                         : "this server does not know the token");
-    }
     if (const auto none = room_.no_place_for(peer_)) return peer_.fail(none->number, none->text);
     peer_.role = grant->role;
     if (security.needs_token()) peer_.credential = grant->digest;
@@ -47,7 +44,7 @@ void Requests::hello(const wire::Hello& request) {
 
   const ServerOptions& options = room_.options();
   wire::Welcome welcome;
-  welcome.set_request_id(request.request_id());
+  welcome.set_request_id(id_);
   welcome.set_major(wire::kMajorVersion);
   welcome.set_minor(wire::kMinorVersion);
   welcome.set_server_name(options.server_name);
@@ -86,38 +83,36 @@ void Requests::hello(const wire::Hello& request) {
 void Requests::heartbeat(const wire::Heartbeat& request) {
   if (!request.answer_wanted()) return;
   wire::Heartbeat answer;
-  answer.set_request_id(request.request_id());
+  answer.set_request_id(id_);
   peer_.send(MessageType::heartbeat, answer);
 }
 
-bool Requests::demand(Role needed, std::uint64_t request_id, const std::string& action) {
+bool Requests::demand(Role needed, const std::string& action) {
   if (peer_.role >= needed) return true;
-  refuse(request_id, ErrorNumber::role_too_low,
-         action + " needs the role " + std::string(role_name(needed)) + "; this client's token gives " +
-             std::string(role_name(peer_.role)));
+  refuse(ErrorNumber::role_too_low, action + " needs the role " + std::string(role_name(needed)) +
+                                        "; this client's token gives " + std::string(role_name(peer_.role)));
   return false;
 }
 
-LiveRadar* Requests::controlled_radar(std::uint64_t request_id, const std::string& name) {
-  LiveRadar* radar = radar_of(request_id, name);
+LiveRadar* Requests::controlled_radar(const std::string& name) {
+  LiveRadar* radar = radar_of(name);
   if (radar == nullptr || radar->controller == &peer_) return radar;
   if (radar->controller != nullptr) {
-    refuse(request_id, ErrorNumber::controlled_by_other,
+    refuse(ErrorNumber::controlled_by_other,
            "radar " + radar->name + " is controlled by " + radar->controller->name);
   } else {
-    refuse(request_id, ErrorNumber::not_in_control,
-           "radar " + radar->name + " is not claimed: claim control first");
+    refuse(ErrorNumber::not_in_control, "radar " + radar->name + " is not claimed: claim control first");
   }
   return nullptr;
 }
 
 void Requests::claim_control(const wire::ClaimControl& request) {
-  LiveRadar* radar = radar_of(request.request_id(), request.radar());
+  LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   Peer* holder = radar->controller;
   const bool taken = holder != nullptr && holder != &peer_;
   if (taken && request.force()) {
-    if (!demand(Role::admin, request.request_id(), "taking control over")) return;
+    if (!demand(Role::admin, "taking control over")) return;
     log_as_guest(*holder);
     log_as_guest(peer_);
     holder->send(
@@ -127,44 +122,42 @@ void Requests::claim_control(const wire::ClaimControl& request) {
     spdlog::warn("radar {}: {} takes control from {}; give it a token of another role if it should not",
                  radar->name, peer_.name, holder->name);
   } else if (taken) {
-    return refuse(request.request_id(), ErrorNumber::controlled_by_other,
+    return refuse(ErrorNumber::controlled_by_other,
                   "radar " + radar->name + " is controlled by " + holder->name);
   }
   if (holder == nullptr) log_doing(peer_, radar->name, "controlled by " + peer_.name);
   if (holder != &peer_) radar->poses->restart();
   radar->controller = &peer_;
-  acknowledge(request.request_id(), radar->settings.current()->version);
+  acknowledge(radar->settings.current()->version);
 }
 
 void Requests::release_control(const wire::ReleaseControl& request) {
-  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  LiveRadar* radar = controlled_radar(request.radar());
   if (radar == nullptr) return;
   radar->controller = nullptr;
   log_doing(peer_, radar->name, "released by " + peer_.name);
-  acknowledge(request.request_id(), radar->settings.current()->version);
+  acknowledge(radar->settings.current()->version);
 }
 
 void Requests::set_state(const wire::SetState& request) {
-  LiveRadar* radar = controlled_radar(request.request_id(), request.radar());
+  LiveRadar* radar = controlled_radar(request.radar());
   if (radar == nullptr) return;
   RadarSwitches wanted;
   if (request.has_transmit()) wanted.transmit = request.transmit();
   if (request.has_freeze()) wanted.freeze = request.freeze();
   room_.radars().flip(*radar, wanted, peer_.name);
-  acknowledge(request.request_id(), radar->settings.current()->version);
+  acknowledge(radar->settings.current()->version);
 }
 
 void Requests::set_replay(const wire::SetReplay& request) {
-  if (room_.replay() == nullptr) {
+  if (room_.replay() == nullptr)
     return refuse(
-        request.request_id(), ErrorNumber::not_a_replay,
+        ErrorNumber::not_a_replay,
         "this server's radars are live: pause, speed and seek are for a server that replays a recording "
         "(obliq replay FILE --serve)");
-  }
   const std::vector<FieldError> errors = room_.replay()->set(request);
-  if (!errors.empty())
-    return refuse(request.request_id(), ErrorNumber::invalid_value, "replay refused", errors);
-  acknowledge(request.request_id());
+  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "replay refused", errors);
+  acknowledge();
 }
 
 }  // namespace obliq::net

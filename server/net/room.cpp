@@ -154,19 +154,17 @@ int Room::clients() const {
 }
 
 std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
-  if (clients() >= options_.max_clients) {
+  if (clients() >= options_.max_clients)
     return NoPlace{wire::ErrorNumber::too_many_clients,
                    "too many clients: max_clients is " + std::to_string(options_.max_clients)};
-  }
   // Of IPv6 the /64 network, which one host can have for itself.
   const std::string network = network_of(peer.host);
   const auto from_there = std::ranges::count_if(
       peers_, [&](const auto& other) { return other->is_client() && network_of(other->host) == network; });
-  if (from_there >= options_.max_clients_per_address) {
+  if (from_there >= options_.max_clients_per_address)
     return NoPlace{wire::ErrorNumber::too_many_from_address,
                    "too many clients from " + peer.host + ": max_clients_per_address is " +
                        std::to_string(options_.max_clients_per_address)};
-  }
   return std::nullopt;
 }
 

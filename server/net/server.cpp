@@ -79,12 +79,11 @@ asio::awaitable<void> Server::State::accept() {
     }
     if (!trouble.empty()) {
       // Connected clients are served as before; new ones wait.
-      if (!in_trouble) {
+      if (!in_trouble)
         spdlog::error(
             "cannot accept a connection: {}; if descriptors have run out, raise their limit (ulimit -n, "
             "LimitNOFILE=)",
             trouble);
-      }
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     } else if (in_trouble) {

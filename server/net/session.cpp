@@ -185,9 +185,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     if (phase_ == Phase::closed || start == Transport::Start::failed) co_return close();
     spdlog::debug("{}: connected, {}", name, transport_->description());
     spawn(&Session::write_outbox);
-    if (start == Transport::Start::plain_peer) {
+    if (start == Transport::Start::plain_peer)
       fail(ErrorNumber::tls_required, "this server speaks TLS only (obliq: --tls)");
-    }
     co_await read_requests();
   }
 
@@ -230,10 +229,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     transport_->expect(request_limits());
     if (!co_await read(all.first(1), true)) co_return false;
     const wire::MessageLimits limits = request_limits();  // they may have changed meanwhile
-    if (phase_ == Phase::serving) {
+    if (phase_ == Phase::serving)
       arm(read_deadline_, room_->options().message_timeout_s,
           [](Session& self) { self.fail(ErrorNumber::timed_out, "a message was not completed in time"); });
-    }
     if (!co_await read(all.subspan(1, kMagicBytes - 1))) co_return false;
     wire::MessageHeader& header = request.header;
     std::fill(head.begin() + kMagicBytes, head.end(), std::byte{0});

@@ -12,11 +12,12 @@
 #include <boost/asio/ssl/error.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/write.hpp>
+#include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 #include <vector>
 
+#include "server/net/io_thread.h"
 #include "server/net/tcp.h"
 #include "server/security/networks.h"
 #include "server/stream/block.h"
@@ -39,30 +40,14 @@ constexpr int kLoopbackSendBytes = 200'000;
 /// RFC 8446 section 5.1: the first byte of a client's first record, ContentType handshake.
 constexpr std::byte kTlsHandshake{22};
 
-struct HandshakeThread {
-  HandshakeThread()
-      : thread([this] {
-          (void)lower_own_priority();  // best effort: without it a flood costs more
-          io.run();
-        }) {}
-  ~HandshakeThread() {
-    io.stop();
-    thread.join();
-  }
-  HandshakeThread(const HandshakeThread&) = delete;
-  HandshakeThread& operator=(const HandshakeThread&) = delete;
-
-  asio::io_context io{1};
-  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
-  std::thread thread;
-};
-
 /// Does the arithmetic of TLS handshakes, on one thread of low priority for all servers of this process, so
 /// that a flood of handshakes takes little from the clients that are served. Runs until the process ends.
 /// While a socket's handshake is here, nothing else may touch the socket.
 asio::io_context& handshakes() {
-  static HandshakeThread only;
-  return only.io;
+  static IoThread only;
+  static std::once_flag lowered;  // best effort: without it a flood costs more
+  std::call_once(lowered, [] { only.post([] { (void)lower_own_priority(); }); });
+  return only.context();
 }
 
 Transport::Transfer outcome(error_code error) {
@@ -98,9 +83,8 @@ SocketTransport::SocketTransport(asio::io_context& io, int socket_fd, bool is_ip
     : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
   error_code ignored;  // optional: failure is harmless
   state_->socket.set_option(tcp::no_delay(true), ignored);
-  if (is_loopback_address(host())) {
+  if (is_loopback_address(host()))
     state_->socket.set_option(asio::socket_base::send_buffer_size(kLoopbackSendBytes), ignored);
-  }
 }
 SocketTransport::~SocketTransport() = default;
 

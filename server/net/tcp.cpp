@@ -45,10 +45,9 @@ tcp::endpoint resolve(asio::io_context& io, const std::string& address, std::uin
   tcp::resolver resolver(io);
   const auto found = resolver.resolve(address, std::to_string(port),
                                       tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error || found.empty()) {
+  if (error || found.empty())
     throw InputError("address: found " + address + " (" + error.message() +
                      "); allowed: an address of this machine");
-  }
   return found.begin()->endpoint();
 }
 

@@ -106,10 +106,8 @@ std::string steep_beam_warning(const FramePlan& plan) {
 
 void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescriptor& descriptor) {
   const WorldFrame& frame = plan.scene().world().frame;
-  if (const std::string warning = refraction_warning(plan); !warning.empty())
-    descriptor.add_warnings(warning);
-  if (const std::string warning = steep_beam_warning(plan); !warning.empty())
-    descriptor.add_warnings(warning);
+  for (const std::string& warning : {refraction_warning(plan), steep_beam_warning(plan)})
+    if (!warning.empty()) descriptor.add_warnings(warning);
   const bool far = off_origin_m > kFarFromOrigin_m;
   if (!plan.looks_at().extent().any)
     descriptor.add_warnings(far ? fmt::format("no known ground in the sector: the antenna is {:.0f} km from "

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "server/radar/bins.h"
-#include "terrain/dem/load_report.h"
 
 namespace obliq::wire {
 class FrameDescriptor;

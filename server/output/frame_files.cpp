@@ -94,29 +94,27 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-struct PlaneFile {
-  const char* plane;
-  const char* file;
-  bool there;
-};
-
-std::vector<PlaneFile> plane_files(const BinBlock& bins) {
-  return {{"iq", "bins.npy", !bins.iq.empty()},
-          {"power", "power.npy", !bins.power_w.empty()},
-          {"count", "count.npy", !bins.count.empty()},
-          {"state", "state.npy", !bins.state.empty()}};
+/// Calls use(plane, file, numpy's name of the type, values) for each plane; an empty one is not there.
+template <class Use>
+void each_plane(const BinBlock& bins, const Use& use) {
+  use("iq", "bins.npy", "<c8", bins.iq);
+  use("power", "power.npy", "<f8", bins.power_w);
+  use("count", "count.npy", "<u4", bins.count);
+  use("state", "state.npy", "|u1", bins.state);
+  if (bins.video16.empty())
+    use("video", "video.npy", "|u1", bins.video8);
+  else
+    use("video", "video.npy", "<u2", bins.video16);
 }
-
-bool has_video(const BinBlock& bins) { return !bins.video8.empty() || !bins.video16.empty(); }
 
 std::string what_is_missing(const BinBlock& bins) {
   std::vector<std::string> planes;
   std::vector<std::string> files;
-  for (const PlaneFile& one : plane_files(bins)) {
-    if (one.there) continue;
-    planes.emplace_back(one.plane);
-    files.emplace_back(one.file);
-  }
+  each_plane(bins, [&](const std::string& plane, const char* file, const char*, const auto& values) {
+    if (!values.empty() || plane == "video") return;  // which comes where it was asked for
+    planes.push_back(plane);
+    files.emplace_back(file);
+  });
   if (planes.empty()) return {};
   std::string text = "the frame came without " + listed(planes);
   if (!can_be_drawn(bins)) {
@@ -147,21 +145,12 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   WrittenFrame written;
   make_folder(directory);
   NewFiles files(directory);
-  const auto add_plane = [&](const char* name, const char* type, const auto& values) {
-    if (values.empty()) {
-      files.leave_out(name);
-    } else {
-      files.add(name, [&](const auto& path) { write_npy(path, type, values, bins.n_azimuth, bins.n_range); });
-    }
-  };
-  add_plane("bins.npy", "<c8", bins.iq);
-  add_plane("power.npy", "<f8", bins.power_w);
-  add_plane("count.npy", "<u4", bins.count);
-  add_plane("state.npy", "|u1", bins.state);
-  if (bins.video16.empty())
-    add_plane("video.npy", "|u1", bins.video8);
-  else
-    add_plane("video.npy", "<u2", bins.video16);
+  std::vector<std::string> planes;
+  each_plane(bins, [&](const char* plane, const char* file, const char* type, const auto& values) {
+    if (values.empty()) return files.leave_out(file);
+    files.add(file, [&](const auto& path) { write_npy(path, type, values, bins.n_azimuth, bins.n_range); });
+    planes.emplace_back(plane);
+  });
   if (can_be_drawn(bins)) {
     written.scale = add_maps(files, descriptor, summary, bins, options);
   } else {
@@ -173,10 +162,6 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   } else {
     files.leave_out("samples.exr");
   }
-  std::vector<std::string> planes;
-  for (const PlaneFile& one : plane_files(bins))
-    if (one.there) planes.emplace_back(one.plane);
-  if (has_video(bins)) planes.emplace_back("video");
   files.leave_out("timing.json");  // of an older frame; that of this one comes when all is written
   files.add("frame.json",
             [&](const auto& path) { write_whole(path, frame_json(descriptor, summary, planes)); });
@@ -243,9 +228,8 @@ wire::FrameDescriptor placed_window(const wire::FrameDescriptor& descriptor) {
   wire::FrameDescriptor placed = descriptor;
   if (!descriptor.has_window()) return placed;
   const auto window =
-      wire::cut_window(wire::read_window(descriptor.window()),
-                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().azimuth_bins())),
-                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().range_bins())));
+      wire::cut_window(wire::read_window(descriptor.window()), descriptor.settings().azimuth_bins(),
+                       descriptor.settings().range_bins());
   if (!window)
     throw InputError("frame descriptor: window: found no bin of the frame in it; allowed: at least one");
   const wire::BinRun& azimuth = window->azimuth;

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "proto/bin_window.h"
@@ -88,9 +87,8 @@ std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::Fram
   root["notes"] = notes();
   if (!descriptor.has_window()) root["frame"].erase("window");
   const auto window =
-      wire::cut_window(wire::read_window(descriptor.window()),
-                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().azimuth_bins())),
-                       static_cast<std::uint32_t>(std::max(0, descriptor.settings().range_bins())))
+      wire::cut_window(wire::read_window(descriptor.window()), descriptor.settings().azimuth_bins(),
+                       descriptor.settings().range_bins())
           .value_or(wire::Window{});
   // Last, so that they do not stand between a reader and the rest.
   std::string text = root.dump(1);

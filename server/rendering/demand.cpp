@@ -41,8 +41,7 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
   std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings.azimuth_bins)));
   for (const Demand& demand : demands) {
     const auto window =
-        wire::cut_window(demand.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
-                         static_cast<std::uint32_t>(settings.range_bins));
+        wire::cut_window(demand.choice.format.window, settings.azimuth_bins, settings.range_bins);
     if (!window) continue;
     order.takers.push_back(demand.watch_id);
     choices.insert(demand.choice);

@@ -23,8 +23,7 @@ constexpr int kLeastParked = 4;
 /// The part of the frame that was asked for; checked when the request was made.
 wire::Window window_of(const OnceRequest& request) {
   const RadarSettings& settings = request.view.settings->settings;
-  return wire::cut_window(request.choice.format.window, static_cast<std::uint32_t>(settings.azimuth_bins),
-                          static_cast<std::uint32_t>(settings.range_bins))
+  return wire::cut_window(request.choice.format.window, settings.azimuth_bins, settings.range_bins)
       .value_or(wire::Window{});
 }
 
@@ -206,9 +205,8 @@ bool OnceJob::render_slice(Frame& frame) const {
   options.draw = frame_draw(request.radar, frame.receiver->counter());
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);
-    for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins)) {
+    for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins))
       frame.send(context_.events, block);
-    }
   };
   if (!frame.plan->render({frame.next_azimuth, count}, options)) {
     frame.send(context_.events, frame.encoder->abort("the server has stopped rendering this frame"));

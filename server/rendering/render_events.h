@@ -26,7 +26,15 @@ struct LiveView {
   bool pose_stale = false;
 
   /// The same with the pose of a moment of the server's monotonic clock.
-  LiveView at(std::int64_t now_ns) const;
+  LiveView at(std::int64_t now_ns) const {
+    LiveView view = *this;
+    if (!poses) return view;
+    const PoseAt at = poses->at(now_ns);
+    view.pose = at.pose;
+    view.pose_received_ns = at.received_ns;
+    view.pose_stale = at.stale;
+    return view;
+  }
 };
 
 /// One RenderOnce request.

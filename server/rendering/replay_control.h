@@ -1,8 +1,6 @@
 #pragma once
 // How clients steer a renderer that replays: one position, one speed, for all who watch.
-#include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "terrain/base/errors.h"

@@ -65,17 +65,15 @@ std::shared_ptr<ssl::context> read_tls_files(const std::string& certificate_path
   SSL_CTX_set_mode(tls, SSL_MODE_RELEASE_BUFFERS);  // idle connections hold 34 KiB less
   SSL_CTX_set_default_passwd_cb(tls, no_passphrase);
   ERR_clear_error();
-  if (SSL_CTX_use_certificate_chain_file(tls, certificate_path.c_str()) != 1) {
+  if (SSL_CTX_use_certificate_chain_file(tls, certificate_path.c_str()) != 1)
     throw InputError("server.tls_certificate: " + certificate_path + ": " + openssl_reason() +
                      "; allowed: a PEM file with the server's certificate first, then its issuers");
-  }
   if (SSL_CTX_use_PrivateKey_file(tls, key_path.c_str(), SSL_FILETYPE_PEM) != 1) {
     const bool other_key = ERR_GET_REASON(ERR_peek_last_error()) == X509_R_KEY_VALUES_MISMATCH;
     const std::string reason = openssl_reason();
-    if (other_key) {
+    if (other_key)
       throw InputError("server.tls_key: " + key_path + ": is not the key of the certificate in " +
                        certificate_path);
-    }
     throw InputError("server.tls_key: " + key_path + ": " + reason +
                      "; allowed: a PEM file with a private key, without passphrase");
   }
@@ -94,30 +92,27 @@ std::shared_ptr<ssl::context> read_tls_files(const std::string& certificate_path
                        time_text(X509_get0_notBefore(certificate)) + "; check this machine's clock");
   }
   const EVP_PKEY* key = X509_get0_pubkey(certificate);
-  if (EVP_PKEY_base_id(key) == EVP_PKEY_RSA && EVP_PKEY_bits(key) >= kSlowRsa_bits) {
+  if (EVP_PKEY_base_id(key) == EVP_PKEY_RSA && EVP_PKEY_bits(key) >= kSlowRsa_bits)
     warnings.push_back(
         "server.tls_certificate: " + certificate_path + " has an RSA key of " +
         std::to_string(EVP_PKEY_bits(key)) +
         " bits: every handshake costs milliseconds of processor time, which a flood of connections "
         "multiplies; a key on the curve P-256 (openssl ecparam -genkey -name prime256v1) costs a tenth");
-  }
   struct stat status {};
-  if (::stat(key_path.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {
+  if (::stat(key_path.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0)
     warnings.push_back("server.tls_key: " + key_path +
                        " may be read by every user of this machine: chmod 600");
-  }
   return context;
 }
 
 }  // namespace
 
 Security::Security(SecurityFiles files) : files_(std::move(files)) {
-  if (files_.tls_certificate.empty() != files_.tls_key.empty()) {
+  if (files_.tls_certificate.empty() != files_.tls_key.empty())
     throw InputError(
         files_.tls_key.empty()
             ? "server.tls_key: found nothing; allowed: the key of server.tls_certificate"
             : "server.tls_certificate: found nothing; allowed: the certificate of server.tls_key");
-  }
   const Reloaded first = reload();
   for (const std::string& fault : {first.tokens_fault, first.certificate_fault})
     if (!fault.empty()) throw InputError(fault);

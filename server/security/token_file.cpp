@@ -42,10 +42,9 @@ std::string text_of_private_file(const std::filesystem::path& path) {
     throw InputError(where + ": found mode " + mode.str() +
                      "; allowed: a file that only its owner may read (chmod 600)");
   }
-  if (status.st_uid != ::geteuid() && status.st_uid != 0) {
+  if (status.st_uid != ::geteuid() && status.st_uid != 0)
     throw InputError(where + ": found the owner with uid " + std::to_string(status.st_uid) +
                      "; allowed: " + std::to_string(::geteuid()) + ", which this program runs as, or root");
-  }
   if (status.st_size > kMaxFileBytes) throw InputError(where + ": found more than 1 MiB");
   std::string text(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t have = 0;
@@ -79,10 +78,9 @@ TokenFile TokenFile::read(const std::filesystem::path& path) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   OPENSSL_cleanse(text.data(), text.size());
-  if (tokens.entries_.empty()) {
+  if (tokens.entries_.empty())
     throw InputError("server.tokens: " + path.string() +
                      ": found no token; allowed: lines of ROLE TOKEN [NAME]");
-  }
   return tokens;
 }
 
@@ -107,20 +105,17 @@ void TokenFile::add(std::string_view line, const std::string& where) {
   const auto role = role_of(role_word);
   // What was found is not shown: if the columns are mixed up, it is the token.
   if (!role) throw InputError(where + ": the first word is no role; allowed: viewer, controller, admin");
-  if (token.size() < kMinTokenBytes || token.size() > kMaxTokenBytes || !printable(token)) {
+  if (token.size() < kMinTokenBytes || token.size() > kMaxTokenBytes || !printable(token))
     throw InputError(where + ": found a token of " + std::to_string(token.size()) +
                      " bytes; allowed: " + std::to_string(kMinTokenBytes) + " to " +
                      std::to_string(kMaxTokenBytes) + " printable ones (openssl rand -hex 24)");
-  }
-  if (!next_word().empty() || name.size() > kMaxNameBytes || !printable(name)) {
+  if (!next_word().empty() || name.size() > kMaxNameBytes || !printable(name))
     throw InputError(where + ": allowed after the token: one printable name of at most " +
                      std::to_string(kMaxNameBytes) + " bytes");
-  }
   Grant grant{*role, std::string(name), digest_of(token)};
   if (find(grant.digest)) throw InputError(where + ": this token is there twice");
-  if (entries_.size() >= kMaxEntries) {
+  if (entries_.size() >= kMaxEntries)
     throw InputError(where + ": found more than " + std::to_string(kMaxEntries) + " tokens");
-  }
   entries_.push_back(std::move(grant));
 }
 

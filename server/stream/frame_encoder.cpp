@@ -47,10 +47,9 @@ std::vector<wire::Rectangle> cut(std::uint32_t bytes_per_bin, std::uint32_t n_az
   const std::uint32_t rows = ranges < n_range ? 1 : std::max(1u, most_bins / n_range);
   std::vector<wire::Rectangle> rectangles;
   for (std::uint32_t azimuth = 0; azimuth < n_azimuth; azimuth += rows) {
-    for (std::uint32_t range = 0; range < n_range; range += ranges) {
+    for (std::uint32_t range = 0; range < n_range; range += ranges)
       rectangles.push_back(
           {azimuth, std::min(rows, n_azimuth - azimuth), range, std::min(ranges, n_range - range)});
-    }
   }
   return rectangles;
 }
@@ -138,8 +137,7 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
     }
   }
   const auto cut_to_frame = [&](const wire::Window& window) {
-    return wire::cut_window(window, static_cast<std::uint32_t>(descriptor.settings().azimuth_bins()),
-                            static_cast<std::uint32_t>(descriptor.settings().range_bins()));
+    return wire::cut_window(window, descriptor.settings().azimuth_bins(), descriptor.settings().range_bins());
   };
   products_.clear();
   for (const auto& [product, as_json] : wanted) {

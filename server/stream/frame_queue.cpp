@@ -48,9 +48,8 @@ BlockPtr FrameQueue::push(const BlockPtr& block, const LiveFramePtr& frame, std:
   if (at == frames_.end()) return nullptr;
   const bool newest_wins = policy_ == QueuePolicy::newest_wins;
   if (block->type == MessageType::wedge_block) {
-    if (newest_wins && bytes_ + block->memory() > most_bytes) {
+    if (newest_wins && bytes_ + block->memory() > most_bytes)
       return give_up(at, "the client reads too slowly");
-    }
   } else {
     at->complete = true;
     // Drop the FrameAbort of a frame whose FrameBegin was never sent.

@@ -73,9 +73,8 @@ BlockPtr Outbox::pop() {
     if (!block) continue;
     next_queue_ = at + 1;
     const bool last = block->type == MessageType::frame_end || block->type == MessageType::frame_abort;
-    if (last && queues_[at].policy() == QueuePolicy::once) {
+    if (last && queues_[at].policy() == QueuePolicy::once)
       queues_.erase(queues_.begin() + static_cast<std::ptrdiff_t>(at));
-    }
     return block;
   }
   return nullptr;

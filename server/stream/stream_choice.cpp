@@ -36,9 +36,8 @@ void check_run(const wire::BinRun& run, const char* axis, int bins, std::vector<
                       "0 (all that follow) to " + std::to_string(n - run.first) + ", from bin " +
                           std::to_string(run.first) + " of " + std::to_string(bins)});
   }
-  if (run.step > n) {
+  if (run.step > n)
     errors.push_back({"window." + name + "_step", std::to_string(run.step), "1 to " + std::to_string(bins)});
-  }
 }
 
 template <typename Request>

@@ -1,9 +1,9 @@
-#include "server/timing/timing_report.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "server/timing/timing.h"
 
 namespace obliq {
 namespace {

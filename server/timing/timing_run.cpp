@@ -1,5 +1,3 @@
-#include "server/timing/timing_run.h"
-
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -22,6 +20,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/stream/frame_encoder.h"
+#include "server/timing/timing.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
 #include "terrain/base/units.h"

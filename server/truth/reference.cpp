@@ -230,14 +230,8 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
     };
   });
 
-  for (const BinBuildings& bin : by_bin) {
-    for (const auto& [building, truth] : bin.seen) {
-      BuildingTruth& total = bins.buildings[building];
-      total.visible_sr += truth.visible_sr;
-      total.unoccluded_sr += truth.unoccluded_sr;
-      total.largest_share = std::max(total.largest_share, truth.largest_share);
-    }
-  }
+  for (const BinBuildings& bin : by_bin)
+    for (const auto& [building, truth] : bin.seen) bins.buildings[building].add(truth);
   return bins;
 }
 

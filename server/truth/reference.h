@@ -33,6 +33,7 @@
 // nearly in line with the sight changes its range bin within a fraction of the planes' spacing.
 // tests/accuracy/reference_order_test.cpp shows both, reference_test.cpp and reference_plates_test.cpp closed
 // forms.
+#include <algorithm>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -73,6 +74,13 @@ struct BuildingTruth {
   double visible_sr = 0;
   double unoccluded_sr = 0;  ///< standing on its ground alone: its own walls hide, nothing else does
   double largest_share = 0;  ///< of the power of any one bin, 0..1
+
+  /// What other bins see of it.
+  void add(const BuildingTruth& other) {
+    visible_sr += other.visible_sr;
+    unoccluded_sr += other.unoccluded_sr;
+    largest_share = std::max(largest_share, other.largest_share);
+  }
 };
 
 /// What a straight piece of the surface gives to one range bin.

@@ -4,6 +4,7 @@
 #include <google/protobuf/message.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -47,63 +48,37 @@ Refusal refusal_of_header(wire::HeaderStatus status, const wire::MessageHeader& 
 }  // namespace
 
 const Message* example_of(MessageType type) {
-  switch (type) {
-    case MessageType::hello:
-      return &wire::Hello::default_instance();
-    case MessageType::welcome:
-      return &wire::Welcome::default_instance();
-    case MessageType::ack:
-      return &wire::Ack::default_instance();
-    case MessageType::error:
-      return &wire::Error::default_instance();
-    case MessageType::heartbeat:
-      return &wire::Heartbeat::default_instance();
-    case MessageType::list_radars:
-      return &wire::ListRadars::default_instance();
-    case MessageType::radar_list:
-      return &wire::RadarList::default_instance();
-    case MessageType::get_radar:
-      return &wire::GetRadar::default_instance();
-    case MessageType::radar_info:
-      return &wire::RadarInfo::default_instance();
-    case MessageType::claim_control:
-      return &wire::ClaimControl::default_instance();
-    case MessageType::release_control:
-      return &wire::ReleaseControl::default_instance();
-    case MessageType::set_settings:
-      return &wire::SetSettings::default_instance();
-    case MessageType::set_pose:
-      return &wire::SetPose::default_instance();
-    case MessageType::subscribe:
-      return &wire::Subscribe::default_instance();
-    case MessageType::unsubscribe:
-      return &wire::Unsubscribe::default_instance();
-    case MessageType::render_once:
-      return &wire::RenderOnce::default_instance();
-    case MessageType::get_status:
-      return &wire::GetStatus::default_instance();
-    case MessageType::status:
-      return &wire::Status::default_instance();
-    case MessageType::set_state:
-      return &wire::SetState::default_instance();
-    case MessageType::set_replay:
-      return &wire::SetReplay::default_instance();
-    case MessageType::replay_state:
-      return &wire::ReplayState::default_instance();
-    case MessageType::query_ground:
-      return &wire::QueryGround::default_instance();
-    case MessageType::ground_answer:
-      return &wire::GroundAnswer::default_instance();
-    case MessageType::frame_begin:
-      return &wire::FrameBegin::default_instance();
-    case MessageType::wedge_block:
-      return &wire::WedgeBlock::default_instance();
-    case MessageType::frame_end:
-      return &wire::FrameEnd::default_instance();
-    case MessageType::frame_abort:
-      return &wire::FrameAbort::default_instance();
-  }
-  return nullptr;
+  static const std::map<MessageType, const Message*> kExamples = {
+      {MessageType::hello, &wire::Hello::default_instance()},
+      {MessageType::welcome, &wire::Welcome::default_instance()},
+      {MessageType::ack, &wire::Ack::default_instance()},
+      {MessageType::error, &wire::Error::default_instance()},
+      {MessageType::heartbeat, &wire::Heartbeat::default_instance()},
+      {MessageType::list_radars, &wire::ListRadars::default_instance()},
+      {MessageType::radar_list, &wire::RadarList::default_instance()},
+      {MessageType::get_radar, &wire::GetRadar::default_instance()},
+      {MessageType::radar_info, &wire::RadarInfo::default_instance()},
+      {MessageType::claim_control, &wire::ClaimControl::default_instance()},
+      {MessageType::release_control, &wire::ReleaseControl::default_instance()},
+      {MessageType::set_settings, &wire::SetSettings::default_instance()},
+      {MessageType::set_pose, &wire::SetPose::default_instance()},
+      {MessageType::subscribe, &wire::Subscribe::default_instance()},
+      {MessageType::unsubscribe, &wire::Unsubscribe::default_instance()},
+      {MessageType::render_once, &wire::RenderOnce::default_instance()},
+      {MessageType::get_status, &wire::GetStatus::default_instance()},
+      {MessageType::status, &wire::Status::default_instance()},
+      {MessageType::set_state, &wire::SetState::default_instance()},
+      {MessageType::query_ground, &wire::QueryGround::default_instance()},
+      {MessageType::ground_answer, &wire::GroundAnswer::default_instance()},
+      {MessageType::set_replay, &wire::SetReplay::default_instance()},
+      {MessageType::replay_state, &wire::ReplayState::default_instance()},
+      {MessageType::frame_begin, &wire::FrameBegin::default_instance()},
+      {MessageType::wedge_block, &wire::WedgeBlock::default_instance()},
+      {MessageType::frame_end, &wire::FrameEnd::default_instance()},
+      {MessageType::frame_abort, &wire::FrameAbort::default_instance()},
+  };
+  const auto found = kExamples.find(type);
+  return found == kExamples.end() ? nullptr : found->second;
 }
 
 std::optional<Refusal> to_binary(std::span<const std::byte> message, const wire::MessageLimits& limits,

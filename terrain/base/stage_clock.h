@@ -3,7 +3,6 @@
 // stages add up to its own, by construction. A thread that is not pays one look at a null pointer a probe.
 #include <array>
 #include <chrono>
-#include <cstddef>
 #include <mutex>
 
 namespace obliq {

@@ -1,6 +1,7 @@
 #pragma once
 // Numbers as readers want them, and text of strangers made fit to show.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,12 @@ std::string duration_text(double seconds);
 
 /// "1 frame", "2 frames".
 std::string counted(std::uint64_t number, const std::string& thing);
+
+/// Without the spaces, tabs and carriage returns at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// All of the text as a number, written as from_chars has it; nothing else.
+std::optional<double> number_in(std::string_view text);
 
 /// With spaces for line breaks.
 std::string one_line(std::string text);

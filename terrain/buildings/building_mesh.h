@@ -74,7 +74,7 @@ void for_each_triangle(const Buildings& all, const Building& building, Use&& use
   }
 }
 
-/// All triangles as Embree and `obliq mesh` want them, with the corners that neighbours share but for those
+/// All triangles as Embree wants them, with the corners that neighbours share but for those
 /// between a roof of several parts and its walls, which are there twice, with the same bits.
 struct BuildingMesh {
   std::vector<glm::vec3> vertices_m;  ///< world frame; has room for one more, as Embree reads 16 bytes

@@ -40,14 +40,12 @@ GroundPlace first_ground(const World& world, const GeoPolygon& polygon) {
 }
 
 void check(const BuildingSourceSpec& spec) {
-  if (!(spec.default_height_m > 0) || spec.default_height_m > kTallest_m) {
+  if (!(spec.default_height_m > 0) || spec.default_height_m > kTallest_m)
     throw InputError(
         fmt::format("[[buildings]] default_height_m: found {}; allowed: more than 0, at most 2000 m",
                     spec.default_height_m));
-  }
-  if (!spec.unit.empty() && spec.unit != "m" && spec.unit != "ft") {
+  if (!spec.unit.empty() && spec.unit != "m" && spec.unit != "ft")
     throw InputError("[[buildings]] unit: found \"" + spec.unit + "\"; allowed: \"m\" or \"ft\"");
-  }
 }
 
 /// True when the middle of the loaded ground lies inside the outline.
@@ -152,10 +150,9 @@ void warn_of_field(const BuildingSourceSpec& source, const VectorSummary& summar
 
 std::uint64_t outline_identity(const GeoPolygon& polygon) {
   std::vector<std::pair<std::int64_t, std::int64_t>> points;
-  for (const LonLat& p : polygon.rings[0]) {
+  for (const LonLat& p : polygon.rings[0])
     points.emplace_back(std::llround(std::remainder(p.longitude_deg, 360.0) * 1e7),
                         std::llround(p.latitude_deg * 1e7));
-  }
   points.erase(std::unique(points.begin(), points.end()), points.end());
   while (points.size() > 1 && points.front() == points.back()) points.pop_back();
   std::rotate(points.begin(), std::min_element(points.begin(), points.end()), points.end());

@@ -23,16 +23,14 @@ constexpr double kDegree_m = 111133;
 constexpr double kMostPrisms = 8e6;
 
 void check(const PrismSpec& spec) {
-  if (!(spec.per_km2 >= 0) || spec.per_km2 > 1e5) {
+  if (!(spec.per_km2 >= 0) || spec.per_km2 > 1e5)
     throw InputError(fmt::format("[[prisms]] per_km2: found {}; allowed: 0 (none) to 100000", spec.per_km2));
-  }
   for (const auto& [key, range] : {std::pair{"width_m", spec.width_m}, std::pair{"length_m", spec.length_m},
                                    std::pair{"height_m", spec.height_m}}) {
-    if (!(range[0] > 0) || !(range[0] <= range[1]) || !(range[1] <= 2000)) {
+    if (!(range[0] > 0) || !(range[0] <= range[1]) || !(range[1] <= 2000))
       throw InputError(
           fmt::format("[[prisms]] {}: found [{}, {}]; allowed: [least, most] with 0 < least <= most <= 2000",
                       key, range[0], range[1]));
-    }
   }
 }
 
@@ -92,11 +90,10 @@ class RowedPolygon {
       const std::int64_t to = cells.row_of(std::max(edge.a.latitude_deg, edge.b.latitude_deg));
       for (std::int64_t row = std::max(from, first_); row <= std::min(to, end_row() - 1); ++row) {
         edges_[static_cast<std::size_t>(row - first_)].push_back(edge);
-        if (++n_edges_ > kMostEdges) {
+        if (++n_edges_ > kMostEdges)
           throw InputError(
               "[[prisms]] within: found a polygon with more than 32 million pieces of its edges between the "
               "rows of prisms; allowed: fewer, so simplify it or lower per_km2");
-        }
       }
     }
   }
@@ -125,11 +122,10 @@ void add_cells(const RowedPolygon& polygon, const PrismCells& cells, const GeoWi
     for (std::int64_t column = cells.column_of(row, west); column <= last; ++column) {
       if (polygon.contains(row, cells.candidate(row, column).centre)) list.emplace_back(row, column);
     }
-    if (static_cast<double>(list.size()) > kMostPrisms) {
+    if (static_cast<double>(list.size()) > kMostPrisms)
       throw InputError(
           "[[prisms]] per_km2: found more than 8 million prisms in the loaded area; allowed: "
           "fewer, so lower per_km2 or name smaller polygons in within");
-    }
   }
 }
 
@@ -144,11 +140,10 @@ std::vector<GeoPolygon> polygons_of(const PrismSpec& spec, const GeoWindow& wind
     if (polygons.empty()) report.notes.push_back(spec.within + ": no polygons near the loaded area");
   } else if (!spec.within_polygon.empty()) {
     for (const LonLat& p : spec.within_polygon) {
-      if (!std::isfinite(p.longitude_deg) || !(std::abs(p.latitude_deg) <= 90)) {
+      if (!std::isfinite(p.longitude_deg) || !(std::abs(p.latitude_deg) <= 90))
         throw InputError(
             "[[prisms]] within_polygon: found a point that is no longitude and latitude; allowed: "
             "degrees");
-      }
     }
     polygons.push_back({{spec.within_polygon}});
   } else {
@@ -216,15 +211,13 @@ void scatter_prisms(World& world, const WorldSpec& spec, const Polygon& area, co
     if (prisms.per_km2 == 0) continue;
     const PrismCells cells(prisms);
     CellList list;
-    for (const GeoPolygon& polygon : polygons_of(prisms, window, world.report)) {
+    for (const GeoPolygon& polygon : polygons_of(prisms, window, world.report))
       add_cells(RowedPolygon(polygon, cells, window), cells, window, list);
-    }
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
     for (std::size_t n = 0; n < list.size(); ++n) {
-      if (progress && n % 65536 == 0) {
+      if (progress && n % 65536 == 0)
         progress("prisms", static_cast<double>(n) / static_cast<double>(list.size()));
-      }
       const PrismCandidate candidate = cells.candidate(list[n].first, list[n].second);
       const GroundPlace place = place_on_ground(world, candidate.centre);
       if (place.state != GroundState::known) continue;

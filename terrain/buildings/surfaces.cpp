@@ -99,9 +99,8 @@ void paint_rows(World& world, RowCrossings& rows, std::uint8_t material) {
     std::vector<double>& x_m = rows[j];
     std::sort(x_m.begin(), x_m.end());
     std::uint8_t* row = world.surface_material.data() + j * static_cast<std::size_t>(grid.nx - 1);
-    for (std::size_t k = 0; k + 1 < x_m.size(); k += 2) {
+    for (std::size_t k = 0; k + 1 < x_m.size(); k += 2)
       std::fill(row + cell_after(x_m[k]), row + cell_after(x_m[k + 1]), material);
-    }
     x_m.clear();
   }
 }
@@ -140,16 +139,14 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
   });
   world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
   if (summary.visited == 0) world.report.notes.push_back(surface.source + ": no features in the loaded area");
-  if (too_long > 0) {
+  if (too_long > 0)
     world.report.warnings.push_back(fmt::format(
         "[[surfaces]] {}: {} polygons were skipped, the first is feature {}: found more than 4 million edges "
         "once they are cut to 0.01 degrees; allowed: 4 million, so simplify it (ogr2ogr -simplify)",
         file_name(surface.source), too_long, first_too_long));
-  }
-  if (unusable > 0) {
+  if (unusable > 0)
     world.report.notes.push_back(
         fmt::format("{}: {} polygons are not usable and were skipped", surface.source, unusable));
-  }
 }
 
 }  // namespace
@@ -251,9 +248,8 @@ struct ClassWindow {
 };
 
 ClassWindow read_classes(const Raster& raster, const PixelRect& rect, Legend& legend) {
-  if (static_cast<double>(rect.columns()) * rect.rows() > kMostPixels) {
+  if (static_cast<double>(rect.columns()) * rect.rows() > kMostPixels)
     raster.refuse("the loaded area has more than 2^30 of its pixels", "a coarser raster or a smaller area");
-  }
   ClassWindow window;
   window.rect = rect;
   window.code.reserve(static_cast<std::size_t>(rect.columns()) * static_cast<std::size_t>(rect.rows()));
@@ -262,10 +258,9 @@ ClassWindow read_classes(const Raster& raster, const PixelRect& rect, Legend& le
   for (int r = rect.row0; r < rect.row1; ++r) {
     const CPLErr error = raster.band().RasterIO(GF_Read, rect.column0, r, rect.columns(), 1, line.data(),
                                                 rect.columns(), 1, GDT_Float64, 0, 0, nullptr);
-    if (error != CE_None || !messages.failure().empty()) {
+    if (error != CE_None || !messages.failure().empty())
       raster.refuse(fmt::format("row {} cannot be read: {}", r, messages.reason("the file is damaged")),
                     "a whole, readable raster");
-    }
     for (const double value : line) window.code.push_back(legend.code(value));
   }
   return window;

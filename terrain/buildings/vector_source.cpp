@@ -47,10 +47,9 @@ OGRLayer& chosen_layer(GDALDataset& dataset, const VectorQuery& query) {
   }
   // A table of text. Nothing that it says is shown: its field names may be the first line of any file.
   if (layer->GetGeomType() == wkbNone) refuse(query, "its layer has no shapes", "a source of polygons");
-  if (!query.where.empty() && layer->SetAttributeFilter(query.where.c_str()) != OGRERR_NONE) {
+  if (!query.where.empty() && layer->SetAttributeFilter(query.where.c_str()) != OGRERR_NONE)
     refuse(query, "its filter \"" + query.where + "\" is not understood: " + messages.reason("bad filter"),
            "an OGR attribute filter, such as \"natural = 'water'\"");
-  }
   return *layer;
 }
 
@@ -77,15 +76,13 @@ void require_field(OGRLayer& layer, const VectorQuery& query) {
 /// The layer's system, or longitude and latitude when it names none and its extent fits.
 Projection projection_of(OGRLayer& layer, const VectorQuery& query, std::vector<std::string>& notes) {
   const GdalMessages quiet;
-  if (const OGRSpatialReference* crs = layer.GetSpatialRef(); crs && !crs->IsEmpty()) {
+  if (const OGRSpatialReference* crs = layer.GetSpatialRef(); crs && !crs->IsEmpty())
     return Projection(*crs, query.key, query.path);
-  }
   OGREnvelope box;
   const bool has_extent = layer.GetExtent(&box, TRUE) == OGRERR_NONE;
-  if (has_extent && !(box.MinX >= -360 && box.MaxX <= 360 && box.MinY >= -90 && box.MaxY <= 90)) {
+  if (has_extent && !(box.MinX >= -360 && box.MaxX <= 360 && box.MinY >= -90 && box.MaxY <= 90))
     refuse(query, "it carries no coordinate system and its numbers are not degrees",
            "a source that names its coordinate system");
-  }
   notes.push_back(query.path + " carries no coordinate system; taken as longitude and latitude");
   OGRSpatialReference degrees;
   degrees.importFromEPSG(4326);
@@ -180,9 +177,8 @@ std::uint64_t use_index(OGRLayer& layer, const Projection& projection, const Vec
   if (!std::all_of(x.begin(), x.end(), finite)) return 0;
   // A full turn of longitude more or less would be the same place to us, but not to the index.
   if (projection.turn() != 0 &&
-      (query.south_west.longitude_deg < -170 || query.north_east.longitude_deg > 170)) {
+      (query.south_west.longitude_deg < -170 || query.north_east.longitude_deg > 170))
     return 0;
-  }
   const GIntBig all = layer.GetFeatureCount();
   layer.SetSpatialFilterRect(*std::min_element(x.begin(), x.end()), *std::min_element(y.begin(), y.end()),
                              *std::max_element(x.begin(), x.end()), *std::max_element(y.begin(), y.end()));
@@ -234,9 +230,8 @@ VectorSummary visit_features(const VectorQuery& query,
     ++summary.visited;
     visit(visited);
   }
-  if (!messages.failure().empty()) {
+  if (!messages.failure().empty())
     refuse(query, "it cannot be read to its end: " + messages.failure(), "a whole, readable source");
-  }
   return summary;
 }
 

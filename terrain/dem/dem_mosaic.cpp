@@ -105,9 +105,8 @@ void fill_from_file(Filling& to, const GeodeticLattice& geodetic, const Raster& 
 
 DemMosaic::DemMosaic(const TerrainSpec& terrain) : terrain_(terrain) {
   const StageProbe probe(Stage::load);
-  if (terrain.dem.empty()) {
+  if (terrain.dem.empty())
     throw InputError("[terrain] dem: found no file; allowed: one raster or more, or synthetic ground");
-  }
   for (const std::string& path : terrain.dem) {
     files_.emplace_back(path, "[terrain] dem", terrain.crs);
     units_.push_back(height_unit(files_.back(), terrain.unit));

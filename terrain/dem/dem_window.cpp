@@ -32,10 +32,9 @@ class Decoder {
     if (has) scale_ = scale;
     const double offset = band.GetOffset(&has);
     if (has) offset_ = offset;
-    if (!std::isfinite(scale_) || scale_ == 0 || !std::isfinite(offset_)) {
+    if (!std::isfinite(scale_) || scale_ == 0 || !std::isfinite(offset_))
       raster.refuse(fmt::format("its band has a scale of {} and an offset of {}", scale_, offset_),
                     "finite numbers and a scale other than 0");
-    }
   }
 
   double height_m(double stored) const {
@@ -61,18 +60,16 @@ void require_whole_raw_file(const Raster& raster) {
   const char* driver = dataset->GetDriverName();
   if (std::string(driver) != "EHdr" && std::string(driver) != "ENVI") return;
   if (EQUAL(CPLGetExtension(raster.path().c_str()), "flt") &&
-      raster.band().GetRasterDataType() != GDT_Float32) {
+      raster.band().GetRasterDataType() != GDT_Float32)
     raster.refuse("it is truncated: a GridFloat file holds 4 bytes a post", "a whole file");
-  }
   VSIStatBufL status;
   if (VSIStatL(raster.path().c_str(), &status) != 0) return;
   const double needed = static_cast<double>(raster.columns()) * raster.rows() * dataset->GetRasterCount() *
                         GDALGetDataTypeSizeBits(raster.band().GetRasterDataType()) / 8;
-  if (static_cast<double>(status.st_size) < needed) {
+  if (static_cast<double>(status.st_size) < needed)
     raster.refuse(
         fmt::format("it is truncated: {} of {} bytes", status.st_size, static_cast<long long>(needed)),
         "a whole file");
-  }
 }
 
 /// Reads whole rows of a window; a row is never returned unless GDAL read all of it.
@@ -95,11 +92,10 @@ class StripReader {
         if (valid_[i] == 0) stored[i] = kVoid;
       }
     }
-    if (!ok || !messages.failure().empty()) {
+    if (!ok || !messages.failure().empty())
       raster_.refuse(fmt::format("rows {} to {} cannot be read: {}", rect.row0, rect.row1 - 1,
                                  messages.reason("the file is damaged or cut short")),
                      "a whole, readable raster");
-    }
   }
 
  private:
@@ -161,9 +157,8 @@ struct Averaging {
 }  // namespace
 
 double DemWindow::height_at_m(double column, double row, bool between_posts_only) const {
-  if (!(column >= -0.5 && row >= -0.5 && column <= raster_columns - 0.5 && row <= raster_rows - 0.5)) {
+  if (!(column >= -0.5 && row >= -0.5 && column <= raster_columns - 0.5 && row <= raster_rows - 0.5))
     return kVoid;
-  }
   const double u = std::clamp((column - column0) / step, 0.0, static_cast<double>(nx - 1));
   const double v = std::clamp((row - row0) / step, 0.0, static_cast<double>(nz - 1));
   if (between_posts_only && (u != (column - column0) / step || v != (row - row0) / step)) return kVoid;

@@ -90,10 +90,9 @@ HeightUnit height_unit(const Raster& raster, const std::optional<VerticalUnit>& 
     return {1, "m", true};
   }
   const double metres = metres_of(name);
-  if (metres == 0) {
+  if (metres == 0)
     raster.refuse("its heights are in \"" + name + "\"",
                   "metres or feet, or name the true unit in [terrain] unit");
-  }
   return {metres, says_nothing(name) ? "m" : name, says_nothing(name)};
 }
 

@@ -106,9 +106,8 @@ void Raster::open() {
     refuse("it has no raster band", first ? std::string("one of its parts, such as ") + first
                                           : std::string("a raster of at least one band"));
   }
-  if (GDALDataTypeIsComplex(band().GetRasterDataType())) {
+  if (GDALDataTypeIsComplex(band().GetRasterDataType()))
     refuse("its first band holds complex numbers", "a band of real numbers");
-  }
   doubt_ = messages.failure();
   columns_ = dataset_->GetRasterXSize();
   rows_ = dataset_->GetRasterYSize();
@@ -117,10 +116,9 @@ void Raster::open() {
 void Raster::place(const std::optional<std::string>& crs) {
   GdalMessages messages;
   if (dataset_->GetGeoTransform(world_from_pixel_.data()) != CE_None ||
-      !GDALInvGeoTransform(world_from_pixel_.data(), pixel_from_world_.data())) {
+      !GDALInvGeoTransform(world_from_pixel_.data(), pixel_from_world_.data()))
     refuse("it does not say where its pixels are (" + (doubt_.empty() ? "no geotransform" : doubt_) + ")",
            "a georeferenced raster");
-  }
   for (double v : pixel_from_world_) {
     if (!std::isfinite(v)) refuse("its geotransform is not finite", "a georeferenced raster");
   }
@@ -157,10 +155,9 @@ void Raster::measure() {
   const GeographicLib::Geodesic& earth = GeographicLib::Geodesic::WGS84();
   double across_m = 0, down_m = 0;
   for (std::size_t i = m; i < x.size(); ++i) {
-    if (!std::isfinite(x[i]) || !(std::abs(y[i]) <= 90)) {
+    if (!std::isfinite(x[i]) || !(std::abs(y[i]) <= 90))
       refuse("its centre is not a place on the earth",
              "a raster whose coordinates fit its coordinate system");
-    }
   }
   earth.Inverse(y[m], x[m], y[m + 1], x[m + 1], across_m);
   earth.Inverse(y[m + 2], x[m + 2], y[m + 3], x[m + 3], down_m);

@@ -2,16 +2,94 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <optional>
 #include <string>
 
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/parallel.h"
 #include "terrain/base/units.h"
-#include "terrain/dem/anchor_map.h"
+#include "terrain/frames.h"
+#include "terrain/world_spec.h"
 
 namespace obliq {
 namespace {
+
+/// From a world frame's (x, z) to those of another origin, the anchor of made-up ground, along the ellipsoid:
+/// so that the ground stays where it is on the earth when the scene's origin moves. Without an anchor, or
+/// with the frame's own origin, the identity, bit for bit. Immutable.
+class AnchorMap {
+ public:
+  AnchorMap(const WorldFrame& frame, const std::optional<LonLat>& anchor);
+
+  glm::dvec2 exact(const glm::dvec2& p) const;
+
+  /// Points of one z, interpolated between exact ones every kStep_m of the frame: off by less than a
+  /// millimetre with origins 300 km apart (second derivative distance / R^2, times kStep_m^2 / 8). The same
+  /// point gets the same bits whatever is asked before. For one thread.
+  class Row {
+   public:
+    glm::dvec2 at(double x_m);
+
+   private:
+    friend class AnchorMap;
+    Row(const AnchorMap& map, double z_m);
+    glm::dvec2 column(double i) const;
+
+    const AnchorMap& map_;
+    double z_m_;
+    double first_ = 0;  ///< number of the left exact column
+    bool known_ = false;
+    glm::dvec2 left_{0.0};
+    glm::dvec2 right_{0.0};
+  };
+  Row row(double z_m) const { return {*this, z_m}; }
+
+ private:
+  static constexpr double kStep_m = 256;
+
+  const WorldFrame& frame_;
+  std::optional<WorldFrame> anchor_;
+};
+
+AnchorMap::AnchorMap(const WorldFrame& frame, const std::optional<LonLat>& anchor) : frame_(frame) {
+  if (!anchor) return;
+  const double latitude_rad = anchor->latitude_deg * kDegree_rad;
+  const double longitude_rad = anchor->longitude_deg * kDegree_rad;
+  if (latitude_rad == frame.origin_latitude_rad() && longitude_rad == frame.origin_longitude_rad()) return;
+  anchor_.emplace(latitude_rad, longitude_rad, frame.radius_factor());
+}
+
+glm::dvec2 AnchorMap::exact(const glm::dvec2& p) const {
+  if (!anchor_) return p;
+  Geodetic place = frame_.geodetic_from_world({glm::dvec3(p.x, frame_.datum_y_m(p.x, p.y), p.y)});
+  place.height_m = 0;
+  const WorldPoint there = anchor_->world_from_geodetic(place);
+  return {there.m.x, there.m.z};
+}
+
+AnchorMap::Row::Row(const AnchorMap& map, double z_m) : map_(map), z_m_(z_m) {}
+
+glm::dvec2 AnchorMap::Row::column(double i) const {
+  const double j = std::floor(z_m_ / kStep_m);
+  const double t = z_m_ / kStep_m - j;
+  const glm::dvec2 low = map_.exact({i * kStep_m, j * kStep_m});
+  return low + t * (map_.exact({i * kStep_m, (j + 1) * kStep_m}) - low);
+}
+
+glm::dvec2 AnchorMap::Row::at(double x_m) {
+  if (!map_.anchor_) return {x_m, z_m_};
+  const double i = std::floor(x_m / kStep_m);
+  if (!known_ || i != first_) {
+    left_ = known_ && i == first_ + 1 ? right_ : column(i);
+    right_ = column(i + 1);
+    first_ = i;
+    known_ = true;
+  }
+  return left_ + (x_m / kStep_m - i) * (right_ - left_);
+}
 
 /// A wall's faces are found on nodes; rounding of sin and cos at 100 km is far below this.
 constexpr double kFaceSlack_m = 1e-6;

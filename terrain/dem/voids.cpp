@@ -14,10 +14,9 @@ std::vector<std::uint16_t> void_squares(const HeightGrid& grid, int cap) {
     for (int i = 0; i < grid.nx; ++i) {
       if (grid.node_known(i, j)) continue;
       int least = 0;
-      if (i > 0 && j > 0) {
+      if (i > 0 && j > 0)
         least = std::min(
             {side[grid.index(i - 1, j)], side[grid.index(i, j - 1)], side[grid.index(i - 1, j - 1)]});
-      }
       side[grid.index(i, j)] = static_cast<std::uint16_t>(std::min(cap, least + 1));
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-// An independent ray tracer: CGAL's AABB tree, in double, over the PLY file that `obliq mesh` writes. It
+// An independent ray tracer: CGAL's AABB tree, in double, over the PLY file of a scene (scene_mesh.h). It
 // includes nothing of the product and shares no code with it.
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Vector3 {
 
 class ReferenceMesh {
  public:
-  /// Throws std::runtime_error when the file is not what `obliq mesh` documents.
+  /// Throws std::runtime_error when the file is not one that write_scene_mesh has made.
   explicit ReferenceMesh(const std::string& ply);
   ~ReferenceMesh();
 

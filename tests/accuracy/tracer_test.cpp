@@ -1,9 +1,8 @@
-// The renderer's hits against CGAL's AABB tree, in double, on the mesh that `obliq mesh` writes.
+// The renderer's hits against CGAL's AABB tree, in double, on the mesh that Embree gets.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "server/control/scene_file.h"
 #include "server/radar/frame_plan.h"
@@ -13,6 +12,7 @@
 #include "server/scene/scene_memory.h"
 #include "tests/accuracy/reference_mesh.h"
 #include "tests/support/figures.h"
+#include "tests/support/scene_mesh.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
@@ -113,11 +113,11 @@ Comparison compare(const Scene& scene, const FramePlan& plan, const test::Refere
 void compare_all(const test::Folder& folder, const std::string& scene_text, bool with_buildings) {
   const std::string file = folder.text("scene.toml", scene_text);
   const std::string ply = folder.file("scene.ply");
-  ASSERT_EQ(std::system((OBLIQ_PROGRAM " mesh '" + file + "' --out '" + ply + "' 2>/dev/null").c_str()), 0);
-  const test::ReferenceMesh mesh(ply);
   const SceneConfig config = load_scene_file(file);
   const auto world = std::make_shared<const World>(load_world(config.world));
   const auto scene = std::make_shared<const Scene>(world, config.materials, 0);
+  test::write_scene_mesh(*world, ply);
+  const test::ReferenceMesh mesh(ply);
   ASSERT_EQ(mesh.size(), surface_triangles(*world));
   std::vector<FieldError> errors;
   const auto pose = place_antenna(*world, config.radars[0].pose, errors);

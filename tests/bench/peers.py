@@ -19,7 +19,7 @@ NONE = 0xFFFFFFFF
 
 
 def read_mesh(path):
-    """Vertices [n][3] float32 and triangles [n][3] uint32 of a file from `obliq mesh`."""
+    """Vertices [n][3] float32 and triangles [n][3] uint32 of a scene's mesh.ply."""
     with open(path, "rb") as file:
         count = {}
         line = b""
@@ -189,8 +189,6 @@ def print_table(report):
 def compare(arguments):
     folder = arguments.folder
     settings = [word for value in arguments.set for word in ("--set", value)]
-    subprocess.run([f"{arguments.bin}/obliq", "mesh", arguments.scene, *settings, "--out", f"{folder}/mesh.ply"],
-                   check=True)
     common = ["--threads", str(arguments.threads)]
     ours = [f"{arguments.bin}/ray_bench", arguments.scene, *settings, *common, "--peer", folder]
     tracers = {"obliq": Tracer(ours), "march": Tracer([*ours, "--march"])}

@@ -8,9 +8,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 bin=${BIN:-build/release/bin}
-for program in obliq ray_bench; do
-  [ -x "$bin/$program" ] || { echo "peers.sh: found no $bin/$program; build the targets obliq and ray_bench, or set BIN"; exit 2; }
-done
+[ -x "$bin/ray_bench" ] || { echo "peers.sh: found no $bin/ray_bench; build that target, or set BIN"; exit 2; }
 
 python=build/peers/bin/python
 if ! "$python" -c 'import numpy, mitsuba, libusb_package' 2>/dev/null; then

@@ -29,6 +29,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/buildings/building_mesh.h"
 #include "tests/support/refine_hit.h"
+#include "tests/support/scene_mesh.h"
 
 namespace obliq {
 namespace {
@@ -139,7 +140,7 @@ void whole_frame(const FramePlan& plan, int threads) {
   render_wedges(plan, {0, plan.settings().azimuth_bins}, options);
 }
 
-/// Triangles numbered in the order of `obliq mesh`.
+/// Triangles numbered in the order of scene_mesh.h.
 class MeshNumbers {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -188,7 +189,7 @@ void write_values(const std::string& path, const std::vector<Value>& values) {
 }
 
 /// What all rays meet: range.f32: [n], infinite for none; triangle.u32: [n]. Our own rays.f32 beside it:
-/// [n][6] origin and direction. With --march the first two, named march.
+/// [n][6] origin and direction, and mesh.ply, the scene's triangles. With --march the first two, named march.
 void leave_rays(const Plans& plans, const Rays& rays, const Arguments& arguments) {
   const FramePlan& plan = *plans.embree;
   const glm::vec3 origin(plan.sector().antenna_m);
@@ -219,6 +220,7 @@ void leave_rays(const Plans& plans, const Rays& rays, const Arguments& arguments
   } else {
     trace(plan, rays, 1, take);
     write_values(folder + "rays.f32", ray);
+    test::write_scene_mesh(plan.scene().world(), folder + "mesh.ply");
   }
   write_values(folder + "range.f32", range);
   write_values(folder + "triangle.u32", triangle);

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <sstream>
 
+#include "server/http/answering.h"
 #include "server/http/http_server.h"
 #include "server/http/page_routes.h"
-#include "server/http/site.h"
 #include "server/net/io_thread.h"
 #include "tests/integration/daemon.h"
 #include "tests/integration/http_peer.h"

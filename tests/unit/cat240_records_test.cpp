@@ -8,12 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "server/asterix/cells.h"
-#include "server/asterix/pace.h"
 #include "server/asterix/paced_sender.h"
 #include "terrain/base/errors.h"
 #include "tests/support/loopback.h"
-
 namespace obliq::asterix {
 namespace {
 

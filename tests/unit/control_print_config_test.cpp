@@ -17,6 +17,7 @@
 #include "server/control/scene_file.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/sources.h"
 #include "server/control/settings_message.h"
 
 namespace obliq {

@@ -10,7 +10,6 @@
 #include <string>
 #include <string_view>
 
-#include "proto/crc32c.h"
 #include "proto/limits.h"
 #include "proto/message_codec.h"
 #include "proto/message_header.h"

@@ -221,11 +221,7 @@ void run(Cat240Arguments& arguments) {
   while (!interrupted() && (arguments.frames == 0 || radials.whole_frames() < arguments.frames)) {
     const client::Status status = client.receive(kPatience);
     feed.look_at_the_clock();
-    if (status.ok() || status.outcome == client::Outcome::timed_out) continue;
-    if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
-      std::fprintf(stderr, "warning: %s\n", status.sentence().c_str());
-      continue;
-    }
+    if (status.ok() || status.outcome == client::Outcome::timed_out || is_warning(status)) continue;
     if (interrupted()) break;
     require(status);
   }
@@ -248,12 +244,8 @@ void add_cat240(CLI::App& app) {
   command->add_option("--bits", arguments->bits, "Bits of a cell")
       ->check(CLI::IsMember({8, 16}))
       ->default_val(8);
-  command
-      ->add_option("--rate", arguments->rate_hz,
-                   "Frames a second; an antenna that scans (scan.mode) has its own")
-      ->type_name("HZ")
-      ->default_val(1.0)
-      ->check(a_rate());
+  add_rate_argument(*command, arguments->rate_hz,
+                    "Frames a second; an antenna that scans (scan.mode) has its own");
   constexpr int kMostOctet = 255;
   command->add_option("--sac", arguments->sac, "System area code of the source")
       ->type_name("N")
@@ -283,9 +275,7 @@ void add_cat240(CLI::App& app) {
       ->type_name("OCTETS")
       ->default_val(asterix::VideoFormat{}.max_datagram)
       ->check(whole_number_from(asterix::least_datagram(), asterix::kMostDatagram));
-  command->add_option("--frames", arguments->frames, "Stop after this many frames or passes; 0: never")
-      ->type_name("N")
-      ->check(a_count());
+  add_frames_argument(*command, arguments->frames, "Stop after this many frames or passes; 0: never");
   add_reconnect_argument(*command, arguments->reconnect_s);
   command->callback([arguments] { run(*arguments); });
 }

@@ -49,8 +49,7 @@ void add_explain(CLI::App& app) {
       "explain", "What each ingredient of a scene changes in its bins, what it costs, whether it is needed");
   auto arguments = std::make_shared<ExplainArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", arguments->radar, "Radar; default: the only one, or the one named main")
-      ->type_name("NAME");
+  add_radar_argument(*command, arguments->radar);
   command->add_option("--out", arguments->out, "Folder for explain.md and explain.csv (made if missing)")
       ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "Threads; 0: as in the scene file")

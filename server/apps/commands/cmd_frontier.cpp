@@ -42,8 +42,7 @@ void add_frontier(CLI::App& app) {
   auto arguments = std::make_shared<FrontierArguments>();
   FrontierOptions& options = arguments->options;
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", options.radar, "Radar; default: the only one, or the one named main")
-      ->type_name("NAME");
+  add_radar_argument(*command, options.radar);
   command->add_option("--out", arguments->out, "Folder for table, report and pictures (made if missing)")
       ->type_name("DIR");
   command->add_flag("--quick", arguments->quick,

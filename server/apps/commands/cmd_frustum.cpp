@@ -144,8 +144,7 @@ void add_frustum(CLI::App& app) {
   auto arguments = std::make_shared<FrustumArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
   command->get_option("SCENE")->required(false);
-  command->add_option("--radar", arguments->radar, "Radar; default: the only one, or the one named main")
-      ->type_name("NAME");
+  add_radar_argument(*command, arguments->radar);
   command->add_flag("--flat-check", arguments->flat_check,
                     "Step sizes over flat ground, the paper's simplification");
   command->add_flag("--figure6", arguments->figure6, "The paper's Figure 6 as CSV");

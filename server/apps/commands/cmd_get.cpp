@@ -10,6 +10,7 @@
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "server/apps/scene_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/loading/scene_loading.h"
@@ -44,12 +45,7 @@ wire::RenderOnce request_for(client::Client& client, const GetArguments& argumen
   const std::string name = choose_remote_radar(client, arguments.server);
   wire::RadarInfo info;
   require(client.get_radar(name, info));
-  RadarConfig radar;
-  radar.name = name;
-  for (const auto& errors :
-       {merge_message(info.settings(), radar.settings), merge_message(info.pose(), radar.pose)}) {
-    if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
-  }
+  RadarConfig radar = config_of(info);
   // Which pose of a controller this was, and when, is not part of a frame of our own.
   radar.pose.pose_id = 0;
   radar.pose.sim_time_ns = 0;
@@ -70,9 +66,8 @@ client::AssembledFrame receive_frame(client::Client& client, wire::RenderOnce& r
   const Progress progress = terminal_progress();
   while (frames.state() != client::FrameAssembler::State::complete) {
     require(client.receive(kLongestSilence));
-    if (frames.state() == client::FrameAssembler::State::aborted) {
+    if (frames.state() == client::FrameAssembler::State::aborted)
       throw InputError("the server gave the frame up: " + frames.abort_reason());
-    }
     if (progress) progress("receiving", frames.fraction());
   }
   client.set_handler(nullptr);
@@ -111,13 +106,9 @@ void add_get(CLI::App& app) {
   auto arguments = std::make_shared<GetArguments>();
   add_server_arguments(*command, arguments->server, true);
   add_stream_arguments(*command, arguments->stream);
-  command
-      ->add_option("--set", arguments->set,
-                   "KEY=VALUE: render with this radar parameter instead of the server's, e.g. "
-                   "antenna.bearing_deg=90 (repeatable); the server's radar does not change")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_repeatable(*command, "--set", arguments->set,
+                 "KEY=VALUE: render with this radar parameter instead of the server's, e.g. "
+                 "antenna.bearing_deg=90 (repeatable); the server's radar does not change");
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")
       ->required()
       ->type_name("DIR");

@@ -62,10 +62,7 @@ void add_health(CLI::App& app) {
   auto arguments = std::make_shared<HealthArguments>();
   command->add_option("SCENE,--config", arguments->file,
                       "Scene file (TOML) of the daemon, whose [http] gives the address");
-  command->add_option("--set", arguments->set, "KEY=VALUE, as the daemon was given it (repeatable)")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_repeatable(*command, "--set", arguments->set, "KEY=VALUE, as the daemon was given it (repeatable)");
   command->add_flag("--ready", arguments->ready, "Check that it serves (/readyz), not only that it runs");
   command->add_option("--timeout", arguments->timeout_s, "Seconds to wait for the answer")
       ->check(number_from(0.1, 3600))

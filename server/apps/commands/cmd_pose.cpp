@@ -7,6 +7,7 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/server_arguments.h"
+#include "server/apps/scene_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/loading/scene_loading.h"
@@ -65,10 +66,7 @@ void add_pose(CLI::App& app) {
   CLI::App* command = app.add_subcommand("pose", "Show or set the pose of a server's radar");
   auto arguments = std::make_shared<PoseArguments>();
   add_server_arguments(*command, arguments->server, true);
-  command->add_option("--set", arguments->set, "KEY=VALUE, e.g. antenna.bearing_deg=90 (repeatable)")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_repeatable(*command, "--set", arguments->set, "KEY=VALUE, e.g. antenna.bearing_deg=90 (repeatable)");
   for (const auto& [option, key] : kShortcuts) {
     command->add_option_function<std::string>(
         option,

@@ -3,17 +3,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
+#include <fstream>
+#include <iostream>
 #include <memory>
 #include <string_view>
 
-#include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/number_option.h"
-#include "server/apps/commands/point_reader.h"
 #include "server/apps/commands/server_arguments.h"
+#include "server/apps/scene_arguments.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/files.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
@@ -31,6 +32,65 @@ struct QueryArguments {
   std::string reference = "datum";
   bool csv = false;
 };
+
+constexpr std::size_t kMostPoints = 1'000'000;  ///< of a file: each is kept in memory
+
+/// Two numbers of a place, latitude and longitude or bearing and range, and a height where there is one.
+struct GivenPoint {
+  double first = 0;
+  double second = 0;
+  double height_m = 0;
+  bool has_height = false;
+};
+
+/// "34.1,-118.2" or "34.1,-118.2,250". Throws InputError "WHERE: found ...; allowed: ...".
+GivenPoint parse_point(const std::string& text, const std::string& where) {
+  const std::vector<std::string> fields = csv_fields(text);
+  double numbers[3] = {};
+  bool good = fields.size() == 2 || fields.size() == 3;
+  for (std::size_t k = 0; good && k < fields.size(); ++k) {
+    const auto number = number_in(trimmed(fields[k]));
+    good = number.has_value();
+    if (good) numbers[k] = *number;
+  }
+  if (!good)
+    throw InputError(
+        where + ": found " + printable_text(text, 80) +
+        "; allowed: two or three numbers with commas between them, the third a height in metres");
+  return {numbers[0], numbers[1], numbers[2], fields.size() == 3};
+}
+
+/// One point a line; empty lines and those that begin with # are passed by, and so is a first line that
+/// begins with no number. "-": standard input. Throws InputError with FILE:LINE.
+std::vector<GivenPoint> read_points(const std::string& path) {
+  std::ifstream file;
+  if (path != "-") {
+    refuse_endless_file("--points: " + path, path);
+    file.open(path);
+    if (!file) throw InputError("--points: " + path + " cannot be read");
+  }
+  std::istream& lines = path == "-" ? std::cin : file;
+  std::vector<GivenPoint> points;
+  std::string line;
+  for (std::size_t number = 1; std::getline(lines, line); ++number) {
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text.front() == '#') continue;
+    if (points.empty() && !number_in(trimmed(csv_fields(line).front()))) continue;
+    try {
+      points.push_back(parse_point(line, path + ":" + std::to_string(number)));
+    } catch (const InputError&) {
+      // Before a first point the file may be any, under a wrong name: nothing of it is shown.
+      if (!points.empty()) throw;
+      throw InputError(path + ":" + std::to_string(number) +
+                       ": found no point; allowed: two or three numbers with commas between them");
+    }
+    if (points.size() > kMostPoints)
+      throw InputError("--points: found more than " + std::to_string(kMostPoints) +
+                       " points; allowed: that many; split the file");
+  }
+  if (points.empty()) throw InputError("--points: " + path + ": found no point; allowed: at least one");
+  return points;
+}
 
 constexpr std::string_view kStates[] = {"known", "unknown", "outside", "too_near"};
 constexpr std::string_view kSights[] = {"not_asked",       "visible",         "visible_over_unknown",
@@ -176,14 +236,13 @@ void add_query(CLI::App& app) {
       "query", "Say what is at places of a server's ground, and whether a radar sees points there");
   auto arguments = std::make_shared<QueryArguments>();
   add_server_arguments(*command, arguments->server);
-  const auto list = [&](const char* name, std::vector<std::string>& to, const char* text, const char* type) {
-    command->add_option(name, to, text)->type_name(type)->expected(1)->take_all();
-  };
-  list("--at", arguments->at, "A place in degrees, and the height in metres of a point there (repeatable)",
-       "LATITUDE,LONGITUDE[,HEIGHT]");
-  list("--range", arguments->range,
-       "True bearing in degrees and slant range in metres from the antenna to the ground (repeatable)",
-       "BEARING,RANGE[,HEIGHT]");
+  add_repeatable(*command, "--at", arguments->at,
+                 "A place in degrees, and the height in metres of a point there (repeatable)",
+                 "LATITUDE,LONGITUDE[,HEIGHT]");
+  add_repeatable(
+      *command, "--range", arguments->range,
+      "True bearing in degrees and slant range in metres from the antenna to the ground (repeatable)",
+      "BEARING,RANGE[,HEIGHT]");
   command->add_option("--points", arguments->points, "File of such points, one a line; -: standard input")
       ->type_name("FILE");
   command->add_flag("--by-bearing", arguments->by_bearing, "Lines of --points are bearings and ranges");

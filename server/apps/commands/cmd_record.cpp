@@ -59,9 +59,8 @@ class Recorder {
       const bool exists = !force_ && access(path_.c_str(), F_OK) == 0;
       status.text = "--out: " + status.text + (exists ? "; --force overwrites it" : "");
     }
-    for (auto message = held_.begin(); status.ok() && message != held_.end(); ++message) {
+    for (auto message = held_.begin(); status.ok() && message != held_.end(); ++message)
       status = writer_.write(*message, {});
-    }
     held_.clear();
     return status;
   }
@@ -78,9 +77,8 @@ class Recorder {
     if (message.header.type == wire::MessageType::frame_end) ++frames_;
     wire::FrameBegin begin;
     if (message.header.type == wire::MessageType::frame_begin &&
-        wire::parse_descriptor(message.descriptor(), begin)) {
+        wire::parse_descriptor(message.descriptor(), begin))
       skipped_ += begin.frames_skipped();
-    }
     return status;
   }
   void take_welcome(const wire::Bytes& whole) { held_.push_back(whole); }
@@ -117,12 +115,8 @@ client::Status receive_all(client::ResumingClient& client, const RecordArguments
       shown = now;
     }
     client::Status status = client.receive(kPatience);
-    if (status.ok() || status.outcome == client::Outcome::timed_out) continue;
-    if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
-      std::fprintf(stderr, "%swarning: %s\n", terminal ? "\n" : "", status.sentence().c_str());
-      continue;
-    }
-    return status;
+    const bool goes_on = status.ok() || status.outcome == client::Outcome::timed_out;
+    if (!goes_on && !is_warning(status, terminal ? "\n" : "")) return status;
   }
   if (terminal) std::fprintf(stderr, "\n");
   return {};
@@ -174,13 +168,8 @@ void add_record(CLI::App& app) {
   command->add_option("--out", arguments->out, "The recording; must not exist yet")
       ->required()
       ->type_name("FILE");
-  command->add_option("--rate", arguments->rate_hz, "Frames a second")
-      ->type_name("HZ")
-      ->default_val(1.0)
-      ->check(a_rate());
-  command->add_option("--frames", arguments->frames, "Stop after this many whole frames; 0: never")
-      ->type_name("N")
-      ->check(a_count());
+  add_rate_argument(*command, arguments->rate_hz, "Frames a second");
+  add_frames_argument(*command, arguments->frames, "Stop after this many whole frames; 0: never");
   command->add_option("--seconds", arguments->seconds, "Stop after this long; 0: never")
       ->type_name("S")
       ->check(number_from(0, kMostSeconds));

@@ -19,7 +19,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/scene/scene_memory.h"
-#include "server/timing/timing_run.h"
+#include "server/timing/timing.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/memory_limit.h"
 #include "terrain/base/units.h"
@@ -163,8 +163,7 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Render one frame of a scene to files, without a server");
   auto arguments = std::make_shared<RenderArguments>();
   add_scene_arguments(*command, "SCENE", arguments->scene);
-  command->add_option("--radar", arguments->radar, "Radar; default: the only one, or the one named main")
-      ->type_name("NAME");
+  add_radar_argument(*command, arguments->radar);
   command->add_option("--out", arguments->out, "Folder for the files (made if missing)")->type_name("DIR");
   command->add_flag("--samples", arguments->samples, "Also write samples.exr, the perspective textures");
   command

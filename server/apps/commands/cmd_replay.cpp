@@ -142,10 +142,9 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
     }
     losses = client::more_of(losses, frames.losses());
     if (!enough) std::printf("%s: %s\n", arguments.file.c_str(), end_line(frames, shown).c_str());
-    if (frames.frames_of_others() > 0 && !arguments.loop) {
+    if (frames.frames_of_others() > 0 && !arguments.loop)
       warn(fmt::format("{} frames of other radars than {} were left out; --radar chooses",
                        frames.frames_of_others(), start.radar));
-    }
     if (shown == before) break;  // nothing to loop over
     times.begin_again();
   } while (arguments.loop && !enough);
@@ -189,15 +188,13 @@ std::unique_ptr<http::HttpServer> serve_browsers(const ReplayArguments& argument
 }
 
 void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
-  if (!net::resolves_to_loopback(arguments.address) && !arguments.unprotected) {
+  if (!net::resolves_to_loopback(arguments.address) && !arguments.unprotected)
     throw InputError("--address: found " + arguments.address +
                      "; allowed: a loopback address, unless --unprotected says that any client that reaches "
                      "the port may watch");
-  }
-  if (start.descriptor->has_window()) {
+  if (start.descriptor->has_window())
     throw InputError("--serve: found " + arguments.file +
                      ", of a part of the bins (--azimuths, --ranges); allowed: a recording of whole frames");
-  }
   net::ServerOptions options;
   options.address = arguments.address;
   options.port = arguments.port;

@@ -51,11 +51,7 @@ std::string why_not_set(const Parameter& parameter) {
 Shown look(client::Client& client, const std::string& radar) {
   Shown shown;
   require(client.get_radar(radar, shown.info));
-  shown.config.name = radar;
-  for (const auto& errors : {merge_message(shown.info.settings(), shown.config.settings),
-                             merge_message(shown.info.pose(), shown.config.pose)}) {
-    if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
-  }
+  shown.config = config_of(shown.info);
   return shown;
 }
 

@@ -84,10 +84,9 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
                 settings.scan_mode() == wire::SECTOR_SCAN ? "its sector" : "round",
                 settings.scan_rate_deg_s());
   std::printf("\n  sampling: %s\n", sampling_text(settings).c_str());
-  if (radar.has_coverage()) {
+  if (radar.has_coverage())
     std::printf("  ground: under %.4g %% of the newest frame's sector%s%s\n", 100 * radar.coverage(),
                 radar.coverage_reason().empty() ? "" : "; ", radar.coverage_reason().c_str());
-  }
 }
 
 void print_json(const client::Client& client, const wire::Status& status,

@@ -144,12 +144,8 @@ void run(const WatchArguments& arguments) {
   require(client.subscribe(request));
   for (std::uint64_t seen = 0; arguments.frames == 0 || seen < arguments.frames;) {
     const client::Status status = client.receive(kSilence);
-    if (status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar) {
-      std::fprintf(stderr, "warning: %s\n", status.sentence().c_str());
-      continue;
-    }
     // Slower than a frame a minute, or nothing to render: not the server's fault.
-    if (status.outcome == client::Outcome::timed_out) continue;
+    if (is_warning(status) || status.outcome == client::Outcome::timed_out) continue;
     require(status);
     if (frames.state() != client::FrameAssembler::State::complete) continue;
     client::AssembledFrame frame = frames.take();
@@ -168,17 +164,11 @@ void add_watch(CLI::App& app) {
   auto arguments = std::make_shared<WatchArguments>();
   add_server_arguments(*command, arguments->server, true);
   add_stream_arguments(*command, arguments->stream);
-  command
-      ->add_option("--rate", arguments->rate_hz,
-                   "Frames a second; an antenna that scans (scan.mode) has its own")
-      ->type_name("HZ")
-      ->default_val(1.0)
-      ->check(a_rate());
+  add_rate_argument(*command, arguments->rate_hz,
+                    "Frames a second; an antenna that scans (scan.mode) has its own");
   command->add_flag("--lossless", arguments->lossless,
                     "Leave no frame out: the radar waits for this client, which needs the role controller");
-  command->add_option("--frames", arguments->frames, "Stop after this many frames; 0: never")
-      ->type_name("N")
-      ->check(a_count());
+  add_frames_argument(*command, arguments->frames, "Stop after this many frames; 0: never");
   command->add_option("--out", arguments->out, "Folder that always holds the files of the newest frame")
       ->type_name("DIR");
   command

@@ -21,7 +21,6 @@ void add_render(CLI::App& app);      ///< one frame to files
 void add_frontier(CLI::App& app);    ///< time and error of every sampling
 void add_frustum(CLI::App& app);     ///< camera values and step sizes
 void add_explain(CLI::App& app);     ///< what each ingredient changes and costs
-void add_mesh(CLI::App& app);        ///< the traced triangles
 void add_get(CLI::App& app);         ///< one frame from a server to files
 void add_watch(CLI::App& app);       ///< frames as they come
 void add_record(CLI::App& app);      ///< frames as they come, into a file

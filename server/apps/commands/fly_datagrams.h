@@ -1,7 +1,6 @@
 #pragma once
 // `obliq fly --udp` and `--dis`: a radar rides on a simulator's own aircraft or ship. ownship/README.md has
 // the datagrams.
-#include <optional>
 #include <string>
 
 #include "client/client.h"

@@ -48,9 +48,8 @@ void print_frame_report(const std::string& out, const wire::FrameDescriptor& des
         ", %llu gaps: %.2f %% of the lit bins unsampled",
         static_cast<unsigned long long>(summary.unsampled_bins()),
         100 * static_cast<double>(summary.unsampled_bins()) / static_cast<double>(summary.lit_bins()));
-  if (descriptor.buildings_in_scene() > 0) {
+  if (descriptor.buildings_in_scene() > 0)
     std::printf(", %u of %u buildings seen", summary.buildings_seen(), descriptor.buildings_in_scene());
-  }
   std::printf("\n");
 }
 

@@ -12,13 +12,16 @@
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/number_option.h"
+#include "server/apps/scene_arguments.h"
 #include "server/control/config_tree.h"
 #include "server/control/key_list.h"
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
+#include "server/control/settings_message.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -85,19 +88,15 @@ std::string read_token(const std::string& path) {
   refuse_endless_file("--token-file: " + path, path);
   struct stat status {};
   std::ifstream file(path);
-  if (!file || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
+  if (!file || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
     throw InputError("--token-file: " + path + " cannot be read");
-  }
-  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
     std::fprintf(stderr, "obliq: warning: %s may be read by other users: chmod 600\n", path.c_str());
-  }
   std::string line;
   for (int i = 0; i < kMostTokenLines && std::getline(file, line); ++i) {
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos || line[first] == '#') continue;
-    const std::size_t last = line.find_last_not_of(" \t\r");
-    line = line.substr(first, last - first + 1);
-    if (line.find_first_of(" \t") == std::string::npos && line.size() <= kLongestTokenBytes) return line;
+    const std::string token(trimmed(line));
+    if (token.empty() || token.front() == '#') continue;
+    if (token.find_first_of(" \t") == std::string::npos && token.size() <= kLongestTokenBytes) return token;
     break;
   }
   throw InputError("--token-file: " + path + ": found no line that is one token");
@@ -111,8 +110,7 @@ void add_server_arguments(CLI::App& app, ServerArguments& arguments, bool positi
       ->type_name("HOST:PORT")
       ->envname("OBLIQ_SERVER")
       ->default_val("127.0.0.1:7420");
-  app.add_option("--radar", arguments.radar, "Radar; default: the only one, or the one named main")
-      ->type_name("NAME");
+  add_radar_argument(app, arguments.radar);
   app.add_flag("--tls", arguments.tls.enabled, "The server speaks TLS");
   app.add_option("--ca", arguments.tls.ca_file,
                  "PEM file of the authorities to trust instead of this machine's; with --tls")
@@ -134,10 +132,9 @@ void require(const client::Status& status) {
 
 client::Client connect_to_server(const ServerArguments& arguments, const std::string& name) {
   const auto endpoint = client::parse_endpoint(arguments.server);
-  if (!endpoint) {
+  if (!endpoint)
     throw InputError("--server: found \"" + arguments.server +
                      "\"; allowed: HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT, such as 127.0.0.1:7420");
-  }
   if (!arguments.tls.enabled && !arguments.tls.ca_file.empty()) throw InputError("--ca: allowed with --tls");
   client::ClientOptions options{.name = name};
   options.tls = arguments.tls;
@@ -160,10 +157,9 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
             "SECONDS retries until it has loaded";
       require(status);
     }
-    if (!waiting) {
+    if (!waiting)
       std::fprintf(stderr, "obliq: waiting for a server at %s, %d s at most\n", endpoint->text().c_str(),
                    arguments.wait_s);
-    }
     waiting = true;
     std::this_thread::sleep_for(kRetryPause);
   }
@@ -179,6 +175,15 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
   if (names.empty()) throw InputError("the server has no radars");
   throw InputError("--radar: found " + (arguments.radar.empty() ? "nothing" : "\"" + arguments.radar + "\"") +
                    "; allowed: " + names);
+}
+
+RadarConfig config_of(const wire::RadarInfo& info) {
+  RadarConfig config;
+  config.name = info.radar();
+  for (const auto& errors :
+       {merge_message(info.settings(), config.settings), merge_message(info.pose(), config.pose)})
+    if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
+  return config;
 }
 
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {

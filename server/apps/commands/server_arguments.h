@@ -36,6 +36,9 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
 /// The named radar, or the server's only one. Throws InputError that lists the names.
 std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments);
 
+/// The radar as the server has it. Throws InputError.
+RadarConfig config_of(const wire::RadarInfo& info);
+
 /// How a command takes KEY=VALUE.
 struct FlagRules {
   std::string where = "--set";  ///< what complaints begin with

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <initializer_list>
 #include <sstream>
 #include <string_view>
 
@@ -145,6 +144,21 @@ wire::BinRun parse_bin_run(const std::string& text, const std::string& option) {
   }
   if (parts[2] == 0 || (has_end && parts[1] <= parts[0])) refuse();
   return {parts[0], has_end ? parts[1] - parts[0] : 0, parts[2]};
+}
+
+void add_rate_argument(CLI::App& app, double& rate_hz, const std::string& text) {
+  app.add_option("--rate", rate_hz, text)->type_name("HZ")->default_val(1.0)->check(a_rate());
+}
+
+void add_frames_argument(CLI::App& app, std::uint64_t& frames, const std::string& text) {
+  app.add_option("--frames", frames, text)->type_name("N")->check(a_count());
+}
+
+bool is_warning(const client::Status& status, const char* before) {
+  constexpr std::uint32_t kFirstErrorOfRadar = 100;  // errors below it end the connection
+  const bool warns = status.outcome == client::Outcome::refused && status.number >= kFirstErrorOfRadar;
+  if (warns) std::fprintf(stderr, "%swarning: %s\n", before, status.sentence().c_str());
+  return warns;
 }
 
 void add_reconnect_argument(CLI::App& app, int& patience_s) {

@@ -42,10 +42,14 @@ wire::PlaneSet wanted_planes(const StreamArguments& arguments);
 /// "FIRST:END:STEP", each part optional, bins below END. Throws InputError that names the option.
 wire::BinRun parse_bin_run(const std::string& text, const std::string& option);
 
+/// Adds --rate and --frames, which say what they say.
+void add_rate_argument(CLI::App& app, double& rate_hz, const std::string& text);
+void add_frames_argument(CLI::App& app, std::uint64_t& frames, const std::string& text);
+
 // How the commands that stay connected tell of a lost connection.
 
-/// Errors below this number end the connection, those above concern a radar that may recover.
-constexpr std::uint32_t kFirstErrorOfRadar = 100;
+/// Whether it is a refusal that concerns a radar, which may recover: then it is told as a warning.
+bool is_warning(const client::Status& status, const char* before = "");
 
 /// Adds --reconnect. `patience_s` must outlive the parsing.
 void add_reconnect_argument(CLI::App& app, int& patience_s);

@@ -8,13 +8,14 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
+#include <optional>
 #include <sstream>
 #include <system_error>
 #include <utility>
 
 #include "server/control/parameters.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -39,13 +40,6 @@ constexpr std::string_view kWanted = "time,latitude,longitude,height,bearing";
 // Nanoseconds in 63 bits (antenna.sim_time_ns).
 constexpr double kLargestTime_s = 4e9;
 
-std::string_view trimmed(std::string_view text) {
-  const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// Takes the text up to the next comma off the line.
 std::string_view take_column(std::string_view& line) {
   const std::size_t comma = line.find(',');
@@ -54,18 +48,15 @@ std::string_view take_column(std::string_view& line) {
   return column;
 }
 
-bool parse_number(std::string_view text, double& value) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
+/// A number that may begin with a plus, as tables have it.
+std::optional<double> parse_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return number_in(text);
 }
 
 /// As a file had it, made fit for a terminal.
 std::string shown(std::string_view text) {
-  std::string clean(text.substr(0, kLongestFound));
-  for (char& c : clean)
-    if (c < ' ' || c > '~') c = '?';
-  return "\"" + clean + (text.size() > kLongestFound ? "..." : "") + "\"";
+  return "\"" + printable_text(text, kLongestFound) + (text.size() > kLongestFound ? "..." : "") + "\"";
 }
 
 bool within_limits(const Column& column, double value) {
@@ -94,20 +85,16 @@ bool is_heading(std::string_view word, const Column& column) {
 }  // namespace
 
 TrackReader::TrackReader(const std::string& path) : name_(path == "-" ? "standard input" : path) {
-  fd_ = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd_ < 0) throw InputError(name_ + ": cannot be read: " + std::system_category().message(errno));
+  fd_.reset(path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!fd_) throw InputError(name_ + ": cannot be read: " + std::system_category().message(errno));
   struct stat status {};
-  if (::fstat(fd_, &status) == 0 && S_ISDIR(status.st_mode)) {
-    ::close(fd_);
+  if (::fstat(fd_.get(), &status) == 0 && S_ISDIR(status.st_mode))
     throw InputError(name_ + ": found a folder; allowed: a file with lines of " + std::string(kWanted));
-  }
   is_file_ = S_ISREG(status.st_mode);
 }
 
-TrackReader::~TrackReader() { ::close(fd_); }
-
 void TrackReader::rewind() {
-  ::lseek(fd_, 0, SEEK_SET);
+  ::lseek(fd_.get(), 0, SEEK_SET);
   read_.clear();
   searched_ = 0;
   line_ = 0;
@@ -131,11 +118,11 @@ TrackReader::Got TrackReader::next_line(std::string& line, std::chrono::millisec
     if (read_.size() > kLongestLine)
       throw InputError(fmt::format("{}:{}: found a line of more than {} characters; allowed: {}", name_,
                                    line_ + 1, kLongestLine, kWanted));
-    pollfd entry{fd_, POLLIN, 0};
+    pollfd entry{fd_.get(), POLLIN, 0};
     const int ready = is_file_ ? 1 : ::poll(&entry, 1, static_cast<int>(patience.count()));
     if (ready <= 0) return Got::nothing_yet;
     std::array<char, kLongestLine> bytes{};
-    const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
+    const ssize_t n = ::read(fd_.get(), bytes.data(), bytes.size());
     if (n < 0 && (errno == EINTR || errno == EAGAIN)) return Got::nothing_yet;
     if (n < 0) throw InputError(name_ + ": cannot be read: " + std::system_category().message(errno));
     ended_ = n == 0;
@@ -169,9 +156,8 @@ void TrackReader::check_header(std::string_view line) const {
 /// False: it was the header.
 bool TrackReader::parse(std::string_view line, TrackPoint& point) {
   std::string_view rest = line;
-  double unused = 0;
   const std::string_view first = take_column(rest);
-  if (!std::exchange(begun_, true) && !parse_number(first, unused)) {
+  if (!std::exchange(begun_, true) && !parse_number(first)) {
     check_header(line);
     is_track_ = true;
     return false;
@@ -184,10 +170,11 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
       throw InputError(fmt::format("{}: found {}{}; allowed: {} and whatever follows, with commas between",
                                    where(), i, i == 1 ? " column" : " columns", kWanted));
     const std::string_view text = take_column(rest);
-    const bool is_number = parse_number(text, *values[i]);
-    if (!is_number || !within_limits(kTable[i], *values[i]))
+    const auto number = parse_number(text);
+    if (!number || !within_limits(kTable[i], *number))
       throw InputError(fmt::format("{}: {}: found {}; allowed: {}", where(), kTable[i].name,
-                                   is_number || is_track_ ? shown(text) : "no number", allowed(kTable[i])));
+                                   number || is_track_ ? shown(text) : "no number", allowed(kTable[i])));
+    *values[i] = *number;
   }
   if (flying_ && point.time_s < last_time_s_)
     throw InputError(fmt::format("{}: time: found {} after {}; allowed: a time that does not go back",

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "terrain/base/files.h"
+
 namespace obliq {
 
 /// One line of it. Seconds in the track's own clock, heights above whatever the reader's user says.
@@ -25,9 +27,6 @@ class TrackReader {
  public:
   /// "-": standard input.
   explicit TrackReader(const std::string& path);
-  ~TrackReader();
-  TrackReader(const TrackReader&) = delete;
-  TrackReader& operator=(const TrackReader&) = delete;
 
   enum class Got { point, end, nothing_yet };
   /// The next point, waiting at most so long for what has not been written yet.
@@ -45,7 +44,7 @@ class TrackReader {
   void check_header(std::string_view line) const;
 
   std::string name_;
-  int fd_ = -1;
+  UniqueFd fd_;
   bool is_file_ = false;
   std::string read_;          ///< and not taken yet
   std::size_t searched_ = 0;  ///< of it, without a line's end

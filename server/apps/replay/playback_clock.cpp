@@ -23,29 +23,18 @@ void PlaybackClock::anchor() {
   anchored_ = Clock::now();
 }
 
-void PlaybackClock::set_speed(double speed) {
+template <class Value>
+void PlaybackClock::change(Value& value, Value to) {
   const std::lock_guard lock(mutex_);
   anchor();
-  speed_ = speed;
+  value = to;
   ++changes_;
   changed_.notify_all();
 }
 
-void PlaybackClock::set_paused(bool paused) {
-  const std::lock_guard lock(mutex_);
-  anchor();
-  paused_ = paused;
-  ++changes_;
-  changed_.notify_all();
-}
-
-void PlaybackClock::set_watched(bool watched) {
-  const std::lock_guard lock(mutex_);
-  anchor();
-  watched_ = watched;
-  ++changes_;
-  changed_.notify_all();
-}
+void PlaybackClock::set_speed(double speed) { change(speed_, speed); }
+void PlaybackClock::set_paused(bool paused) { change(paused_, paused); }
+void PlaybackClock::set_watched(bool watched) { change(watched_, watched); }
 
 void PlaybackClock::jump(std::int64_t to_ns) {
   const std::lock_guard lock(mutex_);

@@ -45,6 +45,8 @@ class PlaybackClock {
   bool flows() const { return watched_ && !paused_; }
   std::int64_t read() const;
   void anchor();
+  template <class Value>
+  void change(Value& value, Value to);
 
   mutable std::mutex mutex_;  ///< guards everything below
   std::condition_variable_any changed_;

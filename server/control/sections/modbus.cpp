@@ -54,12 +54,11 @@ void check_access(SceneReading& scene, SectionReader& reader) {
   const ModbusConfig& config = scene.config.modbus;
   if (!config.enabled || net::is_loopback_address(config.address)) return;
   const ConfigNode* address = reader.table().find("address");
-  if (address != nullptr && (!config.unprotected || config.allow.empty())) {
+  if (address != nullptr && (!config.unprotected || config.allow.empty()))
     reader.complain(
         *address, "address",
         "a loopback address; any other only with modbus.unprotected = true and a list of permitted "
         "addresses in modbus.allow, since Modbus has no protection of its own");
-  }
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "server/control/sections/sources.h"
+
 namespace obliq {
 namespace {
 

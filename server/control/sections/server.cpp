@@ -1,17 +1,21 @@
 #include "server/control/sections/server.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "server/control/sections/log.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 
 namespace obliq {
 namespace {
 
+// --- [server] ---
+
 using Server = RowsOf<Change::restart, &SceneConfig::server>;
 using Limit = RowsOf<Change::reload, &SceneConfig::server>;
-constexpr std::array kRows{
+constexpr std::array kRowsOfServer{
     Server::row<&ServerConfig::address>("server.address", "Address to bind to."),
     Server::row<&ServerConfig::port>("server.port", closed(0, 65535), "TCP port; 0: any free one."),
     Server::row<&ServerConfig::tokens>(
@@ -91,8 +95,118 @@ void resolve_paths(SceneReading& scene, SectionReader& reader) {
   }
 }
 
+// --- [http] ---
+
+using Http = RowsOf<Change::restart, &SceneConfig::http>;
+constexpr std::array kRowsOfHttp{
+    Http::row<&HttpConfig::enabled>("http.enabled",
+                                    "Serve the page, /healthz, /readyz and /metrics over HTTP."),
+    Http::row<&HttpConfig::address>("http.address", "Address for HTTP to bind to."),
+    Http::row<&HttpConfig::port>("http.port", closed(0, 65535), "TCP port for HTTP; 0: any free one."),
+    Http::row<&HttpConfig::max_connections>("http.max_connections", closed(1, 1000),
+                                            "Most HTTP connections at a time."),
+    Http::row<&HttpConfig::max_connections_per_address>(
+        "http.max_connections_per_address", closed(1, 1000),
+        "Most HTTP connections at a time from one IPv4 address or one IPv6 /64 network."),
+    Http::row<&HttpConfig::timeout_s>(
+        "http.timeout_s", "s", closed(0.01, 3600),
+        "Timeout for a request's header to arrive, for a response to be read, and between two requests."),
+};
+
+using Texts = std::vector<std::string> HttpConfig::*;
+
+template <Texts list>
+void read_texts(const FoundKey& found, SceneConfig& config) {
+  for (const ConfigNode* node : found.reader.texts(found.name)) {
+    const auto& text = std::get<std::string>(node->value);
+    const bool is_one_word =
+        !text.empty() && std::ranges::all_of(text, [](char c) { return c > ' ' && c < '\x7f'; });
+    const bool is_name = text.find_first_of("/:") == std::string::npos;
+    const std::size_t mark = text.find("://");
+    const bool is_origin = (text.starts_with("http://") || text.starts_with("https://")) &&
+                           text.find('/', mark + 3) == std::string::npos && text.size() > mark + 3;
+    if (is_one_word && (list == &HttpConfig::names ? is_name : is_origin)) {
+      (config.http.*list).push_back(text);
+    } else {
+      found.reader.complain(*node, found.name, found.allowed);
+    }
+  }
+}
+
+template <Texts list>
+std::string printed_texts(const SceneConfig& config, const SceneConfig&) {
+  const auto& texts = config.http.*list;
+  return texts.empty() ? "" : toml_list(texts, toml_string);
+}
+
+const std::array kSpecialOfHttp{
+    special<SceneConfig>("http.names", "", kAny, "a list of names without ports, such as \"radar.example\"",
+                         "Names under which browsers reach this server, besides its addresses and localhost; "
+                         "requests for another Host are refused.",
+                         read_texts<&HttpConfig::names>, printed_texts<&HttpConfig::names>, "[]",
+                         Change::restart),
+    special<SceneConfig>("http.origins", "", kAny,
+                         "a list of SCHEME://HOST or SCHEME://HOST:PORT, such as \"https://screens.example\"",
+                         "Pages of other servers that may use this one; requests from other pages than the "
+                         "server's own are refused.",
+                         read_texts<&HttpConfig::origins>, printed_texts<&HttpConfig::origins>, "[]",
+                         Change::restart),
+};
+
+// --- [stream] ---
+
+using Stream = RowsOf<Change::restart, &SceneConfig::stream>;
+constexpr std::array kRowsOfStream{
+    Stream::row<&StreamConfig::live_frames>(
+        "stream.live_frames", closed(1, 100),
+        "Most frames of one radar in memory at a time; the next waits until all clients have "
+        "finished with one."),
+    Stream::row<&StreamConfig::abort_after_s>(
+        "stream.abort_after_s", "s", closed(0, 3600),
+        "When a radar has waited this long, its oldest frame is aborted for the clients that still "
+        "hold it."),
+    Stream::row<&StreamConfig::lossless_limit_s>(
+        "stream.lossless_limit_s", "s", closed(0.01, 3600),
+        "A lossless client that holds up its radar and takes nothing for this long is dropped."),
+};
+
+// --- [flight] ---
+
+using Flight = RowsOf<Change::reload, &SceneConfig::flight>;
+constexpr std::array kRowsOfFlight{
+    Flight::row<&FlightConfig::enabled>(
+        "flight.enabled", "Load more terrain in the background when radars fly out of what is loaded."),
+    Flight::row<&FlightConfig::reorigin_km>(
+        "flight.reorigin_km", "km", closed(1, 100),
+        "When the first radar is further than this from the scene's origin, the origin moves to it."),
+    Flight::row<&FlightConfig::max_reach_km>(
+        "flight.max_reach_km", "km", closed(0, 500),
+        "Terrain is loaded for ranges up to this, whatever a client sets; 0: the longest r_max_m "
+        "in the scene file."),
+    Flight::row<&FlightConfig::max_megaposts>(
+        "flight.max_megaposts", "million", above(0, 268),
+        "Most posts of terrain to load while serving; they take 32 MB of memory per million, or 5 "
+        "MB where every frustum is a sweep."),
+};
+
+// --- [log] ---
+
+// The lists follow their enumerations.
+constexpr std::array kFormats{Choice{"text"}, Choice{"json"}};
+constexpr std::array kLevels{Choice{"debug"}, Choice{"info"}, Choice{"warning"}, Choice{"error"}};
+
+using Log = RowsOf<Change::reload, &SceneConfig::log>;
+constexpr std::array kRowsOfLog{
+    Log::row<&LogConfig::format>("log.format", kFormats, "Log lines as text or as JSON objects."),
+    Log::row<&LogConfig::level>("log.level", kLevels, "Lowest level that is logged."),
+};
+
 }  // namespace
 
-const Section kServerSection{"server", {kRows}, resolve_paths, true};
+const Section kServerSection{"server", {kRowsOfServer}, resolve_paths, true};
+const Section kHttpSection{"http", {kRowsOfHttp, kSpecialOfHttp}, nullptr, true};
+const Section kStreamSection{"stream", {kRowsOfStream}, nullptr, true};
+const Section kFlightSection{"flight", {kRowsOfFlight}, nullptr, true};
+const Section kLogSection{"log", {kRowsOfLog}, nullptr, true};
 
 }  // namespace obliq

@@ -1,5 +1,6 @@
 #pragma once
-// [server], [http] and [stream]: where the daemon listens, and the limits of what a peer may ask.
+// [server], [http], [stream] and [flight]: where the daemon listens, what a peer may ask, how its ground
+// moves.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -70,5 +71,15 @@ struct StreamConfig {
 };
 
 extern const Section kStreamSection;
+
+/// [flight]: how the daemon moves its loaded terrain with radars that fly.
+struct FlightConfig {
+  bool enabled = true;
+  double reorigin_km = 20;  ///< the origin moves to the first radar when it is further than this from it
+  double max_reach_km = 0;  ///< what is loaded around a radar is never for more range; 0: its r_max at start
+  double max_megaposts = 64;  ///< a larger window is not loaded while serving
+};
+
+extern const Section kFlightSection;
 
 }  // namespace obliq

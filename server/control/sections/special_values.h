@@ -1,7 +1,6 @@
 #pragma once
 // Readers and printers for special keys of the usual kinds.
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 

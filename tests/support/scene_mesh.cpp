@@ -1,19 +1,15 @@
-// `obliq mesh`: exactly the triangles that Embree gets, as a binary PLY.
-#include <CLI/CLI.hpp>
+#include "tests/support/scene_mesh.h"
+
 #include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <memory>
+#include <vector>
 
-#include "server/apps/commands/commands.h"
-#include "server/apps/scene_arguments.h"
-#include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
 #include "terrain/buildings/building_mesh.h"
 
-namespace obliq {
+namespace obliq::test {
 namespace {
 
 class PlyWriter {
@@ -50,7 +46,9 @@ class PlyWriter {
   std::ofstream file_;
 };
 
-void write_ply(const World& world, const std::string& path, const Progress& progress) {
+}  // namespace
+
+void write_scene_mesh(const World& world, const std::string& path) {
   const HeightGrid& grid = world.grid;
   std::vector<std::uint32_t> number(grid.y_m.size(), 0);  // of the known nodes, in grid order
   std::uint32_t n_nodes = 0;
@@ -70,7 +68,6 @@ void write_ply(const World& world, const std::string& path, const Progress& prog
                    static_cast<float>(grid.node_z_m(j)));
   for (const glm::vec3& v : buildings.vertices_m) ply.vertex(v.x, v.y, v.z);
   for (int j = 0; j + 1 < grid.nz; ++j) {
-    progress("writing triangles", static_cast<double>(j) / grid.nz);
     for (int i = 0; i + 1 < grid.nx; ++i) {
       if (!grid.cell_known(i, j)) continue;
       const std::uint32_t v00 = number[grid.index(i, j)];
@@ -86,26 +83,6 @@ void write_ply(const World& world, const std::string& path, const Progress& prog
     ply.triangle(n_nodes + corner.x, n_nodes + corner.y, n_nodes + corner.z, buildings.triangle_face[t]);
   }
   ply.close();
-  progress("writing triangles", 1);
-  std::printf("%s: %llu triangles of ground, %zu of buildings\n", path.c_str(),
-              static_cast<unsigned long long>(2 * cells), buildings.triangles.size());
 }
 
-}  // namespace
-
-void add_mesh(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("mesh", "Write the triangles that are traced as a binary PLY");
-  auto scene = std::make_shared<SceneArguments>();
-  auto out = std::make_shared<std::string>();
-  add_scene_arguments(*command, "SCENE", *scene);
-  command->add_option("--out", *out, "File to write")->type_name("FILE.ply");
-  command->callback([scene, out] {
-    auto config = open_scene(*scene);
-    if (!config) return;
-    if (out->empty()) throw InputError("mesh: --out: found nothing; allowed: a file to write");
-    meet_accuracy(*config, say_on_terminal, terminal_progress());
-    write_ply(*load_world_with_report(*config), *out, terminal_progress());
-  });
-}
-
-}  // namespace obliq
+}  // namespace obliq::test

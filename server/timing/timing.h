@@ -1,9 +1,13 @@
 #pragma once
-// What `obliq render --profile` says: where the time of loading and of a frame goes.
+// `obliq render --profile`: where the time of loading and of a frame goes.
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "server/radar/geometry/pose.h"
+#include "server/radar/settings.h"
+#include "server/scene/scene.h"
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
@@ -37,5 +41,19 @@ TimeParts time_parts(const StageTimes& times);
 std::string timing_text(const Timing& timing);
 /// The same as a JSON object.
 std::string timing_json(const Timing& timing);
+
+/// What a frame is of.
+struct TimedFrame {
+  std::shared_ptr<const Scene> scene;
+  SettingsPtr settings;
+  Pose pose;
+  std::string radar;
+  std::string scene_name;
+  int threads = 0;
+};
+
+/// Frames as the daemon makes them, planned, rendered, encoded with all planes and sent over the loopback,
+/// with and without probes in turns for a few seconds. All of the timing but the scene's part.
+Timing time_frames(const TimedFrame& frame);
 
 }  // namespace obliq
