@@ -7,6 +7,7 @@
 #include "server/radar/beam/echo_layout.h"
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_rows.h"
+#include "server/radar/narrow_bins.h"
 #include "server/radar/render.h"
 
 namespace obliq {
@@ -15,6 +16,8 @@ namespace {
 /// Accumulators and block (49), its video and the look that it needs (11), and a visible and a present mark
 /// of up to 9 profiles and of all together.
 constexpr double kBytesABin = 49 + 11 + 2 * 10;
+/// Of bins that are added up from narrower ones: the block with its video, look and sines.
+constexpr std::int64_t kBytesOfWideBin = 21 + 11 + 4;
 /// A bin, a cell, a kind and a power, for each of the wedge's azimuth bins and for merging one of them, with
 /// room to grow into.
 constexpr double kBytesAScatterer = 2 * 28;
@@ -52,6 +55,9 @@ double cells_in_azimuth_bin(const RadarSettings& s) {
 }  // namespace
 
 std::int64_t wedge_bytes(const RadarSettings& s) {
+  if (narrow_bins(s) > 1)
+    return wedge_bytes(narrow_frame(s)) +
+           kBytesOfWideBin * std::min(kWedgeAzimuthBins, s.azimuth_bins) * s.range_bins;
   const double azimuths = std::min(kWedgeAzimuthBins, s.azimuth_bins);
   const double share = azimuths / s.azimuth_bins;
   const double columns = std::ceil(s.pixel_columns * share);
@@ -76,13 +82,17 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
 }
 
 RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads) {
-  if (!needs_echo_plan(s)) return {threads * wedge_bytes(s), 0};
+  // No more threads than wedges have something to do.
+  const auto at_work = [threads](const RadarSettings& looked_at) {
+    return std::min(threads, std::int64_t{wedge_count(looked_at.azimuth_bins)});
+  };
+  if (!needs_echo_plan(s)) return {at_work(s) * wedge_bytes(s), 0};
   const EchoSize size = echo_size(s, threads);
   const std::int64_t kept =
       s.scan_mode == ScanMode::frame ? 0 : std::min(std::int64_t{SharpStore::kMostBytes}, size.sharp_bytes);
   const std::int64_t sines = kBytesOfSines * kWedgeAzimuthBins * size.sharp.range_bins;
-  return {threads * (wedge_bytes(size.sharp) + sines + size.sums_bytes) + size.plan_bytes + size.rows_bytes +
-              kept,
+  return {at_work(size.sharp) * (wedge_bytes(size.sharp) + sines + size.sums_bytes) + size.plan_bytes +
+              size.rows_bytes + kept,
           size.taps()};
 }
 

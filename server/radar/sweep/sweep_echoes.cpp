@@ -14,8 +14,6 @@
 namespace obliq {
 namespace {
 
-/// In wider bins a plane says too little about the ground that a building beside it stands on.
-constexpr double kWidest_rad = std::numbers::pi / 360;
 /// Floats keep a range of 37 km to 4 mm.
 constexpr double kFinest_m = 1;
 /// Nearer buildings, and those nearer than so many times their height, fill too much of a bin's elevation to
@@ -60,8 +58,7 @@ SubColumnBins::SubColumnBins(const ScenePlan& plan)
     : suffices_(static_cast<std::size_t>(plan.bins().n_azimuth)) {
   const RadarSettings& settings = plan.settings();
   const BinGrid& bins = plan.bins();
-  if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
-      bins.azimuth_width_rad > kWidest_rad || bins.range_spacing_m < kFinest_m)
+  if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 || bins.range_spacing_m < kFinest_m)
     return;
   suffices_.assign(suffices_.size(), true);
   const double lowest_slope = lowest_slope_in_swath(plan);
