@@ -23,6 +23,7 @@ RadarSettings sweep_settings() {
   s.azimuth_bins = 20;
   s.range_bins = 40;
   s.pixel_columns = 40;
+  s.sub_columns = 0;
   return s;
 }
 
@@ -173,6 +174,7 @@ TEST(SweepColumns, StrandsAndTheBasePlaneShareEveryColumnExactly) {
     if (random.world.buildings.list.empty()) continue;
     RadarSettings s = random.settings;
     s.frustum = FrustumKind::sweep;
+    s.sub_columns = 0;
     const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(s), random.pose).plan;
     const int per_bin = sweep_columns_per_bin(s);
