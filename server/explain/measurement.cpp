@@ -207,7 +207,7 @@ GroundProbes::GroundProbes(const FramePlan& plan, const AzimuthRuns& runs) {
   const Sector& sector = plan.sector();
   for (const AzimuthRange& run : runs) {
     for (int bin = run.first; bin < run.first + run.count; ++bin) {
-      const double bearing = plan.looks_at().bearing_rad(bin + 0.5);
+      const double bearing = sector.bearing_rad + plan.bins().azimuth_edge_rad(bin + 0.5);
       for (int n = 1; n <= kDistances; ++n) {
         const double ground_m = sector.r_max_m * n / kDistances;
         const double x = sector.antenna_m.x + ground_m * std::sin(bearing);

@@ -18,6 +18,14 @@ enum class BinState : std::uint8_t {
       4,  ///< altitude hole: nearer than all surface of its azimuth, the antenna over known ground
 };
 
+/// What a bin of several is, of BinStates: the first of these that one of them is.
+inline std::uint8_t joined(std::uint8_t a, std::uint8_t b) {
+  for (const BinState state :
+       {BinState::sampled, BinState::not_sampled, BinState::shadow, BinState::no_surface})
+    if (const auto s = static_cast<std::uint8_t>(state); a == s || b == s) return s;
+  return static_cast<std::uint8_t>(BinState::nearer_than_ground);
+}
+
 /// Azimuth bins [first, first + count).
 struct AzimuthRange {
   int first = 0;

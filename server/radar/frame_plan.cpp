@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/narrow_bins.h"
+
 namespace obliq {
 namespace {
 
@@ -56,18 +58,20 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& sna
   if (!errors.empty()) return {nullptr, std::move(errors)};
   std::shared_ptr<FramePlan> frame(new FramePlan(*snapshot, pose));
   const RadarSettings& settings = frame->settings();
-  ScenePlanResult looks_at;
-  if (!needs_echo_plan(settings)) {
-    looks_at = plan_scene(std::move(scene), settings, pose);
-  } else {
+  Pose turned = pose;
+  if (needs_echo_plan(settings)) {
     std::optional<EchoPlan> sum = plan_echo(settings, place_of(*scene, settings, pose), errors);
     if (!sum) return {nullptr, std::move(errors)};
-    Pose turned = pose;
     turned.bearing_world_rad +=
         sum->turn_bins * sum->sharp.sector_deg * std::numbers::pi / 180 / sum->sharp.azimuth_bins;
-    looks_at = plan_scene(std::move(scene), sum->sharp, turned, blurs(settings), sum->widths.get());
     frame->sum_ = std::make_shared<const EchoPlan>(*std::move(sum));
   }
+  const EchoPlan* sum = frame->sum();
+  const RadarSettings& sharp = sum != nullptr ? sum->sharp : settings;
+  frame->narrow_bins_ = narrow_bins(sharp);
+  ScenePlanResult looks_at =
+      plan_scene(std::move(scene), narrow_frame(sharp), turned, blurs(settings) || frame->narrow_bins_ > 1,
+                 sum != nullptr ? sum->widths.get() : nullptr);
   if (!looks_at.plan) return {nullptr, std::move(looks_at.errors)};
   frame->looks_at_ = std::move(looks_at.plan);
   return {std::move(frame), {}};

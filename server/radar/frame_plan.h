@@ -38,11 +38,14 @@ class FramePlan {
   const Pose& pose() const { return pose_; }
   const Sector& sector() const { return sector_; }
   const BinGrid& bins() const { return bins_; }
-  /// What is looked at; behind a beam or a pulse a wider sector and a longer swath.
+  /// What is looked at; behind a beam or a pulse a wider sector and a longer swath, and where bins are wide
+  /// narrower ones.
   const ScenePlan& looks_at() const { return *looks_at_; }
   const Scene& scene() const { return looks_at_->scene(); }
-  /// How the bins follow from those of looks_at(); null: they are those.
+  /// How the bins follow from sharp ones by the sums over beam and pulse; null: they are those.
   const EchoPlan* sum() const { return sum_.get(); }
+  /// Bins of looks_at() that each sharp one is added up from (server/radar/narrow_bins.h).
+  int narrow_bins() const { return narrow_bins_; }
 
  private:
   friend PlanResult plan_frame(std::shared_ptr<const Scene>, const SettingsPtr&, const Pose&);
@@ -54,6 +57,7 @@ class FramePlan {
   BinGrid bins_;
   std::shared_ptr<const ScenePlan> looks_at_;
   std::shared_ptr<const EchoPlan> sum_;
+  int narrow_bins_ = 1;
 };
 
 }  // namespace obliq

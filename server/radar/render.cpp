@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/sweep/sweep_samples.h"
@@ -60,11 +61,43 @@ void render_echoes(WedgeWork& work, AzimuthRange range, double far_m) {
   work.wedge.stats.samples += work.cells.count();
 }
 
-void find_states(const ScenePlan& plan, WedgeVisibility& visibility, Wedge& wedge) {
+/// work.wedge becomes a wedge of bins that are looked at, without its area and the count of its states.
+void look_at(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
+  const int bin = index * kWedgeAzimuthBins;
+  const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
+  work.wedge = {};
+  work.wedge.index = index;
+  work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
+  ask(static_cast<std::int64_t>(work.wedge.bins.state.size()));
+  const bool echoes = work.tables.sub_columns.all_of(range);
+  WedgeVisibility visibility(work.plan, range, !echoes);
+  if (echoes) {
+    render_echoes(work, range, needed.far_m);
+  } else {
+    render_samples(work, range, needed.observer, visibility);
+  }
+  if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
+  if (!needed.states) return;
   const StageProbe probe(Stage::states);
-  decide_states(plan, visibility, wedge.bins);
-  ask(static_cast<std::int64_t>(wedge.bins.state.size()));
-  count_states(wedge);
+  decide_states(work.plan, visibility, work.wedge.bins);
+}
+
+/// The same of wide bins, from their narrow ones.
+void add_up(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
+  const int n = work.narrow_bins;
+  const int all = work.plan.settings().azimuth_bins;
+  const int bin = index * kWedgeAzimuthBins;
+  Wedge sum;
+  sum.index = index;
+  sum.bins = BinBlock(bin, std::min(kWedgeAzimuthBins, all / n - bin), work.plan.bins().n_range);
+  ask(static_cast<std::int64_t>(sum.bins.state.size()));
+  for (int narrow = index * n; narrow < std::min((index + 1) * n, wedge_count(all)); ++narrow) {
+    look_at(work, narrow, needed);
+    const StageProbe probe(Stage::bin);
+    add_narrow(work.wedge.bins, n, sum.bins);
+    sum.stats.add(work.wedge.stats);
+  }
+  work.wedge = std::move(sum);
 }
 
 }  // namespace
@@ -87,21 +120,15 @@ void measure_coverage(const FramePlan& plan, Wedge& wedge) {
 }
 
 void render_wedge(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
-  const int bin = index * kWedgeAzimuthBins;
-  const AzimuthRange range{bin, std::min(kWedgeAzimuthBins, work.plan.settings().azimuth_bins - bin)};
-  work.wedge = {};
-  work.wedge.index = index;
-  work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
-  ask(static_cast<std::int64_t>(work.wedge.bins.state.size()));
-  const bool echoes = work.tables.sub_columns.all_of(range);
-  WedgeVisibility visibility(work.plan, range, !echoes);
-  if (echoes) {
-    render_echoes(work, range, needed.far_m);
+  if (work.narrow_bins == 1) {
+    look_at(work, index, needed);
   } else {
-    render_samples(work, range, needed.observer, visibility);
+    add_up(work, index, needed);
   }
-  if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
-  if (needed.states) find_states(work.plan, visibility, work.wedge);
+  if (!needed.states) return;
+  const StageProbe probe(Stage::states);
+  ask(static_cast<std::int64_t>(work.wedge.bins.state.size()));
+  count_states(work.wedge);
 }
 
 std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthRange range,

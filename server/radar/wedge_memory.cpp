@@ -7,6 +7,7 @@
 #include "server/radar/beam/echo_rows.h"
 #include "server/radar/echo/echo_bins.h"
 #include "server/radar/echo/echo_cells.h"
+#include "server/radar/narrow_bins.h"
 #include "server/radar/rays/perspective_rays.h"
 #include "server/radar/render.h"
 #include "server/radar/sweep/sweep_echoes.h"
@@ -21,6 +22,9 @@ constexpr std::int64_t kBytesOfBatches = 2'500'000;
 }  // namespace
 
 std::int64_t wedge_bytes(const RadarSettings& s) {
+  if (narrow_bins(s) > 1)
+    return wedge_bytes(narrow_frame(s)) +
+           BinBlock::kBytesABin * std::min(kWedgeAzimuthBins, s.azimuth_bins) * s.range_bins;
   const std::int64_t bytes =
       kBytesOfBatches + BinBlock::kBytesABin * s.range_bins * std::min(kWedgeAzimuthBins, s.azimuth_bins) +
       WedgeVisibility::bytes(s.range_bins) + EchoBins::bytes(s);
@@ -29,11 +33,16 @@ std::int64_t wedge_bytes(const RadarSettings& s) {
 }
 
 RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads) {
-  if (!needs_echo_plan(s)) return {threads * wedge_bytes(s), 0};
+  // No more threads than wedges have something to do.
+  const auto at_work = [threads](const RadarSettings& looked_at) {
+    return std::min(threads, std::int64_t{wedge_count(looked_at.azimuth_bins)});
+  };
+  if (!needs_echo_plan(s)) return {at_work(s) * wedge_bytes(s), 0};
   const EchoSize size = echo_size(s, threads);
   const std::int64_t kept =
       s.scan_mode == ScanMode::frame ? 0 : std::min(std::int64_t{SharpStore::kMostBytes}, size.sharp_bytes);
-  return {threads * (wedge_bytes(size.sharp) + size.sums_bytes) + size.plan_bytes + size.rows_bytes + kept,
+  return {at_work(size.sharp) * (wedge_bytes(size.sharp) + size.sums_bytes) + size.plan_bytes +
+              size.rows_bytes + kept,
           size.taps()};
 }
 

@@ -45,16 +45,17 @@ class Helpers {
 class WedgeThreads {
  public:
   WedgeThreads(const FramePlan& plan, int first_wedge, int end_wedge, const RenderOptions& options)
-      : plan_(plan.looks_at()),
+      : plan_(plan),
         options_(options),
-        tables_(plan_),
+        tables_(plan.looks_at()),
         sums_(make_wedge_sums(plan, first_wedge, end_wedge, options)) {}
 
   /// False when stopped.
   bool run(int threads) {
     {
       Helpers helpers;
-      for (int t = 1; t < threads; ++t) helpers.add([this] { work_until_done(); });
+      for (int t = 1; t < std::min(threads, sums_->n_wedges()); ++t)
+        helpers.add([this] { work_until_done(); });
       work_until_done();
     }
     if (failure_) std::rethrow_exception(failure_);
@@ -108,7 +109,7 @@ class WedgeThreads {
     ask(kDeliveryABin * bins);
   }
 
-  const ScenePlan& plan_;
+  const FramePlan& plan_;
   const RenderOptions& options_;
   const FrameTables tables_;
   const std::unique_ptr<WedgeSums> sums_;

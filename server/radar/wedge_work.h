@@ -28,6 +28,7 @@ struct FrameTables {
 /// What a thread has in hand: a wedge and its buffers, reused from wedge to wedge.
 struct WedgeWork {
   const ScenePlan& plan;
+  const int narrow_bins;  ///< FramePlan's
   const FrameTables& tables;
   EchoBins echo;
   EchoCells cells;
@@ -35,8 +36,9 @@ struct WedgeWork {
   std::unique_ptr<EchoSums> sums;  ///< over beam and pulse; null until there is something to add up
   Wedge wedge;
 
-  WedgeWork(const ScenePlan& scene_plan, const FrameTables& frame_tables, Surfaces surfaces, bool iq)
-      : plan(scene_plan),
+  WedgeWork(const FramePlan& frame, const FrameTables& frame_tables, Surfaces surfaces, bool iq)
+      : plan(frame.looks_at()),
+        narrow_bins(frame.narrow_bins()),
         tables(frame_tables),
         echo(plan, tables.scattering, tables.speckle, {}, surfaces),
         cells(plan, tables.scattering, tables.speckle, surfaces, iq) {}

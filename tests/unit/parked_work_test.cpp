@@ -315,6 +315,7 @@ TEST(ABatch, IsAtMostAColumnOfTheSweep) {
   RadarSettings settings = small_frame(FrustumKind::sweep);
   settings.azimuth_bins = 1;
   settings.range_bins = 2;  // few samples a column
+  settings.sub_columns = 0;
   EXPECT_GE(batches_of(*plan_of(settings)), sweep_columns_per_bin(settings));
 }
 

@@ -170,6 +170,7 @@ TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
   for (std::uint64_t seed = 1000; seed < 1060; ++seed) {
     test::RandomScene random = test::random_scene(seed, large);
     random.settings.frustum = FrustumKind::sweep;
+    random.settings.sub_columns = 0;  // whose bins are those that are looked at
     const auto scene = test::scene_of(random);
     const auto snapshot = test::snapshot(random.settings);
     const auto plan = plan_frame(scene, snapshot, random.pose).plan;

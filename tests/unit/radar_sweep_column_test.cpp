@@ -24,7 +24,9 @@ namespace obliq {
 namespace {
 
 RadarSettings sweep_settings() {
-  return test::radar_settings(FrustumKind::sweep, {500, 4500, 60}, {20, 40}, {40});
+  RadarSettings s = test::radar_settings(FrustumKind::sweep, {500, 4500, 60}, {20, 40}, {40});
+  s.sub_columns = 0;
+  return s;
 }
 
 class Pieces : public testing::Test {
@@ -174,6 +176,7 @@ TEST(SweepColumns, StrandsAndTheBasePlaneShareEveryColumnExactly) {
     if (random.world.buildings.list.empty()) continue;
     RadarSettings s = random.settings;
     s.frustum = FrustumKind::sweep;
+    s.sub_columns = 0;
     const auto scene = test::scene_of(random);
     const auto plan = plan_frame(scene, test::snapshot(s), random.pose).plan;
     const int per_bin = sweep_columns_per_bin(s);

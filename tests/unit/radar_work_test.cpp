@@ -78,6 +78,36 @@ TEST_P(AWedge, EndsInItsMiddleWhenItIsToldToStop) {
   EXPECT_EQ(wedges, 0);
 }
 
+/// All azimuths and 8,192 ranges: 720 narrow bins, one wedge of them after the other.
+TEST(WedgeMemory, OfABinOfAWholeCircleIsSmall) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer keeps memory that was given back";
+#endif
+  RadarSettings settings = one_bin(FrustumKind::sweep, 1);
+  settings.sector_deg = 360;
+  settings.range_bins = 8192;
+  settings.r_min_m = 0;
+  settings.r_max_m = 12000;
+  RadarSettings behind_a_pulse = settings;
+  behind_a_pulse.pulse.kind = PulseKind::rectangular;
+  behind_a_pulse.pulse.length_us = 0.1;
+  for (const RadarSettings& s : {settings, behind_a_pulse}) {
+    const std::int64_t said = rendering_size(s, 64).bytes;
+    EXPECT_LT(said, 200'000'000);
+    const auto plan = plan_of(s);
+    RenderOptions options;
+    options.threads = 64;
+    const std::uint64_t before = memory_of(getpid()).resident_bytes;
+    if (!restart_peak_memory()) GTEST_SKIP() << "/proc/self/clear_refs cannot be written";
+    ASSERT_TRUE(render_wedges(*plan, {0, 1}, options));
+    const std::uint64_t peak = peak_memory_bytes();
+    const auto taken = static_cast<std::int64_t>(peak > before ? peak - before : 0);
+    std::printf("    %.1f MB taken, %.1f MB said\n", static_cast<double>(taken) / 1e6,
+                static_cast<double>(said) / 1e6);
+    EXPECT_LE(taken, said);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(EverySource, AWedge, testing::ValuesIn(kEverySource),
                          source_name<testing::TestParamInfo<NamedSource>>);
 
@@ -170,6 +200,7 @@ class StagesOf : public testing::TestWithParam<NamedSource> {};
 TEST_P(StagesOf, MeasuringThemChangesNoBit) {
   for (const PlateKind plates : {PlateKind::spread, PlateKind::nearest}) {
     RadarSettings settings = small_frame(GetParam().kind);
+    settings.sub_columns = 0;  // samples too
     settings.plates = plates;
     StageTimes times;
     const Frame with = frame_of(settings, &times);

@@ -8,7 +8,7 @@
 #include "server/loading/scene_loading.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/perspective_frustum.h"
-#include "server/radar/sweep/sweep_samples.h"
+#include "server/radar/narrow_bins.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/units.h"
 
@@ -78,10 +78,11 @@ void print_camera(const FramePlan& plan) {
 
 void print_sweep(const FramePlan& plan) {
   const RadarSettings& s = plan.settings();
-  const int columns = sweep_columns_per_bin(s) * s.azimuth_bins;
+  const RadarSettings narrow = narrow_frame(s);
+  const int columns = sweep_columns_per_bin(narrow) * narrow.azimuth_bins;
   const double column_rad = s.sector_deg * kDegree_rad / columns;
   std::printf("sweep, %d vertical planes, %d an azimuth bin, more where buildings are\n", columns,
-              sweep_columns_per_bin(s));
+              columns / s.azimuth_bins);
   std::printf("  exact in range; planes %.4g deg apart: %.4g m at r_min, %.4g m at r_max\n",
               column_rad / kDegree_rad, column_rad * s.r_min_m, column_rad * s.r_max_m);
 }

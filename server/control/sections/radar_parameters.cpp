@@ -106,7 +106,7 @@ const std::array kParameters{
     row<&RadarSettings::pixel_columns>(
         "frustum.pixel_columns", "", closed(1, 16384), "pixel_columns", {252, u16},
         "Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth "
-        "bin. frustum.pixels sets columns and rows."),
+        "bin, and at least one each half degree. frustum.pixels sets columns and rows."),
     row<&RadarSettings::pixel_rows>(
         "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
         "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),

@@ -19,14 +19,6 @@ constexpr int kLanesOut = kWedgeAzimuthBins;  // a whole number of kOutputs
 constexpr int kRun = 1024;     // elements between two times that are asked, a multiple of all kernels' lanes
 constexpr int kProducts = 32;  // that a kernel adds up in a unit of ask()
 
-/// What a bin of several sharp ones is: the first of these that one of them is.
-BinState joined(BinState a, BinState b) {
-  for (const BinState state :
-       {BinState::sampled, BinState::not_sampled, BinState::shadow, BinState::no_surface})
-    if (a == state || b == state) return state;
-  return BinState::nearer_than_ground;
-}
-
 }  // namespace
 
 EchoSums::EchoSums(const EchoPlan& plan) : plan_(plan), stride_(sharp_stride(plan)), zeros_(2 * stride_) {
@@ -215,10 +207,8 @@ void EchoSums::write_ground(const std::vector<const SharpWedge*>& rows, BinBlock
       for (std::size_t r = 0; r < static_cast<std::size_t>(plan_.n_range) * parts; ++r) {
         const std::size_t bin = to + r / parts;
         const bool fresh = part == 0 && r % parts == 0;
-        const auto state = static_cast<BinState>(wedge.state[from + r]);
         bins.count[bin] = (fresh ? 0 : bins.count[bin]) + wedge.count[from + r];
-        bins.state[bin] =
-            static_cast<std::uint8_t>(fresh ? state : joined(static_cast<BinState>(bins.state[bin]), state));
+        bins.state[bin] = fresh ? wedge.state[from + r] : joined(bins.state[bin], wedge.state[from + r]);
       }
     }
   }

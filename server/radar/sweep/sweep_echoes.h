@@ -8,7 +8,7 @@
 namespace obliq {
 
 /// Which azimuth bins have sub-columns. Those do not whose buildings stand very near to the antenna, and none
-/// do that are very wide or have very short range bins; frustum.sub_columns = 0 wants none.
+/// do that have very short or very long range bins; frustum.sub_columns = 0 wants none.
 class SubColumnBins {
  public:
   explicit SubColumnBins(const ScenePlan& plan);

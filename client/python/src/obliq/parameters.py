@@ -32,7 +32,7 @@ class Settings(Fields):
     frustum: str | None = None
     # Spread a pixel's power over all range bins that it covers, or put it into the bin of its hit, as the paper does. Allowed: "spread" | "nearest"
     plates: str | None = None
-    # Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth bin. frustum.pixels sets columns and rows. Allowed: integer 1 to 16384
+    # Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth bin, and at least one each half degree. frustum.pixels sets columns and rows. Allowed: integer 1 to 16384
     pixel_columns: int | None = None
     # Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both. Allowed: integer 1 to 16384
     pixel_rows: int | None = None
