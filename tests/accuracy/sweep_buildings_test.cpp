@@ -1,5 +1,5 @@
-// No building that the truth sees is missed by exact planes of the sweep, at any range: houses far narrower than a column,
-// behind each other and behind hills, and random scenes.
+// No building that the truth sees is missed by exact planes of the sweep, at any range: houses far narrower
+// than a column, behind each other and behind hills, and random scenes.
 #include <gtest/gtest.h>
 
 #include <cstdio>
