@@ -68,6 +68,7 @@ Turned turn_scenes(FrustumKind kind, PlateKind plates) {
     SCOPED_TRACE(there.text);
     RadarSettings s = there.settings_of(kind);
     s.plates = plates;
+    s.sub_columns = 0;  // floats round more
     EXPECT_EQ(there.plan(s) == nullptr, back.plan(s) == nullptr);
     if (!there.plan(s) || !back.plan(s)) continue;
     ++all.frames;
@@ -149,6 +150,7 @@ TEST(LongerRange, NeverChangesNearerBinsOfTheSweep) {
     SCOPED_TRACE(trial.text);
     test::Dice dice(seed);
     RadarSettings near = whole_spacing(trial.settings_of(FrustumKind::sweep));
+    near.sub_columns = 0;  // floats round by where the swath ends
     RadarSettings far = near;
     far.range_bins += dice.integer(1, 60);
     far.r_max_m = far.r_min_m + far.range_bins * ((near.r_max_m - near.r_min_m) / near.range_bins);

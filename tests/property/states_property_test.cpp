@@ -26,7 +26,8 @@ TEST_P(StatesOfEverySource, PartitionTheBins) {
   for (std::uint64_t seed = 30000; seed < 31500; ++seed) {
     const test::Trial trial(seed);
     SCOPED_TRACE(trial.text);
-    const RadarSettings s = trial.settings_of(GetParam().kind);
+    RadarSettings s = trial.settings_of(GetParam().kind);
+    s.sub_columns = 0;  // or narrow bins beside each other leave few that hold no sample
     if (!trial.plan(s)) continue;
     ++frames;
     const Frame frame = trial.frame(s);

@@ -18,7 +18,7 @@ namespace {
 /// Floats keep a range of 37 km to 4 mm.
 constexpr double kFinest_m = 1;
 /// Longer range bins hold too different light to be given one share of it: 2 % too much over a town.
-constexpr double kFewestInRange = 16;
+constexpr double kLongest_m = 1000;
 /// Nearer buildings, and those nearer than so many times their height, fill too much of a bin's elevation to
 /// be spread over range evenly. In 3,000 random towns strands up to there leave a median E of 0.003.
 constexpr double kNearest_m = 100;
@@ -62,7 +62,7 @@ SubColumnBins::SubColumnBins(const ScenePlan& plan)
   const RadarSettings& settings = plan.settings();
   const BinGrid& bins = plan.bins();
   if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0 ||
-      bins.range_spacing_m < kFinest_m || bins.range_spacing_m > bins.r_max_m / kFewestInRange)
+      bins.range_spacing_m < kFinest_m || bins.range_spacing_m > kLongest_m)
     return;
   suffices_.assign(suffices_.size(), true);
   const double lowest_slope = lowest_slope_in_swath(plan);
