@@ -9,23 +9,18 @@
 namespace obliq {
 namespace {
 
-using test::TestFolder;
 using test::text_of;
 
 constexpr const char* kScene =
     "[terrain]\nsynthetic = \"hills\"\n[terrain.shape]\nheight_m = 300.0\n[antenna]\nheight_m = 900.0\n"
     "[radar]\nsector_deg = 40.0\nr_min_m = 1500.0\nr_max_m = 4000.0\n[bins]\nazimuth = 16\nrange = 32\n";
 
-class AccuracyWish : public testing::Test {
+class AccuracyWish : public test::ProgramTest {
  protected:
-  test::Outcome render(std::vector<std::string> set) const {
-    std::vector<std::string> arguments{"render", folder_.write("scene.toml", kScene), "--out",
-                                       (folder_ / "files").string()};
-    for (std::string& flag : set) {
-      arguments.emplace_back("--set");
-      arguments.push_back(std::move(flag));
-    }
-    return test::run_program(OBLIQ_PROGRAM, arguments, folder_.path());
+  test::Outcome render(const std::vector<std::string>& set) const {
+    std::vector<std::string> more;
+    for (const std::string& flag : set) more.insert(more.end(), {"--set", flag});
+    return obliq({"render", folder.write("scene.toml", kScene), "--out", folder / "files"}, more);
   }
 
   /// The number behind some words of a text; -1 when they are not there.
@@ -33,8 +28,6 @@ class AccuracyWish : public testing::Test {
     std::smatch found;
     return std::regex_search(text, found, std::regex(words + "([0-9.]+)")) ? std::stod(found[1]) : -1;
   }
-
-  TestFolder folder_;
 };
 
 TEST_F(AccuracyWish, WhatIsAskedIsMetForEveryKindAndToldWithItsMeasure) {
@@ -49,7 +42,7 @@ TEST_F(AccuracyWish, WhatIsAskedIsMetForEveryKindAndToldWithItsMeasure) {
     EXPECT_NE(run.err.find("accuracy: radar \"main\": " + kind + " "), std::string::npos) << run.err;
     // What was chosen is what was rendered.
     const double columns = number_after(run.err, "accuracy: radar \"main\": " + kind + " ");
-    const std::string json = text_of(folder_ / "files" / "frame.json");
+    const std::string json = text_of(folder / "files" / "frame.json");
     EXPECT_EQ(number_after(json, "\"pixel_columns\": "), columns) << json;
     EXPECT_NE(
         run.err.find("posts of " + std::to_string(static_cast<int>(number_after(run.err, "over cells of ")))),
@@ -62,7 +55,7 @@ TEST_F(AccuracyWish, QualityObliqueFindsPixelsThatLeaveFewLitBinsUnsampled) {
   const auto run = render({"frustum.quality=oblique", "terrain.cell_m=20"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_NE(run.err.find("radar \"main\": frustum.quality \"oblique\": "), std::string::npos) << run.err;
-  const std::string json = text_of(folder_ / "files" / "frame.json");
+  const std::string json = text_of(folder / "files" / "frame.json");
   EXPECT_NE(json.find("\"frustum\": \"oblique\""), std::string::npos);
   const double lit = number_after(json, "\"lit_bins\": ");
   EXPECT_GT(lit, 200);
@@ -93,7 +86,7 @@ TEST_F(AccuracyWish, ASceneWithoutAFrustumIsSweptAndSaysSo) {
                 "no frustum named: sweep \"standard\"; frustum.kind = \"oblique\" casts rays with Embree\n"),
             std::string::npos)
       << run.err;
-  EXPECT_NE(text_of(folder_ / "files" / "frame.json").find("\"frustum\": \"sweep\""), std::string::npos);
+  EXPECT_NE(text_of(folder / "files" / "frame.json").find("\"frustum\": \"sweep\""), std::string::npos);
 }
 
 TEST_F(AccuracyWish, FewPixelsAreWarnedOfOnStderr) {
@@ -128,7 +121,7 @@ TEST_F(AccuracyWish, WhatCannotBeMetIsRefusedWithTheBestThatWasReached) {
             std::string::npos)
       << run.err;
   EXPECT_NE(run.err.find("ask for a larger error"), std::string::npos) << run.err;
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "files" / "bins.npy"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "files" / "bins.npy"));
 }
 
 // No light, no error: an empty frame must not pass for a perfect one.
@@ -153,10 +146,10 @@ TEST_F(AccuracyWish, NothingAskedMeasuresNothing) {
 }
 
 TEST_F(AccuracyWish, TheDaemonSaysWhatItChose) {
-  const std::string scene = folder_.write("scene.toml", kScene);
+  const std::string scene = folder.write("scene.toml", kScene);
   const test::Daemon daemon({"--config", scene, "--port", "0", "--set", "frustum.quality=draft", "--set",
                              "accuracy.max_power_error_db=1"},
-                            folder_.path());
+                            folder.path());
   ASSERT_FALSE(daemon.address().empty()) << daemon.log();
   EXPECT_NE(daemon.log().find("accuracy: radar \"main\": sweep "), std::string::npos) << daemon.log();
 }

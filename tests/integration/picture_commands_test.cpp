@@ -125,6 +125,7 @@ const std::vector<NumberOption> kOptions = {
 std::vector<std::string> line_of(const std::string& command, const std::string& option,
                                  const std::string& value) {
   std::vector<std::string> words = {command, option + "=" + value};
+  if (value.empty()) words = {command, option, value};
   if (command == "get" || command == "record") words.insert(words.end(), {"--out", "out"});
   if (command == "cat240") words.insert(words.end(), {"--to", "127.0.0.1:8600"});
   if (command == "health") words.insert(words.end(), {"--config", "none.toml"});

@@ -13,8 +13,8 @@ using wire::Plane;
 constexpr std::uint32_t kStream = 1;
 constexpr std::size_t kPlenty = 1u << 20;
 
-BlockPtr block(MessageType type, std::uint64_t frame, std::uint64_t sequence,
-               wire::PlaneSet planes = wire::kAllPlanes, std::uint32_t stream = kStream) {
+std::shared_ptr<Block> block(MessageType type, std::uint64_t frame, std::uint64_t sequence,
+                             wire::PlaneSet planes = wire::kAllPlanes, std::uint32_t stream = kStream) {
   auto made = std::make_shared<Block>();
   made->type = type;
   made->frame_id = frame;
@@ -62,12 +62,7 @@ BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) 
   wire::FrameBegin begin;
   begin.set_frame_id(frame);
   begin.set_frames_skipped(skipped_by_the_radar);
-  auto made = std::make_shared<Block>();
-  made->type = MessageType::frame_begin;
-  made->frame_id = frame;
-  made->sequence = frame * 10 + 1;
-  made->planes = wire::kAllPlanes;
-  made->stream_id = kStream;
+  auto made = block(MessageType::frame_begin, frame, frame * 10 + 1);
   made->bytes = wire::encode_message(made->type, {kStream, made->sequence, 5}, begin);
   return made;
 }
@@ -182,13 +177,7 @@ TEST(Outbox, ARenderOnceQueueKeepsEverythingCountsItsBytesAndVanishes) {
 
 TEST(Outbox, BothFormsOfAMessageCountAsMemory) {
   const auto with_json = [](MessageType type, std::uint64_t sequence) {
-    auto made = std::make_shared<Block>();
-    made->type = type;
-    made->frame_id = 1;
-    made->sequence = sequence;
-    made->planes = wire::kAllPlanes;
-    made->stream_id = kStream;
-    made->bytes.resize(100);
+    auto made = block(type, 1, sequence);
     made->json_head.assign(50, ' ');
     return made;
   };
