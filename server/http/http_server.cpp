@@ -158,7 +158,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
 
 void HttpServer::State::listen() {
   try {
-    net::ReservedPort reserved(options.address, static_cast<std::uint16_t>(options.port));
+    net::ReservedPort reserved(options.address, options.port);
     address = reserved.address();
     acceptor.assign(reserved.is_v6() ? tcp::v6() : tcp::v4(), reserved.release());
     acceptor.listen(asio::socket_base::max_listen_connections);

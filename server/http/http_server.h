@@ -7,8 +7,6 @@
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 #include <vector>
 
-#include "server/control/sections/server.h"
-
 namespace boost::asio {
 class io_context;
 }
@@ -45,15 +43,18 @@ struct Upgrade {
       take;
 };
 
-/// What [http] says, and what it shares with others.
-struct HttpOptions : HttpConfig {
-  HttpOptions() { port = 0; }
-  explicit HttpOptions(const HttpConfig& config) : HttpConfig(config) {}
-
+struct HttpOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: any free one
+  int max_connections = 64;
+  int max_connections_per_address = 16;  ///< of IPv6, a /64 network
+  std::vector<std::string> names;        ///< see Site; `address` is one as well
+  std::vector<std::string> origins;      ///< see Site
   std::uint32_t max_header_bytes = 8192;
   int max_requests = 1000;                        ///< on one connection
   std::shared_ptr<const net::Security> security;  ///< certificate and tokens; null: none
   double dead_after_s = 60;                       ///< see net::watch_for_dead_peer
+  double timeout_s = 10;  ///< for a header to arrive, for an answer to be taken, between two requests
 };
 
 /// Answers GET and HEAD for a few paths, through TLS where there is a certificate, and those that are not

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "proto/limits.h"
+#include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/net/peer.h"

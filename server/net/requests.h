@@ -7,9 +7,30 @@
 
 #include "proto/error_number.h"
 #include "proto/message_type.h"
-#include "proto/obliq.pb.h"
+#include "proto/plane.h"
 #include "server/security/token_file.h"
 #include "terrain/base/errors.h"
+
+namespace obliq::wire {
+class Error;
+class Hello;
+class Heartbeat;
+class ListRadars;
+class GetRadar;
+class ClaimControl;
+class ReleaseControl;
+class SetSettings;
+class SetPose;
+class SetState;
+class SetReplay;
+class Subscribe;
+class Unsubscribe;
+class RenderOnce;
+class GetStatus;
+class QueryGround;
+class RadarStatus;
+class Pose;
+}  // namespace obliq::wire
 
 namespace obliq {
 struct KeeperState;

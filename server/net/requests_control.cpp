@@ -5,6 +5,7 @@
 
 #include "proto/limits.h"
 #include "proto/message_header.h"
+#include "proto/obliq.pb.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"

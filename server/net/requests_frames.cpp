@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "proto/limits.h"
+#include "proto/obliq.pb.h"
 #include "server/control/key.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"

@@ -175,9 +175,16 @@ void Daemon::keep_pulse() {
 
 void Daemon::open_http() {
   check_server_protection(config_.server, "http.address", config_.http.address);
-  http::HttpOptions options(config_.http);
+  http::HttpOptions options;
   options.security = security_;
+  options.address = config_.http.address;
+  options.port = static_cast<std::uint16_t>(config_.http.port);
+  options.max_connections = config_.http.max_connections;
+  options.max_connections_per_address = config_.http.max_connections_per_address;
+  options.timeout_s = config_.http.timeout_s;
   options.dead_after_s = config_.server.dead_after_s;
+  options.names = config_.http.names;
+  options.origins = config_.http.origins;
   const auto metrics = [this] {
     std::optional<net::RoomStatistics> room;
     if (serving_ != nullptr) room = serving_->statistics();
