@@ -45,6 +45,7 @@ RadarSettings settings() {
   s.azimuth_bins = 9;
   s.range_bins = 24;
   s.pixel_columns = 45;
+  s.sub_columns = 0;  // whose floats keep no tiny powers, and count no ground that is dark
   s.pixel_rows = 60;
   return s;
 }
