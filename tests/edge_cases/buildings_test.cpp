@@ -109,7 +109,7 @@ TEST(HardBuildings, OverlappingOnesAreTheirUnion) {
     const Pose pose = test::pose_at(one->world(), {-20.5, 550, 3.25}, 4);
     const Rendered a = rendered(two, s, pose, sampling), b = rendered(one, s, pose, sampling);
     if (!sampling.one_sample_a_ray()) {
-      EXPECT_NEAR(b.totals.power_w / a.totals.power_w, 1, 1e-4);  // stretches cut elsewhere
+      EXPECT_NEAR(b.totals.power_w / a.totals.power_w, 1, 2e-4);  // stretches cut elsewhere
       continue;
     }
     // The same surface met by the same rays: rounding of a few planes' equations.
