@@ -29,7 +29,8 @@ BinBlock wedge_with(const ScenePlan& plan, const FrameTables& tables, const Kern
   const AzimuthRange range{0, std::min(kWedgeAzimuthBins, plan.bins().n_azimuth)};
   EchoCells cells(plan, tables.scattering, tables.speckle, Surfaces::all, true, kernels);
   cells.restart(0);
-  SweepEchoes sweep(plan, range, cells, std::numeric_limits<double>::infinity(), kernels);
+  SweepEchoes sweep(plan, range, tables.near_buildings, tables.scattering, cells,
+                    std::numeric_limits<double>::infinity(), kernels);
   FrameStats stats;
   sweep.run(stats);
   BinBlock bins(range.first, range.count, plan.bins().n_range);
@@ -82,12 +83,12 @@ TEST(SubColumns, LookUpAfterAThousandBuildingsAtMostWithinOneAzimuthBin) {
   ASSERT_TRUE(plan);
   ASSERT_GT(plan->looks_at().buildings_in(0).size(), 2 * kMostAtOnce);
   const FrameTables tables(plan->looks_at());
-  ASSERT_TRUE(tables.sub_columns.all_of({0, 1}));
+  ASSERT_TRUE(has_sub_columns(plan->looks_at()));
 
   // Between two asks, neither more buildings are seen nor, before that, more collected.
   EchoCells cells(plan->looks_at(), tables.scattering, tables.speckle, Surfaces::all, true);
   cells.restart(0);
-  SweepEchoes sweep(plan->looks_at(), {0, 1}, cells);
+  SweepEchoes sweep(plan->looks_at(), {0, 1}, tables.near_buildings, tables.scattering, cells);
   FrameStats stats;
   std::uint32_t seen = 0, most = 0;
   test::HeardWork heard;
