@@ -117,7 +117,7 @@ FrameTables::FrameTables(const ScenePlan& plan)
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),
-               plan.settings().frustum == FrustumKind::sweep}),
+               plan.settings().frustum == FrustumKind::sweep && plan.bins().azimuth_width_rad < 1}),
       near_buildings(plan) {
   if (!attenuates(plan.settings())) return;
   const double loss_db_km = path_loss_db_km(plan.settings(), air_view(plan));

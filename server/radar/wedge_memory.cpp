@@ -26,7 +26,7 @@ constexpr double kBytesAShare = 4;
 /// Sines of elevation behind a beam: sums by samples and by echoes, and the block's.
 constexpr std::int64_t kBytesOfSines = 2 * 8 + 4;
 /// A node of a plane's profile. Nodes stand at least so close together, in range bins (BuildingView).
-constexpr double kBytesANode = 16;
+constexpr double kBytesANode = 20;
 constexpr double kNodesABin = 16;
 /// Rays, hits and samples of one batch, and samples that wait.
 constexpr double kBytesOfBatches = 2.5e6;

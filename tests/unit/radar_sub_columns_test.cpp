@@ -57,11 +57,11 @@ TEST(SubColumns, HaveTheSameBitsWithEveryInstructionSet) {
   EXPECT_GT(echoes, 10000u);
 }
 
-/// A street of small houses, one behind the other, all in the one wedge.
+/// A street of small houses, one behind the other, none of them near, all in the one wedge.
 World street(int houses) {
   World world = test::made_world(9000, 50, [](double, double) { return 0; });
   for (int k = 0; k < houses; ++k)
-    test::add_prism(world, test::rectangle(-12 + k % 8 * 3, 1000 + 1.5 * k, 2, 1), 1 + k * 0.002);
+    test::add_prism(world, test::rectangle(-12 + k % 8 * 3, 1600 + 1.4 * k, 2, 1), 1 + k * 0.002);
   return world;
 }
 

@@ -20,13 +20,22 @@ class NearBuildings {
 
   bool empty() const { return near_.empty(); }
   bool has(std::uint32_t building) const;
-  /// Those that overlap an azimuth bin, by distance.
-  std::vector<Silhouette> in(int azimuth_bin) const;
+
+  /// One that overlaps an azimuth bin; its bearings and by_rad are offsets from the sector's centre.
+  struct Seen {
+    std::uint32_t number;
+    double by_rad;
+  };
+  /// By distance.
+  std::span<const Seen> in(int azimuth_bin) const { return bins_[static_cast<std::size_t>(azimuth_bin)]; }
+  const Silhouette& silhouette(const Seen& seen) const { return near_[seen.number]; }
 
  private:
-  BinGrid bins_;
-  std::vector<Silhouette> near_;        // by distance
-  std::vector<std::uint32_t> numbers_;  // rising
+  void sort_into(const BinGrid& bins);
+
+  std::vector<Silhouette> near_;         // by distance
+  std::vector<std::uint32_t> numbers_;   // of buildings, rising
+  std::vector<std::vector<Seen>> bins_;  // [n_azimuth]
 };
 
 }  // namespace obliq

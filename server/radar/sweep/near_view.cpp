@@ -19,8 +19,18 @@ constexpr int kLeastStrips = 2;
 /// As SegmentSampler::kTurn_rad, of a surface that shines alike at any incidence.
 constexpr double kDullTurn_rad = 1.0 / 8;
 
-/// Cosine of an incidence at which only the floor under a lobe is left.
-constexpr double kEdgeOn = 1e-3;
+/// Whether a lobe shines at an incidence: below exp(-15) of its peak there is less than 1e-3 of any floor.
+bool shines(const EchoTable& table, std::uint8_t material, double cos_incidence) {
+  constexpr double kDark = 15;
+  const double tan2 = 1 / (cos_incidence * cos_incidence) - 1;
+  return table.peak[material] > 0 && tan2 * table.over_two_slope2[material] < kDark;
+}
+
+/// The angle over which an echo is of one incidence and gain.
+double turn_rad(const EchoTable& table, std::uint8_t material, double greatest_cos) {
+  return table.elevation.gain != nullptr || shines(table, material, greatest_cos) ? SegmentSampler::kTurn_rad
+                                                                                  : kDullTurn_rad;
+}
 
 constexpr double kFarBelow = -1e9;
 
@@ -96,9 +106,10 @@ void NearView::cut(int azimuth_bin, int planes) {
   edges_.clear();
   for (int k = 0; k <= n; ++k) edges_.push_back(from_rad + (to_rad - from_rad) * k / n);
   edges_.back() = to_rad;
-  for (const Silhouette& building : buildings_)
-    for (const double corner : building.corners_rad)
-      if (corner > from_rad && corner < to_rad) edges_.push_back(corner);
+  for (const NearBuildings::Seen& seen : buildings_)
+    for (const double corner : near_.silhouette(seen).corners_rad)
+      if (corner + seen.by_rad > from_rad && corner + seen.by_rad < to_rad)
+        edges_.push_back(corner + seen.by_rad);
   ask(static_cast<std::int64_t>(edges_.size()));
   std::ranges::sort(edges_);
   strips_.clear();
@@ -112,9 +123,11 @@ void NearView::find_spans(const Strip& strip, SinCos bearing) {
   const double middle_rad = (strip.from_rad + strip.to_rad) / 2;
   spans_.clear();
   ask(kAStrip + kABuilding * static_cast<std::int64_t>(buildings_.size()));
-  for (const Silhouette& building : buildings_) {
+  for (const NearBuildings::Seen& seen : buildings_) {
+    const Silhouette& building = near_.silhouette(seen);
+    const double bearing_rad = middle_rad - seen.by_rad;
     if (building.near_m > far_m_) break;
-    if (!(building.from_rad <= middle_rad && middle_rad <= building.to_rad)) continue;
+    if (!(building.from_rad <= bearing_rad && bearing_rad <= building.to_rad)) continue;
     const bool hidden = std::ranges::any_of(spans_, [&](const RoofSpan& span) {
       const double height_m = span.roof_y_m - antenna.y;
       return span.far_m <= building.near_m && span.near_m > 0 &&
@@ -165,7 +178,7 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
                           : strip.slope > foot || clearance > 0 ? VisibleSegment::Foot::hidden
                                                                 : VisibleSegment::Foot::ground;
       if (wall.distance_m > 0) {
-        sampler_.set_turn(turn_rad(building.material, wall.distance_m / near_m));
+        sampler_.set_turn(turn_rad(cells.table(), building.material, wall.distance_m / near_m));
         sampler_.visible({near_m, 0, 0, 1, low * near_m, roof_m, wall.distance_m, step.wall,
                           building.material, false, 0, 0, true, wall.normal_x, wall.normal_z, wall.nearest_m,
                           wall.farthest_m, stands});
@@ -175,7 +188,7 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
     if (const double from = std::max(low, top); roof_m < 0 && back > from) {
       const double from_m = std::max(near_m, roof_m / from);
       if (from_m < step.far_m) {
-        sampler_.set_turn(turn_rad(building.material, -roof_m / std::hypot(from_m, roof_m)));
+        sampler_.set_turn(turn_rad(cells.table(), building.material, -roof_m / std::hypot(from_m, roof_m)));
         sampler_.visible({0, roof_m, 1, 0, from_m, step.far_m, -roof_m, building.first_face,
                           building.material, false, 0, 0, false, 0, 0, 0, 0, VisibleSegment::Foot::hidden});
       }
@@ -191,15 +204,6 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
   }
 }
 
-/// Over what angle a surface answers alike: over a small one where its lobe counts, or a pattern.
-double NearView::turn_rad(std::uint8_t material, double cos_incidence) const {
-  constexpr double kSmall = 1e-3;
-  if (plan_.antenna_gain().has_pattern()) return SegmentSampler::kTurn_rad;
-  const double dull = scattering_.cross_section_m2(material, 1, kEdgeOn);
-  const double shines = scattering_.cross_section_m2(material, 1, std::min(1.0, cos_incidence));
-  return shines > (1 + kSmall) * dull ? SegmentSampler::kTurn_rad : kDullTurn_rad;
-}
-
 /// From samples to powers.
 void NearView::take_samples(const EchoCells& cells) {
   const ScenePlan& plan = plan_;
@@ -213,10 +217,12 @@ void NearView::take_samples(const EchoCells& cells) {
       if (bin < 0 || range_m < kNearest_m) continue;
       FacePower echo{bin, samples_.face[k], samples_.material[k], 0, range_m, {}};
       echo.at_m = {samples_.x_m[k], antenna.y + range_m * samples_.sin_elevation[k], samples_.z_m[k]};
-      echo.power = cells.power_of(
-          scattering_.cross_section_m2(echo.material, samples_.solid_angle_sr[k] * range_m * range_m,
-                                       samples_.cos_incidence[k]),
-          range_m, echo.at_m);
+      const double area_m2 = samples_.solid_angle_sr[k] * range_m * range_m;
+      const double cosine = samples_.cos_incidence[k];
+      echo.power = cells.power_of(shines(cells.table(), echo.material, cosine)
+                                      ? scattering_.cross_section_m2(echo.material, area_m2, cosine)
+                                      : cells.table().gamma[echo.material] * area_m2,
+                                  range_m, echo.at_m);
       echo.range_m *= echo.power;
       echo.at_m *= echo.power;
       if (!echoes_.empty() && echoes_.back().face == echo.face && echoes_.back().range_bin == bin) {

@@ -35,7 +35,6 @@ class NearView {
   void find_spans(const Strip& strip, SinCos bearing);
   void march(Strip& strip, SinCos bearing, const SubColumns& columns, double start_rad,
              const EchoCells& cells);
-  double turn_rad(std::uint8_t material, double cos_incidence) const;
   void take_samples(const EchoCells& cells);
   void add_echoes(int profile, EchoCells& cells);
 
@@ -45,7 +44,7 @@ class NearView {
   double far_m_;
   SegmentSampler sampler_;
   SampleBatch samples_;
-  std::vector<Silhouette> buildings_;  // of the bin
+  std::span<const NearBuildings::Seen> buildings_;  // of the bin
   std::vector<Strip> strips_;
   std::vector<double> edges_;
   std::vector<RoofSpan> spans_;
