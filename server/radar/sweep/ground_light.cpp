@@ -42,11 +42,14 @@ struct Nodes {
       const double length = static_cast<double>(range_bin[k + 1]) - from;
       const double rise = static_cast<double>(horizon[k + 1]) - static_cast<double>(horizon[k]);
       if (!(length > 0 && rise > 0)) continue;
+      const bool whole = from >= bin && from + length <= bin + 1;
       const double part =
-          std::clamp((std::min(from + length, bin + 1.0) - std::max(from, bin + 0.0)) / length, 0.0, 1.0);
+          whole ? 1
+                : std::clamp((std::min(from + length, bin + 1.0) - std::max(from, bin + 0.0)) / length, 0.0,
+                             1.0);
       const double lit = static_cast<double>(light[k + 1]) - static_cast<double>(light[k]);
       visible += part * lit;
-      gone += part * (static_cast<double>(hidden[k]) * (lit / rise));
+      if (hidden[k] > 0) gone += part * (static_cast<double>(hidden[k]) * (lit / rise));
     }
     return gone > 0 ? 1 - gone / visible : 1;
   }

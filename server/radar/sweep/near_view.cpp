@@ -49,13 +49,12 @@ class PlaneNodes {
   double clearance_at(double d_m) const { return at(clearance_, d_m); }
 
   /// Takes a share of the slopes from `from` to `to` off the ground from a distance on.
-  void hide(double from_m, double from, double to, double share) {
-    for (int k = node_at(from_m); k + 1 < n_ && static_cast<double>(horizon_[k]) < to; ++k) {
-      const double low = static_cast<double>(horizon_[k]);
-      const double high = static_cast<double>(horizon_[k + 1]);
-      if (high > low && high > from)
-        hidden_[k] += static_cast<float>((std::min(high, to) - std::max(low, from)) * share);
-    }
+  void hide(double from_m, float from, float to, float share) {
+    const float* const end = horizon_ + n_;
+    const float* node = std::upper_bound(horizon_ + node_at(from_m) + 1, end, from) - 1;
+    const float* const last = std::lower_bound(node, end - 1, to);
+    float* hidden = hidden_ + (node - horizon_);
+    for (; node < last; ++node) *hidden++ += (std::min(node[1], to) - std::max(node[0], from)) * share;
   }
 
  private:
@@ -148,7 +147,7 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
   const int plane =
       std::clamp(static_cast<int>(((strip.from_rad + strip.to_rad) / 2 - start_rad) / width_rad), 0,
                  columns.nodes.planes - 1);
-  const double share = (strip.to_rad - strip.from_rad) / width_rad;
+  const auto share = static_cast<float>((strip.to_rad - strip.from_rad) / width_rad);
   PlaneNodes nodes(columns.nodes, plane);
   double touching_m = -1;  // where the last roof ends
   for (const RoofSpan& step : disjoint_roofs(spans_)) {
@@ -197,7 +196,7 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
     if (highest > low) {
       // It hides its plane's ground as if it stood there as it stands on its own.
       const double shift = near_m > 0 ? horizon - foot : 0;
-      nodes.hide(near_m, low + shift, highest + shift, share);
+      nodes.hide(near_m, static_cast<float>(low + shift), static_cast<float>(highest + shift), share);
       strip.slope = std::max(strip.slope, highest);
     }
     if (sampler_.full()) take_samples(cells);
