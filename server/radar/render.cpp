@@ -54,7 +54,8 @@ void render_samples(WedgeWork& work, AzimuthRange range, HitObserver* observer, 
 /// Where it can, the sweep goes from what its planes see to echoes in one step.
 void render_echoes(WedgeWork& work, AzimuthRange range, double far_m) {
   work.cells.restart(range.first);
-  SweepEchoes(work.plan, range, work.cells, far_m).run(work.wedge.stats);
+  SweepEchoes(work.plan, range, work.tables.near_buildings, work.tables.scattering, work.cells, far_m)
+      .run(work.wedge.stats);
   const StageProbe probe(Stage::bin);
   work.cells.write(work.wedge.bins);
   work.wedge.stats.hits += work.cells.count();
@@ -69,7 +70,7 @@ void look_at(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
   work.wedge.index = index;
   work.wedge.bins = BinBlock(range.first, range.count, work.plan.bins().n_range);
   ask(static_cast<std::int64_t>(work.wedge.bins.state.size()));
-  const bool echoes = work.tables.sub_columns.all_of(range);
+  const bool echoes = has_sub_columns(work.plan);
   WedgeVisibility visibility(work.plan, range, !echoes);
   if (echoes) {
     render_echoes(work, range, needed.far_m);
@@ -139,11 +140,11 @@ std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthR
 
 FrameTables::FrameTables(const ScenePlan& plan)
     : scattering(plan.scene().materials(), plan.wavelength_m()),
-      speckle(
-          plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
-          plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
-          plan.is_coherent_sum() ? OwnerBins{plan.bins(), 1 / plan.bins().azimuth_width_rad} : OwnerBins{}),
-      sub_columns(plan) {
+      speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
+              plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
+              {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),
+               plan.settings().frustum == FrustumKind::sweep && plan.bins().azimuth_width_rad < 1}),
+      near_buildings(plan) {
   if (!attenuates(plan.settings())) return;
   const double loss_db_km = path_loss_db_km(plan.settings(), air_view(plan));
   ask(20 * std::int64_t{plan.bins().n_range});

@@ -18,7 +18,7 @@ namespace obliq {
 struct FrameTables {
   ScatteringTable scattering;
   SpeckleField speckle;
-  SubColumnBins sub_columns;
+  NearBuildings near_buildings;
 
   std::vector<double> path_power;  ///< [n_range] what the atmosphere leaves; empty: all
 

@@ -110,13 +110,12 @@ struct Limits {
 };
 
 TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
-  // A fourth above what was recorded. The exact strands show what the towns are like; the tail of the
-  // sub-columns is of houses that stand high beside their distance.
+  // A fourth above what was recorded, and no more than what was wanted of two planes: E of 0.005, 0.03, 0.15.
   constexpr Limits kLimits[] = {
       {{"2 planes, exact", 2, 0}, 0.00125, 0.0125, 0.076, 5e-4, 0.0016, 1.8e-6, 0.0022},
-      {{"1 plane, 64 sub-columns", 1, 64}, 0.0101, 0.21, 0.83, 6e-3, 0.0038, 3.6e-3, 0.0212},
-      {{"2 planes, 64 sub-columns", 2, 64}, 0.0063, 0.20, 0.83, 6e-3, 0.0021, 3.6e-3, 0.0207},
-      {{"8 planes, 64 sub-columns", 8, 64}, 1e-4, 0.20, 0.83, 6e-3, 0.0007, 3.6e-3, 0.0192},
+      {{"1 plane, 64 sub-columns", 1, 64}, 0.0101, 0.03, 0.15, 2e-3, 0.0038, 3.6e-3, 0.003},
+      {{"2 planes, 64 sub-columns", 2, 64}, 0.0025, 0.02, 0.1, 2e-3, 0.0021, 3.6e-3, 0.003},
+      {{"8 planes, 64 sub-columns", 8, 64}, 1e-4, 0.01, 0.05, 2e-3, 0.0015, 3.6e-3, 0.003},
   };
   std::vector<Errors> errors(std::size(kLimits));
   for (std::uint64_t seed = 0; seed < kTowns; ++seed) {

@@ -21,6 +21,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
       speckle_(speckle),
       surfaces_(surfaces),
       bins_(plan, speckle, voltages),
+      owners_(speckle.owners()),
       table_(scattering.echo_table()) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
@@ -104,29 +105,47 @@ void EchoCells::take_scatterers() {
 
 void EchoCells::add(int profile, const FaceEcho& echo) {
   if (surfaces_ == Surfaces::ground) return;
-  const int k = faces_.n++;
   const double range2 = echo.range_m * echo.range_m;
+  double power_w = table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
+  if (table_.elevation.gain != nullptr) power_w *= elevation_gain2(echo.at_m, echo.range_m);
+  put_face(profile, echo, power_w, (echo.at_m.y - plan_.sector().antenna_m.y) / echo.range_m);
+}
+
+void EchoCells::add(int profile, const FacePower& echo) {
+  if (surfaces_ == Surfaces::ground || !(echo.power > 0)) return;
+  const FaceEcho whole{echo.range_bin,        echo.face, echo.material, 0, echo.range_m / echo.power, 0,
+                       echo.at_m / echo.power};
+  put_face(profile, whole, table_.factor * echo.power,
+           (whole.at_m.y - plan_.sector().antenna_m.y) / whole.range_m);
+}
+
+double EchoCells::power_of(double cross_section_m2, double range_m, const glm::dvec3& at_m) const {
+  const double range2 = range_m * range_m;
+  const double power = cross_section_m2 / (table_.range_normalisation ? 1 : range2 * range2);
+  return table_.elevation.gain == nullptr ? power : power * elevation_gain2(at_m, range_m);
+}
+
+double EchoCells::elevation_gain2(const glm::dvec3& at_m, double range_m) const {
+  const glm::dvec3 offset = at_m - plan_.sector().antenna_m;
+  const double gain = plan_.antenna_gain().power_gain(offset.y / range_m, offset.x, offset.z, range_m) /
+                      plan_.antenna_gain().peak();
+  return gain * gain;
+}
+
+void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, double sine) {
+  const int k = faces_.n++;
   faces_.at[k] = static_cast<std::uint32_t>(BinSums::index(profile, echo.range_bin));
   faces_.material[k] = echo.material;
-  faces_.power_w[k] =
-      table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
-  if (table_.elevation.gain != nullptr) {
-    const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
-    const double gain =
-        plan_.antenna_gain().power_gain(offset.y / echo.range_m, offset.x, offset.z, echo.range_m) /
-        plan_.antenna_gain().peak();
-    faces_.power_w[k] *= gain * gain;
-  }
+  faces_.power_w[k] = power_w;
   faces_.sec2[k] = echo.sec2_incidence;
-  face_sine_[k] = (echo.at_m.y - plan_.sector().antenna_m.y) / echo.range_m;
+  face_sine_[k] = sine;
   if (bins_.has_voltages()) {
     const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, echo.material);
     const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;
     faces_.z_m[k] = from_antenna.z;
-    const auto p = static_cast<std::size_t>(profile);
-    faces_.hash[k] = speckle_.hash(scatterer, OwnBin{echo.range_bin, {edges_.sin[p], edges_.cos[p]}});
+    faces_.hash[k] = speckle_.hash(scatterer);
     faces_.whole[k] = scatterer.level == obliq::Scatterer::kWholeFace ? 1 : 0;
   }
   ++echoes_;
@@ -137,7 +156,7 @@ void EchoCells::take_faces() {
   double re[FaceEchoes::kMost];
   double im[FaceEchoes::kMost];
   ask(kAScatterer * faces_.n);
-  active_kernels().face_voltages(table_, plan_.wavelength_m(), faces_, re, im);
+  active_kernels().face_voltages(table_, plan_.wavelength_m(), {owners_, edges_}, faces_, re, im);
   for (int k = 0; k < faces_.n; ++k) {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);

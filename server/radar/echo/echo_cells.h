@@ -19,8 +19,25 @@ struct FaceEcho {
   std::uint8_t material;
   double solid_angle_sr;
   double range_m;
-  double sec2_incidence;
-  glm::dvec3 at_m;  ///< where on the face, for its cell
+  double sec2_incidence;  ///< 1 / cos^2
+  glm::dvec3 at_m;        ///< where on the face, for its cell
+};
+
+/// Parts of such an echo, as far as they are known: the sum of their powers over EchoTable::factor, and of
+/// ranges and places by power.
+struct FacePower {
+  int range_bin;
+  std::uint32_t face;
+  std::uint8_t material;
+  double power;
+  double range_m;
+  glm::dvec3 at_m;
+
+  void add(const FacePower& other) {
+    power += other.power;
+    range_m += other.range_m;
+    at_m += other.at_m;
+  }
 };
 
 /// One wedge's sums of echoes that come bin by bin, each a scatterer: the sweep's. Ground echoes of one plane
@@ -44,6 +61,9 @@ class EchoCells {
   void add(GroundEchoes& echoes);
   /// Of azimuth bin `profile` of the wedge.
   void add(int profile, const FaceEcho& echo);
+  void add(int profile, const FacePower& echo);
+  /// The power of a part over EchoTable::factor, by its cross section and place.
+  double power_of(double cross_section_m2, double range_m, const glm::dvec3& at_m) const;
 
   /// Ground that is seen over terrain and hidden by buildings.
   void mark_building_shadow(int profile, int range_bin) { shadow_[BinSums::index(profile, range_bin)] = 1; }
@@ -66,12 +86,15 @@ class EchoCells {
   };
   void put(std::size_t at, const Scatterer& scatterer);
   void take_scatterers();
+  void put_face(int profile, const FaceEcho& echo, double power_w, double sine);
+  double elevation_gain2(const glm::dvec3& at_m, double range_m) const;
   void take_faces();
 
   const ScenePlan& plan_;
   const SpeckleField& speckle_;
   Surfaces surfaces_;
   BinSums bins_;
+  OwnerBins owners_;
   WedgeEdges edges_;
   EchoTable table_;
   std::vector<double> cells_per_m_;        // [n_range]

@@ -78,11 +78,17 @@ std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const 
   return owner == 0 ? of_face : mix64(of_face ^ owner);
 }
 
-std::uint64_t SpeckleField::hash(const Scatterer& s, const OwnBin& bin) const {
-  if (!has_owners()) return hash(s, std::uint64_t{0});
-  const glm::dvec3 from_antenna = reference_point(s) - antenna_m_;
-  return hash(s, owner_code(owners_, from_antenna.x, from_antenna.z, glm::length(from_antenna),
-                            static_cast<double>(bin.range_bin), bin.left_edge.sin, bin.left_edge.cos));
+SpeckleField::Draw SpeckleField::draw(const Scatterer& s, const glm::dvec3& from_antenna,
+                                      const OwnBin& bin) const {
+  const bool quarter = owners_.quarter_turns && s.face != kNoFace;
+  if (!quarter && !owners_.ground) return {hash(s), 0};
+  const OwnerOffset<double> off =
+      owner_offset(owners_, from_antenna.x, from_antenna.z, glm::length(from_antenna),
+                   static_cast<double>(bin.range_bin), bin.left_edge.sin, bin.left_edge.cos);
+  const auto code = static_cast<std::uint64_t>(off.code());
+  if (!quarter) return {hash(s, code), 0};
+  if (off.is_far()) return {mix64(hash(s) ^ code), 0};
+  return {hash(s), off.turns(hash(s))};
 }
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
@@ -94,7 +100,7 @@ glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
   const double side = side_of(s);
   double x = (s.x_cell + 0.5) * side;
   double z = (s.z_cell + 0.5) * side;
-  if (has_owners()) {
+  if (owners_.ground) {
     const std::uint64_t place_hash = mix64(ScattererKey(s).place ^ seed_);
     x += (jitter<double>(place_hash, 0) - 0.5) * side;
     z += (jitter<double>(place_hash, 16) - 0.5) * side;
@@ -105,9 +111,10 @@ glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
 }
 
 std::complex<double> SpeckleField::response(const Scatterer& s, const OwnBin& bin) const {
-  const double range_m = glm::length(reference_point(s) - antenna_m_);
-  const std::uint64_t h = hash(s, bin);
-  const double own_turns = turns_of_hash(h);
+  const glm::dvec3 from_antenna = reference_point(s) - antenna_m_;
+  const double range_m = glm::length(from_antenna);
+  const auto [h, off_turns] = draw(s, from_antenna, bin);
+  const double own_turns = turns_of_hash(h) + off_turns;
   // Phase in turns, -4 pi r / lambda = -2 pi (2 r / lambda): reduced modulo one turn before any sine.
   const double round_trips = 2 * range_m / wavelength_m_;
   const SinCos at = sincos_turns(own_turns - (round_trips - std::floor(round_trips)));
@@ -124,7 +131,7 @@ void SpeckleField::respond(const SpeckleBlock& block) const {
     const ScattererKey key(block.place[k], block.kind[k]);
     if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;
     OwnBin bin;
-    if (has_owners()) {
+    if (block.at != nullptr) {
       const std::uint32_t azimuth = block.at[k] % 8;
       bin = {static_cast<int>(block.at[k] / 8), {block.edges->sin[azimuth], block.edges->cos[azimuth]}};
     }

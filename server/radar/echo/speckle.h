@@ -75,8 +75,7 @@ class SpeckleField {
   SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m, double range_spacing_m,
                double azimuth_width_rad, std::int64_t seed, const OwnerBins& owners = {});
 
-  /// Each scatterer is in one bin (simd/scatterer_owner.h).
-  bool has_owners() const { return owners_.per_rad > 0; }
+  const OwnerBins& owners() const { return owners_; }
 
   /// The scatterer of a sample. Cell side: the largest power of two metres that is at most half of
   /// min(range spacing, r0 x azimuth width), r0 the power of two at or below the slant range.
@@ -85,7 +84,7 @@ class SpeckleField {
 
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for a cell, unit modulus for a face
   /// that is no larger than one.
-  /// bin: with an owner rule, that of the power.
+  /// bin: with an owner rule (simd/scatterer_owner.h), that of the power.
   std::complex<double> response(const Scatterer& scatterer, const OwnBin& bin = {}) const;
 
   /// sqrt(power) response of the block's scatterers, the same to the bit.
@@ -94,13 +93,19 @@ class SpeckleField {
   /// The ground cells by octave of slant range, in `cells`.
   void describe_cells(SwathCells& cells) const;
 
-  /// Bits of its amplitude and phase for power in that bin.
-  std::uint64_t hash(const Scatterer& scatterer, const OwnBin& bin = {}) const;
+  /// Bits of its amplitude and phase in its own bin.
+  std::uint64_t hash(const Scatterer& scatterer) const { return hash(scatterer, std::uint64_t{0}); }
   /// Where its phase is taken.
   glm::dvec3 reference_point(const Scatterer& scatterer) const;
 
  private:
   std::uint64_t hash(const Scatterer& scatterer, std::uint64_t owner) const;
+  /// Its own bits, and by how many turns its phase is off them.
+  struct Draw {
+    std::uint64_t hash;
+    double turns;
+  };
+  Draw draw(const Scatterer& scatterer, const glm::dvec3& from_antenna, const OwnBin& bin) const;
 
   const World& world_;
   glm::dvec3 antenna_m_;

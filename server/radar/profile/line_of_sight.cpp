@@ -1,8 +1,6 @@
 #include "server/radar/profile/line_of_sight.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/vec2.hpp>
 
 #include "server/scene/tolerances.h"
 
@@ -32,26 +30,6 @@ void LineOfSight::raise_by_roofs(Horizon<double>& horizon, const RoofSpan& befor
     horizon.raise(other.near_m, height, true);
     horizon.raise(std::min(other.far_m, before.near_m), height, true);
   }
-}
-
-LineOfSight::WallPlane LineOfSight::wall_plane(const RoofSpan& step) const {
-  const Buildings& all = world_->buildings;
-  const WallEdge edge = edge_of_wall(all, step.wall);
-  const glm::dvec2 antenna(antenna_m_.x, antenna_m_.z);
-  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[edge.from]) - antenna;
-  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[edge.to]) - antenna;
-  const glm::dvec2 along = b - a;
-  const double length2 = along.x * along.x + along.y * along.y;
-  if (!(length2 > 0)) return {0, 0, 0, 0, 0};
-  const double length = std::sqrt(length2);
-  // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
-  const double distance = (a.y * along.x - a.x * along.y) / length;
-  const double to_a = std::sqrt(a.x * a.x + a.y * a.y);
-  const double to_b = std::sqrt(b.x * b.x + b.y * b.y);
-  const double foot = -(a.x * along.x + a.y * along.y);
-  return {distance, along.y / length, -along.x / length,
-          std::min({foot > 0 && foot < length2 ? std::abs(distance) : to_a, to_a, to_b}),
-          std::max(to_a, to_b)};
 }
 
 }  // namespace obliq

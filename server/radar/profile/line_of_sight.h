@@ -144,7 +144,7 @@ class LineOfSight {
     const auto foot = !(horizon_.d_m > d - kTouching_m) ? VisibleSegment::Foot::hidden
                       : horizon_.building               ? VisibleSegment::Foot::roof
                                                         : VisibleSegment::Foot::ground;
-    const WallPlane wall = wall_plane(step);
+    const WallPlane wall = wall_plane(world_->buildings, step.wall, antenna_m_.x, antenna_m_.z);
     if (low < top && wall.distance_m > 0)
       sink.visible(VisibleSegment{d, 0, 0, 1, low, top, wall.distance_m, step.wall, building.material, false,
                                   0, 0, true, wall.normal_x, wall.normal_z, wall.nearest_m, wall.farthest_m,
@@ -182,16 +182,6 @@ class LineOfSight {
 
   /// Keeps the footprints that end beyond from_m.
   void cut_roofs(double from_m);
-  struct WallPlane {
-    double distance_m;  // of the antenna; negative behind it
-    double normal_x;    // unit, outwards
-    double normal_z;
-    double nearest_m;  // ground distances of its nearest and its farthest point
-    double farthest_m;
-  };
-  /// Of the wall that a step begins with.
-  WallPlane wall_plane(const RoofSpan& step) const;
-
   const World* world_;
   glm::dvec3 antenna_m_;
   SinCos bearing_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vec2.hpp>
 
 namespace obliq {
 
@@ -20,6 +21,25 @@ std::optional<double> roof_above(const Buildings& buildings, const glm::dvec3& p
     if (inside && (!highest || roof > *highest)) highest = roof;
   }
   return highest;
+}
+
+WallPlane wall_plane(const Buildings& all, std::uint32_t wall, double x_m, double z_m) {
+  const WallEdge edge = edge_of_wall(all, wall);
+  const glm::dvec2 antenna(x_m, z_m);
+  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[edge.from]) - antenna;
+  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[edge.to]) - antenna;
+  const glm::dvec2 along = b - a;
+  const double length2 = along.x * along.x + along.y * along.y;
+  if (!(length2 > 0)) return {0, 0, 0, 0, 0};
+  const double length = std::sqrt(length2);
+  // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
+  const double distance = (a.y * along.x - a.x * along.y) / length;
+  const double to_a = std::sqrt(a.x * a.x + a.y * a.y);
+  const double to_b = std::sqrt(b.x * b.x + b.y * b.y);
+  const double foot = -(a.x * along.x + a.y * along.y);
+  return {distance, along.y / length, -along.x / length,
+          std::min({foot > 0 && foot < length2 ? std::abs(distance) : to_a, to_a, to_b}),
+          std::max(to_a, to_b)};
 }
 
 void add_roof_spans(const Buildings& buildings, std::uint32_t building_index, double x_m, double z_m,

@@ -20,6 +20,17 @@ struct RoofSpan {
   std::uint32_t wall;  ///< face through which the profile enters at near_m; kNoFace: none
 };
 
+/// The plane of a wall, from a point: how far off it is (negative behind it), its unit normal outwards, and
+/// the ground distances of its nearest and its farthest point.
+struct WallPlane {
+  double distance_m;
+  double normal_x;
+  double normal_z;
+  double nearest_m;
+  double farthest_m;
+};
+WallPlane wall_plane(const Buildings& buildings, std::uint32_t wall, double x_m, double z_m);
+
 /// Appends the stretches of the half-line from (x, z) along (sin, cos) that lie inside a building's
 /// footprint, from distance 0 on, unsorted.
 void add_roof_spans(const Buildings& buildings, std::uint32_t building_index, double x_m, double z_m,

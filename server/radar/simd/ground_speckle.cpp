@@ -49,7 +49,7 @@ OBLIQ_INLINE void ask_for_heights(const GridView& grid, const SpeckleBlock& bloc
 
 void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
   constexpr int kAhead = 4 * kLanes;
-  const bool owned = ground.owners.per_rad > 0;
+  const bool owned = ground.owners.ground;
   const double per_cell = 1 / ground.view.grid.cell_m;
   for (int k = 0; k < kAhead && k < block.n; k += kLanes)
     ask_for_heights(ground.view.grid, block, k, per_cell);
@@ -73,8 +73,9 @@ void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
       const u64x8 bin = lane_by_lane<std::uint64_t, kLanes>([&](int lane) __attribute__((always_inline)) {
         return k + lane < block.n ? block.at[k + lane] : 0;
       });
-      kind |= owner_code(ground.owners, dx, dz, range, to_doubles(bin >> 3),
-                         gather(block.edges->sin, bin & 7), gather(block.edges->cos, bin & 7));
+      kind |= owner_offset(ground.owners, dx, dz, range, to_doubles(bin >> 3),
+                           gather(block.edges->sin, bin & 7), gather(block.edges->cos, bin & 7))
+                  .code();
     }
     const u64x8 hash = mix_words(place_hash ^ kind);
     const f64x8 own_turns = turns_of_hash(hash);

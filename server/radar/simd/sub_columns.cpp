@@ -88,7 +88,9 @@ void profile_nodes(const SubColumns& columns, int plane, float rate_u, float rat
     const std::size_t at = first + static_cast<std::size_t>(k);
     store(nodes.horizon + at, top);
     store(nodes.clearance + at, select(known, top - slope, f32x16{}));
-    store(nodes.range_bin + at, (d * root_of(top) - columns.r_min_m) * bins_per_m);
+    const f32x16 root = root_of(top);
+    store(nodes.range_bin + at, (d * root - columns.r_min_m) * bins_per_m);
+    if (nodes.sine != nullptr) store(nodes.sine + at, top / root);
   }
 }
 

@@ -17,6 +17,7 @@ struct NodeProfiles {
   float* clearance;  ///< that less the node's own slope; 0 over unknown ground
   float* range_bin;  ///< slant range of the node's distance on the horizon, in bins from r_min
   float* hidden;     ///< of the visible slope from a node to the next, what buildings hide
+  float* sine;       ///< of the horizon's elevation; null: not wanted
 };
 
 /// The ground as floats see it: in cells from node (0, 0), heights above the antenna.

@@ -24,23 +24,18 @@ constexpr double kWidest_m = 1.2;
 /// Memory has answered when the one that is asked for so far ahead is looked at.
 constexpr std::size_t kAskAhead = 16;
 
-/// Buildings with sub-columns stand farther off than twice this (SubColumnBins).
+/// Buildings with sub-columns stand farther off than twice this (NearBuildings).
 constexpr float kClip_m = 50;
 
 float as_float(double x) { return static_cast<float>(x); }
 
 }  // namespace
 
-double lowest_slope_in_swath(const ScenePlan& plan) {
-  const double lowest_m = plan.scene().tiles().lowest_m() - plan.sector().antenna_m.y;
-  if (lowest_m >= 0) return 0;
-  const double r_min_m = plan.bins().r_min_m;
-  if (r_min_m <= -lowest_m) return -HUGE_VAL;
-  return lowest_m / std::sqrt((r_min_m - lowest_m) * (r_min_m + lowest_m));
-}
-
-BuildingView::BuildingView(const ScenePlan& plan, double far_m)
+BuildingView::BuildingView(const ScenePlan& plan, const NearBuildings& near,
+                           const ScatteringTable& scattering, double far_m)
     : plan_(plan),
+      near_(near),
+      near_view_(plan, near, scattering, far_m),
       far_m_(far_m),
       planes_(sweep_columns_per_bin(plan.settings())),
       lowest_slope_(lowest_slope_in_swath(plan)) {
@@ -53,9 +48,10 @@ BuildingView::BuildingView(const ScenePlan& plan, double far_m)
   most_n_ = std::max(least_n_, power_of_two(plan.settings().sub_columns));
   half_ = as_float(std::tan(bins.azimuth_width_rad / 2));
 
-  // Half a cell apart, or half a bin: finer nodes change nothing that E shows.
+  // Half a cell apart, or half a bin: finer nodes change nothing that E shows but near the antenna.
+  const double parts = near.empty() ? 2 : 8;
   const double node_m =
-      std::max(std::min(bins.range_spacing_m, grid.cell_m) / 2, bins.range_spacing_m / kMostNodesABin);
+      std::max(std::min(bins.range_spacing_m, grid.cell_m) / parts, bins.range_spacing_m / kMostNodesABin);
   NodeProfiles& nodes = columns_.nodes;
   nodes.planes = planes_;
   nodes.node_m = as_float(node_m);
@@ -63,6 +59,8 @@ BuildingView::BuildingView(const ScenePlan& plan, double far_m)
   nodes.stride = (nodes.n_nodes + 31) / 16 * 16;
   const std::size_t n = static_cast<std::size_t>(nodes.stride) * static_cast<std::size_t>(planes_);
   for (std::vector<float>* values : {&horizon_, &clearance_, &range_bin_, &hidden_}) fill(*values, n, 0);
+  if (!near.empty()) fill(sine_, n, 0);
+  nodes.sine = near.empty() ? nullptr : sine_.data();
   nodes.horizon = horizon_.data();
   nodes.clearance = clearance_.data();
   nodes.range_bin = range_bin_.data();
@@ -80,10 +78,11 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
   buildings_ = plan_.buildings_in(azimuth_bin);
   if (buildings_.empty()) return false;
   start(azimuth_bin, profile);
+  see_near(azimuth_bin, cells);
   for (std::size_t k = 0; k < buildings_.size(); ++k) {
     ask(kABuilding);
     ask_for_buildings(k);
-    collect(buildings_[k]);
+    if (!near_.has(buildings_[k])) collect(buildings_[k]);
   }
   std::ranges::sort(parts_, [](const Part& p, const Part& q) {
     ask(1);
@@ -95,6 +94,15 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
   }
   add_parts_together(cells);
   return true;
+}
+
+/// Those behind the near ones see what these hide in the middle of each sub-column.
+void BuildingView::see_near(int azimuth_bin, EchoCells& cells) {
+  if (!near_view_.see(azimuth_bin, profile_, columns_, cells)) return;
+  const double from_rad = plan_.bins().azimuth_edge_rad(azimuth_bin);
+  for (int k = 0; k < columns_.n; ++k)
+    roofs_[static_cast<std::size_t>(k)] =
+        near_view_.roof_slope(from_rad + plan_.bins().azimuth_width_rad * (k + 0.5) / columns_.n);
 }
 
 /// Begins with another azimuth bin.

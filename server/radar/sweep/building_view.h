@@ -6,12 +6,9 @@
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
+#include "server/radar/sweep/near_view.h"
 
 namespace obliq {
-
-/// The slope (height above the antenna over ground distance) that all surface in the swath stands above: what
-/// lies lower is nearer, and hides nothing in the swath.
-double lowest_slope_in_swath(const ScenePlan& plan);
 
 /// The buildings of one azimuth bin as its sub-columns see them, one after the other by distance, and what
 /// they leave of the light of its planes' ground. A sub-column is narrower than a building: its horizon of
@@ -21,7 +18,8 @@ class BuildingView {
   static constexpr int kMostNodesABin = 16;  ///< of a plane's profile, four floats each
 
   /// far_m: buildings that begin beyond it are left out.
-  BuildingView(const ScenePlan& plan, double far_m);
+  BuildingView(const ScenePlan& plan, const NearBuildings& near, const ScatteringTable& scattering,
+               double far_m);
 
   /// All buildings of an azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool see(int azimuth_bin, int profile, EchoCells& cells);
@@ -46,6 +44,7 @@ class BuildingView {
     float from, to;          // tangents
   };
   void start(int azimuth_bin, int profile);
+  void see_near(int azimuth_bin, EchoCells& cells);
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
   void ask_for_buildings(std::size_t from) const;
@@ -63,6 +62,8 @@ class BuildingView {
   void add_parts_together(EchoCells& cells);
 
   const ScenePlan& plan_;
+  const NearBuildings& near_;
+  NearView near_view_;
   double far_m_;
   int planes_;
   int least_n_;
@@ -75,7 +76,7 @@ class BuildingView {
   std::vector<Corner> corners_, clipped_;
   std::vector<Part> parts_;
   SubColumns columns_{};
-  std::vector<float> horizon_, clearance_, range_bin_, hidden_;  // [planes][stride]
+  std::vector<float> horizon_, clearance_, range_bin_, hidden_, sine_;  // [planes][stride]
   std::vector<float> roofs_, per_plane_;
   ConvexShape shape_{};
   PartEchoes echoes_{};

@@ -14,11 +14,13 @@ struct Nodes {
   const float* horizon;
   const float* range_bin;
   const float* hidden;
+  const float* light;
   int n;
 
   Nodes(const NodeProfiles& all, int plane) : n(all.n_nodes) {
     const std::size_t first = static_cast<std::size_t>(plane) * static_cast<std::size_t>(all.stride);
     horizon = all.horizon + first;
+    light = all.sine == nullptr ? horizon : all.sine + first;
     range_bin = all.range_bin + first;
     hidden = all.hidden + first;
   }
@@ -29,7 +31,7 @@ struct Nodes {
     return std::min(k, n - 1);
   }
 
-  /// Of what is visible of a range bin's ground over terrain, what buildings leave. Elevations rise evenly
+  /// Of what is visible of a range bin's ground over terrain, what buildings leave. Light grows evenly
   /// from node to node. k: a node in the bin or behind it.
   double left_of(int bin, int k) const {
     while (k > 0 && range_bin[k] > static_cast<float>(bin)) --k;
@@ -40,10 +42,14 @@ struct Nodes {
       const double length = static_cast<double>(range_bin[k + 1]) - from;
       const double rise = static_cast<double>(horizon[k + 1]) - static_cast<double>(horizon[k]);
       if (!(length > 0 && rise > 0)) continue;
+      const bool whole = from >= bin && from + length <= bin + 1;
       const double part =
-          std::clamp((std::min(from + length, bin + 1.0) - std::max(from, bin + 0.0)) / length, 0.0, 1.0);
-      visible += part * rise;
-      gone += part * static_cast<double>(hidden[k]);
+          whole ? 1
+                : std::clamp((std::min(from + length, bin + 1.0) - std::max(from, bin + 0.0)) / length, 0.0,
+                             1.0);
+      const double lit = static_cast<double>(light[k + 1]) - static_cast<double>(light[k]);
+      visible += part * lit;
+      if (hidden[k] > 0) gone += part * (static_cast<double>(hidden[k]) * (lit / rise));
     }
     return gone > 0 ? 1 - gone / visible : 1;
   }

@@ -165,7 +165,7 @@ void SegmentSampler::add_part(const VisibleSegment& segment, At from, At to, int
   const double cross = (segment.d_m * segment.rate_h - segment.h_m * segment.rate_d) * (to.t - from.t);
   if (!(cross > 0)) return;
   const auto part = part_of(cross, d0, h0, from.r_m, d1, h1, to.r_m);
-  if (part.turn_sin > kTurn_rad * part.turn_cos && depth < 40) {
+  if (part.turn_sin > turn_rad_ * part.turn_cos && depth < 40) {
     const At middle = at(segment, (from.t + to.t) / 2);
     if (middle.t > from.t && middle.t < to.t) {
       add_part(segment, from, middle, depth + 1);

@@ -33,10 +33,11 @@ class SegmentSampler {
   bool anything_waiting() const { return !waiting_.empty(); }
 
   void set(const PlaneShare& share) { share_ = share; }
+  void set_turn(double turn_rad) { turn_rad_ = turn_rad; }
   void set_width(double width_rad) { share_.width_rad = width_rad; }
 
   /// Cuts the segment at the edges of the range bins, by solving |A + t D| = edge, and where its direction
-  /// from the antenna has turned by more than kTurn_rad. A wall that stands aslant runs through range across
+  /// from the antenna has turned by more than turn_rad. A wall that stands aslant runs through range across
   /// the plane's width: it is divided where it passes from one range bin to the next.
   void visible(const VisibleSegment& segment);
 
@@ -68,6 +69,7 @@ class SegmentSampler {
   void add_part(const VisibleSegment& segment, At from, At to, int depth);
   void put(const Sample& sample);
 
+  double turn_rad_ = kTurn_rad;
   const BinGrid& bins_;
   double bins_per_m_;
   const HeightGrid& grid_;

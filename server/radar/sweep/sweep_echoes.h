@@ -7,23 +7,17 @@
 
 namespace obliq {
 
-/// Which azimuth bins have sub-columns. Those do not whose buildings stand very near to the antenna, and none
-/// do that have very short or very long range bins; frustum.sub_columns = 0 wants none.
-class SubColumnBins {
- public:
-  explicit SubColumnBins(const ScenePlan& plan);
-  bool all_of(AzimuthRange range) const;
-
- private:
-  std::vector<bool> suffices_;  // [n_azimuth]
-};
+/// Whether a frame is swept by echoes (SweepEchoes). Not by rays; nor with very short or very long range
+/// bins, nor where frustum.sub_columns = 0 wants exact planes.
+bool has_sub_columns(const ScenePlan& plan);
 
 /// The sweep, without samples in between: first the buildings of each azimuth bin by sub-columns, then bare
 /// ground along the bins' planes, those that stand at the same place in their bins side by side.
 class SweepEchoes {
  public:
   /// Nothing that lies beyond far_m need be seen.
-  SweepEchoes(const ScenePlan& plan, AzimuthRange range, EchoCells& cells,
+  SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBuildings& near,
+              const ScatteringTable& scattering, EchoCells& cells,
               double far_m = std::numeric_limits<double>::infinity());
 
   void run(FrameStats& stats);
