@@ -1,11 +1,13 @@
 // The ends of what materials, wavelengths and transmitters may be: no NaN, no infinity, sensible zeros, in
 // every plane, picture and file.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
@@ -191,7 +193,7 @@ void expect_numbers(const nlohmann::json& json, const std::string& where) {
 TEST(HardMaterials, EveryFileOfTheDarkestAndTheBrightestFrameHoldsNumbers) {
   const auto world = std::make_shared<const World>(town());
   const Pose pose = test::pose_at(*world, {13, 900, -7}, 20);
-  const fs::path folder = fs::path(testing::TempDir()) / "obliq_hard_materials";
+  const fs::path folder = fs::path(testing::TempDir()) / ("obliq_hard_materials_" + std::to_string(getpid()));
   for (const Case& c : cases()) {
     const auto scene = std::make_shared<const Scene>(world, std::vector<Material>{c.ground, c.building}, 0);
     for (const test::Sampling& sampling : test::kSamplings) {
