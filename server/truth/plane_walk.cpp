@@ -7,9 +7,9 @@ namespace obliq {
 namespace {
 
 /// Adds what the horizon leaves of a strip, then raises the horizon.
-void light(Horizon& horizon, long double d0, long double h0, long double d1, long double h1,
+void light(ExactHorizon& horizon, long double d0, long double h0, long double d1, long double h1,
            double plane_distance_m, std::int32_t building, std::uint8_t material, std::vector<Strip>& out) {
-  const Horizon::Lit lit = horizon.lit(d0, h0, d1, h1);
+  const ExactHorizon::Lit lit = horizon.lit(d0, h0, d1, h1);
   if (lit.from < lit.to)
     out.push_back({static_cast<double>(d0 + lit.from * (d1 - d0)),
                    static_cast<double>(h0 + lit.from * (h1 - h0)), static_cast<double>(d1),
@@ -177,7 +177,7 @@ void PlaneWalk::walls(long double d, const GroundLine& ground, PlaneStrips& stri
   }
 }
 
-void PlaneWalk::roof(const Crossed& crossed, Horizon& horizon, long double from, long double to,
+void PlaneWalk::roof(const Crossed& crossed, ExactHorizon& horizon, long double from, long double to,
                      std::vector<Strip>& out) {
   light(horizon, from, crossed.roof_h, to, crossed.roof_h, static_cast<double>(std::fabs(crossed.roof_h)),
         static_cast<std::int32_t>(crossed.building), crossed.material, out);

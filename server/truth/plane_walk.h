@@ -28,7 +28,7 @@ class PlaneWalk {
     long double roof_h, base_h;
     std::uint8_t material;
     bool inside;
-    Horizon own;  ///< of the building alone
+    ExactHorizon own;  ///< of the building alone
   };
   /// Ground of one interval: h = h0 + rise (d - d0).
   struct GroundLine {
@@ -52,7 +52,7 @@ class PlaneWalk {
   void cross_outlines(long double d, const GroundLine& ground, PlaneStrips& strips);
   void walls(long double d, const GroundLine& ground, PlaneStrips& strips);
   void surface(long double from, long double to, const GroundLine& ground, std::vector<Strip>& lit);
-  void roof(const Crossed& crossed, Horizon& horizon, long double from, long double to,
+  void roof(const Crossed& crossed, ExactHorizon& horizon, long double from, long double to,
             std::vector<Strip>& out);
 
   AzimuthPlane plane_{};
@@ -68,7 +68,7 @@ class PlaneWalk {
   std::size_t next_crossing_ = 0;
   std::vector<Crossed> crossed_;
   std::vector<std::pair<std::size_t, double>> entered_;  // index into crossed_, the wall's |n . e|
-  Horizon horizon_;
+  ExactHorizon horizon_;
   bool top_known_ = false;  // the surface's height just before the current distance
   long double top_h_ = 0;
 };

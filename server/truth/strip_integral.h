@@ -20,7 +20,7 @@ struct Strip {
 
 /// The largest tangent of elevation met so far. Long double: at 40 km and grazing, a double's rounding of the
 /// heights would move a shadow's edge by what the tests measure.
-class Horizon {
+class ExactHorizon {
  public:
   /// A part of a strip, as fractions of its length; nothing when from >= to.
   struct Lit {
