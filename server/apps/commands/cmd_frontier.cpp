@@ -8,7 +8,6 @@
 #include "server/apps/scene_arguments.h"
 #include "server/frontier/frontier_run.h"
 #include "server/loading/scene_loading.h"
-#include "terrain/base/errors.h"
 
 namespace obliq {
 namespace {
@@ -22,13 +21,15 @@ struct FrontierArguments {
   bool quick = false;
 };
 
-/// A few samplings over the scene's own cells, compared on a few azimuths; options of their own win.
-void make_quick(const CLI::App& command, FrontierOptions& options) {
+/// A few samplings over the scene's own cells, compared on a few azimuths; options of their own win. The
+/// truth behind a beam looks at eight azimuths for each, and as far to both sides as the beam reaches.
+void make_quick(const CLI::App& command, bool is_blurred, FrontierOptions& options) {
   if (command.count("--pixels") == 0) options.range.pixels = {1024, 2048};
   options.range.sweeps = {1, 2, 4};
   if (command.count("--sub-columns") == 0) options.range.sub_columns = {64};
   options.scene_cell_only = true;
-  if (command.count("--azimuths") == 0) options.azimuths = 64;
+  if (command.count("--azimuths") == 0) options.azimuths = is_blurred ? 16 : 64;
+  if (command.count("--truth-planes") == 0 && is_blurred) options.truth_planes = 8;
 }
 
 constexpr FrustumKind kKinds[] = {FrustumKind::symmetric, FrustumKind::oblique, FrustumKind::sweep};
@@ -43,10 +44,13 @@ void add_frontier(CLI::App& app) {
   FrontierOptions& options = arguments->options;
   add_scene_arguments(*command, "SCENE", arguments->scene);
   add_radar_argument(*command, options.radar);
-  command->add_option("--out", arguments->out, "Folder for table, report and pictures (made if missing)")
+  command
+      ->add_option("--out", arguments->out,
+                   "Folder for table, report and pictures (made if missing); default: frontier_SCENE")
       ->type_name("DIR");
-  command->add_flag("--quick", arguments->quick,
-                    "Fewer samplings, the scene's cell size alone, truth on 64 azimuth bins");
+  command->add_flag(
+      "--quick", arguments->quick,
+      "Fewer samplings, the scene's cell size alone, truth on 64 azimuth bins (behind a beam or a pulse 16)");
   command
       ->add_option("--azimuths", options.azimuths,
                    "Azimuth bins to compare with the truth, in wedges spread evenly over the sector; 0: all. "
@@ -94,14 +98,14 @@ void add_frontier(CLI::App& app) {
   command->callback([arguments, command] {
     const auto config = open_scene(arguments->scene);
     if (!config) return;
-    if (arguments->out.empty())
-      throw InputError("frontier: --out: found nothing; allowed: a folder for the table and the pictures");
-    arguments->options.out = arguments->out;
+    arguments->options.out = arguments->out.empty() ? "frontier_" + config->name : arguments->out;
     if (arguments->against == "reference") arguments->options.against = Against::reference;
     for (const FrustumKind kind : kKinds)
       if (std::ranges::find(arguments->kinds, frustum_name(kind)) != arguments->kinds.end())
         arguments->options.range.kinds.push_back(kind);
-    if (arguments->quick) make_quick(*command, arguments->options);
+    if (arguments->quick)
+      make_quick(*command, blurs(choose_radar(*config, arguments->options.radar).settings),
+                 arguments->options);
     say_notes(*config);
     say_accuracy_is_ignored(*config, "frontier");
     run_frontier(*config, arguments->options);
