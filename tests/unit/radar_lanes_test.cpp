@@ -229,7 +229,8 @@ TEST(SightProfiles, SeeWhatOnePlaneAtATimeSeesInEveryInstructionSet) {
       compared += expected.back().size();
     }
     for (const Kernels& kernels : all_kernels()) {
-      SweepGround ground(plan->looks_at(), kernels);
+      use_kernels(kernels);
+      SweepGround ground(plan->looks_at());
       ground.start(shares);
       SegmentSampler sampler(plan->looks_at());
       EXPECT_EQ(samples_of(shares.size(),
