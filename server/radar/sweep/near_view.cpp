@@ -13,6 +13,7 @@ namespace {
 constexpr int kAStrip = 20;
 constexpr int kABuilding = 2;
 constexpr int kASample = 20;
+constexpr int kNodes = 8;  // that one unit hides ground at
 
 /// Of a bin that has no corner in it: ground is as high all across a strip.
 constexpr int kLeastStrips = 2;
@@ -54,6 +55,7 @@ class PlaneNodes {
     const float* node = std::upper_bound(horizon_ + node_at(from_m) + 1, end, from) - 1;
     const float* const last = std::lower_bound(node, end - 1, to);
     float* hidden = hidden_ + (node - horizon_);
+    ask((last - node) / kNodes);
     for (; node < last; ++node) *hidden++ += (std::min(node[1], to) - std::max(node[0], from)) * share;
   }
 
