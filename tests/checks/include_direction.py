@@ -18,7 +18,7 @@ WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settin
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
-TO_PLAN = TO_GEOMETRY + [R + "beam", R + "scene_plan", R + "frame_plan"]
+TO_PLAN = TO_GEOMETRY + [R + "beam", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
 TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
 TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
@@ -47,6 +47,7 @@ ALLOWED = {
     "server/radar/beam": TO_PROFILE + WORDS,
     "server/radar/geometry": TO_GEOMETRY,
     "server/radar/scene_plan": TO_GEOMETRY + [R + "beam"],
+    "server/radar/narrow_bins": TO_PROFILE + WORDS,
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,
     "server/radar/echo": TO_PLAN,

@@ -181,8 +181,9 @@ TEST_F(DaemonLimits, HoldForACommandThatRendersAsWell) {
   const auto render = [&](const std::vector<std::string>& more) {
     return obliq({"render", scene, "--out", folder / "frame"}, more);
   };
-  const Outcome refused = render({"--set", "bins.azimuth=1", "--set", "bins.range=8192", "--set",
-                                  "frustum.pixel_columns=16384", "--set", "frustum.kind=sweep"});
+  const Outcome refused =
+      render({"--set", "bins.azimuth=1", "--set", "bins.range=8192", "--set", "frustum.pixel_columns=16384",
+              "--set", "frustum.kind=sweep", "--set", "frustum.sub_columns=0"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.err.find("server.max_memory_mb is "), std::string::npos) << refused.err;
   EXPECT_NE(refused.err.find("--set server.max_memory_mb=MB"), std::string::npos) << refused.err;

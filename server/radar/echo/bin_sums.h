@@ -44,7 +44,8 @@ class BinSums {
   void write(BinBlock& block) const;
 
   static std::int64_t bytes(int n_range) {
-    return std::int64_t{n_range} * kWedgeAzimuthBins * (sizeof(Cell) + sizeof(double));
+    return std::int64_t{n_range} * kWedgeAzimuthBins *
+           static_cast<std::int64_t>(sizeof(Cell) + sizeof(double));
   }
 
  private:

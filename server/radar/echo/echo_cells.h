@@ -76,7 +76,8 @@ class EchoCells {
   void write(BinBlock& block);
 
   static std::int64_t bytes(int n_range) {
-    return BinSums::bytes(n_range) + std::int64_t{n_range} * kWedgeAzimuthBins * (sizeof(Scatterer) + 1);
+    return BinSums::bytes(n_range) +
+           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(Scatterer) + 1);
   }
 
  private:

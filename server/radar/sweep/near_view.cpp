@@ -34,6 +34,7 @@ double turn_rad(const EchoTable& table, std::uint8_t material, double greatest_c
 }
 
 constexpr double kFarBelow = -1e9;
+constexpr double kLeast_m = 1e-3;
 
 /// One plane's nodes.
 class PlaneNodes {
@@ -60,11 +61,14 @@ class PlaneNodes {
   }
 
  private:
+  /// Heights are linear in distance between nodes, slopes are not; before the first they are as high as
+  /// there.
   double at(const float* values, double d_m) const {
     const int k = node_at(d_m);
+    const auto height_m = [&](int node) { return static_cast<double>(values[node]) * node * node_m_; };
     const double past = std::clamp(d_m / node_m_ - k, 0.0, 1.0);
-    const double here = static_cast<double>(values[k]);
-    return here + past * (static_cast<double>(values[k + 1]) - here);
+    const double here_m = k == 0 ? height_m(1) : height_m(k);
+    return (here_m + past * (height_m(k + 1) - here_m)) / std::max(d_m, kLeast_m);
   }
 
   int n_;

@@ -53,7 +53,7 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
   const double kept = static_cast<double>(s.range_bins) * kWedgeAzimuthBins;
   const double nodes = BuildingView::kMostNodesABin * s.r_max_m / s.range_bin_m();
-  return std::llround(sweep_columns_per_bin(s) * sizeof(float) * (kept + 5 * nodes));
+  return std::llround(sweep_columns_per_bin(s) * static_cast<double>(sizeof(float)) * (kept + 5 * nodes));
 }
 
 void SweepEchoes::run(FrameStats& stats) {
