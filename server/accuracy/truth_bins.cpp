@@ -80,8 +80,7 @@ ReferenceView reference_view(const FramePlan& plan) {
 }
 
 RangeBins range_bins(const RadarSettings& settings) {
-  return {settings.r_min_m, (settings.r_max_m - settings.r_min_m) / settings.range_bins, settings.range_bins,
-          settings.range_normalisation};
+  return {settings.r_min_m, settings.range_bin_m(), settings.range_bins, settings.range_normalisation};
 }
 
 TruthBins integrate_truth(const FramePlan& plan, const AzimuthRuns& runs, const ReferenceSampling& sampling,

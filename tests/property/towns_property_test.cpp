@@ -7,7 +7,9 @@
 #include <cstdio>
 
 #include "server/accuracy/bin_errors.h"
+#include "server/accuracy/sampling_case.h"
 #include "server/accuracy/truth_bins.h"
+#include "server/radar/narrow_bins.h"
 #include "server/rendering/parked_work.h"
 #include "tests/property/trial.h"
 #include "tests/support/random_towns.h"
@@ -25,13 +27,6 @@ test::Trial trial_of(std::uint64_t seed) {
                      seed % 2 == 0 ? test::constant_gamma_materials() : test::two_materials());
 }
 
-constexpr int kMostColumns = 16384;  // that a frame may have
-
-/// Half degrees of an azimuth bin, which the sweep looks at one by one.
-int parts_of_bin(const RadarSettings& s) {
-  return static_cast<int>(std::ceil(2 * s.sector_deg / s.azimuth_bins - 1e-9));
-}
-
 /// A way to sweep: planes in each half degree of an azimuth bin, and how it sees buildings; 0 sub-columns: by
 /// exact strands.
 struct Sweep {
@@ -40,8 +35,8 @@ struct Sweep {
   int sub_columns;
 
   RadarSettings of(RadarSettings s) const {
+    s.pixel_columns = std::min(kMostSide, planes * s.azimuth_bins * narrow_bins(s));
     s.sub_columns = sub_columns;
-    s.pixel_columns = std::min(kMostColumns, planes * s.azimuth_bins * parts_of_bin(s));
     return s;
   }
 };

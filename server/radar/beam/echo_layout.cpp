@@ -99,7 +99,7 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
   layout.azimuth_parts = std::min(azimuth_sub_bins(s), kMostSubBins);
   layout.range_parts = std::min(range_sub_bins(s), kMostSubBins);
 
-  const double range_bin_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  const double range_bin_m = s.range_bin_m();
   layout.range_m = range_bin_m / layout.range_parts;
   const int extent = s.pulse.kind == PulseKind::off ? 0 : s.pulse.extent_bins;
   const auto with_room = [&](double room_m) {
@@ -112,7 +112,7 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
   layout.r_min_m = std::max(0.0, s.r_min_m - layout.near * layout.range_m);
 
   const int own = s.azimuth_bins * layout.azimuth_parts;
-  layout.azimuth_rad = s.sector_deg * kPi / 180 / s.azimuth_bins / layout.azimuth_parts;
+  layout.azimuth_rad = s.azimuth_bin_rad() / layout.azimuth_parts;
   if (s.scan_mode != ScanMode::frame) layout.turn_rad = layout.azimuth_rad * layout.azimuth_parts;
   const Halo beam(s, layout, pattern);
   if (s.beam.pattern != BeamPattern::off) {

@@ -164,7 +164,7 @@ double needed_range_m(const EchoPlan& plan, int sharp_wedge, AzimuthRange output
   ask(static_cast<std::int64_t>(needed));
   while (needed > 0 && !weighs(plan.kernels.unused[plan.steepest[needed - 1]])) --needed;
   if (needed == plan.steepest.size()) return kEverywhere;
-  const double sharp_m = (plan.sharp.r_max_m - plan.sharp.r_min_m) / plan.sharp.range_bins;
+  const double sharp_m = plan.sharp.range_bin_m();
   return plan.sharp.r_min_m + static_cast<double>(needed + 1) * EchoPlan::kTile * sharp_m;
 }
 

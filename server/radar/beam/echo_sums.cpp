@@ -35,7 +35,7 @@ EchoSums::EchoSums(const EchoPlan& plan) : plan_(plan), stride_(sharp_stride(pla
     ask(static_cast<std::int64_t>(kLanesOut * floats * stride_ / 2));
   }
   const RadarSettings& s = plan.sharp;
-  const double sharp_m = (s.r_max_m - s.r_min_m) / s.range_bins;
+  const double sharp_m = s.range_bin_m();
   for (int m = 0; m < plan.n_range && (plan.speckle == SpeckleKind::none || plan.range_normalisation); ++m) {
     const double range_m = s.r_min_m + (plan.first_range + (m + 0.5) * plan.range_parts) * sharp_m;
     const double round_trips = 2 * range_m / plan.wavelength_m;

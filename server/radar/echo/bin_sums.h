@@ -14,7 +14,7 @@ class BinSums {
  public:
   static constexpr std::size_t kBlock = 512;  ///< scatterers whose voltages are worked out together
 
-  /// voltages: false where nobody wants I&Q.
+  /// voltages: false: I&Q is not computed.
   BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages);
 
   /// Empties the bins for the wedge of this first azimuth bin and keeps their memory.
@@ -25,6 +25,8 @@ class BinSums {
     return static_cast<std::size_t>(range_bin) * kWedgeAzimuthBins + static_cast<std::size_t>(profile);
   }
   bool has_voltages() const { return voltages_; }
+  /// Of the wedge's azimuth bins.
+  const WedgeEdges& edges() const { return edges_; }
 
   /// An echo, by index(); sine_w: its power times its sine of elevation.
   void add(std::size_t at, double power_w, double sine_w) {

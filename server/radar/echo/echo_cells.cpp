@@ -21,7 +21,6 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
       speckle_(speckle),
       surfaces_(surfaces),
       bins_(plan, speckle, voltages),
-      owners_(speckle.owners()),
       table_(scattering.echo_table()) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
@@ -46,7 +45,6 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
 }
 
 void EchoCells::restart(int first_azimuth) {
-  edges_ = plan_.wedge_edges(first_azimuth);
   bins_.restart(first_azimuth);
   const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
@@ -156,7 +154,8 @@ void EchoCells::take_faces() {
   double re[FaceEchoes::kMost];
   double im[FaceEchoes::kMost];
   ask(kAScatterer * faces_.n);
-  active_kernels().face_voltages(table_, plan_.wavelength_m(), {owners_, edges_}, faces_, re, im);
+  active_kernels().face_voltages(table_, plan_.wavelength_m(), {speckle_.owners(), bins_.edges()}, faces_, re,
+                                 im);
   for (int k = 0; k < faces_.n; ++k) {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);

@@ -45,7 +45,7 @@ struct FacePower {
 /// are added before the speckle. Sums run in the order of arrival.
 class EchoCells {
  public:
-  /// voltages: false where nobody wants I&Q.
+  /// voltages: false: I&Q is not computed.
   EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
             Surfaces surfaces, bool voltages);
 
@@ -95,8 +95,6 @@ class EchoCells {
   const SpeckleField& speckle_;
   Surfaces surfaces_;
   BinSums bins_;
-  OwnerBins owners_;
-  WedgeEdges edges_;
   EchoTable table_;
   std::vector<double> cells_per_m_;        // [n_range]
   std::vector<std::uint64_t> level_bits_;  // [n_range]

@@ -15,7 +15,7 @@ namespace obliq {
 /// buildings is one slope. There are more of them farther out, where the bin is wider.
 class BuildingView {
  public:
-  static constexpr int kMostNodesABin = 16;  ///< of a plane's profile, four floats each
+  static constexpr int kMostNodesABin = 16;  ///< of a plane's profile, five floats each
 
   /// far_m: buildings that begin beyond it are left out.
   BuildingView(const ScenePlan& plan, const NearBuildings& near, const ScatteringTable& scattering,

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/sweep/sweep_echoes.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
 
 /// Buildings nearer than this, and those nearer than so many times their height, are near.
-constexpr double kNearest_m = 100;
+constexpr double kAlwaysNear_m = 100;
 constexpr double kNearestHeights = 8;
 /// So are those up to this ground distance, no deeper below the antenna than that: their walls and roofs fill
 /// too much of a bin's elevation to be spread over range evenly, and hide each other in parts. Against eight
@@ -26,7 +27,7 @@ constexpr int kABuilding = 200;     // its silhouette, in units of ask()
 double height_of(const Building& building) {
   return static_cast<double>(building.roof_y_m) - static_cast<double>(building.base_y_m);
 }
-double nearest_for(double height_m) { return std::max(kNearest_m, kNearestHeights * height_m); }
+double nearest_for(double height_m) { return std::max(kAlwaysNear_m, kNearestHeights * height_m); }
 
 /// near_m: of its nearest point.
 bool is_near(const ScenePlan& plan, const Building& building, double near_m) {
@@ -66,8 +67,7 @@ double lowest_slope_in_swath(const ScenePlan& plan) {
 }
 
 NearBuildings::NearBuildings(const ScenePlan& plan) : bins_(static_cast<std::size_t>(plan.bins().n_azimuth)) {
-  const RadarSettings& settings = plan.settings();
-  if (settings.frustum != FrustumKind::sweep || settings.sub_columns == 0) return;
+  if (!has_sub_columns(plan)) return;
   const Buildings& all = plan.scene().world().buildings;
   const double lowest_slope = lowest_slope_in_swath(plan);
   for (const std::uint32_t b : by_circles(plan)) {

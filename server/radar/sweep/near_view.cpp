@@ -211,14 +211,13 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
 
 /// From samples to powers.
 void NearView::take_samples(const EchoCells& cells) {
-  const ScenePlan& plan = plan_;
-  const glm::dvec3& antenna = plan.sector().antenna_m;
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
   do {
     ask(kASample * samples_.n);
     for (int s = 0; s < samples_.n; ++s) {
       const auto k = static_cast<std::size_t>(s);
       const double range_m = samples_.slant_range_m[k];
-      const int bin = plan.bins().range_bin(range_m);
+      const int bin = plan_.bins().range_bin(range_m);
       if (bin < 0 || range_m < kNearest_m) continue;
       FacePower echo{bin, samples_.face[k], samples_.material[k], 0, range_m, {}};
       echo.at_m = {samples_.x_m[k], antenna.y + range_m * samples_.sin_elevation[k], samples_.z_m[k]};
@@ -235,7 +234,7 @@ void NearView::take_samples(const EchoCells& cells) {
         continue;
       }
       echoes_.push_back(echo);
-      plan.seen().mark(plan.scene().world().buildings.faces[echo.face].building);
+      plan_.seen().mark(plan_.scene().world().buildings.faces[echo.face].building);
     }
     sampler_.begin(samples_);
   } while (samples_.n > 0);
