@@ -65,10 +65,12 @@ constexpr int kTop16 = 65534;
 }  // namespace
 
 std::uint16_t video16_of(std::uint8_t level) {
-  return level == 0 ? 0 : static_cast<std::uint16_t>(1 + ((level - 1) * kTop16 + kTop8 / 2) / kTop8);
+  if (level == 0) return 0;
+  return static_cast<std::uint16_t>(1 + ((level - 1) * kTop16 + kTop8 / 2) / kTop8);
 }
 std::uint8_t video8_of(std::uint16_t level) {
-  return level == 0 ? 0 : static_cast<std::uint8_t>(1 + ((level - 1) * kTop8 + kTop16 / 2) / kTop16);
+  if (level == 0) return 0;
+  return static_cast<std::uint8_t>(1 + ((level - 1) * kTop8 + kTop16 / 2) / kTop16);
 }
 
 double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out, double step) {
