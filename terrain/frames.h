@@ -1,5 +1,5 @@
 #pragma once
-// The frames of the program and the one way between them (design section 1).
+// The frames of the program and the one way between them (PAPER.md, frames).
 //
 // World: the local tangent (ENU) frame of GeographicLib::LocalCartesian at the scene origin, in the paper's
 // axes x east, y up, z north (left-handed), metres, with the effective-earth lift added to y.

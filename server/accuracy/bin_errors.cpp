@@ -13,7 +13,7 @@ namespace obliq {
 
 namespace {
 
-constexpr double kLitShare = 1e-3;      // of M: design section 3
+constexpr double kLitShare = 1e-3;      // of M: PAPER.md, definitions
 constexpr double kVisibleShare = 0.01;  // of a building's solid angle and of its bin's power: the same place
 
 /// Value below which a fraction of the values lies, linear between neighbours: the median of an even number

@@ -1,5 +1,5 @@
 #pragma once
-// How far a frame's power is from the truth: the measures of design section 3, "Truth and error".
+// How far a frame's power is from the truth: the measures of PAPER.md, "Definitions".
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -73,7 +73,7 @@ BinErrors bin_errors(std::span<const double> power_w, std::span<const double> tr
 /// power of one bin. A source that then has no sample of it has missed it.
 bool truth_sees_building(double visible_sr, double unoccluded_sr, double largest_share);
 
-// Which buildings a frame missed (design section 3).
+// Which buildings a frame missed (PAPER.md, definitions).
 
 struct BuildingErrors {
   std::uint32_t visible = 0;  ///< the truth sees them (truth_sees_building)

@@ -1,6 +1,6 @@
 #pragma once
 // How finely the truth has to be integrated: its own error, from halving its steps, is to be at most a tenth
-// of the smallest error that is shown (design section 3).
+// of the smallest error that is shown (PAPER.md, definitions).
 #include <functional>
 #include <string>
 #include <vector>

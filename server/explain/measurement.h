@@ -57,7 +57,7 @@ WedgePlanes render_sample(const FramePlan& plan, const AzimuthRuns& runs, int th
                           bool states);
 
 /// The scene's settings with another source, of 1 W and 0 dB. No range normalisation, so that bins weigh as
-/// design section 3 has it.
+/// PAPER.md, definitions, has it.
 RadarSettings comparison_settings(RadarSettings settings, SampleKind source, Density density);
 
 /// The middle one of values in any order, the upper of two; 0 without any.
@@ -70,7 +70,7 @@ struct SpeckleMeasure {
 };
 SpeckleMeasure measure_speckle(const WedgePlanes& planes);
 
-/// How the power in the bins differs when the model is changed. Lit bins are those of design section 3, with
+/// How the power in the bins differs when the model is changed. Lit bins are those of PAPER.md, with
 /// the unchanged planes in the truth's place.
 struct PowerChange {
   std::uint64_t lit = 0;  ///< lit bins of the unchanged scene

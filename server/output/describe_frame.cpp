@@ -26,7 +26,7 @@ constexpr double kRefractivity = 315e-6;
 constexpr double kScaleHeight_m = 7350;
 /// What is worth a word.
 constexpr double kNoticeable_db = 0.1;
-/// Beyond this distance from the scene origin the world's vertical leans noticeably (design section 1).
+/// Beyond this distance from the scene origin the world's vertical leans noticeably (PAPER.md, definitions).
 constexpr double kFarFromOrigin_m = 20000;
 
 const char* model_name(ScatteringModel model) {
@@ -210,7 +210,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   descriptor.set_bottom_y_m(plan.looks_at().extent().bottom_y_m);
   descriptor.set_top_y_m(plan.looks_at().extent().top_y_m);
   descriptor.set_map_reference_height_m(plan.looks_at().extent().median_height_m);
-  // At most rho / (k R) tan|elevation|, rho the antenna's distance from the scene origin (design section 1).
+  // At most rho / (k R) tan|elevation|, rho the antenna's distance from the scene origin (PAPER.md).
   const double rho_m = std::hypot(pose.antenna.m.x, pose.antenna.m.z);
   descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kMeanEarthRadius_m) *
                                          steepest_tangent(plan));

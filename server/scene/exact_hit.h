@@ -1,5 +1,5 @@
 #pragma once
-// Double-precision re-intersection of what Embree reports (design section 3): the range that reaches a bin
+// Double-precision re-intersection of what Embree reports (PAPER.md, eq. 13): the range that reaches a bin
 // never comes from Embree's float distance.
 #include <cstdint>
 #include <glm/vec3.hpp>

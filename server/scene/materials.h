@@ -5,7 +5,7 @@ namespace obliq {
 
 enum class ScatteringModel { constant_gamma, geometric_optics, flat_plate };
 
-/// How a surface scatters (design section 3). Ratios are linear, not dB. Unused members are ignored.
+/// How a surface scatters (PAPER.md, eq. 12). Ratios are linear, not dB. Unused members are ignored.
 struct Material {
   std::string name;
   ScatteringModel model = ScatteringModel::constant_gamma;

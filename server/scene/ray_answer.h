@@ -1,5 +1,5 @@
 #pragma once
-// Leaked rays found and answered anew (design section 6). Embree lets a ray through the mesh now and then
+// Leaked rays found and answered anew. Embree lets a ray through the mesh now and then
 // where it meets a vertex or an edge exactly; what the ray meets next proves it.
 #include <glm/vec3.hpp>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-// The reference renderer: what every source of samples converges to (design section 3, "Truth").
+// The reference renderer: what every source of samples converges to (PAPER.md, definitions).
 //
 // It shares nothing with the pipeline but the world that it reads and the material functions. No rays, no
 // Embree, no frustum: dense subdivision of the visible surface, by area.

@@ -1,4 +1,4 @@
-// Bin power over a flat plane of constant gamma against the closed form of design section 3:
+// Bin power over a flat plane of constant gamma against the closed form of PAPER.md, definitions:
 // P = K gamma w y_c (1/r1^3 - 1/r2^3) / 3.
 #include <gtest/gtest.h>
 

@@ -47,7 +47,7 @@ double worst_difference(const ReferenceBins& bins, const Expected& expected_w) {
   return worst_difference(bins, expected_w, [](int) { return 0.0; });
 }
 
-/// Design section 3: P = K gamma w y_c (1/r1^3 - 1/r2^3) / 3.
+/// PAPER.md, definitions: P = K gamma w y_c (1/r1^3 - 1/r2^3) / 3.
 double flat_power_w(const ReferenceView& view, double above_m, int range) {
   return test::range_constant(view) * view.sector_rad / view.azimuth_bins * above_m *
          (std::pow(range_edge_m(view, range), -3) - std::pow(range_edge_m(view, range + 1), -3)) / 3;

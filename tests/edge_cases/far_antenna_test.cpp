@@ -137,7 +137,7 @@ Result check_tower(const Place& origin, const Place& place, double bearing_deg, 
     return {};
   }
 
-  // Earth-centred arithmetic. Azimuths count about the scene origin's vertical (design section 1) from the
+  // Earth-centred arithmetic. Azimuths count about the scene origin's vertical (PAPER.md, frames) from the
   // antenna's true north; `own` about the antenna's vertical. The effective earth lifts y by (1 - 1/k) of the
   // ellipsoid's drop below the origin's tangent plane.
   const Axes axes(origin), own_axes(place);

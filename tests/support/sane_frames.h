@@ -15,7 +15,7 @@ namespace obliq::test {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSpeedOfLight_m_s = 299792458.0;
 
-/// K of the radar equation, P = K sigma / r^4, written out again from design section 3.
+/// K of the radar equation, P = K sigma / r^4, written out again from PAPER.md, eq. 13.
 inline double radar_constant(const RadarSettings& s) {
   const double lambda = kSpeedOfLight_m_s / (s.frequency_ghz * 1e9);
   const double gain = std::pow(10.0, s.gain_db / 10);
@@ -90,7 +90,7 @@ inline Totals expect_sane(const Frame& frame, const RadarSettings& s,
 }
 
 /// Power of the whole sector over flat ground of constant gamma `below_m` under the antenna, from the closed
-/// form of design section 3.
+/// form of PAPER.md, definitions.
 inline double flat_ground_power_w(const RadarSettings& s, double gamma, double below_m) {
   const double r1 = std::max(s.r_min_m, below_m);
   return radar_constant(s) * gamma * (s.sector_deg * kPi / 180) * below_m *

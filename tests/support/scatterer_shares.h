@@ -1,5 +1,5 @@
 #pragma once
-// What each scatterer gives to each bin, P_bc of design section 3, worked out anew from the samples: own cell
+// What each scatterer gives to each bin, P_bc of PAPER.md, worked out anew from the samples: own cell
 // arithmetic, own radar equation. An oracle for the speckle of whole frames.
 #include <cmath>
 #include <complex>

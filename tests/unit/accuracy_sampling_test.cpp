@@ -1,5 +1,5 @@
 // The list of samplings that a frontier goes over, and the truth's own error.
-// Expected values are worked out by hand from design section 3 on planes of a few bins.
+// Expected values are worked out by hand from PAPER.md, definitions, on planes of a few bins.
 #include <gtest/gtest.h>
 
 #include <algorithm>

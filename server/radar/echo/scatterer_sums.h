@@ -7,7 +7,7 @@
 
 namespace obliq {
 
-/// The power that each scatterer gave to each range bin of one azimuth bin: P_bc of design section 3. Samples
+/// The power that each scatterer gave to each range bin of one azimuth bin: P_bc of PAPER.md. Samples
 /// are kept as they come and added up when there are many, or at the end.
 class ScattererSums {
  private:

@@ -8,8 +8,8 @@
 
 namespace obliq {
 
-/// Radar cross section of the surface, one row per material with its constants worked out (design section
-/// 3). Immutable.
+/// Radar cross section of the surface, one row per material with its constants worked out (PAPER.md,
+/// eq. 12). Immutable.
 ///
 /// Every model is written in the projected area A cos(theta) = solid_angle r^2, so that grazing stays finite:
 ///   constant gamma     sigma = gamma area

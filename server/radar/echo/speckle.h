@@ -1,5 +1,5 @@
 #pragma once
-// Ground speckle (design section 3): every scatterer, a cell of the ground or of a building face, has a fixed
+// Ground speckle (PAPER.md, eq. 13): every scatterer, a cell of the ground or of a building face, has a fixed
 // complex amplitude drawn from an integer hash and a fixed phase reference point in the world.
 #include <complex>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// The paper's two camera frusta, symmetric and oblique, in the corrected forms of design section 2.
+// The paper's two camera frusta, symmetric and oblique, in the corrected forms of PAPER.md.
 //
 // Antenna axes: right, up, ahead; the antenna at the origin. Both cameras have rows of constant (up, ahead)
 // and a varying right component: a pixel's direction is (X, up(row), ahead(row)), not normalised. Row 0 is
@@ -73,7 +73,7 @@ PerspectiveFrustum oblique_frustum(const SectorBox& box, int columns, int rows);
 
 /// Slant-range difference between the centre column's outermost pixel edges, far and near, over level ground
 /// `below_m` under the antenna: the paper's eqs. (20), (21) for the symmetric and (29), (30) for the oblique
-/// frustum, in the corrected forms of design section 2. Metres.
+/// frustum, in the corrected forms of PAPER.md. Metres.
 struct StepSizes {
   double far_m = 0;
   double near_m = 0;

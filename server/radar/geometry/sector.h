@@ -40,7 +40,7 @@ struct Sector {
   }
 };
 
-/// The paper's terrain bounding box in antenna axes (Figure 3; design section 2 for the corrections).
+/// The paper's terrain bounding box in antenna axes (Figure 3; PAPER.md, eqs. (16) to (28)).
 struct SectorBox {
   double antenna_above_bottom_m = 0;  ///< y_c - y_tb
   double height_m = 0;                ///< W_y
