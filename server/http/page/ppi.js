@@ -176,10 +176,10 @@ export class Ppi {
       state: isKnown && bins.hasStates ? bins.state[bin] : -1 };
   }
 
-  /** Zooms about CSS pixels. */
+  /** Zooms about CSS pixels. Begins where the last zoom or pan ended, drawn or not. */
   zoom(factor, x = this.width / 2, y = this.height / 2) {
     if (!this.bins.placement) return;
-    const { view } = this;
+    const view = this.#viewNow();
     const fit = this.#fit(view.up_deg);
     const zoom = Math.min(MOST_ZOOM, (fit.pixel_m / view.pixel_m) * factor);
     if (zoom < 0.3) return;
@@ -191,7 +191,7 @@ export class Ppi {
 
   pan(dx, dy) {
     if (!this.bins.placement) return;
-    const { view } = this;
+    const view = this.#viewNow();
     const k = (view.width / this.width) * view.pixel_m;
     const zoom = this.#fit(view.up_deg).pixel_m / view.pixel_m;
     this.look.window = { zoom, right_m: view.right_m - dx * k, ahead_m: view.ahead_m + dy * k };
