@@ -20,7 +20,7 @@ case "${1-}" in
     exit 0
     ;;
   -h | --help)
-    sed -n '2,9s/^# \{0,1\}//p' "$0"
+    sed -n '2,9s/^# \{0,1\}//p' deploy/build-image.sh
     exit 0
     ;;
   *) die "unknown suite '$1'; allowed: bookworm, trixie, clean" ;;

@@ -12,7 +12,7 @@ case "${1:-}" in
   --out) out=${2:?--out needs a folder} ;;
   "") ;;
   *)
-    sed -n '2,6s/^# \{0,1\}//p' "$0"
+    sed -n '2,6s/^# \{0,1\}//p' deploy/build-wheel.sh
     [ "$1" = --help ] || [ "$1" = -h ] || exit 2
     exit 0
     ;;

@@ -24,7 +24,7 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     -h | --help)
-      sed -n '2,10s/^# \{0,1\}//p' "$0"
+      sed -n '2,10s/^# \{0,1\}//p' deploy/check-image.sh
       exit 0
       ;;
     *) die "unknown argument '$1'; allowed: bookworm, trixie, --dem FILE" ;;

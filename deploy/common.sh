@@ -12,6 +12,19 @@ parallel_jobs() {
   echo "$jobs"
 }
 
+# The first Python that has some modules: python_with MODULE,.... Where another one stands first in the PATH, it is Debian's own.
+python_with() {
+  local python
+  for python in python3 /usr/bin/python3; do
+    if "$python" -c "import $1" 2>/dev/null; then
+      echo "$python"
+      return
+    fi
+  done
+  echo "no python3 here with $1" >&2
+  return 1
+}
+
 step_name=""
 step_began=0
 step_end() {

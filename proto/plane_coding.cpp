@@ -62,15 +62,18 @@ int video_bits_of(const WedgeBlock& block, std::size_t payload_bytes) {
 namespace {
 constexpr int kTop8 = 254;  // levels above the floor
 constexpr int kTop16 = 65534;
+/// 0 stays 0; levels 1 to `top` + 1 are spread over 1 to `to_top` + 1.
+constexpr int recoded(int level, int top, int to_top) {
+  return level == 0 ? 0 : 1 + ((level - 1) * to_top + top / 2) / top;
+}
+
 }  // namespace
 
 std::uint16_t video16_of(std::uint8_t level) {
-  if (level == 0) return 0;
-  return static_cast<std::uint16_t>(1 + ((level - 1) * kTop16 + kTop8 / 2) / kTop8);
+  return static_cast<std::uint16_t>(recoded(level, kTop8, kTop16));
 }
 std::uint8_t video8_of(std::uint16_t level) {
-  if (level == 0) return 0;
-  return static_cast<std::uint8_t>(1 + ((level - 1) * kTop8 + kTop16 / 2) / kTop16);
+  return static_cast<std::uint8_t>(recoded(level, kTop16, kTop8));
 }
 
 double encode_ci16(std::span<const std::complex<float>> values, std::span<std::byte> out, double step) {

@@ -284,7 +284,7 @@ PY
 }
 
 case "${1:-}" in -h | --help)
-  sed -n '2,8s/^# \{0,1\}//p' "$0"
+  sed -n '2,8s/^# \{0,1\}//p' tests/clients.sh
   exit 0
   ;;
 esac

@@ -12,7 +12,7 @@ set -euo pipefail
 cd "$root"
 
 usage() {
-  sed -n '2,9s/^# \{0,1\}//p' "$0"
+  sed -n '2,9s/^# \{0,1\}//p' tests/soak.sh
 }
 hours=${1-}
 if [ "$hours" = --help ] || [ "$hours" = -h ]; then
@@ -43,12 +43,7 @@ step "soak, $hours h"
 status=0
 python3 tests/soak/soak.py --bin build/release/bin --hours "$hours" --out "$out" || status=$?
 step "picture"
-# The system's Python has matplotlib (install-deps.sh test); another one in the path may not.
-for python in python3 /usr/bin/python3; do
-  "$python" -c 'import matplotlib' 2>/dev/null || continue
-  "$python" deploy/plots/soak.py "$out/soak.csv" "$out/soak.png"
-  break
-done
+if python=$(python_with matplotlib); then "$python" deploy/plots/soak.py "$out/soak.csv" "$out/soak.png"; fi
 step_end
 cat "$out/verdict.txt"
 exit "$status"

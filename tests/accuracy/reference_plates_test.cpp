@@ -31,7 +31,7 @@ std::vector<Material> specular() {
 }
 
 /// sigma0 of the geometric-optics model, per surface area: R2 exp(-t^2 / 2 s^2) (1 + t^2)^(5/2) / (2 s^2) is
-/// per projected area (PAPER.md, definitions), so sigma0 is that times cos(theta).
+/// per projected area, so sigma0 is that times cos(theta).
 double specular_sigma0(double cos_incidence) {
   const double sec2 = 1 / (cos_incidence * cos_incidence);
   const double s2 = 0.2 * 0.2;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <numbers>
 
 #include "server/radar/render.h"
 #include "tests/support/scenes.h"
@@ -14,15 +15,15 @@ namespace obliq::test {
 namespace {
 
 constexpr double kTolerance = 0.002;
-/// Neighbours share cells: about one bin in three is independent. The mean of so many has a standard error of
-/// a fifth of the tolerance.
+/// Neighbours share cells: about one bin in three is independent. The mean over all bins then has a standard
+/// error of a fifth of the tolerance.
 constexpr double kBins = 20e6;
 
 /// Planes stand as close as cells are wide, from 4096 m on, and look along the cells' diagonals.
 RadarSettings close_planes(int azimuth_bins) {
   RadarSettings s;
   s.frustum = FrustumKind::sweep;
-  s.sector_deg = azimuth_bins * std::ldexp(180 / 3.14159265358979323846, -9);
+  s.sector_deg = azimuth_bins * std::ldexp(180 / std::numbers::pi, -9);
   s.r_min_m = 4000;
   s.r_max_m = 8100;
   s.azimuth_bins = azimuth_bins;
