@@ -192,12 +192,7 @@ BuildingSizes median_sizes(const Buildings& buildings) {
   std::vector<double> heights_m, sides_m;
   for (const Building& building : buildings.list) {
     sides_m.push_back(std::sqrt(outline_area_m2(buildings, building)));
-    // A wall's centre is half-way up what stands out of the ground.
-    for (std::uint32_t f = building.first_face; f < building.first_face + building.n_faces; ++f) {
-      if (!buildings.faces[f].wall) continue;
-      heights_m.push_back(2 * (static_cast<double>(building.roof_y_m) - buildings.faces[f].centre_m.y));
-      break;
-    }
+    heights_m.push_back(2 * (static_cast<double>(building.roof_y_m) - building.walls_y_m));
   }
   return {upper_median(heights_m), upper_median(sides_m)};
 }

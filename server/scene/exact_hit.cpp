@@ -114,7 +114,7 @@ ExactHit building_hit(const Buildings& buildings, std::uint32_t face, const glm:
   hit.normal = outward;
   hit.cos_incidence = std::min(1.0, std::abs(glm::dot(outward, direction)));
   hit.face = face;
-  hit.material = buildings.list[buildings.faces[face].building].material;
+  hit.material = buildings.list[buildings.building_of_face[face]].material;
   return hit;
 }
 
@@ -128,7 +128,7 @@ std::optional<ExactHit> refine_building(const World& world, const glm::dvec3& or
   // The double ray misses the reported triangle: it may meet the face beside it. A farther one would mean
   // that the ray has leaked into the building, and met an inner side.
   const auto rough_m = static_cast<double>(rough.distance_m);
-  const auto near = cross_building(world, buildings.faces[rough.face].building, origin, direction);
+  const auto near = cross_building(world, buildings.building_of_face[rough.face], origin, direction);
   if (!near || !(std::abs(near->slant_range_m - rough_m) <= refinement_reach_m(world, rough_m)))
     return std::nullopt;
   return near;

@@ -62,7 +62,7 @@ bool is_buried(const Scene& scene, const ExactHit& hit) {
   const World& world = scene.world();
   const glm::dvec3& p = hit.position_m;
   if (p.y < world.grid.height_at_m(p.x, p.z) - kLeakDepth_m) return true;
-  return in_building(scene, p + 2 * kLeakDepth_m * hit.normal, world.buildings.faces[hit.face].building);
+  return in_building(scene, p + 2 * kLeakDepth_m * hit.normal, world.buildings.building_of_face[hit.face]);
 }
 
 }  // namespace

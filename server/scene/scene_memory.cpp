@@ -10,9 +10,9 @@
 namespace obliq {
 namespace {
 
-template <typename T>
-std::uint64_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
+template <typename List>
+std::uint64_t bytes_of(const List& values) {
+  return values.capacity() * sizeof values[0];
 }
 
 double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
@@ -43,7 +43,7 @@ std::uint64_t grid_bytes(const World& world) {
 }
 
 std::uint64_t building_bytes(const Buildings& b) {
-  return bytes_of(b.list) + bytes_of(b.faces) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
+  return bytes_of(b.list) + bytes_of(b.building_of_face) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
          bytes_of(b.parts) + bytes_of(b.part_xz_m) + bytes_of(b.part_wall);
 }
 

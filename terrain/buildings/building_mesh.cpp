@@ -17,21 +17,26 @@ std::uint32_t roof_count(const Buildings& all, const Building& building) {
 
 }  // namespace
 
-WallEdge edge_of_wall(const Buildings& all, std::uint32_t face) {
-  const Building& building = all.list[all.faces[face].building];
+WallEdge edge_of_wall(const Buildings& all, std::uint32_t of, std::uint32_t face) {
+  const Building& building = all.list[of];
+  std::uint32_t begin = all.first_corner(of);
   std::uint32_t edge = face - building.first_face - 1;
-  std::uint32_t ring = building.first_ring;
-  const auto size_of = [&](std::uint32_t r) { return static_cast<std::uint32_t>(all.ring(r).size()); };
-  for (; edge >= size_of(ring); ++ring) edge -= size_of(ring);
-  const std::uint32_t begin = all.ring_start[ring];
-  const std::uint32_t size = size_of(ring);
+  std::uint32_t size = building.n_faces - 1;
+  if (building.n_rings > 1) {
+    const auto size_of = [&](std::uint32_t r) { return static_cast<std::uint32_t>(all.ring(r).size()); };
+    std::uint32_t ring = building.first_ring;
+    for (; edge >= size_of(ring); ++ring) edge -= size_of(ring);
+    begin = all.ring_start[ring];
+    size = size_of(ring);
+  }
   return {begin + edge, begin + (edge + 1) % size};
 }
 
 Triangle triangle_of(const Buildings& all, std::uint32_t face, std::uint32_t number) {
-  const Building& building = all.list[all.faces[face].building];
-  if (all.faces[face].wall) {
-    const WallEdge edge = edge_of_wall(all, face);
+  const std::uint32_t of = all.building_of_face[face];
+  const Building& building = all.list[of];
+  if (face != building.first_face) {
+    const WallEdge edge = edge_of_wall(all, of, face);
     const glm::vec2 p = all.ring_xz_m[edge.from], q = all.ring_xz_m[edge.to];
     return number == 0 ? lower_half(building, p, q) : upper_half(building, p, q);
   }

@@ -20,8 +20,11 @@ struct WallEdge {
   std::uint32_t to;
 };
 
-/// `face`: a wall. Walls stand in ring order behind their building's roof.
-WallEdge edge_of_wall(const Buildings& all, std::uint32_t face);
+/// `face`: a wall of a building. Walls stand in ring order behind the roof.
+WallEdge edge_of_wall(const Buildings& all, std::uint32_t building, std::uint32_t face);
+inline WallEdge edge_of_wall(const Buildings& all, std::uint32_t face) {
+  return edge_of_wall(all, all.building_of_face[face], face);
+}
 
 /// Triangle `number` of a face. A wall has two; a roof as many as make up its convex parts, each a fan.
 Triangle triangle_of(const Buildings& all, std::uint32_t face, std::uint32_t number);

@@ -3,21 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "terrain/base/hash.h"
-
 namespace obliq {
 namespace {
-
-/// The least float that is not less.
-float rounded_up(double x) {
-  const auto nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) < x ? std::nextafter(nearest, HUGE_VALF) : nearest;
-}
-
-double reach_of(glm::vec2 corner, glm::dvec2 centre) {
-  return std::max(std::abs(static_cast<double>(corner.x) - centre.x),
-                  std::abs(static_cast<double>(corner.y) - centre.y));
-}
 
 std::uint32_t count(std::size_t n) { return static_cast<std::uint32_t>(n); }
 
@@ -54,16 +41,6 @@ void append_parts(Buildings& buildings, const Outline& outline, Building& buildi
 
 }  // namespace
 
-void Buildings::trim() {
-  list.shrink_to_fit();
-  faces.shrink_to_fit();
-  ring_start.shrink_to_fit();
-  ring_xz_m.shrink_to_fit();
-  parts.shrink_to_fit();
-  part_xz_m.shrink_to_fit();
-  part_wall.shrink_to_fit();
-}
-
 Footing footing_of(const HeightGrid& grid, const Outline& outline) {
   Footing footing;
   Rect rect;
@@ -88,42 +65,23 @@ void append_prism(Buildings& buildings, const Outline& outline, const Footing& f
                   const PrismLook& look) {
   Building building;
   building.first_ring = count(buildings.ring_start.size() - 1);
-  building.n_rings = count(outline.rings_m.size());
-  building.first_face = count(buildings.faces.size());
+  building.n_rings = static_cast<std::uint16_t>(outline.rings_m.size());
+  building.first_face = count(buildings.building_of_face.size());
   building.roof_y_m = static_cast<float>(footing.mean_y_m + look.height_m);
   building.base_y_m = static_cast<float>(footing.lowest_y_m - kBaseDepth_m);
   building.material = look.material;
-
-  BuildingFace face;
-  face.building = count(buildings.list.size());
-  face.centre_m = glm::dvec3(outline.centre_m.x, static_cast<double>(building.roof_y_m), outline.centre_m.y);
-  face.identity = mix64(look.identity);
-  double reach = 0;
-  for (const glm::vec2 corner : outline.rings_m[0])
-    reach = std::max(reach, reach_of(corner, outline.centre_m));
-  face.reach_m = rounded_up(reach);
-  buildings.faces.push_back(face);
-
-  face.wall = true;
-  std::uint32_t corner = 0;
+  building.identity = look.identity;
+  building.centre_m = outline.centre_m;
+  building.walls_y_m = footing.mean_y_m + look.height_m / 2;
+  building.n_faces = 1;
   for (const auto& ring : outline.rings_m) {
-    const std::uint32_t size = count(ring.size());
-    for (std::uint32_t k = 0; k < size; ++k) {
-      const std::uint32_t next = (k + 1) % size;
-      const glm::dvec2 middle = (glm::dvec2(ring[k]) + glm::dvec2(ring[next])) / 2.0;
-      // Half way up what stands out of the ground.
-      face.centre_m = glm::dvec3(middle.x, footing.mean_y_m + look.height_m / 2, middle.y);
-      face.identity = mix64(look.identity + 1 + corner + k);
-      face.reach_m = rounded_up(
-          std::max(reach_of(ring[k], middle), static_cast<double>(building.roof_y_m) - face.centre_m.y));
-      buildings.faces.push_back(face);
-    }
-    corner += size;
+    building.n_faces += count(ring.size());
     buildings.ring_xz_m.insert(buildings.ring_xz_m.end(), ring.begin(), ring.end());
     buildings.ring_start.push_back(count(buildings.ring_xz_m.size()));
   }
+  buildings.building_of_face.insert(buildings.building_of_face.end(), building.n_faces,
+                                    count(buildings.list.size()));
   append_parts(buildings, outline, building);
-  building.n_faces = count(buildings.faces.size()) - building.first_face;
   buildings.list.push_back(building);
 }
 

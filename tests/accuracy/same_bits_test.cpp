@@ -130,7 +130,7 @@ double from_edge_m(const World& world, const ExactHit& hit) {
   }
   double nearest = HUGE_VAL;
   const Buildings& all = world.buildings;
-  const Building& b = all.list[all.faces[hit.face].building];
+  const Building& b = all.list[all.building_of_face[hit.face]];
   for_each_triangle(all, b, [&](std::uint32_t, const Triangle& triangle) {
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::dvec3 a(triangle[k]);

@@ -173,7 +173,7 @@ FaceTurns compare_faces(const World& world, const Look& before, const Look& afte
                                  test::round_trip_phase_rad(after.antenna_m, centre, frequency_ghz);
     const double error = std::abs(std::arg(after.voltage(b) / before.voltage(b) * test::turned(-geometry)));
     ++turns.bins;
-    turns.roofs += world.buildings.faces[face.face].wall ? 0 : 1;
+    turns.roofs += world.buildings.face(face.face).wall ? 0 : 1;
     turns.worst_rad = std::max(turns.worst_rad, error);
     turns.most_rad = std::max(turns.most_rad, static_cast<double>(std::abs(geometry)));
   }
@@ -218,8 +218,9 @@ TEST_P(CoherenceOfEverySource, AnEighthOfAWavelengthAlongTheLineOfSightTurnsAPoi
   const glm::dvec3 at(3.25, 900.5, -7.75);
   const Look before(scene, s, pose_at(scene->world(), at, 0.02));
   int tried = 0;
-  for (const BuildingFace& face : scene->world().buildings.faces) {
-    const auto index = static_cast<std::uint32_t>(&face - scene->world().buildings.faces.data());
+  const Buildings& all = scene->world().buildings;
+  for (std::uint32_t index = 0; index < all.building_of_face.size(); ++index) {
+    const BuildingFace face = all.face(index);
     const auto alone = [&](const Look& look, std::size_t b) {
       return look.shares[b].size() == 1 && look.shares[b].begin()->first.face == index;
     };

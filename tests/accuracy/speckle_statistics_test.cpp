@@ -166,7 +166,7 @@ TEST_P(SpeckleOfEverySource, OfRoofsAndWallsOfManyCellsIsThatOfGround) {
   s.pixel_columns *= 3;
   std::vector<double> roofs, walls;
   const auto scene = faces_alone(false);
-  const auto& faces = scene->world().buildings.faces;
+  const Buildings& buildings = scene->world().buildings;
   const auto shares =
       test::shares_of_bins(*test::plan_or_throw(scene, s, test::pose_over_origin(scene->world(), 1500)));
   for (s.speckle_seed = 1; s.speckle_seed <= 8; ++s.speckle_seed) {
@@ -175,7 +175,7 @@ TEST_P(SpeckleOfEverySource, OfRoofsAndWallsOfManyCellsIsThatOfGround) {
       if (!(bins.power_w[n] > 0)) continue;
       const auto of_most =
           std::ranges::max_element(shares[n], {}, [](const auto& share) { return share.second; });
-      const bool wall = faces[of_most->first.face].wall;
+      const bool wall = buildings.face(of_most->first.face).wall;
       (wall ? walls : roofs).push_back(std::norm(std::complex<double>(bins.iq[n])) / bins.power_w[n]);
     }
   }

@@ -152,7 +152,7 @@ class MeshNumbers {
       for (int i = 0; i + 1 < grid.nx; ++i)
         if (grid.cell_known(i, j)) of_cell_[grid.index(i, j)] = 2 * known_cells_++;
     const BuildingMesh mesh = mesh_of(world.buildings);
-    first_of_face_.resize(world.buildings.faces.size());
+    first_of_face_.resize(world.buildings.building_of_face.size());
     for (std::uint32_t t = static_cast<std::uint32_t>(mesh.triangles.size()); t-- > 0;)
       first_of_face_[mesh.triangle_face[t]] = t;
   }

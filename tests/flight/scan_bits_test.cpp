@@ -248,7 +248,7 @@ TEST(FlightWindows, TownsStandWhereTheyStoodWhenTheOriginMoves) {
   const World here = load_world(config.world);
   const World there = load_world(moved(config, 3000, 2000, true).world);
   const auto roof_m = [](const World& world, const Building& b) {
-    return world.buildings.faces[b.first_face].centre_m;
+    return world.buildings.face(b.first_face).centre_m;
   };
   int found = 0;
   for (const Building& a : here.buildings.list) {

@@ -35,10 +35,8 @@ test::RandomScene turned(test::RandomScene scene) {
   std::reverse(world.grid.y_m.begin(), world.grid.y_m.end());
   for (auto* corners : {&world.buildings.ring_xz_m, &world.buildings.part_xz_m})
     for (glm::vec2& p : *corners) p = {turn_float(p.x, x_sum), turn_float(p.y, z_sum)};
-  for (BuildingFace& face : world.buildings.faces) {
-    face.centre_m.x = x_sum - face.centre_m.x;
-    face.centre_m.z = z_sum - face.centre_m.z;
-  }
+  for (Building& building : world.buildings.list)
+    building.centre_m = glm::dvec2(x_sum, z_sum) - building.centre_m;
   glm::dvec3& antenna = scene.pose.antenna.m;
   antenna.x = x_sum - antenna.x;
   antenna.z = z_sum - antenna.z;

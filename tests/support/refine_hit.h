@@ -12,7 +12,7 @@ inline std::optional<ExactHit> refine_hit(const World& world, const glm::dvec3& 
   if (rough.kind == RoughHit::Kind::ground)
     return walk_ground(world, origin_m, direction, 0, rough_m + refinement_reach_m(world, rough_m));
   if (rough.kind == RoughHit::Kind::building)
-    return cross_building(world, world.buildings.faces[rough.face].building, origin_m, direction);
+    return cross_building(world, world.buildings.building_of_face[rough.face], origin_m, direction);
   return std::nullopt;
 }
 

@@ -20,15 +20,16 @@ constexpr double kSpeedOfLight_m_s = 299792458.0;
 /// ground: its height counts upwards from its centre.
 double half_extent_m(const World& world, std::uint32_t face) {
   const Buildings& all = world.buildings;
-  const glm::dvec3& centre = all.faces[face].centre_m;
+  const glm::dvec3& centre = all.face(face).centre_m;
   double most = 0;
-  for_each_triangle(all, all.list[all.faces[face].building], [&](std::uint32_t of, const Triangle& triangle) {
-    if (of != face) return;
-    for (const glm::vec3& corner : triangle) {
-      const glm::dvec3 off = glm::dvec3(corner) - centre;
-      most = std::max({most, std::abs(off.x), std::abs(off.z), off.y});
-    }
-  });
+  for_each_triangle(all, all.list[all.building_of_face[face]],
+                    [&](std::uint32_t of, const Triangle& triangle) {
+                      if (of != face) return;
+                      for (const glm::vec3& corner : triangle) {
+                        const glm::dvec3 off = glm::dvec3(corner) - centre;
+                        most = std::max({most, std::abs(off.x), std::abs(off.z), off.y});
+                      }
+                    });
   return most;
 }
 
@@ -56,7 +57,7 @@ class Cells {
     const auto [extent, fresh] = half_extents_m_.try_emplace(cell.face);
     if (fresh) extent->second = half_extent_m(world, cell.face);
     if (extent->second <= side_m / 2) return cell;
-    const BuildingFace& face = world.buildings.faces[cell.face];
+    const BuildingFace& face = world.buildings.face(cell.face);
     const double y_m = plan_.sector().antenna_m.y + batch.slant_range_m[k] * batch.sin_elevation[k];
     const auto sides = [&](double off_m) {
       return static_cast<std::int64_t>(std::floor(off_m / side_m + 0.5));
@@ -77,7 +78,7 @@ class Cells {
 
 glm::dvec3 reference_point_m(const World& world, const Cell& cell) {
   if (cell.face != kNoFace)
-    return world.buildings.faces[cell.face].centre_m +
+    return world.buildings.face(cell.face).centre_m +
            cell.side_m * glm::dvec3(static_cast<double>(cell.x_cell), static_cast<double>(cell.y_cell),
                                     static_cast<double>(cell.z_cell));
   const double x = (static_cast<double>(cell.x_cell) + 0.5) * cell.side_m;

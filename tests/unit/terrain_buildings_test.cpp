@@ -28,9 +28,9 @@ TEST(Buildings, ASquareHouseIsARoofAndFourWallsWithNormalsOutwards) {
       town(folder, {polygon_feature(town_frame(), {square(100, 200, 20)}, R"("height":12.5)")});
   const Buildings& b = world.buildings;
   ASSERT_EQ(b.list.size(), 1u);
-  EXPECT_EQ(b.faces.size(), 5u);
-  EXPECT_FALSE(b.faces[0].wall);
-  EXPECT_TRUE(b.faces[4].wall);
+  EXPECT_EQ(b.building_of_face.size(), 5u);
+  EXPECT_FALSE(b.face(0).wall);
+  EXPECT_TRUE(b.face(4).wall);
   const BuildingMesh mesh = mesh_of(b);
   EXPECT_EQ(mesh.triangles.size(), 2u + 4u * 2u);
   EXPECT_EQ(mesh.triangle_face.size(), mesh.triangles.size());
@@ -38,10 +38,10 @@ TEST(Buildings, ASquareHouseIsARoofAndFourWallsWithNormalsOutwards) {
   EXPECT_LT(b.list[0].base_y_m, 0);
   const double height = static_cast<double>(b.list[0].roof_y_m) - static_cast<double>(b.list[0].base_y_m);
   EXPECT_NEAR(test::enclosed_volume_m3(b, 0), 400 * height, 400 * 1e-3);
-  EXPECT_NEAR(b.faces[0].centre_m.x, 110, 1e-3);
-  EXPECT_NEAR(b.faces[0].centre_m.z, 210, 1e-3);
-  EXPECT_NEAR(b.faces[0].centre_m.y, 12.5, 1e-5);
-  EXPECT_NEAR(b.faces[1].centre_m.y, 6.25, 1e-3);
+  EXPECT_NEAR(b.face(0).centre_m.x, 110, 1e-3);
+  EXPECT_NEAR(b.face(0).centre_m.z, 210, 1e-3);
+  EXPECT_NEAR(b.face(0).centre_m.y, 12.5, 1e-5);
+  EXPECT_NEAR(b.face(1).centre_m.y, 6.25, 1e-3);
   EXPECT_EQ(world.report.buildings_kept, 1u);
   EXPECT_EQ(world.report.buildings_default_height, 0u);
 }
@@ -119,7 +119,7 @@ TEST(Buildings, MeshAndFacesHaveTheSameTriangles) {
         EXPECT_EQ(triangle_of(b, face, number), triangle);
         for (int c = 0; c < 3; ++c)
           EXPECT_EQ(mesh.vertices_m[mesh.triangles[k][c]], triangle[static_cast<std::size_t>(c)]);
-        EXPECT_TRUE(walls || !b.faces[face].wall);
+        EXPECT_TRUE(walls || !b.face(face).wall);
         ++k;
       });
     }
@@ -325,11 +325,11 @@ TEST(Buildings, FacesKeepTheirIdentityWhateverElseIsLoaded) {
   ASSERT_EQ(among.buildings.list.size(), 2u);
   const std::uint32_t first = among.buildings.list[1].first_face;
   std::set<std::uint64_t> different;
-  for (std::size_t k = 0; k < alone.buildings.faces.size(); ++k) {
-    EXPECT_EQ(alone.buildings.faces[k].identity, among.buildings.faces[first + k].identity);
-    different.insert(alone.buildings.faces[k].identity);
+  for (std::uint32_t k = 0; k < alone.buildings.building_of_face.size(); ++k) {
+    EXPECT_EQ(alone.buildings.face(k).identity, among.buildings.face(first + k).identity);
+    different.insert(alone.buildings.face(k).identity);
   }
-  EXPECT_EQ(different.size(), alone.buildings.faces.size());
+  EXPECT_EQ(different.size(), alone.buildings.building_of_face.size());
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ double enclosed_volume_m3(const Buildings& b, std::size_t index) {
     glm::dvec3 p[3];
     for (std::size_t c = 0; c < 3; ++c) p[c] = glm::dvec3(triangle[c]) - origin;
     six += glm::dot(p[0], glm::cross(p[1], p[2]));
-    if (!b.faces[face].wall) {
+    if (!b.face(face).wall) {
       // The bottom: the roof's triangle at the base, turned over.
       for (glm::dvec3& corner : p) corner.y = static_cast<double>(building.base_y_m) - origin.y;
       six += glm::dot(p[0], glm::cross(p[2], p[1]));
@@ -94,7 +94,7 @@ double enclosed_volume_m3(const Buildings& b, std::size_t index) {
 double roof_area_m2(const Buildings& b, std::size_t index) {
   double area = 0;
   for_each_triangle(b, b.list[index], [&](std::uint32_t face, const Triangle& triangle) {
-    if (b.faces[face].wall) return;
+    if (b.face(face).wall) return;
     const glm::dvec3 a(triangle[0]);
     area += glm::length(glm::cross(glm::dvec3(triangle[1]) - a, glm::dvec3(triangle[2]) - a)) / 2;
   });

@@ -27,8 +27,7 @@ std::map<std::uint64_t, glm::dvec2> corners(const World& world) {
   std::map<std::uint64_t, glm::dvec2> result;
   const Buildings& b = world.buildings;
   for (const Building& building : b.list) {
-    result[b.faces[building.first_face].identity] =
-        glm::dvec2(b.ring_xz_m[b.ring_start[building.first_ring]]);
+    result[b.face(building.first_face).identity] = glm::dvec2(b.ring_xz_m[b.ring_start[building.first_ring]]);
   }
   return result;
 }
@@ -138,9 +137,9 @@ TEST(RandomPrisms, DoNotOverlapWhileTheyFitTheirCells) {
   const World world = load_world(spec);
   const Buildings& b = world.buildings;
   for (std::size_t i = 0; i < b.list.size(); ++i) {
-    const glm::dvec3 ci = b.faces[b.list[i].first_face].centre_m;
+    const glm::dvec3 ci = b.face(b.list[i].first_face).centre_m;
     for (std::size_t j = i + 1; j < b.list.size(); ++j) {
-      const glm::dvec3 cj = b.faces[b.list[j].first_face].centre_m;
+      const glm::dvec3 cj = b.face(b.list[j].first_face).centre_m;
       // Inside the narrower half width of both they would surely overlap.
       ASSERT_GT(glm::length(ci - cj), 10) << i << " " << j;
     }

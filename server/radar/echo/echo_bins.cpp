@@ -90,7 +90,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     bins_.add(bin, power, power * sine);
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
-      plan_.seen().mark(plan_.scene().world().buildings.faces[marked = samples.face[k]].building);
+      plan_.seen().mark(plan_.scene().world().buildings.building_of_face[marked = samples.face[k]]);
     if (geometric) {
       const double round_trips = 2 * r / plan_.wavelength_m();
       const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

@@ -111,8 +111,10 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
 
 void EchoCells::add(int profile, const FacePower& echo) {
   if (surfaces_ == Surfaces::ground || !(echo.power > 0)) return;
-  const FaceEcho whole{echo.range_bin,        echo.face, echo.material, 0, echo.range_m / echo.power, 0,
-                       echo.at_m / echo.power};
+  const std::uint32_t building = plan_.scene().world().buildings.building_of_face[echo.face];
+  const FaceEcho whole{
+      echo.range_bin,        building, echo.face, echo.material, 0, echo.range_m / echo.power, 0,
+      echo.at_m / echo.power};
   put_face(profile, whole, table_.factor * echo.power,
            (whole.at_m.y - plan_.sector().antenna_m.y) / whole.range_m);
 }
@@ -138,13 +140,14 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.sec2[k] = echo.sec2_incidence;
   face_sine_[k] = sine;
   if (bins_.has_voltages()) {
-    const obliq::Scatterer scatterer = speckle_.scatterer(echo.range_m, echo.at_m, echo.face, echo.material);
-    const glm::dvec3 from_antenna = speckle_.reference_point(scatterer) - plan_.sector().antenna_m;
+    const SpeckleField::OnFace scatterer =
+        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
+    const glm::dvec3 from_antenna = scatterer.reference_m - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;
     faces_.z_m[k] = from_antenna.z;
-    faces_.hash[k] = speckle_.hash(scatterer);
-    faces_.whole[k] = scatterer.level == obliq::Scatterer::kWholeFace ? 1 : 0;
+    faces_.hash[k] = scatterer.hash;
+    faces_.whole[k] = scatterer.whole ? 1 : 0;
   }
   ++echoes_;
   if (faces_.n == FaceEchoes::kMost) take_faces();

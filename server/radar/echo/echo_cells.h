@@ -15,6 +15,7 @@ namespace obliq {
 /// An echo of a building's face in one range bin.
 struct FaceEcho {
   int range_bin;
+  std::uint32_t building;
   std::uint32_t face;
   std::uint8_t material;
   double solid_angle_sr;

@@ -23,6 +23,11 @@ double side_of(const Scatterer& s) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
 }
 
+glm::dvec3 reference_on(const glm::dvec3& centre_m, const Scatterer& s) {
+  if (s.level == Scatterer::kWholeFace) return centre_m;
+  return centre_m + side_of(s) * glm::dvec3(s.x_cell, s.y_cell, s.z_cell);
+}
+
 }  // namespace
 
 SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m,
@@ -42,22 +47,28 @@ SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, doub
 
 Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, std::uint32_t face,
                                   std::uint8_t material) const {
+  if (face != kNoFace) return of_face(slant_range_m, at_m, world_.buildings.face(face), face, material);
+  Scatterer s;
+  s.material = material;
+  const auto octave = static_cast<int>(octave_of(slant_range_m));
+  s.level = level_of_octave_[octave];
+  s.x_cell = static_cast<std::int32_t>(std::floor(at_m.x * cells_per_m_[octave]));
+  s.z_cell = static_cast<std::int32_t>(std::floor(at_m.z * cells_per_m_[octave]));
+  return s;
+}
+
+Scatterer SpeckleField::of_face(double slant_range_m, const glm::dvec3& at_m, const BuildingFace& of,
+                                std::uint32_t face, std::uint8_t material) const {
   Scatterer s;
   s.material = material;
   s.face = face;
   const auto octave = static_cast<int>(octave_of(slant_range_m));
   const double cells_per_m = cells_per_m_[octave];
-  s.level = level_of_octave_[octave];
-  if (face == kNoFace) {
-    s.x_cell = static_cast<std::int32_t>(std::floor(at_m.x * cells_per_m));
-    s.z_cell = static_cast<std::int32_t>(std::floor(at_m.z * cells_per_m));
-    return s;
-  }
-  const BuildingFace& of = world_.buildings.faces[face];
   if (static_cast<double>(of.reach_m) * cells_per_m <= 0.5) {
     s.level = Scatterer::kWholeFace;
     return s;
   }
+  s.level = level_of_octave_[octave];
   // The centre is in the middle of a cell: no wall runs along the edge between two.
   const auto cell = [&](double from_centre_m) {
     return static_cast<std::int32_t>(
@@ -69,13 +80,25 @@ Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, 
   return s;
 }
 
+SpeckleField::OnFace SpeckleField::on_face(double slant_range_m, const glm::dvec3& at_m,
+                                           std::uint32_t building, std::uint32_t face,
+                                           std::uint8_t material) const {
+  const BuildingFace of = world_.buildings.face(building, face);
+  const Scatterer s = of_face(slant_range_m, at_m, of, face, material);
+  return {s.level == Scatterer::kWholeFace, hash_on(of.identity, s, 0), reference_on(of.centre_m, s)};
+}
+
 std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const {
+  if (s.face != kNoFace) return hash_on(world_.buildings.face(s.face).identity, s, owner);
   const ScattererKey key(s);
-  const std::uint64_t kind = (key.kind & 0xffffffffull) | owner;
-  if (s.face == kNoFace) return mix64(mix64(seed_ ^ key.place) ^ kind);
-  const std::uint64_t of_face = mix64(seed_ ^ world_.buildings.faces[s.face].identity);
-  if (s.level != Scatterer::kWholeFace) return mix64(mix64(of_face ^ key.place) ^ kind);
-  return owner == 0 ? of_face : mix64(of_face ^ owner);
+  return mix64(mix64(seed_ ^ key.place) ^ ((key.kind & 0xffffffffull) | owner));
+}
+
+std::uint64_t SpeckleField::hash_on(std::uint64_t identity, const Scatterer& s, std::uint64_t owner) const {
+  const std::uint64_t of_face = mix64(seed_ ^ identity);
+  if (s.level == Scatterer::kWholeFace) return owner == 0 ? of_face : mix64(of_face ^ owner);
+  const ScattererKey key(s);
+  return mix64(mix64(of_face ^ key.place) ^ ((key.kind & 0xffffffffull) | owner));
 }
 
 SpeckleField::Draw SpeckleField::draw(const Scatterer& s, const glm::dvec3& from_antenna,
@@ -92,11 +115,7 @@ SpeckleField::Draw SpeckleField::draw(const Scatterer& s, const glm::dvec3& from
 }
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
-  if (s.face != kNoFace) {
-    const glm::dvec3& centre_m = world_.buildings.faces[s.face].centre_m;
-    if (s.level == Scatterer::kWholeFace) return centre_m;
-    return centre_m + side_of(s) * glm::dvec3(s.x_cell, s.y_cell, s.z_cell);
-  }
+  if (s.face != kNoFace) return reference_on(world_.buildings.face(s.face).centre_m, s);
   const double side = side_of(s);
   double x = (s.x_cell + 0.5) * side;
   double z = (s.z_cell + 0.5) * side;

@@ -82,6 +82,16 @@ class SpeckleField {
   Scatterer scatterer(double slant_range_m, const glm::dvec3& at_m, std::uint32_t face,
                       std::uint8_t material) const;
 
+  /// A scatterer on a face, and what its voltage takes: bits of its amplitude and phase in its own bin, and
+  /// where its phase is taken.
+  struct OnFace {
+    bool whole;
+    std::uint64_t hash;
+    glm::dvec3 reference_m;
+  };
+  OnFace on_face(double slant_range_m, const glm::dvec3& at_m, std::uint32_t building, std::uint32_t face,
+                 std::uint8_t material) const;
+
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for a cell, unit modulus for a face
   /// that is no larger than one.
   /// bin: with an owner rule (simd/scatterer_owner.h), that of the power.
@@ -99,7 +109,10 @@ class SpeckleField {
   glm::dvec3 reference_point(const Scatterer& scatterer) const;
 
  private:
+  Scatterer of_face(double slant_range_m, const glm::dvec3& at_m, const BuildingFace& of, std::uint32_t face,
+                    std::uint8_t material) const;
   std::uint64_t hash(const Scatterer& scatterer, std::uint64_t owner) const;
+  std::uint64_t hash_on(std::uint64_t identity, const Scatterer& scatterer, std::uint64_t owner) const;
   /// Its own bits, and by how many turns its phase is off them.
   struct Draw {
     std::uint64_t hash;

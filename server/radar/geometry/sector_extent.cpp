@@ -266,7 +266,7 @@ class SectorScan {
 
   /// Those whose circles cannot tell that they change nothing.
   void visit_buildings() {
-    const std::vector<Building>& list = world_.buildings.list;
+    const LargeVector<Building>& list = world_.buildings.list;
     // Without ground in the swath, bases count as well.
     const bool all = !(bottom_ <= top_);
     constexpr std::size_t kBlock = 512;

@@ -32,9 +32,12 @@ OBLIQ_LANES Lanes<float, n> gather(const float* from, Lanes<T, n> at) {
     return {gather(from, at.low), gather(from, at.high)};
   } else {
 #if defined(__AVX512F__)
-    return {_mm512_i32gather_ps(__builtin_bit_cast(__m512i, at.v), from, sizeof(float))};
-#elif defined(__AVX2__)
-    return {_mm256_i32gather_ps(from, __builtin_bit_cast(__m256i, at.v), sizeof(float))};
+    if constexpr (n == 16)
+      return {_mm512_i32gather_ps(__builtin_bit_cast(__m512i, at.v), from, sizeof(float))};
+#endif
+#if defined(__AVX2__)
+    if constexpr (n == 8)
+      return {_mm256_i32gather_ps(from, __builtin_bit_cast(__m256i, at.v), sizeof(float))};
 #else
     return {typename Lanes<float, n>::Register{from[at[0]], from[at[1]], from[at[2]], from[at[3]]}};
 #endif
@@ -42,27 +45,38 @@ OBLIQ_LANES Lanes<float, n> gather(const float* from, Lanes<T, n> at) {
 }
 
 /// Towards zero; numbers that fit.
-OBLIQ_INLINE i32x16 truncated(f32x16 x) { return converted<std::int32_t>(x); }
-OBLIQ_INLINE f32x16 floats_of(i32x16 x) { return converted<float>(x); }
-
-/// Joins the lanes of the upper half with those of the lower, and so on down to one.
-template <typename Join>
-OBLIQ_INLINE float folded(f32x16 x, const Join& join) {
-  const f32x8 eight = join(low_half(x), high_half(x));
-  const Lanes<float, 4> four = join(low_half(eight), high_half(eight));
-  const Lanes<float, 4> two = join(four, {__builtin_shufflevector(four.v, four.v, 2, 3, 2, 3)});
-  return join(two, {__builtin_shufflevector(two.v, two.v, 1, 1, 1, 1)})[0];
+template <int n>
+OBLIQ_INLINE Lanes<std::int32_t, n> truncated(Lanes<float, n> x) {
+  return converted<std::int32_t>(x);
+}
+template <int n>
+OBLIQ_INLINE Lanes<float, n> floats_of(Lanes<std::int32_t, n> x) {
+  return converted<float>(x);
 }
 
-OBLIQ_INLINE float sum_of(f32x16 x) {
+/// Joins the lanes of the upper half with those of the lower, and so on down to one.
+template <int n, typename Join>
+OBLIQ_INLINE float folded(Lanes<float, n> x, const Join& join) {
+  if constexpr (n > 4) {
+    return folded(join(low_half(x), high_half(x)), join);
+  } else {
+    const Lanes<float, 4> two = join(x, {__builtin_shufflevector(x.v, x.v, 2, 3, 2, 3)});
+    return join(two, {__builtin_shufflevector(two.v, two.v, 1, 1, 1, 1)})[0];
+  }
+}
+
+template <int n>
+OBLIQ_INLINE float sum_of(Lanes<float, n> x) {
   return folded(
       x, [](auto a, decltype(a) b) __attribute__((always_inline)) { return a + b; });
 }
-OBLIQ_INLINE float least_of(f32x16 x) {
+template <int n>
+OBLIQ_INLINE float least_of(Lanes<float, n> x) {
   return folded(
       x, [](auto a, decltype(a) b) __attribute__((always_inline)) { return min(a, b); });
 }
-OBLIQ_INLINE float greatest_of(f32x16 x) {
+template <int n>
+OBLIQ_INLINE float greatest_of(Lanes<float, n> x) {
   return folded(
       x, [](auto a, decltype(a) b) __attribute__((always_inline)) { return max(a, b); });
 }

@@ -1,7 +1,9 @@
 // Buildings without planes of their own: sixteen sub-columns of an azimuth bin at a time.
 #include "server/radar/simd/sub_columns.h"
 
-#include "server/radar/simd/float_lanes.h"
+#include <array>
+
+#include "server/radar/simd/float_windows.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
@@ -10,30 +12,129 @@ constexpr float kLowest = -1e9F;
 /// A share of a sub-column below this is rounding.
 constexpr float kLeastShare = 1e-5F;
 
+template <int n>
+using Floats = Lanes<float, n>;
+template <int n>
+using Numbers = Lanes<std::int32_t, n>;
+/// All bits of a lane set, or none.
+template <int n>
+using Where = Numbers<n>;
+
+template <int n>
+OBLIQ_INLINE Floats<n> in_all(float value) {
+  return Floats<n>{} + value;
+}
+
 /// Heights above the antenna.
+template <int n>
 struct Heights {
-  f32x16 h;
-  mask16 known;
+  Floats<n> h;
+  Where<n> known;
 };
 
-OBLIQ_INLINE Heights heights_at(const GroundOfBin& ground, f32x16 u, f32x16 v) {
+/// The heights of the corners of cells.
+template <int n>
+struct Corners {
+  Floats<n> y00, y10, y01, y11;
+};
+
+template <int n>
+OBLIQ_INLINE Corners<n> corners_anywhere(const GroundOfBin& ground, Numbers<n> i, Numbers<n> j) {
+  const Numbers<n> at = j * ground.nx + i;
+  return {gather(ground.y_m, at), gather(ground.y_m + 1, at), gather(ground.y_m + ground.nx, at),
+          gather(ground.y_m + ground.nx + 1, at)};
+}
+
+#if defined(__AVX2__)
+
+template <int n>
+OBLIQ_INLINE Corners<n> corners_of(const GroundOfBin& ground, Numbers<n> i, Numbers<n> j) {
+  constexpr int kRows = 4;
+  const int first_i = window_around(i[0], kWindow, ground.nx);
+  const int first_j = window_around(j[0], kRows, ground.nz);
+  const Numbers<n> at = i - first_i;
+  const Numbers<n> row = j - first_j;
+  if (ground.nx < kWindow || ground.nz < kRows || !all_up_to(at, kWindow - 2) || !all_up_to(row, kRows - 2))
+    return corners_anywhere(ground, i, j);
+  const float* const y_m = ground.y_m + static_cast<std::ptrdiff_t>(first_j) * ground.nx + first_i;
+  Floats<n> here[kRows], next[kRows];
+  for (int k = 0; k < kRows; ++k) {
+    const auto window = load_as<Window>(y_m + static_cast<std::ptrdiff_t>(k) * ground.nx);
+    here[k] = taken(window, at);
+    next[k] = taken(window, at + 1);
+  }
+  const Where<n> second = row == 1;
+  const Where<n> third = row == 2;
+  const auto of_row = [&](const Floats<n>* rows) __attribute__((always_inline)) {
+    return select(third, rows[2], select(second, rows[1], rows[0]));
+  };
+  return {of_row(here), of_row(next), of_row(here + 1), of_row(next + 1)};
+}
+
+#else
+
+template <int n>
+OBLIQ_INLINE Corners<n> corners_of(const GroundOfBin& ground, Numbers<n> i, Numbers<n> j) {
+  return corners_anywhere(ground, i, j);
+}
+
+#endif
+
+template <int n>
+OBLIQ_INLINE Heights<n> heights_at(const GroundOfBin& ground, Floats<n> u, Floats<n> v) {
   const auto last_u = static_cast<float>(ground.nx - 2);
   const auto last_v = static_cast<float>(ground.nz - 2);
-  const i32x16 i = truncated(clamp(u, f32x16{}, all_lanes(last_u)));
-  const i32x16 j = truncated(clamp(v, f32x16{}, all_lanes(last_v)));
-  const i32x16 at = j * ground.nx + i;
-  const f32x16 y00 = gather(ground.y_m, at);
-  const f32x16 y10 = gather(ground.y_m + 1, at);
-  const f32x16 y01 = gather(ground.y_m + ground.nx, at);
-  const f32x16 y11 = gather(ground.y_m + ground.nx + 1, at);
-  const f32x16 s = u - floats_of(i);
-  const f32x16 t = v - floats_of(j);
-  const f32x16 lower = y00 + s * (y10 - y00) + t * (y01 - y00);
-  const f32x16 upper = y11 + (1.0F - s) * (y01 - y11) + (1.0F - t) * (y10 - y11);
-  const f32x16 y = select(s + t <= 1.0F, lower, upper);
+  const Numbers<n> i = truncated(clamp(u, Floats<n>{}, in_all<n>(last_u)));
+  const Numbers<n> j = truncated(clamp(v, Floats<n>{}, in_all<n>(last_v)));
+  const auto [y00, y10, y01, y11] = corners_of(ground, i, j);
+  const Floats<n> s = u - floats_of(i);
+  const Floats<n> t = v - floats_of(j);
+  const Floats<n> lower = y00 + s * (y10 - y00) + t * (y01 - y00);
+  const Floats<n> upper = y11 + (1.0F - s) * (y01 - y11) + (1.0F - t) * (y10 - y11);
+  const Floats<n> y = select(s + t <= 1.0F, lower, upper);
   return {y - ground.antenna_y_m, (u >= 0.0F) & (v >= 0.0F) & (u <= last_u + 1.0F) & (v <= last_v + 1.0F) &
                                       (y00 + y10 + y01 + y11 == y00 + y10 + y01 + y11)};
 }
+
+/// Numbers of planes' profiles between the nodes that lanes lie between.
+template <int n>
+struct BetweenNodes {
+  const NodeProfiles& nodes;
+  Numbers<n> plane, k;  ///< planes rise with the lanes
+  Floats<n> past;       ///< of the way from node k to the next
+
+  [[gnu::always_inline]] Floats<n> anywhere(const float* values) const {
+    const Numbers<n> at = plane * nodes.stride + k;
+    const Floats<n> here = gather(values, at);
+    return here + past * (gather(values + 1, at) - here);
+  }
+#if defined(__AVX2__)
+  [[gnu::always_inline]] std::array<Floats<n>, 2> of(const float* first, const float* second) const {
+    const int plane0 = plane[0];
+    const int plane1 = plane[n - 1];
+    const int first_k = window_around(k[0], kWindow, nodes.stride);
+    const Numbers<n> at = k - first_k;
+    if (plane1 - plane0 > 1 || !all_up_to(at, kWindow - 2)) return {anywhere(first), anywhere(second)};
+    const auto windowed = [&](const float* values) __attribute__((always_inline)) {
+      const float* const from = values + static_cast<std::ptrdiff_t>(plane0) * nodes.stride + first_k;
+      auto window = load_as<Window>(from);
+      Floats<n> here = taken(window, at);
+      Floats<n> next = taken(window, at + 1);
+      if (plane1 != plane0) {
+        window = load_as<Window>(from + nodes.stride);
+        here = select(plane == plane1, taken(window, at), here);
+        next = select(plane == plane1, taken(window, at + 1), next);
+      }
+      return here + past * (next - here);
+    };
+    return {windowed(first), windowed(second)};
+  }
+#else
+  [[gnu::always_inline]] std::array<Floats<n>, 2> of(const float* first, const float* second) const {
+    return {anywhere(first), anywhere(second)};
+  }
+#endif
+};
 
 /// The greatest of a lane and all before it.
 template <int n>
@@ -52,22 +153,21 @@ OBLIQ_INLINE Lanes<float, n> greatest_so_far(Lanes<float, n> x) {
 
 /// sin e1 - sin e0 of two elevations by their slopes, roots[k] = sqrt(1 + slope^2): as part_of
 /// (range_run.h).
-OBLIQ_INLINE f32x16 sine_step(f32x16 slope0, f32x16 root0, f32x16 slope1, f32x16 root1) {
-  const f32x16 roots = root0 * root1;
+template <int n>
+OBLIQ_INLINE Floats<n> sine_step(Floats<n> slope0, Floats<n> root0, Floats<n> slope1, Floats<n> root1) {
+  const Floats<n> roots = root0 * root1;
   return (slope1 - slope0) * (root0 + root1) / (roots * (roots + 1.0F + slope0 * slope1));
 }
-OBLIQ_INLINE f32x16 root_of(f32x16 slope) { return sqrt(1.0F + slope * slope); }
-
-/// A part as sixteen sub-columns see it. Shares are of a sub-column's width, distances along it.
-struct Seen {
-  mask16 on;  ///< sees it
-  f32x16 cover, near, far;
-};
+template <int n>
+OBLIQ_INLINE Floats<n> root_of(Floats<n> slope) {
+  return sqrt(1.0F + slope * slope);
+}
 
 /// A wall's share of the sub-columns, and where it stands in them, in the middle of the share.
+template <int n>
 struct WallShare {
   int edge;
-  f32x16 cover, distance, spread;
+  Floats<n> cover, distance, spread;
 };
 
 }  // namespace
@@ -97,16 +197,17 @@ void profile_nodes(const SubColumns& columns, int plane, float rate_u, float rat
 namespace {
 
 /// Adds the echoes of one wall or roof, each lane's spread evenly from range r0 to r1.
-OBLIQ_INLINE void add_echoes(const SubColumns& columns, mask16 which, int edge, f32x16 solid, f32x16 tangent,
-                             f32x16 r0, f32x16 r1, PartEchoes& out) {
+template <int n>
+OBLIQ_INLINE void add_echoes(const SubColumns& columns, Where<n> which, int edge, Floats<n> solid,
+                             Floats<n> tangent, Floats<n> r0, Floats<n> r1, PartEchoes& out) {
   const float bins_per_m = 1 / columns.range_spacing_m;
   const auto n_range = static_cast<float>(columns.n_range);
-  const f32x16 from = (min(r0, r1) - columns.r_min_m) * bins_per_m;
-  const f32x16 to = (max(r0, r1) - columns.r_min_m) * bins_per_m;
-  const float nearest = least_of(select(which, from, all_lanes(1e30F)));
-  const float farthest = greatest_of(select(which, to, all_lanes(-1e30F)));
+  const Floats<n> from = (min(r0, r1) - columns.r_min_m) * bins_per_m;
+  const Floats<n> to = (max(r0, r1) - columns.r_min_m) * bins_per_m;
+  const float nearest = least_of(select(which, from, in_all<n>(1e30F)));
+  const float farthest = greatest_of(select(which, to, in_all<n>(-1e30F)));
   if (!(farthest >= 0) || !(nearest < n_range)) return;
-  const f32x16 light = select(which, solid, f32x16{});
+  const Floats<n> light = select(which, solid, Floats<n>{});
   const float middle_m = columns.r_min_m + 0.5F * (nearest + farthest) * columns.range_spacing_m;
   const int first = static_cast<int>(nearest < 0 ? 0 : nearest);
   const int last = farthest >= n_range ? columns.n_range - 1 : static_cast<int>(farthest);
@@ -115,13 +216,13 @@ OBLIQ_INLINE void add_echoes(const SubColumns& columns, mask16 which, int edge, 
       out.echo[out.n++] = {first, edge, sum_of(light), middle_m, middle_m, sum_of(light * tangent)};
     return;
   }
-  const f32x16 length = max(to - from, all_lanes(1e-3F));
-  const f32x16 a_bin = light / length;
+  const Floats<n> length = max(to - from, in_all<n>(1e-3F));
+  const Floats<n> a_bin = light / length;
   for (int bin = first; bin <= last && out.n < PartEchoes::kMost; ++bin) {
     const auto edge0 = static_cast<float>(bin);
     const auto edge1 = static_cast<float>(bin + 1);
-    const f32x16 part =
-        max(min(from + length, all_lanes(edge1)) - max(from, all_lanes(edge0)), f32x16{}) * a_bin;
+    const Floats<n> part =
+        max(min(from + length, in_all<n>(edge1)) - max(from, in_all<n>(edge0)), Floats<n>{}) * a_bin;
     const float sum = sum_of(part);
     const float both = max(nearest, edge0) + min(farthest, edge1);
     if (sum > 0)
@@ -133,48 +234,48 @@ OBLIQ_INLINE void add_echoes(const SubColumns& columns, mask16 which, int edge, 
 
 /// Takes what each sub-column hides, slopes `from` to `to` of its plane's ground from node k on, off the
 /// nodes.
-OBLIQ_INLINE void hide_ground(const SubColumns& columns, mask16 which, i32x16 plane, i32x16 k, f32x16 cover,
-                              f32x16 from, f32x16 to) {
+template <int n>
+OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> which, Numbers<n> plane, Numbers<n> k,
+                              Floats<n> cover, Floats<n> from, Floats<n> to) {
   const NodeProfiles& nodes = columns.nodes;
-  const float until = greatest_of(select(which, to, all_lanes(kLowest)));
+  const float until = greatest_of(select(which, to, in_all<n>(kLowest)));
   // Planes rise with the lanes.
   const unsigned lanes = movemask(which);
   const int first_plane = plane[__builtin_ctz(lanes)];
   const int last_plane = plane[31 - __builtin_clz(lanes)];
-  const auto node = static_cast<int>(least_of(select(which, floats_of(k), all_lanes(1e9F))));
+  const auto node = static_cast<int>(least_of(select(which, floats_of(k), in_all<n>(1e9F))));
   for (int p = first_plane; p <= last_plane; ++p) {
     const float* const horizon = nodes.horizon + static_cast<std::ptrdiff_t>(p) * nodes.stride;
     float* const hidden = nodes.hidden + static_cast<std::ptrdiff_t>(p) * nodes.stride;
-    const f32x16 share = select(which & (plane == p), cover * columns.per_plane[p], f32x16{});
-    for (int n = node; n + 1 < nodes.n_nodes && horizon[n] < until; ++n) {
-      if (!(horizon[n + 1] > horizon[n])) continue;
-      const f32x16 covered =
-          max(min(all_lanes(horizon[n + 1]), to) - max(all_lanes(horizon[n]), from), f32x16{}) * share;
-      hidden[n] += sum_of(covered);
+    const Floats<n> share = select(which & (plane == p), cover * columns.per_plane[p], Floats<n>{});
+    for (int at = node; at + 1 < nodes.n_nodes && horizon[at] < until; ++at) {
+      if (!(horizon[at + 1] > horizon[at])) continue;
+      const Floats<n> covered =
+          max(min(in_all<n>(horizon[at + 1]), to) - max(in_all<n>(horizon[at]), from), Floats<n>{}) * share;
+      hidden[at] += sum_of(covered);
     }
   }
 }
 
-}  // namespace
-
-void see_part(const SubColumns& columns, const ConvexShape& shape, int first, PartEchoes& out) {
-  const i32x16 number = lane_numbers<std::int32_t, kFloatLanes>() + first;
-  const f32x16 left = columns.left + floats_of(number) * columns.width;
-  const f32x16 right = columns.left + floats_of(number + 1) * columns.width;
-  const f32x16 tangent = (left + right) * 0.5F;
-  const f32x16 secant = 1.0F + 0.5F * tangent * tangent;  // up to a degree: 1e-8 off
+template <int n>
+OBLIQ_INLINE void see_in(const SubColumns& columns, const ConvexShape& shape, int first, PartEchoes& out) {
+  const Numbers<n> number = lane_numbers<std::int32_t, n>() + first;
+  const Floats<n> left = columns.left + floats_of(number) * columns.width;
+  const Floats<n> right = columns.left + floats_of(number + 1) * columns.width;
+  const Floats<n> tangent = (left + right) * 0.5F;
+  const Floats<n> secant = 1.0F + 0.5F * tangent * tangent;  // up to a degree: 1e-8 off
   const float per_width = 1 / columns.width;
 
-  WallShare walls[ConvexShape::kMost];
+  WallShare<n> walls[ConvexShape::kMost];
   int n_walls = 0;
-  f32x16 near_sum{}, near_cover{}, far_sum{}, far_cover{};
+  Floats<n> near_sum{}, near_cover{}, far_sum{}, far_cover{};
   for (int e = 0; e < shape.n; ++e) {
     const float t0 = shape.tangent[e];
     const float t1 = shape.tangent[e + 1];
-    const f32x16 from = max(all_lanes(min(t0, t1)), left);
-    const f32x16 to = min(all_lanes(max(t0, t1)), right);
-    const f32x16 cover = max((to - from) * per_width, f32x16{});
-    const mask16 in = cover > 0.0F;
+    const Floats<n> from = max(in_all<n>(min(t0, t1)), left);
+    const Floats<n> to = min(in_all<n>(max(t0, t1)), right);
+    const Floats<n> cover = max((to - from) * per_width, Floats<n>{});
+    const Where<n> in = cover > 0.0F;
     if (!any(in)) continue;
     // On the edge 1 / distance is linear in the tangent.
     const float dr = shape.right_m[e + 1] - shape.right_m[e];
@@ -182,85 +283,89 @@ void see_part(const SubColumns& columns, const ConvexShape& shape, int first, Pa
     const float cross = shape.ahead_m[e] * dr - shape.right_m[e] * da;
     const float nearest = min(shape.ahead_m[e], shape.ahead_m[e + 1]);
     const float farthest = max(shape.ahead_m[e], shape.ahead_m[e + 1]);
-    const f32x16 ahead =
-        clamp(cross / (dr - (from + to) * (0.5F * da)), all_lanes(nearest), all_lanes(farthest));
-    const f32x16 distance = select(in, ahead * secant, all_lanes(nearest));
+    const Floats<n> ahead =
+        clamp(cross / (dr - (from + to) * (0.5F * da)), in_all<n>(nearest), in_all<n>(farthest));
+    const Floats<n> distance = select(in, ahead * secant, in_all<n>(nearest));
     if (cross > 0) {
       near_sum += cover * distance;
       near_cover += cover;
       if ((shape.walls >> e & 1) == 0) continue;
       const float bend = da / cross;
-      const f32x16 spread = max(ahead * ahead * (bend < 0 ? -bend : bend) * (to - from), f32x16{});
-      walls[n_walls++] = {e, cover, distance, min(spread, all_lanes(farthest - nearest)) * 0.5F};
+      const Floats<n> spread = max(ahead * ahead * (bend < 0 ? -bend : bend) * (to - from), Floats<n>{});
+      walls[n_walls++] = {e, cover, distance, min(spread, in_all<n>(farthest - nearest)) * 0.5F};
     } else {
       far_sum += cover * distance;
       far_cover += cover;
     }
   }
-  const mask16 on = (near_cover > kLeastShare) & (far_cover > kLeastShare);
+  const Where<n> on = (near_cover > kLeastShare) & (far_cover > kLeastShare);
   if (!any(on)) return;
-  const f32x16 one = all_lanes(1.0F);
-  const f32x16 cover = min(near_cover, one);
-  const f32x16 near = select(on, near_sum / near_cover, all_lanes(shape.ahead_m[0]));
-  const f32x16 far = max(near, select(on, far_sum / far_cover, near));
+  const Floats<n> one = in_all<n>(1.0F);
+  const Floats<n> cover = min(near_cover, one);
+  const Floats<n> near = select(on, near_sum / near_cover, in_all<n>(shape.ahead_m[0]));
+  const Floats<n> far = max(near, select(on, far_sum / far_cover, near));
 
   // What stands in front: the ground where the wall stands, as deep below its plane's horizon as there, and
   // buildings.
   const NodeProfiles& nodes = columns.nodes;
-  const f32x16 along = near / secant;
+  const Floats<n> along = near / secant;
   const GroundOfBin& g = columns.ground;
   const auto [foot_m, known] = heights_at(g, g.start_u + along * (g.forward_u + tangent * g.right_u),
                                           g.start_v + along * (g.forward_v + tangent * g.right_v));
-  const f32x16 node = near * (1 / nodes.node_m);
-  const i32x16 k = truncated(clamp(node, f32x16{}, all_lanes(static_cast<float>(nodes.n_nodes - 2))));
-  const f32x16 past = min(node - floats_of(k), one);
-  const i32x16 plane = (number * nodes.planes) >> columns.log2_n;
-  const i32x16 at = plane * nodes.stride + k;
-  const auto between = [&](const float* values) __attribute__((always_inline)) {
-    const f32x16 here = gather(values, at);
-    return here + past * (gather(values + 1, at) - here);
-  };
-  const f32x16 horizon = between(nodes.horizon);
-  const f32x16 over_near = 1.0F / near;
-  const f32x16 foot =
-      select(known, foot_m * over_near + between(nodes.clearance), max(shape.base_m * over_near, horizon));
-  const f32x16 roofs = load_floats(columns.roofs + first);
-  const f32x16 low = max(foot, roofs);
-  const f32x16 top = shape.roof_m * over_near;
-  const f32x16 back = shape.roof_m / far;
-  const f32x16 highest = max(top, back);
-  const f32x16 roof_from = max(low, top);
-  const mask16 roof_seen = on & (back > roof_from);
-  const mask16 rises = on & (highest > low);
+  const Floats<n> node = near * (1 / nodes.node_m);
+  const Numbers<n> k = truncated(clamp(node, Floats<n>{}, in_all<n>(static_cast<float>(nodes.n_nodes - 2))));
+  const Floats<n> past = min(node - floats_of(k), one);
+  const Numbers<n> plane = (number * nodes.planes) >> columns.log2_n;
+  const auto [horizon, clearance] = BetweenNodes<n>{nodes, plane, k, past}.of(nodes.horizon, nodes.clearance);
+  const Floats<n> over_near = 1.0F / near;
+  const Floats<n> foot =
+      select(known, foot_m * over_near + clearance, max(shape.base_m * over_near, horizon));
+  const Floats<n> roofs = load_as<Floats<n>>(columns.roofs + first);
+  const Floats<n> low = max(foot, roofs);
+  const Floats<n> top = shape.roof_m * over_near;
+  const Floats<n> back = shape.roof_m / far;
+  const Floats<n> highest = max(top, back);
+  const Floats<n> roof_from = max(low, top);
+  const Where<n> roof_seen = on & (back > roof_from);
+  const Where<n> rises = on & (highest > low);
   if (!any(rises)) return;
 
-  const f32x16 foot_height = foot * near;
+  const Floats<n> foot_height = foot * near;
   for (int w = 0; w < n_walls; ++w) {
-    const WallShare& wall = walls[w];
-    const f32x16 over = 1.0F / wall.distance;
-    const f32x16 from = max(foot_height * over, roofs);
-    const f32x16 to = shape.roof_m * over;
-    const mask16 seen = on & (to > from) & (wall.cover > 0.0F);
+    const WallShare<n>& wall = walls[w];
+    const Floats<n> over = 1.0F / wall.distance;
+    const Floats<n> from = max(foot_height * over, roofs);
+    const Floats<n> to = shape.roof_m * over;
+    const Where<n> seen = on & (to > from) & (wall.cover > 0.0F);
     if (!any(seen)) continue;
-    const f32x16 root0 = root_of(from);
-    const f32x16 root1 = root_of(to);
-    const f32x16 r0 = wall.distance * root0;
-    const f32x16 r1 = wall.distance * root1;
+    const Floats<n> root0 = root_of(from);
+    const Floats<n> root1 = root_of(to);
+    const Floats<n> r0 = wall.distance * root0;
+    const Floats<n> r1 = wall.distance * root1;
     add_echoes(columns, seen, wall.edge, wall.cover * columns.width_rad * sine_step(from, root0, to, root1),
                tangent, min(r0, r1) - wall.spread, max(r0, r1) + wall.spread, out);
   }
   if (any(roof_seen)) {
-    const f32x16 root0 = root_of(roof_from);
-    const f32x16 root1 = root_of(back);
-    const f32x16 from_m = shape.roof_m / roof_from;
+    const Floats<n> root0 = root_of(roof_from);
+    const Floats<n> root1 = root_of(back);
+    const Floats<n> from_m = shape.roof_m / roof_from;
     add_echoes(columns, roof_seen, PartEchoes::kRoof,
                cover * columns.width_rad * sine_step(roof_from, root0, back, root1), tangent, from_m * root0,
                far * root1, out);
   }
   // It hides its plane's ground as if it stood there as it stands on its own.
-  const f32x16 shift = horizon - foot;
+  const Floats<n> shift = horizon - foot;
   hide_ground(columns, rises, plane, k, cover, low + shift, highest + shift);
-  store(columns.roofs + first, select(on & (cover >= 0.5F), max(roofs, highest), roofs));
+  to_memory(columns.roofs + first, select(on & (cover >= 0.5F), max(roofs, highest), roofs));
+}
+
+}  // namespace
+
+void see_part(const SubColumns& columns, const ConvexShape& shape, int first, int count, PartEchoes& out) {
+  if (count > kFloatLanes / 2)
+    see_in<kFloatLanes>(columns, shape, first, out);
+  else
+    see_in<kFloatLanes / 2>(columns, shape, first, out);
 }
 
 }  // namespace obliq::OBLIQ_ISA

@@ -76,8 +76,8 @@ struct PartEchoes {
 /// Fills in the profile of one plane: its direction in cells a metre.
 OBLIQ_KERNEL(void, profile_nodes, const SubColumns&, int plane, float rate_u, float rate_v);
 
-/// Shows a part to sub-columns [first, first + 16): appends what they see, and takes its shadow from the
-/// nodes and the sub-columns behind it.
-OBLIQ_KERNEL(void, see_part, const SubColumns&, const ConvexShape&, int first, PartEchoes&);
+/// Shows a part to sub-columns [first, first + count), at most 16, and to some behind them: appends what they
+/// see, and takes its shadow from the nodes and the sub-columns behind it.
+OBLIQ_KERNEL(void, see_part, const SubColumns&, const ConvexShape&, int first, int count, PartEchoes&);
 
 }  // namespace obliq

@@ -88,10 +88,7 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
     ask(1);
     return p.order < q.order;
   });
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    ask_for_faces(k);
-    see(parts_[k], cells);
-  }
+  for (const Part& part : parts_) see(part, cells);
   add_parts_together(cells);
   return true;
 }
@@ -174,23 +171,8 @@ void BuildingView::ask_for_buildings(std::size_t from) const {
   const Buildings& all = plan_.scene().world().buildings;
   if (from + 2 * kAskAhead < buildings_.size())
     __builtin_prefetch(&all.list[buildings_[from + 2 * kAskAhead]]);
-  if (from + kAskAhead >= buildings_.size()) return;
-  const Building& next = all.list[buildings_[from + kAskAhead]];
-  __builtin_prefetch(&all.ring_start[next.first_ring]);
-  if (from + kAskAhead / 2 >= buildings_.size()) return;
-  const Building& nearer = all.list[buildings_[from + kAskAhead / 2]];
-  __builtin_prefetch(&all.ring_xz_m[all.ring_start[nearer.first_ring]]);
-}
-
-/// The faces of a part that is seen soon.
-void BuildingView::ask_for_faces(std::size_t from) const {
-  if (from + kAskAhead >= parts_.size()) return;
-  constexpr std::size_t kLine = 64;
-  const Part& part = parts_[from + kAskAhead];
-  const auto* const face =
-      reinterpret_cast<const char*>(&plan_.scene().world().buildings.faces[part.roof_face]);
-  for (std::size_t at = 0; at < (part.n + 1) * sizeof(BuildingFace) && at < 8 * kLine; at += kLine)
-    __builtin_prefetch(face + at);
+  if (from + kAskAhead < buildings_.size())
+    __builtin_prefetch(&all.ring_xz_m[all.first_corner(buildings_[from + kAskAhead])]);
 }
 
 void BuildingView::collect(std::uint32_t b) {
@@ -205,10 +187,10 @@ void BuildingView::collect(std::uint32_t b) {
   }
   if (building.n_parts > 0) return;
   const std::size_t first = corners_.size();
-  std::uint32_t wall = building.first_face + 1;  // the roof comes first
-  for (std::uint32_t k = all.ring_start[building.first_ring]; k < all.ring_start[building.first_ring + 1];
-       ++k)
-    add_corner(all.ring_xz_m[k], wall++);
+  const std::uint32_t first_corner = all.first_corner(b);
+  const std::uint32_t first_wall = building.first_face + 1;  // the roof comes first
+  for (std::uint32_t k = 0; k + 1 < building.n_faces; ++k)
+    add_corner(all.ring_xz_m[first_corner + k], first_wall + k);
   add_part(b, false, first);
 }
 
@@ -297,13 +279,14 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   };
   constexpr int kLanes = 16;
   const int from = column_of(part.from);
-  const int lanes = (column_of(part.to) - from + kLanes) / kLanes * kLanes;
+  const int end = column_of(part.to) + 1;
+  const int lanes = (end - from + kLanes - 1) / kLanes * kLanes;
   ask(kAPart * lanes / kLanes * static_cast<std::int64_t>(part.n));
   int first = std::min(from, columns_.n - lanes);
   if (first < 0) first = 0;
   echoes_.n = 0;
   for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
-    active_kernels().see_part(columns_, shape_, k, echoes_);
+    active_kernels().see_part(columns_, shape_, k, std::min(kLanes, end - k), echoes_);
   if (echoes_.n > 0) add_echoes(part, cells);
 }
 
@@ -341,6 +324,7 @@ FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo, const Part& part)
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   FaceEcho face{};
   face.range_bin = echo.bin;
+  face.building = part.building;
   face.face = echo.edge == PartEchoes::kRoof
                   ? part.roof_face
                   : corners_[part.first + static_cast<std::uint32_t>(echo.edge)].face;

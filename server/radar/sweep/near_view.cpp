@@ -234,7 +234,7 @@ void NearView::take_samples(const EchoCells& cells) {
         continue;
       }
       echoes_.push_back(echo);
-      plan_.seen().mark(plan_.scene().world().buildings.faces[echo.face].building);
+      plan_.seen().mark(plan_.scene().world().buildings.building_of_face[echo.face]);
     }
     sampler_.begin(samples_);
   } while (samples_.n > 0);
