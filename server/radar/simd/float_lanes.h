@@ -32,7 +32,10 @@ OBLIQ_LANES Lanes<float, n> gather(const float* from, Lanes<T, n> at) {
     return {gather(from, at.low), gather(from, at.high)};
   } else {
 #if defined(__AVX512F__)
-    return {_mm512_i32gather_ps(__builtin_bit_cast(__m512i, at.v), from, sizeof(float))};
+    if constexpr (n == kFloatLanes)
+      return {_mm512_i32gather_ps(__builtin_bit_cast(__m512i, at.v), from, sizeof(float))};
+    else
+      return {_mm256_i32gather_ps(from, __builtin_bit_cast(__m256i, at.v), sizeof(float))};
 #elif defined(__AVX2__)
     return {_mm256_i32gather_ps(from, __builtin_bit_cast(__m256i, at.v), sizeof(float))};
 #else
