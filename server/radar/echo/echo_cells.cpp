@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
@@ -48,7 +49,10 @@ void EchoCells::restart(int first_azimuth) {
   bins_.restart(first_azimuth);
   const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
-  if (bins_.has_voltages()) fill(last_, n, {0, 0});
+  if (bins_.has_voltages()) {
+    last_.resize(n);
+    std::memset(last_.data(), 0, n * sizeof(LastCell));
+  }
   echoes_ = 0;
   faces_.n = 0;
 }
