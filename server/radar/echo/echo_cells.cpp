@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
@@ -48,9 +49,11 @@ void EchoCells::restart(int first_azimuth) {
   bins_.restart(first_azimuth);
   const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
-  if (bins_.has_voltages()) fill(last_, n, {0, 0, 0});
+  if (bins_.has_voltages()) {
+    last_.resize(n);
+    std::memset(last_.data(), 0, n * sizeof(LastCell));
+  }
   echoes_ = 0;
-  n_ = 0;
   faces_.n = 0;
 }
 
@@ -62,43 +65,45 @@ void EchoCells::set_bearing(std::size_t profile, SinCos bearing) {
 void EchoCells::add(GroundEchoes& echoes) {
   const StageProbe probe(Stage::bin);
   const int n = surfaces_ == Surfaces::buildings ? 0 : echoes.n;
-  const auto cell_of = [&](int k) {
-    const std::uint32_t at = echoes.at[k];
-    return BinSums::index(static_cast<int>(at % kWedgeAzimuthBins),
-                          static_cast<int>(at / GroundEchoes::kRuns));
-  };
-  const bool voltages = bins_.has_voltages();
-  if (voltages && n > 0) active_kernels().ground_places(where_, echoes, list_place_, list_kind_);
   ask(kAnEcho * n);
+  for (int k = 0; k < n; ++k) {
+    const std::uint32_t at = echoes.at[k];
+    list_at_[k] = static_cast<std::uint32_t>(
+        BinSums::index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns)));
+    list_power_w_[k] = static_cast<double>(echoes.light[k]) * table_.factor;
+    bins_.add(list_at_[k], list_power_w_[k], static_cast<double>(echoes.sine[k]) * table_.factor);
+  }
+  if (bins_.has_voltages() && n > 0) {
+    active_kernels().ground_places(where_, echoes, list_place_, list_kind_);
+    add_ground_voltages(n);
+  }
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
+}
+
+void EchoCells::add_ground_voltages(int n) {
+  double re[kList];
+  double im[kList];
+  ask(kAScatterer * n);
+  speckle_.respond_ground({n, list_place_, list_kind_, list_power_w_, re, im, list_at_, &bins_.edges()});
   for (int k = 0; k < n; ++k) {
-    const std::size_t at = cell_of(k);
-    const double power_w = static_cast<double>(echoes.light[k]) * table_.factor;
-    bins_.add(at, power_w, static_cast<double>(echoes.sine[k]) * table_.factor);
-    if (!voltages) continue;
-    const Scatterer here{list_place_[k], list_kind_[k], power_w};
-    Scatterer& last = last_[at];
-    if (last.place == here.place && last.kind == here.kind) {
-      last.power_w += here.power_w;
-    } else {
-      if (last.power_w > 0) put(at, last);
-      last = here;
+    const std::uint32_t at = list_at_[k];
+    const std::uint64_t place = list_place_[k];
+    const auto key = static_cast<std::uint32_t>((place >> 32 & 0xfff) << 20 | (place & 0xfff) << 8 |
+                                                (list_kind_[k] & 0xff));
+    LastCell& last = last_[at];
+    const auto amplitude = static_cast<float>(std::sqrt(list_power_w_[k]));
+    if (key != last.key || !(last.amplitude > 0)) {
+      last = {key, amplitude};
+      bins_.add_voltage(at, re[k], im[k]);
+      continue;
     }
+    // One scatterer of both powers: what its voltage grows by.
+    const float both = std::hypot(last.amplitude, amplitude);
+    const double share = static_cast<double>((both - last.amplitude) / amplitude);
+    last.amplitude = both;
+    bins_.add_voltage(at, share * re[k], share * im[k]);
   }
-}
-
-void EchoCells::put(std::size_t at, const Scatterer& scatterer) {
-  at_[n_] = static_cast<std::uint32_t>(at);
-  place_[n_] = scatterer.place;
-  kind_[n_] = scatterer.kind;
-  power_w_[n_] = scatterer.power_w;
-  if (++n_ == static_cast<int>(BinSums::kBlock)) take_scatterers();
-}
-
-void EchoCells::take_scatterers() {
-  bins_.add_scatterers(n_, at_, place_, kind_, power_w_);
-  n_ = 0;
 }
 
 void EchoCells::add(int profile, const FaceEcho& echo) {
@@ -168,11 +173,6 @@ void EchoCells::take_faces() {
 
 void EchoCells::write(BinBlock& block) {
   take_faces();
-  for (std::size_t at = 0; at < last_.size(); ++at) {
-    if (at % BinSums::kBlock == 0) ask(BinSums::kBlock);
-    if (last_[at].power_w > 0) put(at, last_[at]);
-  }
-  if (bins_.has_voltages()) take_scatterers();
   bins_.write(block);
   std::size_t bin = 0;
   for (int a = 0; a < block.n_azimuth; ++a)

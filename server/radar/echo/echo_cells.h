@@ -42,8 +42,8 @@ struct FacePower {
 };
 
 /// One wedge's sums of echoes that come bin by bin, each a scatterer: the sweep's. Ground echoes of one plane
-/// have one ground cell a range bin; where the next plane of the azimuth bin has the same one, their powers
-/// are added before the speckle. Sums run in the order of arrival.
+/// have one ground cell a range bin; where the next plane of the azimuth bin has the same one, both are one
+/// scatterer of the sum of their powers. Sums run in the order of arrival.
 class EchoCells {
  public:
   /// voltages: false: I&Q is not computed.
@@ -78,16 +78,17 @@ class EchoCells {
 
   static std::int64_t bytes(int n_range) {
     return BinSums::bytes(n_range) +
-           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(Scatterer) + 1);
+           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(LastCell) + 1);
   }
 
  private:
-  struct Scatterer {
-    std::uint64_t place, kind;
-    double power_w;
+  /// The ground cell that a bin's last echo came from: the low bits of its numbers, and its material. No bin
+  /// holds two cells that agree in them.
+  struct LastCell {
+    std::uint32_t key;
+    float amplitude;  ///< square root of its power in the bin so far
   };
-  void put(std::size_t at, const Scatterer& scatterer);
-  void take_scatterers();
+  void add_ground_voltages(int n);
   void put_face(int profile, const FaceEcho& echo, double power_w, double sine);
   double elevation_gain2(const glm::dvec3& at_m, double range_m) const;
   void take_faces();
@@ -100,17 +101,16 @@ class EchoCells {
   std::vector<double> cells_per_m_;        // [n_range]
   std::vector<std::uint64_t> level_bits_;  // [n_range]
   PlaceOfEchoes where_;
-  std::vector<Scatterer> last_;       // [n_range][8] of the last plane; without power: none
+  std::vector<LastCell> last_;        // [n_range][8]
   std::vector<std::uint8_t> shadow_;  // [n_range][8]
   std::uint64_t echoes_ = 0;
 
-  int n_ = 0;  // scatterers that wait for their voltages
-  std::uint32_t at_[BinSums::kBlock];
-  std::uint64_t place_[BinSums::kBlock];
-  std::uint64_t kind_[BinSums::kBlock];
-  double power_w_[BinSums::kBlock];
-  std::uint64_t list_place_[GroundEchoes::kMost + GroundEchoes::kSpare];
-  std::uint64_t list_kind_[GroundEchoes::kMost + GroundEchoes::kSpare];
+  // Of a list.
+  static constexpr std::size_t kList = GroundEchoes::kMost + GroundEchoes::kSpare;
+  std::uint32_t list_at_[kList];
+  std::uint64_t list_place_[kList];
+  std::uint64_t list_kind_[kList];
+  double list_power_w_[kList]{};
   FaceEchoes faces_{};
   double face_sine_[FaceEchoes::kMost];
 };

@@ -144,20 +144,30 @@ std::complex<double> SpeckleField::response(const Scatterer& s, const OwnBin& bi
 }
 
 void SpeckleField::respond(const SpeckleBlock& block) const {
+  respond_ground(block);
+  for (int k = 0; k < block.n; ++k)
+    if (ScattererKey(block.place[k], block.kind[k]).face() != kNoFace) respond_alone(block, k);
+}
+
+void SpeckleField::respond_ground(const SpeckleBlock& block) const {
   active_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_, owners_},
                                   block);
-  for (int k = 0; k < block.n; ++k) {
-    const ScattererKey key(block.place[k], block.kind[k]);
-    if (key.face() == kNoFace && !std::isnan(block.re[k])) continue;
-    OwnBin bin;
-    if (block.at != nullptr) {
-      const std::uint32_t azimuth = block.at[k] % 8;
-      bin = {static_cast<int>(block.at[k] / 8), {block.edges->sin[azimuth], block.edges->cos[azimuth]}};
-    }
-    const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(key.scatterer(), bin);
-    block.re[k] = voltage.real();
-    block.im[k] = voltage.imag();
+  bool all_known = true;
+  for (int k = 0; k < block.n; ++k) all_known &= block.re[k] == block.re[k];
+  for (int k = 0; !all_known && k < block.n; ++k)
+    if (std::isnan(block.re[k])) respond_alone(block, k);
+}
+
+void SpeckleField::respond_alone(const SpeckleBlock& block, int k) const {
+  OwnBin bin;
+  if (block.at != nullptr) {
+    const std::uint32_t azimuth = block.at[k] % 8;
+    bin = {static_cast<int>(block.at[k] / 8), {block.edges->sin[azimuth], block.edges->cos[azimuth]}};
   }
+  const ScattererKey key(block.place[k], block.kind[k]);
+  const std::complex<double> voltage = std::sqrt(block.power_w[k]) * response(key.scatterer(), bin);
+  block.re[k] = voltage.real();
+  block.im[k] = voltage.imag();
 }
 
 void SpeckleField::describe_cells(SwathCells& cells) const {

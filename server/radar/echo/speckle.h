@@ -97,8 +97,10 @@ class SpeckleField {
   /// bin: with an owner rule (simd/scatterer_owner.h), that of the power.
   std::complex<double> response(const Scatterer& scatterer, const OwnBin& bin = {}) const;
 
-  /// sqrt(power) response of the block's scatterers, the same to the bit.
+  /// sqrt(power) response of the block's scatterers, of ground to six digits.
   void respond(const SpeckleBlock& block) const;
+  /// The same where all of them are ground.
+  void respond_ground(const SpeckleBlock& block) const;
 
   /// The ground cells by octave of slant range, in `cells`.
   void describe_cells(SwathCells& cells) const;
@@ -111,6 +113,8 @@ class SpeckleField {
  private:
   Scatterer of_face(double slant_range_m, const glm::dvec3& at_m, const BuildingFace& of, std::uint32_t face,
                     std::uint8_t material) const;
+  /// As one after the other does.
+  void respond_alone(const SpeckleBlock& block, int k) const;
   std::uint64_t hash(const Scatterer& scatterer, std::uint64_t owner) const;
   std::uint64_t hash_on(std::uint64_t identity, const Scatterer& scatterer, std::uint64_t owner) const;
   /// Its own bits, and by how many turns its phase is off them.

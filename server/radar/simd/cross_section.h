@@ -28,14 +28,14 @@ struct ElevationTable {
 
 #if defined(OBLIQ_ISA)
 
-OBLIQ_INLINE f32x16 elevation_gain(const ElevationTable& table, f32x16 sine) {
-  const f32x16 at = (sine - static_cast<float>(table.from)) * static_cast<float>(table.per_sine);
+OBLIQ_LANES Lanes<T, n> elevation_gain(const ElevationTable& table, Lanes<T, n> sine) {
+  const auto at = (sine - static_cast<float>(table.from)) * static_cast<float>(table.per_sine);
   // Lanes without surface may hold anything, NaN too: they look up the first.
-  const f32x16 step =
-      min(select(at > 0.0F, at, f32x16{}), all_lanes(static_cast<float>(ElevationTable::kSteps) - 0.01F));
-  const i32x16 k = truncated(step);
-  const f32x16 low = gather(table.gain, k);
-  return low + (step - floats_of(k)) * (gather(table.gain + 1, k) - low);
+  const auto step = min(select(at > 0.0F, at, Lanes<T, n>{}),
+                        Lanes<T, n>{} + (static_cast<float>(ElevationTable::kSteps) - 0.01F));
+  const auto k = converted<std::int32_t>(step);
+  const auto low = gather(table.gain, k);
+  return low + (step - converted<float>(k)) * (gather(table.gain + 1, k) - low);
 }
 
 #endif

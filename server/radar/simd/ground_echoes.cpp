@@ -7,45 +7,96 @@
 namespace obliq::OBLIQ_ISA {
 namespace {
 
+/// Floats of eight or of sixteen profiles: of one plane of an azimuth bin, or of two.
+template <int n>
+using Floats = Lanes<float, n>;
+template <int n>
+using Words = Lanes<std::int32_t, n>;
+
+template <int n>
+OBLIQ_INLINE Floats<n> all(float value) {
+  return Floats<n>{} + value;
+}
+template <int n>
+OBLIQ_INLINE Words<n> truncated(Floats<n> x) {
+  return converted<std::int32_t>(x);
+}
+
 /// The range bin that each profile is in.
+template <int n>
 struct Running {
-  f32x16 bin, distance, light, material, sine;
+  Floats<n> bin, distance, light, material, sine;
+
+  OBLIQ_INLINE explicit Running(const GroundEchoes& out)
+      : bin(load_as<Floats<n>>(out.bin_now)),
+        distance(load_as<Floats<n>>(out.distance_now_m)),
+        light(load_as<Floats<n>>(out.light_now)),
+        material(load_as<Floats<n>>(out.material_now)),
+        sine(load_as<Floats<n>>(out.sine_now)) {}
+  OBLIQ_INLINE void keep(GroundEchoes& out) const {
+    to_memory(out.bin_now, bin);
+    to_memory(out.distance_now_m, distance);
+    to_memory(out.light_now, light);
+    to_memory(out.material_now, material);
+    to_memory(out.sine_now, sine);
+  }
 };
 
-template <bool kSines>
-OBLIQ_INLINE void put(unsigned ended, const Running& now, GroundEchoes& out) {
-  int n = out.n;
+#if !defined(__AVX512F__)
+/// By mask: which of eight lanes is the first in it, the second and so on, a byte each.
+struct Fronts {
+  std::uint64_t of[256] = {};
+  constexpr Fronts() {
+    for (unsigned mask = 0; mask < 256; ++mask)
+      for (unsigned lane = 8; lane-- > 0;)
+        if ((mask >> lane & 1) != 0) of[mask] = of[mask] << 8 | lane;
+  }
+};
+constexpr Fronts kFronts;
+#endif
+
+/// Moves the lanes in `mask` to the front of `to`; what is written behind them means nothing.
+template <typename T, int n>
+OBLIQ_INLINE void put_front(T* to, unsigned mask, Lanes<T, n> x) {
 #if defined(__AVX512F__)
-  const auto m = static_cast<__mmask16>(ended);
-  const auto profile = lane_numbers<std::int32_t, kFloatLanes>();
-  const auto put_words = [&](void* to, __m512i words) __attribute__((always_inline)) {
-    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(m, words));
-  };
-  put_words(out.at + n, __builtin_bit_cast(__m512i, truncated(now.bin) * GroundEchoes::kRuns + profile));
-  put_words(out.distance_m + n, __builtin_bit_cast(__m512i, now.distance));
-  put_words(out.light + n, __builtin_bit_cast(__m512i, now.light));
-  put_words(out.material + n, __builtin_bit_cast(__m512i, truncated(now.material)));
-  if constexpr (kSines) put_words(out.sine + n, __builtin_bit_cast(__m512i, now.sine));
-  n += __builtin_popcount(ended);
+  if constexpr (n == 16)
+    _mm512_storeu_si512(
+        to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), __builtin_bit_cast(__m512i, x)));
+  else
+    _mm256_storeu_si256(
+        reinterpret_cast<__m256i*>(to),
+        _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), __builtin_bit_cast(__m256i, x)));
 #else
-  for (; ended != 0; ended &= ended - 1) {
-    const int lane = __builtin_ctz(ended);
-    out.at[n] =
-        static_cast<std::uint32_t>(now.bin[lane]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(lane);
-    out.distance_m[n] = now.distance[lane];
-    out.light[n] = now.light[lane];
-    if constexpr (kSines) out.sine[n] = now.sine[lane];
-    out.material[n++] = static_cast<std::uint32_t>(now.material[lane]);
+  if constexpr (n == 16) {
+    put_front(to, mask & 0xff, low_half(x));
+    put_front(to + __builtin_popcount(mask & 0xff), mask >> 8, high_half(x));
+  } else {
+#if defined(__AVX2__)
+    const __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kFronts.of[mask])));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                        _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, x), order));
+#else
+    T from[n];
+    to_memory(from, x);
+    for (int k = 0; k < __builtin_popcount(mask); ++k) to[k] = from[kFronts.of[mask] >> 8 * k & 7];
+#endif
   }
 #endif
-  out.n = n;
 }
 
-OBLIQ_INLINE f32x16 as_floats(f64x8 first, f64x8 second) {
-  return joined(converted<float>(first), converted<float>(second));
+template <bool kSines, int n>
+OBLIQ_INLINE void put(unsigned ended, const Running<n>& now, GroundEchoes& out) {
+  const auto words = [](Words<n> x) __attribute__((always_inline)) {
+    return OBLIQ_ISA::bits_as<std::uint32_t>(x);
+  };
+  put_front(out.at + out.n, ended,
+            words(truncated(now.bin) * GroundEchoes::kRuns + lane_numbers<std::int32_t, n>()));
+  put_front(out.distance_m + out.n, ended, now.distance);
+  put_front(out.light + out.n, ended, now.light);
+  put_front(out.material + out.n, ended, words(truncated(now.material)));
+  if constexpr (kSines) put_front(out.sine + out.n, ended, now.sine);
+  out.n += __builtin_popcount(ended);
 }
-OBLIQ_INLINE f64x8 first_half(f32x16 x) { return converted<double>(low_half(x)); }
-OBLIQ_INLINE f64x8 second_half(f32x16 x) { return converted<double>(high_half(x)); }
 
 /// One row of eight segments in doubles, or none.
 struct Row {
@@ -81,72 +132,80 @@ OBLIQ_INLINE f32x8 materials_of(const GroundCut& cut, const SegmentRows& rows) {
 }
 
 /// Straight segments: (d, h) = (from + t, height + rise t), t from `at` to `end`.
+template <int n>
 struct Parts {
-  f32x16 from, height, rise, facing;  // facing: d rise - h, the same all along
-  f32x16 at, end;
-  f32x16 gain;  // width, and gamma where that is a constant
-  f32x16 material, plane_distance;
+  Floats<n> from, height, rise, facing;  // facing: d rise - h, the same all along
+  Floats<n> at, end;
+  Floats<n> gain;  // width, and gamma where that is a constant
+  Floats<n> material, plane_distance;
 };
 
 /// ScatteringTable's cross section by area, with lobes.
-OBLIQ_INLINE f32x16 cross_section_of_area(const EchoTable& table, f32x16 material, f32x16 sec2) {
-  return as_floats(cross_section_of_area(table, to_u64(first_half(material)), first_half(sec2)),
-                   cross_section_of_area(table, to_u64(second_half(material)), second_half(sec2)));
+OBLIQ_INLINE f32x8 cross_section_of(const EchoTable& table, f32x8 material, f32x8 sec2) {
+  return converted<float>(
+      cross_section_of_area(table, to_u64(converted<double>(material)), converted<double>(sec2)));
+}
+OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f32x16 sec2) {
+  return joined(cross_section_of(table, low_half(material), low_half(sec2)),
+                cross_section_of(table, high_half(material), high_half(sec2)));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
 /// those that are not done are in `wanted`, from parts.at on.
-template <bool kSines>
-OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Running& now, GroundEchoes& out) {
+template <bool kSines, int n>
+OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, Running<n>& now,
+                      GroundEchoes& out) {
+  using Float = Floats<n>;
+  using Word = Words<n>;
   const auto r_min = static_cast<float>(cut.axis.r_min_m);
   const auto spacing = static_cast<float>(cut.axis.range_spacing_m);
   const float bins_per_m = 1 / spacing;
   const auto n_range = static_cast<float>(cut.axis.n_range);
   // An edge like the others: what is nearer must not depend on where the swath ends.
   const float r_max = r_min + n_range * spacing;
-  const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
-  const f32x16 first_d = parts.from + parts.at;
-  const f32x16 first_h = parts.height + parts.rise * parts.at;
-  const f32x16 last_d = parts.from + parts.end;
-  const f32x16 last_h = parts.height + parts.rise * parts.end;
-  const f32x16 first_r = sqrt(first_d * first_d + first_h * first_h);
-  const f32x16 last_r = sqrt(last_d * last_d + last_h * last_h);
-  const f32x16 nearest = min(first_r, last_r);
-  const f32x16 farthest = max(first_r, last_r);
+  const Float rate2 = 1.0F + parts.rise * parts.rise;
+  const Float first_d = parts.from + parts.at;
+  const Float first_h = parts.height + parts.rise * parts.at;
+  const Float last_d = parts.from + parts.end;
+  const Float last_h = parts.height + parts.rise * parts.end;
+  const Float first_r = sqrt(first_d * first_d + first_h * first_h);
+  const Float last_r = sqrt(last_d * last_d + last_h * last_h);
+  const Float nearest = min(first_r, last_r);
+  const Float farthest = max(first_r, last_r);
   wanted &= ~((farthest < r_min) | (nearest >= r_max));
   if (!any(wanted)) return true;
-  const auto bin_of = [&](f32x16 r) __attribute__((always_inline)) {
-    const f32x16 at = clamp((r - r_min) * bins_per_m, all_lanes(-1.0F), all_lanes(n_range));
-    return floats_of(truncated(at + 1.0F)) - 1.0F;
+  const auto bin_of = [&](Float r) __attribute__((always_inline)) {
+    const Float at = clamp((r - r_min) * bins_per_m, all<n>(-1.0F), all<n>(n_range));
+    return converted<float>(truncated(at + 1.0F)) - 1.0F;
   };
-  const f32x16 first_bin = bin_of(nearest);
-  const f32x16 last_bin = bin_of(farthest);
-  const f32x16 cuts = select(wanted, last_bin - first_bin, f32x16{});
-  const mask16 outwards = last_r > first_r;
-  const f32x16 sign = select(outwards, all_lanes(1.0F), all_lanes(-1.0F));
+  const Float first_bin = bin_of(nearest);
+  const Float last_bin = bin_of(farthest);
+  const Float cuts = select(wanted, last_bin - first_bin, Float{});
+  const Word outwards = last_r > first_r;
+  const Float sign = select(outwards, all<n>(1.0F), all<n>(-1.0F));
   // Range squared grows by t (2 along + rate2 t) from where the part begins.
-  const f32x16 along = first_d + parts.rise * first_h;
-  const f32x16 along2 = along * along;
-  f32x16 t0{};
-  f32x16 d0 = first_d;
-  f32x16 h0 = first_h;
-  f32x16 r0 = first_r;
-  const f32x16 length = parts.end - parts.at;
+  const Float along = first_d + parts.rise * first_h;
+  const Float along2 = along * along;
+  Float t0{};
+  Float d0 = first_d;
+  Float h0 = first_h;
+  Float r0 = first_r;
+  const Float length = parts.end - parts.at;
   for (float k = 1; any(wanted); ++k) {
     if (out.n > GroundEchoes::kMost - GroundEchoes::kSpare) {
       parts.at += t0;
       return false;
     }
-    const mask16 at_end = cuts < k;
-    f32x16 t1 = length;
-    f32x16 r1 = last_r;
-    f32x16 bin = first_bin;
+    const Word at_end = cuts < k;
+    Float t1 = length;
+    Float r1 = last_r;
+    Float bin = first_bin;
     if (k > 1 || any(wanted & ~at_end)) {
-      const f32x16 edge_index = select(outwards, first_bin + k, last_bin - k + 1.0F);
-      const f32x16 edge = r_min + edge_index * spacing;
-      const f32x16 grown = (edge - first_r) * (edge + first_r);
-      const f32x16 root = sqrt(max(along2 + rate2 * grown, f32x16{}));
-      const f32x16 at_edge = clamp(grown / (along + sign * root), t0, length);
+      const Float edge_index = select(outwards, first_bin + k, last_bin - k + 1.0F);
+      const Float edge = r_min + edge_index * spacing;
+      const Float grown = (edge - first_r) * (edge + first_r);
+      const Float root = sqrt(max(along2 + rate2 * grown, Float{}));
+      const Float at_edge = clamp(grown / (along + sign * root), t0, length);
       t1 = select(at_end, length, at_edge);
       r1 = select(at_end, last_r, edge);
       bin = select(at_end, select(outwards, last_bin, first_bin),
@@ -154,45 +213,44 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts& parts, mask16& wanted, Runnin
     }
     // Solid angle of a strip one radian wide: part_of (range_run.h). The mean of 1 / r^2 over it:
     // mean_power_range_m.
-    const f32x16 d1 = first_d + t1;
-    const f32x16 h1 = first_h + parts.rise * t1;
-    const f32x16 r01 = r0 * r1;
-    const f32x16 turned = r01 + (d0 * d1 + h0 * h1);
-    const f32x16 lit = parts.facing * (t1 - t0) * (d0 * r1 + d1 * r0);
-    const f32x16 third = (r0 * r0 + r01 + r1 * r1) * (1.0F / 3);
-    const mask16 in_swath = wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) &
-                            (r01 > static_cast<float>(kNearest_m * kNearest_m));
+    const Float d1 = first_d + t1;
+    const Float h1 = first_h + parts.rise * t1;
+    const Float r01 = r0 * r1;
+    const Float turned = r01 + (d0 * d1 + h0 * h1);
+    const Float lit = parts.facing * (t1 - t0) * (d0 * r1 + d1 * r0);
+    const Float third = (r0 * r0 + r01 + r1 * r1) * (1.0F / 3);
+    const Word in_swath = wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) &
+                          (r01 > static_cast<float>(kNearest_m * kNearest_m));
     if (any(in_swath)) {
-      f32x16 gain = parts.gain;
-      const f32x16 over = 1.0F / (r01 * turned);
-      const f32x16 over2 = 1.0F / r01;  // 1 / mean r^2 is third over2^2
-      const f32x16 mean = third * over2 * over2;
+      Float gain = parts.gain;
+      const Float over = 1.0F / (r01 * turned);
+      const Float over2 = 1.0F / r01;  // 1 / mean r^2 is third over2^2
+      const Float mean = third * over2 * over2;
       if (cut.echo.any_lobes)
-        gain *= cross_section_of_area(
-            cut.echo, parts.material,
-            max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all_lanes(1.0F)));
-      f32x16 sine{};
+        gain *=
+            cross_section_of(cut.echo, parts.material,
+                             max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all<n>(1.0F)));
+      Float sine{};
       if (kSines || cut.echo.elevation.gain != nullptr) {
-        const f32x16 middle_d = 0.5F * (d0 + d1);
-        const f32x16 middle_h = 0.5F * (h0 + h1);
+        const Float middle_d = 0.5F * (d0 + d1);
+        const Float middle_h = 0.5F * (h0 + h1);
         // Of a beam's width, which is 1 / cos(e), the middle of the strip has the mean straight below as
         // well.
-        const f32x16 range2 = kSines ? middle_d * middle_d + middle_h * middle_h : r01;
-        sine = (middle_h + load_floats(cut.lean) * middle_d) / sqrt(range2);
-        const f32x16 towards = elevation_gain(cut.echo.elevation, sine);
+        const Float range2 = kSines ? middle_d * middle_d + middle_h * middle_h : r01;
+        sine = (middle_h + load_as<Float>(cut.lean) * middle_d) / sqrt(range2);
+        const Float towards = elevation_gain(cut.echo.elevation, sine);
         gain *= towards * towards;
       }
-      f32x16 light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
+      Float light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
       if (cut.kept[0] != nullptr) {
-        const i32x16 at = truncated(select(in_swath, bin, f32x16{})) * kLanes +
-                          (lane_numbers<std::int32_t, kFloatLanes>() & 7) +
-                          static_cast<std::int32_t>(cut.kept[1] - cut.kept[0]) *
-                              (lane_numbers<std::int32_t, kFloatLanes>() >> 3);
+        const Word at =
+            truncated(select(in_swath, bin, Float{})) * kLanes + (lane_numbers<std::int32_t, n>() & 7) +
+            static_cast<std::int32_t>(cut.kept[1] - cut.kept[0]) * (lane_numbers<std::int32_t, n>() >> 3);
         light *= gather(cut.kept[0], at);
       }
-      const mask16 has = in_swath & (light > 0.0F);
-      const mask16 same = has & (bin == now.bin);
-      const mask16 fresh = has & ~same;
+      const Word has = in_swath & (light > 0.0F);
+      const Word same = has & (bin == now.bin);
+      const Word fresh = has & ~same;
       if (const unsigned ended = movemask(fresh & (now.bin >= 0.0F)); ended != 0)
         put<kSines>(ended, now, out);
       if constexpr (kSines)
@@ -219,34 +277,54 @@ OBLIQ_INLINE void keep(const SegmentRows& rows, unsigned left, f64x8 at) {
   rows.segments->seen[rows.first] = left;
 }
 
-template <bool kSines>
+/// The segments of one row of each run, or of one run.
+template <int n, typename Value>
+OBLIQ_INLINE Floats<n> of_rows(const Row& left, const Row& right, const Value& value) {
+  if constexpr (n == kLanes)
+    return converted<float>(value(left));
+  else
+    return joined(converted<float>(value(left)), converted<float>(value(right)));
+}
+#define OBLIQ_OF_ROWS(what) \
+  of_rows<n>(               \
+      left, right, [](const Row& row) __attribute__((always_inline)) { return row.what; })
+
+template <bool kSines, int n>
 OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
-  Running now{load_floats(out.bin_now), load_floats(out.distance_now_m), load_floats(out.light_now),
-              load_floats(out.material_now), load_floats(out.sine_now)};
+  using Float = Floats<n>;
+  Running<n> now(out);
   bool room = true;
   for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
     const Row left(a);
     const Row right(b);
-    mask16 wanted = mask16_from(left.seen | right.seen << kLanes);
-    Parts parts;
-    parts.from = as_floats(left.from, right.from);
-    parts.height = as_floats(left.height, right.height);
-    parts.rise = as_floats(left.rise, right.rise);
-    parts.facing = -as_floats(left.start, right.start);
-    parts.plane_distance = as_floats(left.plane_distance, right.plane_distance);
-    parts.at = f32x16{};
-    parts.end = as_floats(left.length, right.length);
-    parts.material = cut.material == nullptr ? f32x16{} : joined(materials_of(cut, a), materials_of(cut, b));
-    parts.gain = as_floats(left.width, right.width);
+    const auto bit =
+        lane_by_lane<std::int32_t, n>([](int lane) __attribute__((always_inline)) { return 1 << lane; });
+    Words<n> wanted = ((Words<n>{} + static_cast<std::int32_t>(left.seen | right.seen << kLanes)) & bit) != 0;
+    Parts<n> parts;
+    parts.from = OBLIQ_OF_ROWS(from);
+    parts.height = OBLIQ_OF_ROWS(height);
+    parts.rise = OBLIQ_OF_ROWS(rise);
+    parts.facing = -OBLIQ_OF_ROWS(start);
+    parts.plane_distance = OBLIQ_OF_ROWS(plane_distance);
+    parts.at = Float{};
+    parts.end = OBLIQ_OF_ROWS(length);
+    parts.gain = OBLIQ_OF_ROWS(width);
+    parts.material = Float{};
+    if (cut.material != nullptr) {
+      if constexpr (n == kLanes)
+        parts.material = materials_of(cut, a);
+      else
+        parts.material = joined(materials_of(cut, a), materials_of(cut, b));
+    }
     if (!cut.echo.any_lobes) parts.gain *= gather(cut.echo.gamma_f, truncated(parts.material));
     // Range falls and rises again where the foot of the perpendicular from the antenna lies on a segment.
-    const f32x16 rate2 = 1.0F + parts.rise * parts.rise;
-    const f32x16 along = parts.from + parts.rise * parts.height;
-    const mask16 turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
-    mask16 left_over{};
+    const Float rate2 = 1.0F + parts.rise * parts.rise;
+    const Float along = parts.from + parts.rise * parts.height;
+    const Words<n> turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
+    Words<n> left_over{};
     if (any(turns)) {
-      const f32x16 whole = parts.end;
-      const f32x16 turn = clamp(-along / rate2, f32x16{}, whole);
+      const Float whole = parts.end;
+      const Float turn = clamp(-along / rate2, Float{}, whole);
       parts.end = select(turns, turn, whole);
       room = add<kSines>(cut, parts, wanted, now, out);
       left_over = wanted | turns;
@@ -263,23 +341,30 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     }
     if (!room) {
       const unsigned mask = movemask(left_over);
-      keep(a, mask & 0xff, first_half(parts.at));
-      keep(b, mask >> kLanes, second_half(parts.at));
+      if constexpr (n == kLanes) {
+        keep(a, mask, converted<double>(parts.at));
+      } else {
+        keep(a, mask & 0xff, converted<double>(low_half(parts.at)));
+        keep(b, mask >> kLanes, converted<double>(high_half(parts.at)));
+      }
       break;
     }
   }
-  store(out.bin_now, now.bin);
-  store(out.distance_now_m, now.distance);
-  store(out.light_now, now.light);
-  store(out.material_now, now.material);
-  if constexpr (kSines) store(out.sine_now, now.sine);
+  now.keep(out);
   return room;
+}
+#undef OBLIQ_OF_ROWS
+
+template <bool kSines>
+OBLIQ_INLINE bool add_any_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
+  return b.first < b.end ? add_rows<kSines, kFloatLanes>(cut, a, b, out)
+                         : add_rows<kSines, kLanes>(cut, a, b, out);
 }
 
 }  // namespace
 
 bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
-  return cut.echo.sines ? add_rows<true>(cut, a, b, out) : add_rows<false>(cut, a, b, out);
+  return cut.echo.sines ? add_any_rows<true>(cut, a, b, out) : add_any_rows<false>(cut, a, b, out);
 }
 
 void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::uint64_t* place,

@@ -22,7 +22,9 @@ struct SpeckleBlock {
   const std::uint64_t* place;
   const std::uint64_t* kind;
   const double* power_w;
-  double* re;  ///< sqrt(power) response, as if all were ground; NaN where a cell's centre has no known ground
+  /// sqrt(power) response to six digits, as if all were ground; NaN where a cell's centre has no known
+  /// ground.
+  double* re;
   double* im;
   /// With an owner rule: range bin x 8 + azimuth bin of the wedge, and the wedge's edges.
   const std::uint32_t* at = nullptr;

@@ -210,13 +210,21 @@ OBLIQ_INLINE Pairs<f64x8> gather_pairs(const float* from, u64x8 at) {
 #else
   std::uint64_t places[kLanes];
   store(places, at);
-  float first[kLanes];
-  float second[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    first[lane] = from[places[lane]];
-    second[lane] = from[places[lane] + 1];
-  }
-  return {converted<double>(load_as<f32x8>(first)), converted<double>(load_as<f32x8>(second))};
+  // Four pairs in two registers, each pair by one load.
+  const auto four = [&](int lane) __attribute__((always_inline)) {
+    const auto pair = [&](int k) __attribute__((always_inline)) {
+      return reinterpret_cast<const __m64*>(from + places[lane + k]);
+    };
+    const __m128 a = _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), pair(0)), pair(1));
+    const __m128 b = _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), pair(2)), pair(3));
+    const auto doubles = [](__m128 floats) __attribute__((always_inline)) {
+      return converted<double>(OBLIQ_ISA::lanes_from<Lanes<float, 4>>(floats));
+    };
+    return Pairs<Lanes<double, 4>>{doubles(_mm_shuffle_ps(a, b, 0x88)), doubles(_mm_shuffle_ps(a, b, 0xdd))};
+  };
+  const auto low = four(0);
+  const auto high = four(4);
+  return {joined(low.first, high.first), joined(low.second, high.second)};
 #endif
 }
 

@@ -93,12 +93,20 @@ namespace {
 OBLIQ_INLINE void close(RangeRun<f64x8>& run, mask8 where, const RangeAxis& bins,
                         std::uint8_t* const* marks) {
   where &= run.greatest2 >= 0.0;
-  const unsigned mask = movemask(where);
-  if (mask == 0) return;
+  if (!any(where)) return;
   const f64x8 low = sqrt(run.least2);
   const f64x8 high = sqrt(run.greatest2);
-  for (int lane = 0; lane < kLanes; ++lane)
-    if ((mask >> lane & 1) != 0) mark_bins(bins, low[lane], high[lane], marks[lane]);
+  // mark_bins for all of them at once.
+  double first[kLanes];
+  double last[kLanes];
+  store(first, select(low < bins.r_min_m, f64x8{}, bins.bin(low)));
+  store(last, select(high >= bins.r_max_m, broadcast(bins.n_range - 1.0), bins.bin(high)));
+  for (unsigned mask = movemask(where & (high >= bins.r_min_m) & (low < bins.r_max_m)); mask != 0;
+       mask &= mask - 1) {
+    const int lane = __builtin_ctz(mask);
+    for (auto bin = static_cast<int>(first[lane]); bin <= static_cast<int>(last[lane]); ++bin)
+      marks[lane][bin] = 1;
+  }
   run.clear(where);
 }
 

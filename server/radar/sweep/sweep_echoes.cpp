@@ -46,6 +46,8 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
           world.grid.nx,
           {nullptr, nullptr},
           {}};
+  // Of ground of one material that has none itself, the lobes of the others are not looked up.
+  if (cut_.material == nullptr) cut_.echo.any_lobes = cut_.echo.peak[0] > 0;
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
 }
