@@ -1,9 +1,11 @@
-# find_package(obliq): the target obliq::client, a static library, and what it is linked with.
+# find_package(obliq): the target obliq::client, and what it is linked with.
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 find_dependency(Protobuf)
-find_dependency(OpenSSL 3)
-find_dependency(PkgConfig)
-pkg_check_modules(ISAL REQUIRED QUIET IMPORTED_TARGET libisal)
-pkg_check_modules(ZSTD REQUIRED QUIET IMPORTED_TARGET libzstd)
+if(NOT "@BUILD_SHARED_LIBS@") # a shared library knows the rest itself
+  find_dependency(OpenSSL 3)
+  find_dependency(PkgConfig)
+  pkg_check_modules(ISAL REQUIRED QUIET IMPORTED_TARGET libisal)
+  pkg_check_modules(ZSTD REQUIRED QUIET IMPORTED_TARGET libzstd)
+endif()
 include("${CMAKE_CURRENT_LIST_DIR}/obliqTargets.cmake")

@@ -16,7 +16,7 @@ let_through() {
 }
 while read -r folder; do
   [ "$folder" = tests ] || let_through "$folder"
-done < <(sed -n 's/^ *add_subdirectory(\([a-z_]*\))$/\1/p' CMakeLists.txt)
+done < <(sed -n '/EXISTS.*deploy/,/endif/d; s/^ *add_subdirectory(\([a-z_]*\))$/\1/p' CMakeLists.txt)
 while read -r file; do
   [ -e "$file" ] || {
     echo "deploy/Dockerfile copies $file, which is not there"

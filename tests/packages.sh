@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# `cmake --install` of a built tree into a scratch root, and a program of a user's that is built against what lies there: by
+# pkg-config and by find_package. Nothing of obliq is compiled.
+#
+#   tests/packages.sh [--build DIR]          default: build/release; it was configured with BUILD_SHARED_LIBS
+set -euo pipefail
+cd "$(dirname "$0")/.."
+build=build/release
+[ "${1:-}" != --build ] || build=$2
+for file in bin/obliq bin/obliqd client/libobliq.so; do
+  [ -e "$build/$file" ] || {
+    echo "skipped: $build/$file is not built"
+    exit 77
+  }
+done
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+DESTDIR=$root/stage cmake --install "$build" --prefix /opt/obliq >"$root/log"
+there=$root/stage/opt/obliq
+# Every kind of file is there.
+for file in bin/obliqd bin/obliq bin/obliq-first-start lib/systemd/system/obliqd.service lib/systemd/system/obliq-cat240@.service \
+  lib/sysusers.d/obliq.conf share/man/man1/obliqd.1 share/man/man1/obliq-watch.1 share/bash-completion/completions/obliq \
+  share/zsh/vendor-completions/_obliq share/obliq/scenes/demo_hills.toml share/doc/obliq/LICENSE share/doc/obliq/PAPER.md \
+  share/doc/obliq/THIRD_PARTY.md include/obliq/client/client.h include/obliq/proto/obliq.pb.h; do
+  [ -e "$there/$file" ] || {
+    echo "not installed: $file"
+    exit 1
+  }
+done
+# Nothing lies elsewhere, nothing names the build tree, and units name the programs where they are.
+[ "$(ls "$root/stage")" = opt ]
+if grep -rIl "$PWD" "$there"; then
+  echo "these files name the build tree"
+  exit 1
+fi
+grep -qx 'ExecStart=/opt/obliq/bin/obliqd --config /etc/obliq/obliqd.toml' "$there/lib/systemd/system/obliqd.service"
+if readelf -d "$there/bin/obliqd" "$there"/lib*/libobliq.so | grep -E 'RPATH|RUNPATH'; then exit 1; fi
+"$there/bin/obliq" --version
+# A page for each command, and completion that knows its options.
+for command in $("$there/bin/obliq" --help | sed -n '/^Subcommands/,$s/^  \([a-z0-9]*\) .*/\1/p'); do
+  grep -q "^\.SH NAME" "$there/share/man/man1/obliq-$command.1"
+done
+completed=$(bash -c ". '$there/share/bash-completion/completions/obliq'; COMP_WORDS=(obliq watch --loss); COMP_CWORD=2; _obliq; echo \"\${COMPREPLY[*]}\"")
+[ "$completed" = --lossless ]
+
+library=$(dirname "$(find "$there" -name 'libobliq.so')")
+readelf -d "$library/libobliq.so" | grep -q 'soname: \[libobliq.so.0\]'
+export PKG_CONFIG_PATH=$library/pkgconfig
+cat >"$root/main.cpp" <<'CPP'
+#include <obliq/client/client.h>
+#include <obliq/proto/obliq.pb.h>
+
+#include <cstdio>
+
+int main() {
+  obliq::client::Client server;
+  const obliq::client::Status status = server.connect(*obliq::client::parse_endpoint("127.0.0.1:1"));
+  std::printf("%s\n", status.ok() ? "connected" : "refused");
+  return status.ok() ? 1 : 0;
+}
+CPP
+[ "$(pkg-config --modversion obliq)" = "$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)" ]
+# shellcheck disable=SC2046
+g++ -std=c++20 "$root/main.cpp" -o "$root/by_pkg_config" $(pkg-config --define-variable=prefix="$there" --cflags --libs obliq)
+mkdir "$root/project"
+cat >"$root/project/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.20)
+project(user LANGUAGES CXX)
+find_package(obliq 0.1 REQUIRED)
+add_executable(user ../main.cpp)
+target_link_libraries(user PRIVATE obliq::client)
+CMAKE
+cmake -S "$root/project" -B "$root/project/build" "-DCMAKE_PREFIX_PATH=$there" >>"$root/log" &&
+  cmake --build "$root/project/build" >>"$root/log" || {
+  tail -30 "$root/log"
+  exit 1
+}
+[ "$(LD_LIBRARY_PATH=$library "$root/by_pkg_config")" = refused ]
+[ "$(LD_LIBRARY_PATH=$library "$root/project/build/user")" = refused ]
+echo "installed, and a user's program is built and runs by pkg-config and by find_package"
