@@ -7,7 +7,8 @@ import unittest
 import support
 from support import ROOT, Folder
 import numpy as np
-from obliq import BadStream, Pose, Settings, Window, _wire, obliq_pb2, places, planes, wire
+from obliq import BadStream, Pose, Settings, Window, _crc, _wire, obliq_pb2, places, planes, wire
+from obliq._session import Session, Subscription
 
 PROTOCOL = (ROOT / "proto" / "PROTOCOL.md").read_text()
 
@@ -76,7 +77,75 @@ class TheDocument(unittest.TestCase):
             self.assertIn(number, numbers)
 
 
+class Checksums(unittest.TestCase):
+    # RFC 3720, appendix B.4.
+    VALUES = {bytes(32): 0x8A9136AA, bytes([255] * 32): 0x62A8AB43, bytes(range(32)): 0x46DD794E}
+
+    def test_each_library_that_is_here_gives_the_published_values_from_bytes_and_from_the_middle_of_an_array(self):
+        found = 0
+        for name, load in _crc.LIBRARIES.items():
+            try:
+                crc32c = load()
+            except ImportError:
+                continue
+            found += 1
+            for data, value in self.VALUES.items():
+                array = np.frombuffer(b"odd" + data + b"end", "u1").copy()[3:35]
+                for given in (data, array):
+                    self.assertEqual(crc32c(given), value, name)
+                    self.assertEqual(crc32c(given[5:], crc32c(given[:5])), value, name)
+        self.assertGreater(found, 0)
+
+    def test_the_first_library_that_loads_is_taken_and_none_is_said(self):
+        def absent():
+            raise ImportError
+
+        self.assertEqual(_crc.choose({"a": absent, "b": lambda: 1, "c": lambda: 2}), ("b", 1))
+        with self.assertRaisesRegex(ImportError, "obliq needs a CRC-32C"):
+            _crc.choose({"a": absent})
+
+
 class Bytes(unittest.TestCase):
+    def test_pieces_of_any_length_bring_the_values_that_were_sent(self):
+        rows, ranges, frames = 24, 5000, 6
+        sent = np.random.default_rng(1).standard_normal((frames, rows, ranges * 2)).astype("<f4").view("<c8")
+        stream = bytearray()
+        for number, values in enumerate(sent):
+            begin = wire.FrameBegin(frame_id=number)
+            begin.frame.radar, begin.frame.settings.azimuth_bins, begin.frame.settings.range_bins = "main", rows, ranges
+            stream += _wire.encode(begin, 1, 2)
+            for row in range(0, rows, 8):
+                block = wire.WedgeBlock(frame_id=number, plane=wire.IQ, first_azimuth=row, n_azimuth=8, n_range=ranges)
+                stream += _wire.encode(block, 1, 2, values[row: row + 8].tobytes())
+            stream += _wire.encode(wire.FrameEnd(frame_id=number), 1, 2)
+        for longest in (700, 70_000, _wire.Splitter.PIECE):
+            lengths = np.random.default_rng(longest)
+            splitter, session, at, found = _wire.Splitter(), Session(), 0, []
+            session.subscriptions["main"] = watch = Subscription(wire.Subscribe(radar="main", lossless=True), ("iq",))
+            while at < len(stream):
+                space = splitter.space()
+                count = min(len(space), len(stream) - at, int(lengths.integers(1, longest + 1)))
+                space[:count] = stream[at: at + count]
+                at += count
+                splitter.filled(count)
+                while (message := splitter.next()) is not None:
+                    session.feed(message)
+                while watch.ready:
+                    found.append(watch.take())
+            self.assertEqual([frame.frame_id for frame in found], list(range(frames)))
+            for frame, values in zip(found, sent):
+                np.testing.assert_array_equal(frame.iq, values)
+
+    def test_an_answer_is_whole_after_later_messages_have_come(self):
+        splitter = _wire.Splitter()
+        for number in (1, 2):  # the second where the first lay
+            data = _wire.encode(wire.GroundAnswer(request_id=number), 1, 0, bytes([number] * 1000))
+            splitter.space()[: len(data)] = data
+            splitter.filled(len(data))
+            if number == 1:
+                first = splitter.next()
+        self.assertEqual((first.parsed().request_id, bytes(first.plane)), (1, bytes([1] * 1000)))
+
     def test_a_message_that_comes_byte_by_byte_is_read_when_it_is_whole(self):
         splitter = _wire.Splitter()
         for at, byte in enumerate(example()):

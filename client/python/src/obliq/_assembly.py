@@ -70,7 +70,6 @@ class Assembler:
         self.names = names
         self._take = (buffers or Buffers()).take
         self._filled = {name: [0] * self.azimuth.n for name in names}
-        self._whole = [0] * self.azimuth.n  # planes that are complete at an azimuth
         self._fresh = set()  # planes whose array is 0 where nothing has come
         self.frame = Frame(self, begin, header.utc_ns)
 
@@ -81,17 +80,18 @@ class Assembler:
         """Takes a block; returns the rows that it has completed in all planes, as a slice, or None."""
         name = NAMES.get(block.plane)
         values = plain(block, data)
-        if name not in self._filled:
+        filled = self._filled.get(name)
+        if filled is None:
             return None
-        row = self.azimuth.place(block.first_azimuth, block.n_azimuth, block.azimuth_step)
-        column = self.range.place(block.first_range, block.n_range, block.range_step)
+        n, n_range = block.n_azimuth, block.n_range
+        row = self.azimuth.place(block.first_azimuth, n, block.azimuth_step)
+        column = self.range.place(block.first_range, n_range, block.range_step)
         if row is None or column is None:
             raise BadStream("a data block does not fit the frame")
-        past, end = row + block.n_azimuth, column + block.n_range
-        filled = self._filled[name]
-        if filled[row:past] != [column] * block.n_azimuth or not values.size:
+        rows, end = slice(row, row + n), column + n_range
+        if filled[rows] != [column] * n or not values.size:
             raise BadStream("a data block overlaps another or leaves a gap")
-        filled[row:past] = [end] * block.n_azimuth
+        done = filled[rows] = [end] * n
         self._bytes_received += values.size * self._bytes_of_value[name]
         array = getattr(self.frame, name)
         if array is None or array.dtype != values.dtype:
@@ -99,17 +99,13 @@ class Assembler:
                 raise BadStream(f"blocks of {name} with values of different sizes")
             array = self._allocate(name, values.dtype)
         if isinstance(values, Scaled):
-            values.into(array[row:past, column:end])
+            values.into(array[rows, column:end])
         else:
-            array[row:past, column:end] = values
-        if end < self.range.n:
+            array[rows, column:end] = values
+        if end < self.range.n or any(other[rows] != done for other in self._filled.values()):
             return None
-        for at in range(row, past):
-            self._whole[at] += 1
-        if self._whole[row:past] != [len(self.names)] * block.n_azimuth:
-            return None
-        self.frame._note_dwell(slice(row, past), block, header.utc_ns)
-        return slice(row, past)
+        self.frame._note_dwell(rows, block, header.utc_ns)
+        return rows
 
     def _allocate(self, name, kind):
         try:

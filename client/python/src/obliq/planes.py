@@ -84,11 +84,10 @@ class Run(typing.NamedTuple):
 
     def place(self, first, n, step):
         """Where a block's bins stand among these, or None."""
-        step = max(1, step)
-        at, rest = divmod(first - self.first, self.step)
-        if step != self.step or rest or at < 0 or at + n > self.n:
+        if (step or 1) != self.step:
             return None
-        return at
+        at, rest = divmod(first - self.first, self.step)
+        return at if not rest and 0 <= at <= self.n - n else None
 
     def indices(self):
         return self.first + self.step * np.arange(self.n)
