@@ -81,7 +81,7 @@ build_log=$store/build-$suite.log
 if ! buildah_ bud --isolation chroot --pull-never --format docker --layers -f deploy/Dockerfile \
   --ignorefile .dockerignore --build-arg "DEBIAN=$suite" --build-arg "JOBS=${OBLIQ_JOBS:-$(parallel_jobs)}" \
   --build-arg "VERSION=$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)" \
-  --build-arg "REVISION=$(git rev-parse --short HEAD 2>/dev/null || echo unknown)" \
+  --build-arg "REVISION=$(git describe --always --dirty --abbrev=7 --exclude='*' 2>/dev/null || echo unknown)" \
   --build-arg "CREATED=$(date -u +%Y-%m-%dT%H:%M:%SZ)" \
   ${OBLIQ_TARGET:+--target "$OBLIQ_TARGET"} -t "$(image_name "$suite")${OBLIQ_TARGET:+-$OBLIQ_TARGET}" . >"$build_log" 2>&1; then
   tail -n 60 "$build_log" >&2

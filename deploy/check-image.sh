@@ -33,7 +33,8 @@ while [ $# -gt 0 ]; do
 done
 as_root
 "$root"/deploy/install-deps.sh image
-need buildah unshare setpriv python3
+need buildah unshare setpriv
+python=$(python_with numpy)
 image=$(image_name "$suite")
 has_image "$image" || die "no image $image in $store: run deploy/build-image.sh $suite first"
 host=${OBLIQ_PROGRAMS:-build/release/bin}/obliq
@@ -59,7 +60,7 @@ folder=$(buildah_ mount "$container")
 buildah_ inspect --type image "$image" >"$work/image.json"
 # setting PATH...: a value of the image's configuration, a list as one word a line.
 setting() {
-  python3 - "$work/image.json" "$@" <<'PYTHON'
+  "$python" - "$work/image.json" "$@" <<'PYTHON'
 import json, sys
 value = json.load(open(sys.argv[1], encoding="utf-8"))["Docker"]["config"]
 for key in sys.argv[2:]:
@@ -83,7 +84,7 @@ mkdir -p "$work"/state/{authority,server,scrape,client,console} "$work/terrain" 
 chown -R "$user" "$work/state"
 [ -z "$dem" ] || install -m 0644 "$dem" "$work/terrain/dem.tif"
 free_ports() {
-  python3 -c 'import socket
+  "$python" -c 'import socket
 taken = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]
 print(*(each.getsockname()[1] for each in taken))'
 }
@@ -184,7 +185,7 @@ check_scene() {
   "$host" get --server "127.0.0.1:$port" "${as_client[@]}" --out "$work/out/$1-image"
   stop_daemon
   "$host" render "$work/host.toml" --out "$work/out/$1-host"
-  python3 deploy/compare_frames.py "$mode" "$work/out/$1-host" "$work/out/$1-image"
+  "$python" deploy/compare_frames.py "$mode" "$work/out/$1-host" "$work/out/$1-image"
 }
 check_scene own
 [ -z "$dem" ] || check_scene dem

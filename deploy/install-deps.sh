@@ -6,7 +6,7 @@
 set -euo pipefail
 
 build_packages=(
-  build-essential g++ cmake ninja-build pkg-config git
+  build-essential g++ cmake ninja-build pkg-config git python3
   ccache mold                                                  # nothing is compiled twice, and links are quick
   libembree-dev libtbb-dev                                     # ray tracing
   libgdal-dev libgeos-dev libgeographiclib-dev gdal-bin        # terrain and buildings

@@ -21,7 +21,7 @@ there=$root/stage/opt/obliq
 for file in bin/obliqd bin/obliq bin/obliq-first-start lib/systemd/system/obliqd.service lib/systemd/system/obliq-cat240@.service \
   lib/sysusers.d/obliq.conf share/man/man1/obliqd.1 share/man/man1/obliq-watch.1 share/bash-completion/completions/obliq \
   share/zsh/vendor-completions/_obliq share/obliq/scenes/demo_hills.toml share/doc/obliq/LICENSE share/doc/obliq/PAPER.md \
-  share/doc/obliq/THIRD_PARTY.md include/obliq/client/client.h include/obliq/proto/obliq.pb.h; do
+  share/doc/obliq/THIRD_PARTY.md share/doc/obliq/obliq.spdx.json include/obliq/client/client.h include/obliq/proto/obliq.pb.h; do
   [ -e "$there/$file" ] || {
     echo "not installed: $file"
     exit 1
@@ -36,6 +36,24 @@ fi
 grep -qx 'ExecStart=/opt/obliq/bin/obliqd --config /etc/obliq/obliqd.toml' "$there/lib/systemd/system/obliqd.service"
 if readelf -d "$there/bin/obliqd" "$there"/lib*/libobliq.so | grep -E 'RPATH|RUNPATH'; then exit 1; fi
 "$there/bin/obliq" --version
+# The SBOM is of this version, of libraries that the programs load and those that these need, with the licences of THIRD_PARTY.md.
+/usr/bin/python3 - "$there/share/doc/obliq/obliq.spdx.json" "$("$there/bin/obliq" --version)" <<'PYTHON'
+import json, re, sys
+told = json.load(open(sys.argv[1], encoding="utf-8"))
+packages = {package["SPDXID"]: package for package in told["packages"]}
+assert told["spdxVersion"] == "SPDX-2.3" and len(packages) == len(told["packages"]) > 20
+assert "obliq " + packages["SPDXRef-obliq"]["versionInfo"] == sys.argv[2], (packages["SPDXRef-obliq"], sys.argv[2])
+assert all(re.fullmatch("SPDXRef-[A-Za-z0-9.-]+", each) for each in packages)
+edges = [(edge["spdxElementId"], edge["relatedSpdxElement"]) for edge in told["relationships"]]
+assert all(end in packages or end == "SPDXRef-DOCUMENT" for edge in edges for end in edge)
+reached = {"SPDXRef-DOCUMENT"}
+while more := {b for a, b in edges if a in reached} - reached:
+    reached |= more
+assert reached >= packages.keys(), packages.keys() - reached
+direct = [packages[b] for a, b in edges if a == "SPDXRef-obliq"]
+assert all(package["licenseDeclared"] != "NOASSERTION" for package in direct), direct
+assert any(package["name"].startswith("libgdal") and package["licenseDeclared"] == "MIT" for package in direct)
+PYTHON
 # A page for each command, and completion that knows its options.
 for command in $("$there/bin/obliq" --help | sed -n '/^Subcommands/,$s/^  \([a-z0-9]*\) .*/\1/p'); do
   grep -q "^\.SH NAME" "$there/share/man/man1/obliq-$command.1"

@@ -107,7 +107,7 @@ class FrontierRun {
     if (s.beam.pattern != BeamPattern::off)
       header_.view += fmt::format(", behind a beam of {} degrees", short_number(s.beam.width_deg));
     if (s.pulse.kind != PulseKind::off) header_.view += ", after a pulse";
-    header_.version = OBLIQ_VERSION;
+    header_.version = options_.version;
     header_.scene = config_.name;
     header_.radar = radar_.name;
 

@@ -11,6 +11,7 @@ namespace obliq {
 
 /// What `obliq frontier` was asked for, besides the scene.
 struct FrontierOptions {
+  std::string version;  ///< of the program
   std::string radar;
   std::filesystem::path out;
   FrontierRange range;  ///< cells_m: other than the scene's; empty: twice and four times it

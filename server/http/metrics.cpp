@@ -7,9 +7,11 @@
 #include <prometheus/text_serializer.h>
 
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <mutex>
 
+#include "terrain/base/memory_limit.h"
 #include "terrain/base/process.h"
 #include "terrain/base/units.h"
 
@@ -191,6 +193,7 @@ struct Metrics::State {
                             .Add({});
   std::map<std::string, Counter*> lines;  ///< by level; never changes once made
   double started_s = 0;                   ///< since 1970
+  double memory_limit_bytes = 0;          ///< infinite: the system does not say
 
   std::mutex mutex;  ///< guards radars
   std::map<std::string, RadarMetrics> radars;
@@ -208,6 +211,8 @@ Metrics::Metrics(const BuildInfo& build) : state_(std::make_unique<State>()) {
       .Set(1);
   for (const char* level : {"debug", "info", "warning", "error"})
     state_->lines[level] = &state_->log_lines.Add({{"level", level}});
+  const std::int64_t limit_bytes = memory_there_is_bytes();
+  state_->memory_limit_bytes = limit_bytes > 0 ? static_cast<double>(limit_bytes) : INFINITY;
   state_->started_s = to_seconds(std::chrono::system_clock::now().time_since_epoch());
 }
 
@@ -239,7 +244,8 @@ void Metrics::log_line(const std::string& level) {
   if (at != state_->lines.end()) at->second->Increment();
 }
 
-std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics& scene) const {
+std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics& scene,
+                          double certificate_end_s) const {
   if (scene.swaps > 0) state_->scene_load_s.Set(scene.last_build_s);
   std::vector<MetricFamily> all = state_->registry.Collect();
   if (room != nullptr) append_room(*room, all);
@@ -253,6 +259,9 @@ std::string Metrics::text(const net::RoomStatistics* room, const SceneStatistics
   singles.gauge("process_resident_memory_bytes", "Memory in use.", resident_bytes());
   singles.gauge("process_resident_memory_peak_bytes", "Highest memory use so far, mostly while loading.",
                 peak_resident_bytes());
+  singles.gauge("obliq_memory_limit_bytes", "Memory that the process may have.", state_->memory_limit_bytes);
+  singles.gauge("obliq_tls_certificate_end_time_seconds",
+                "End of the TLS certificate in use, since 1970, UTC; +Inf without one.", certificate_end_s);
   singles.gauge("process_start_time_seconds", "Start time of the process, since 1970, UTC.",
                 state_->started_s);
   return prometheus::TextSerializer().Serialize(all);

@@ -42,8 +42,10 @@ class Metrics {
   /// A line was logged at "debug", "info", "warning" or "error".
   void log_line(const std::string& level);
 
-  /// Everything, in Prometheus' text format; `room` is null before clients are served.
-  std::string text(const net::RoomStatistics* room, const SceneStatistics& scene) const;
+  /// Everything, in Prometheus' text format; `room` is null before clients are served. certificate_end_s:
+  /// since 1970, infinite without a certificate.
+  std::string text(const net::RoomStatistics* room, const SceneStatistics& scene,
+                   double certificate_end_s) const;
 
  private:
   struct State;

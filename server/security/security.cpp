@@ -8,6 +8,7 @@
 #include <boost/asio/ssl/context.hpp>
 #include <cerrno>
 #include <cstdio>
+#include <ctime>
 #include <system_error>
 #include <utility>
 
@@ -47,6 +48,12 @@ std::string time_text(const ASN1_TIME* time) {
   char text[32] = "?";
   if (ASN1_TIME_to_tm(time, &parts) == 1) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &parts);
   return text;
+}
+
+double seconds_since_1970(const ASN1_TIME* time) {
+  tm parts{};
+  return ASN1_TIME_to_tm(time, &parts) == 1 ? static_cast<double>(timegm(&parts))
+                                            : std::numeric_limits<double>::infinity();
 }
 
 /// A server's TLS, 1.2 and later, from PEM files. Throws InputError that names key, file and reason.
@@ -128,7 +135,11 @@ Security::Reloaded Security::reload() {
   }
   try {
     std::vector<std::string> warnings;
-    if (has_tls()) material->tls = read_tls_files(files_.tls_certificate, files_.tls_key, warnings);
+    if (has_tls()) {
+      material->tls = read_tls_files(files_.tls_certificate, files_.tls_key, warnings);
+      material->certificate_end_s =
+          seconds_since_1970(X509_get0_notAfter(SSL_CTX_get0_certificate(material->tls->native_handle())));
+    }
     material->warnings = std::move(warnings);
   } catch (const InputError& e) {
     reloaded.certificate_fault = e.what();
@@ -154,6 +165,8 @@ std::optional<Grant> Security::grant(const TokenDigest& digest) const {
 }
 
 std::shared_ptr<boost::asio::ssl::context> Security::tls() const { return current()->tls; }
+
+double Security::certificate_end_s() const { return current()->certificate_end_s; }
 
 std::vector<std::string> Security::warnings() const { return current()->warnings; }
 

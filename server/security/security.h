@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -47,6 +48,8 @@ class Security {
 
   /// For new connections; null without TLS. Existing ones keep theirs.
   std::shared_ptr<boost::asio::ssl::context> tls() const;
+  /// When the certificate in use ends, seconds since 1970; infinite without one.
+  double certificate_end_s() const;
   /// About the certificate in use: that it has expired, say.
   std::vector<std::string> warnings() const;
 
@@ -55,6 +58,7 @@ class Security {
   struct Material {
     std::optional<TokenFile> tokens;
     std::shared_ptr<boost::asio::ssl::context> tls;
+    double certificate_end_s = std::numeric_limits<double>::infinity();
     std::vector<std::string> warnings;
   };
   std::shared_ptr<const Material> current() const;

@@ -69,8 +69,7 @@ class BeamOver : public testing::TestWithParam<Mountains> {
   void SetUp() override {
     const Mountains& m = GetParam();
     const std::string dem = test::shared_file(m.dem);
-    if (dem.empty())
-      GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << m.dem;
+    if (dem.empty()) GTEST_SKIP() << test::no_shared_file(m.dem);
     scene_ = scene_of(m, dem);
     PoseSettings at;
     at.longitude_deg = m.longitude_deg;

@@ -137,9 +137,9 @@ double rms_between_nodes_m(const World& world, const std::string& dem, const Pos
 constexpr double kTolerance_m = 5e-3;
 
 TEST(GridGeoreference, AgreesWithGdallocationinfoOnANasademTileOfPoints) {
-  const std::string dem = test::shared_file("la_nasadem_30m/NASADEM_HGT_n34w119.tif");
-  if (dem.empty())
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/la_nasadem_30m";
+  const std::string name = "la_nasadem_30m/NASADEM_HGT_n34w119.tif";
+  const std::string dem = test::shared_file(name);
+  if (dem.empty()) GTEST_SKIP() << test::no_shared_file(name);
   WorldSpec spec = test::scene(-118.45, 34.05, 46250, {dem});
   spec.radius_factor = 4.0 / 3;
   // Cells fine enough for posts to be taken as they are. The file says that its pixels are points: posts
@@ -149,9 +149,9 @@ TEST(GridGeoreference, AgreesWithGdallocationinfoOnANasademTileOfPoints) {
 }
 
 TEST(GridGeoreference, AgreesWithGdallocationinfoOnAThirdArcSecondTileOfAreas) {
-  const std::string dem = test::shared_file("nm_ned13_10m/USGS_NED_13_n37w108_Clipped.tif");
-  if (dem.empty())
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/nm_ned13_10m";
+  const std::string name = "nm_ned13_10m/USGS_NED_13_n37w108_Clipped.tif";
+  const std::string dem = test::shared_file(name);
+  if (dem.empty()) GTEST_SKIP() << test::no_shared_file(name);
   WorldSpec spec = test::scene(-107.585, 36.4, 12000, {dem});
   spec.radius_factor = 4.0 / 3;
   spec.terrain.cell_m = 10;

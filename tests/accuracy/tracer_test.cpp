@@ -177,12 +177,12 @@ TEST(IndependentTracer, FindsTheSameTriangleAndRangeOnHillsWithPrisms) {
 /// A scene in the Los Angeles tile: its cells, the corners of what is loaded, the antenna, the swath.
 void compare_los_angeles(const std::string& cell_and_area, const std::string& antenna,
                          const std::string& radar_text) {
-  const std::filesystem::path dem = test::shared_data() / "la_nasadem_30m" / "NASADEM_HGT_n34w119.tif";
-  if (!std::filesystem::exists(dem))
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/la_nasadem_30m";
+  const std::string name = "la_nasadem_30m/NASADEM_HGT_n34w119.tif";
+  const std::string dem = test::shared_file(name);
+  if (dem.empty()) GTEST_SKIP() << test::no_shared_file(name);
   const test::Folder folder;
   compare_all(folder,
-              "[terrain]\ndem = [\"" + dem.string() + "\"]\n" + cell_and_area + "[antenna]\n" + antenna +
+              "[terrain]\ndem = [\"" + dem + "\"]\n" + cell_and_area + "[antenna]\n" + antenna +
                   "bearing_deg = 15.0\n" + radar_text,
               false);
 }

@@ -201,7 +201,7 @@ void compare(const std::vector<std::uint8_t>& gdal, const std::vector<std::uint8
 
 void compare_dem(const char* name, const Survey& s) {
   const std::string dem = test::shared_file(name);
-  if (dem.empty()) GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << name;
+  if (dem.empty()) GTEST_SKIP() << test::no_shared_file(name);
   const test::Folder folder;
   const double half = (s.reach + 0.5) * s.cell_m;
   std::ostringstream warp;

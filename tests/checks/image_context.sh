@@ -26,6 +26,7 @@ while read -r file; do
 done < <(awk '$1 == "COPY" && $2 !~ /^--/ && $2 != "." {print $2}' deploy/Dockerfile)
 let_through CMakePresets.json
 let_through deploy/runtime-packages.sh
+let_through deploy/sbom.py
 
 programs=${1-build/release/bin}
 if [ ! -x "$programs/obliqd" ] || ! command -v dpkg-query >/dev/null; then

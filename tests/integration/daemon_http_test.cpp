@@ -71,6 +71,8 @@ TEST_F(DaemonHttpTest, TheMetricsCountTheFramesThatAClientGot) {
             value_of(text, "obliq_hits_total{radar=\"main\"}"));
   EXPECT_GT(value_of(text, "obliq_sent_bytes_total"), 5 * 36 * 32 * 8) << "five frames of I&Q at least";
   EXPECT_GT(value_of(text, "process_resident_memory_bytes"), 1e6);
+  EXPECT_GT(value_of(text, "obliq_memory_limit_bytes"), value_of(text, "process_resident_memory_bytes"));
+  EXPECT_NE(text.find("\nobliq_tls_certificate_end_time_seconds +Inf\n"), std::string::npos) << text;
   EXPECT_EQ(value_of(text, "obliq_scene_swaps_total"), 0);
   EXPECT_GT(value_of(text, "obliq_scene_load_seconds"), 0);
   EXPECT_GE(value_of(text, "obliq_log_lines_total{level=\"info\"}"), 3);

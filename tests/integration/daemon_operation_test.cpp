@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <ctime>
 #include <deque>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -224,6 +225,15 @@ TEST_F(DaemonOperation, WithACertificateHttpIsHttpsAndHealthAsksSo) {
   const Outcome alive = health(question);
   EXPECT_EQ(alive.code, 0) << alive.err;
   EXPECT_EQ(alive.out.rfind("healthy: https://", 0), 0u) << alive.out;
+  const Outcome metrics =
+      run_program("/usr/bin/curl", {"--silent", "--insecure", "https://" + http_address(daemon) + "/metrics"},
+                  folder.path());
+  const std::string name = "\nobliq_tls_certificate_end_time_seconds ";
+  const std::size_t at = metrics.out.find(name);
+  ASSERT_NE(at, std::string::npos) << metrics.out << metrics.err;
+  EXPECT_NEAR(std::stod(metrics.out.substr(at + name.size())) - static_cast<double>(std::time(nullptr)),
+              2 * 86400, 3600)
+      << "two days from when it was made";
   HttpPeer plain(port_of(http_address(daemon)));
   plain.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
   const HttpReply reply = plain.receive();

@@ -111,6 +111,10 @@ TEST_F(DaemonTest, GetLeavesTheLiveRadarAloneAndPoseMovesIt) {
   EXPECT_NE(pose.out.find("1600.00 m above datum, bearing 77.000"), std::string::npos) << pose.out;
   const Outcome status = obliq({"status", "--server", server});
   EXPECT_EQ(status.code, 0);
+  std::string version = obliq({"--version"}).out.substr(std::string("obliq ").size());
+  version.pop_back();
+  EXPECT_NE(status.out.find(" " + version + ", scene "), std::string::npos)
+      << version << "\nin: " << status.out;
   EXPECT_NE(status.out.find("nose: settings 1, controlled by nobody"), std::string::npos) << status.out;
   for (const char* line : {"  pose: ", "1600.00 m above datum, bearing 77.000",
                            "  ranges: 2000 to 9000 m, sector 60", "36 x 32 bins", "  sampling: "})

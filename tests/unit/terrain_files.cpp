@@ -111,11 +111,42 @@ std::string error_of(const WorldSpec& spec) {
   return "no error";
 }
 
+namespace {
+
+/// The same heights, as deploy/fetch-demo-terrain.sh keeps them, with its argument.
+struct Fetched {
+  const char* name;
+  const char* tile;
+  const char* command;
+};
+constexpr Fetched kFetched[] = {
+    {"nm_ned13_10m/USGS_NED_13_n37w108_Clipped.tif", "new_mexico_ned13.tif", "deploy/fetch-demo-terrain.sh"},
+    {"la_nasadem_30m/NASADEM_HGT_n34w119.tif", "san_gabriel_nasadem.tif",
+     "deploy/fetch-demo-terrain.sh mountains"}};
+
+std::filesystem::path fetched_folder() {
+  if (const char* given = std::getenv("OBLIQ_CACHE")) return given;
+  if (const char* given = std::getenv("XDG_CACHE_HOME")) return std::filesystem::path(given) / "obliq";
+  const char* home = std::getenv("HOME");
+  return std::filesystem::path(home ? home : "/var/tmp") / ".cache" / "obliq";
+}
+
+}  // namespace
+
 std::string shared_file(const std::string& name) {
   const char* given = std::getenv("OBLIQ_SHARED");
   const std::filesystem::path root = given ? given : OBLIQ_SOURCE_DIR "/../shared";
-  const std::filesystem::path path = root / "data" / name;
+  std::filesystem::path path = root / "data" / name;
+  for (const Fetched& fetched : kFetched)
+    if (name == fetched.name && !std::filesystem::exists(path)) path = fetched_folder() / fetched.tile;
   return std::filesystem::exists(path) ? path.string() : std::string();
+}
+
+std::string no_shared_file(const std::string& name) {
+  for (const Fetched& fetched : kFetched)
+    if (name == fetched.name)
+      return std::string("no ") + fetched.tile + ": " + fetched.command + " fetches it";
+  return "no shared data: set OBLIQ_SHARED to the folder that holds data/" + name.substr(0, name.find('/'));
 }
 
 double ground_at(const World& world, double longitude_deg, double latitude_deg, double height_m) {

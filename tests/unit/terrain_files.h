@@ -53,8 +53,12 @@ WorldSpec scene(double longitude_deg, double latitude_deg, double reach_m, std::
 /// What load_world says of a scene it refuses; "no error" when it loads.
 std::string error_of(const WorldSpec& spec);
 
-/// Real data beside the project; empty when there is none.
+/// Real data beside the project, or what deploy/fetch-demo-terrain.sh has fetched of it; empty when there is
+/// none.
 std::string shared_file(const std::string& name);
+
+/// Why a test without that file is skipped, and what would give it.
+std::string no_shared_file(const std::string& name);
 
 /// Grid height at a longitude and latitude on flat earths: position taken at the given height.
 double ground_at(const World& world, double longitude_deg, double latitude_deg, double height_m);

@@ -143,7 +143,7 @@ TEST(Seams, TheTwoQuadsOfSanFranciscoHaveNoCrackBetweenThem) {
   const std::string south = test::shared_file("sf_city/sanfranciscos.dem");
   const std::string north = test::shared_file("sf_city/San_Fran_North.dem");
   if (south.empty() || north.empty()) {
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/sf_city";
+    GTEST_SKIP() << test::no_shared_file("sf_city/sanfranciscos.dem");
   }
   // The seam is the parallel 37.75 N of NAD27. One post of it is in neither file: its nodes are a void like
   // any other and filled.
@@ -173,8 +173,7 @@ class RealDem : public testing::TestWithParam<RealFile> {};
 TEST_P(RealDem, LoadsWholeWithHeightsInItsRange) {
   const RealFile& real = GetParam();
   const std::string dem = test::shared_file(real.name);
-  if (dem.empty())
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << real.name;
+  if (dem.empty()) GTEST_SKIP() << test::no_shared_file(real.name);
   WorldSpec spec = test::scene(0, 0, 1, {dem});
   if (*real.crs) spec.terrain.crs = real.crs;
   if (real.override_unit) spec.terrain.unit = real.unit;
@@ -239,7 +238,7 @@ TEST_P(RealCity, EveryPrismIsAClosedSolidOfItsFootprintAndHeight) {
   const std::string dem = test::shared_file(city.dem);
   const std::string outlines = test::shared_file(city.outlines);
   if (dem.empty() || outlines.empty()) {
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << city.outlines;
+    GTEST_SKIP() << test::no_shared_file(city.outlines);
   }
   WorldSpec spec = test::scene(city.longitude_deg, city.latitude_deg, city.reach_m, {dem});
   spec.radius_factor = 4.0 / 3;

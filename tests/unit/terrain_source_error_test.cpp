@@ -163,9 +163,9 @@ std::vector<double> run_gdallocationinfo(const std::string& dem, const std::stri
 }
 
 TEST(SourceError, OfRealGroundIsWhatGdallocationinfoSays) {
-  const std::string dem = test::shared_file("la_nasadem_30m/NASADEM_HGT_n34w119.tif");
-  if (dem.empty())
-    GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/la_nasadem_30m";
+  const std::string name = "la_nasadem_30m/NASADEM_HGT_n34w119.tif";
+  const std::string dem = test::shared_file(name);
+  if (dem.empty()) GTEST_SKIP() << test::no_shared_file(name);
   if (std::system("gdallocationinfo --version >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "no gdallocationinfo here";
   WorldSpec spec = scene(-118.3, 34.3, 15000, {dem});

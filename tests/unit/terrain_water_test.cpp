@@ -198,8 +198,7 @@ TEST(Water, RealCoastsHaveTheirSeaAndAFlatCityHasNone) {
                           {"houston_tx_3dep_10m/dem_tx_10m.tif", 0, 0}};
   for (const Place& place : places) {
     const std::string dem = test::shared_file(place.file);
-    if (dem.empty())
-      GTEST_SKIP() << "no shared data: set OBLIQ_SHARED to the folder that holds data/" << place.file;
+    if (dem.empty()) GTEST_SKIP() << test::no_shared_file(place.file);
     WorldSpec spec = looking_for_water({dem});
     spec.terrain.cell_m = 60;
     spec.origin = dem_centre(spec.terrain);

@@ -6,6 +6,7 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/scene_arguments.h"
+#include "server/apps/version/version.h"
 #include "server/frontier/frontier_run.h"
 #include "server/loading/scene_loading.h"
 
@@ -98,6 +99,7 @@ void add_frontier(CLI::App& app) {
   command->callback([arguments, command] {
     const auto config = open_scene(arguments->scene);
     if (!config) return;
+    arguments->options.version = program_version();
     arguments->options.out = arguments->out.empty() ? "frontier_" + config->name : arguments->out;
     if (arguments->against == "reference") arguments->options.against = Against::reference;
     for (const FrustumKind kind : kKinds)

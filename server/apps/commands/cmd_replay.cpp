@@ -21,6 +21,7 @@
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/replay/recorded_time.h"
 #include "server/apps/replay/replay_renderer.h"
+#include "server/apps/version/version.h"
 #include "server/control/parameter_reference.h"
 #include "server/control/settings_message.h"
 #include "server/http/answering.h"
@@ -199,7 +200,7 @@ void serve(const ReplayArguments& arguments, client::RecordingStart start, doubl
   options.address = arguments.address;
   options.port = arguments.port;
   options.server_name = "obliq replay";
-  options.server_version = OBLIQ_VERSION;
+  options.server_version = program_version();
   options.scene_name = start.descriptor->scene_name();
   options.max_memory_mb = memory_limit_mb(arguments.max_memory_mb);
   const RadarConfig radar = radar_of(start, arguments.file);

@@ -7,6 +7,7 @@
 
 #include "server/apps/commands/commands.h"
 #include "server/apps/scene_arguments.h"
+#include "server/apps/version/version.h"
 #include "terrain/base/errors.h"
 
 namespace {
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Radar ground maps of real terrain: azimuth x range bins of complex I&Q, and pictures of them.",
       "obliq"};
-  app.set_version_flag("--version", "obliq " OBLIQ_VERSION);
+  app.set_version_flag("--version", std::string("obliq ") + obliq::program_version());
   app.require_subcommand(0, 1);  // none is refused below, by a better sentence
   app.footer("`obliq COMMAND --help` explains a command.");
   try {

@@ -194,7 +194,7 @@ void Daemon::open_http() {
       scene = {state.swaps, state.failures, state.building, state.last_build_s,
                scene_memory(*renderer_->scene())};
     }
-    return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene));
+    return http::metrics_page(metrics_.text(room ? &*room : nullptr, scene, security_->certificate_end_s()));
   };
   std::vector<http::Route> routes = http::page_routes(parameters_json());
   routes.push_back({"/healthz", true, http::health_page});

@@ -13,6 +13,7 @@
 
 #include "server/apps/daemon/daemon.h"
 #include "server/apps/scene_arguments.h"
+#include "server/apps/version/version.h"
 #include "server/log/service_log.h"
 #include "terrain/base/errors.h"
 
@@ -43,7 +44,7 @@ int main(int argc, char** argv) {
       "refused until the terrain is loaded (`obliq get --wait SECONDS` retries). SIGTERM and SIGINT shut it "
       "down cleanly, a second one at once; SIGHUP reads the scene file again.",
       "obliqd"};
-  app.set_version_flag("--version", "obliqd " OBLIQ_VERSION);
+  app.set_version_flag("--version", std::string("obliqd ") + obliq::program_version());
   obliq::SceneArguments arguments;
   obliq::add_scene_arguments(app, "SCENE,--config", arguments);
   const auto setting = [&](const char* key) {

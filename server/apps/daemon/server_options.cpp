@@ -1,5 +1,6 @@
 #include "server/apps/daemon/server_options.h"
 
+#include "server/apps/version/version.h"
 #include "server/scene/embree_tracer.h"
 #include "server/security/networks.h"
 #include "server/security/security.h"
@@ -13,7 +14,7 @@ net::ServerOptions server_options(const SceneConfig& config) {
   static_cast<StreamConfig&>(options) = config.stream;
   options.address = config.server.address;
   options.port = static_cast<std::uint16_t>(config.server.port);
-  options.server_version = OBLIQ_VERSION;
+  options.server_version = program_version();
   options.scene_name = config.name;
   options.dead_after_s = config.server.dead_after_s;
   options.render_threads = config.threads;
@@ -46,7 +47,7 @@ std::shared_ptr<net::Security> server_security(const ServerConfig& server) {
 
 http::BuildInfo build_info() {
   http::BuildInfo build;
-  build.version = OBLIQ_VERSION;
+  build.version = program_version();
 #if defined(__clang__)
   build.compiler = "clang " __clang_version__;
 #else
