@@ -15,7 +15,7 @@ from . import obliq_pb2 as wire
 from ._assembly import Wedge
 from ._batch import Done, Job, batch, prepare, todo
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
-from ._shards import Dataset
+from ._dataset import Dataset
 from .client import Control, Radar, Replay, Server, Stream, connect
 from .errors import (
     BadStream,

@@ -189,7 +189,8 @@ def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, ch
 
 
 def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encoding: str, compress: str | None,
-                   window: Window | None, radar: str, draw: dict[str, int] | None = None) -> tuple[wire.RenderOnce, tuple[str, ...]]:
+                   window: Window | None, radar: str,
+                   draw: dict[str, int] | None = None) -> tuple[wire.RenderOnce, tuple[str, ...]]:
     """RenderOnce and the planes that it asks for. draw: settings that win."""
     antenna = Pose.of(pose, "pose")
     request = wire.RenderOnce(radar=radar)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import struct
 import time
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from google.protobuf.message import Message as ProtobufMessage

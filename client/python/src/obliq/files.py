@@ -39,7 +39,9 @@ def whole(path: str | os.PathLike[str]) -> Iterator[pathlib.Path]:
 
 def save(frame: Frame, path: str | os.PathLike[str]) -> None:
     """By the path's suffix."""
-    writers: dict[str, Callable[[Frame, pathlib.Path], None]] = {".npz": save_npz, ".nc": save_nc, ".tif": save_tif, ".tiff": save_tif, ".png": save_png}
+    writers: dict[str, Callable[[Frame, pathlib.Path], None]] = {
+        ".npz": save_npz, ".nc": save_nc, ".tif": save_tif, ".tiff": save_tif,
+        ".png": save_png}
     suffix = pathlib.Path(path).suffix.lower()
     if suffix not in writers:
         raise ValueError(f"{path}: found suffix {suffix!r}; allowed: {', '.join(writers)}")

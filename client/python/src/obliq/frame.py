@@ -58,7 +58,8 @@ class Frame:
 
     descriptor: the message, wire.FrameDescriptor. summary: the message, wire.FrameSummary, when the frame is complete.
     frames_skipped: that the server left out before this one. utc: of its FrameBegin. scan: the message ScanPass, of an antenna
-    that scans. missed: rows that a scanning antenna did not render. id: in a data set; meta: what its pose's line had under it.
+    that scans. missed: rows that a scanning antenna did not render. id, split, scene, meta: of its line
+    in a data set.
     """
 
     iq: npt.NDArray[np.complex64] | None = None
@@ -67,6 +68,8 @@ class Frame:
     state: npt.NDArray[np.uint8] | None = None
     video: npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | None = None
     id: str | int | None = None
+    split: str = ""
+    scene: str = ""
 
     def __init__(self, begin: wire.FrameBegin, utc_ns: int):
         self.descriptor: wire.FrameDescriptor = begin.frame

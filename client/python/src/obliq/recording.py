@@ -4,6 +4,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import pathlib
+import warnings
 from collections.abc import Iterator
 from typing import BinaryIO
 
@@ -127,7 +128,10 @@ class Recording:
                 if number == 0:
                     raise BadStream(f"{self.path}: not a recording of obliq: {item.text}", item.offset)
             elif item.header.type == 48:
-                return str(item.parsed().frame.radar)
+                first = item.parsed().frame
+                if not first.scene_hash:
+                    warnings.warn(f"{self.path}: recorded without a scene hash: nothing tells which world it shows", stacklevel=4)
+                return str(first.radar)
         raise BadStream(f"{self.path}: no frame begins in it")
 
     def _names_of(self, offset: int) -> tuple[str, ...]:
@@ -217,7 +221,8 @@ class _Hand:
         try:
             return assembler.end(parsed)
         except FrameAborted as given_up:
-            self._recording.losses.append(Loss("aborted", message.offset, f"the frame that ends there was given up: {given_up.reason}"))
+            self._recording.losses.append(Loss("aborted", message.offset,
+                                               f"the frame that ends there was given up: {given_up.reason}"))
             return None
 
 

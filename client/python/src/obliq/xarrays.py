@@ -2,11 +2,9 @@
 from __future__ import annotations
 
 import types
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from .errors import BadStream
 from .planes import STATES
