@@ -187,10 +187,9 @@ def bare(server, wanted, settings):
     """What a user would write: four requests in flight, results dropped."""
     session, connection = server._connection.session, server._connection
     waiting = []
-    from obliq._requests import render_request
 
     for pose in wanted:
-        waiting.append(connection.start(session.begin_render, *render_request(settings, pose, "iq state", "cf32", None, None, "x")))
+        waiting.append(server._begin((settings, pose, "iq state", "cf32", None, None, "x", None)))
         if len(waiting) == 4:
             connection.run(session.finish_render(waiting.pop(0), 60))
     while waiting:

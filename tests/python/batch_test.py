@@ -13,7 +13,7 @@ import unittest
 import support
 from support import OBLIQD, Folder, obliq
 import numpy as np
-from obliq import _batch, _shards
+from obliq import _batch, _shards, _world
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src")}
 POSES = [{"id": f"p{k:03d}", "latitude_deg": 33.0, "longitude_deg": -99.5, "height_m": 1200.0 + 10 * k, "bearing_deg": 7.0 * k}
@@ -132,7 +132,7 @@ class Batch(Folder):
 
     def test_daemons_of_its_own_make_the_same_set(self):
         config = support.scene(self.folder)
-        process = self.command("own", "--local", str(config), "--obliqd", OBLIQD)
+        process = self.command("own", "--local", str(config), "--obliqd", OBLIQD, "--area", "scene")
         said = process.communicate()[1]
         self.assertEqual(process.returncode, 0, said)
         self.assert_whole("own")
@@ -208,7 +208,7 @@ class Batch(Folder):
 
         done = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(job), capture_output=True, env=ENVIRONMENT)
         self.assertIn(b"refused", done.stdout, done.stderr)
-        self.assertEqual([path.name for path in (self.folder / "full").iterdir()], [_shards.MANIFEST])
+        self.assertEqual([path.name for path in (self.folder / "full").iterdir()], [_world.MANIFEST])
 
 
 class BadPoses(Folder):

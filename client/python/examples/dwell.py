@@ -44,7 +44,8 @@ async def main(address, radar=None, count="300", plane="iq"):
             due += 1 / 60
         results = await asyncio.gather(*tasks)
     times = sorted(took for _, took in results)
-    print(f"from request to last values: median {statistics.median(times):.1f} ms, 99 % {times[int(0.99 * (len(times) - 1))]:.1f} ms")
+    late = times[int(0.99 * (len(times) - 1))]
+    print(f"from request to last values: median {statistics.median(times):.1f} ms, 99 % {late:.1f} ms")
     within = [100 * sum(took <= limit for took in times) / len(times) for limit in (33, 50)]
     print(f"{len(times)} dwells, {within[0]:.2f} % within 33 ms, {within[1]:.2f} % within 50 ms")
     print(f"sum {weighted(values for values, _ in results):016x}")

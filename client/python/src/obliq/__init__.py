@@ -10,19 +10,49 @@ frame. obliq.batch, obliq.Dataset: data sets.
 """
 __version__ = "0.1.0"
 
-from . import aio, errors, obliq_pb2 as wire
+from . import aio, errors, ground
+from . import obliq_pb2 as wire
+from ._assembly import Wedge
 from ._batch import Done, Job, batch, prepare, todo
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
-from ._shards import Dataset
-from .client import Control, Radar, Server, Stream, connect
-from .errors import (BadStream, CannotConnect, ConnectionLost, Fault, FrameAborted, InvalidValue, NotInControl, ObliqError,
-                     OverLimit, Refused, RenderFailed, ReplayOnly, ServerFull, ServerStopping, TimedOut, Unauthorized,
-                     UnknownRadar, Untrusted)
+from ._dataset import Dataset
+from .client import Control, Radar, Replay, Server, Stream, connect
+from .errors import (
+    BadStream,
+    CannotConnect,
+    ConnectionLost,
+    Fault,
+    FrameAborted,
+    InvalidValue,
+    NotInControl,
+    ObliqError,
+    OverLimit,
+    Refused,
+    RenderFailed,
+    ReplayOnly,
+    ServerFull,
+    ServerStopping,
+    TimedOut,
+    Unauthorized,
+    UnknownRadar,
+    Untrusted,
+)
 from .files import load
 from .frame import Dwell, Frame
 from .ground import GroundPoints
-from .local import Daemon as local_daemon, local
+from .local import Daemon as local_daemon
+from .local import local
 from .parameters import Pose, Settings
 from .planes import STATES, Window
-from .recording import Loss, Recording, open_recording as open
+from .recording import Loss, Recording
+from .recording import open_recording as open
 from .replay import ReplayState
+
+__all__ = [
+    "STATES", "Accepted", "BadStream", "CannotConnect", "ConnectionLost", "Control", "Dataset", "Done", "Dwell", "Fault",
+    "Frame", "FrameAborted", "GroundPoints", "InvalidValue", "Job", "Loss", "NotInControl", "ObliqError", "OverLimit", "Pose",
+    "Radar", "RadarInfo", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly", "ReplayState", "Server", "ServerFull",
+    "ServerInfo", "ServerStopping", "Settings", "Stream", "TimedOut", "Tls", "Unauthorized", "UnknownRadar", "Untrusted",
+    "Wedge", "Window", "aio", "batch", "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare",
+    "todo", "wire",
+]

@@ -4,30 +4,39 @@ from __future__ import annotations
 import asyncio
 import ssl
 import time
+from collections.abc import Callable
+from typing import TypeVar, cast
 
 from ._connection import untrusted
-from ._session import Session
+from ._requests import Door
+from ._session import Command, Session, Wait
 from ._wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
 
+T = TypeVar("T")
 
-class Protocol(asyncio.BufferedProtocol):
+
+class Connection(asyncio.BufferedProtocol):
     """Drives a session by what the event loop reads."""
 
-    def __init__(self):
+    def __init__(self, address: str) -> None:
+        self.address = address
         self.session = Session()
         self._splitter = Splitter()
-        self._waiters = []
-        self._transport = None
+        self._waiters: list[tuple[Wait, asyncio.Future[None]]] = []
+        self._transport: asyncio.Transport | None = None
         self._paused = False
 
-    def connection_made(self, transport):
-        self._transport = transport
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """asyncio's: it begins."""
+        self._transport = cast(asyncio.Transport, transport)
 
-    def get_buffer(self, sizehint):
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """asyncio's: where to read to."""
         return self._splitter.space()
 
-    def buffer_updated(self, nbytes):
+    def buffer_updated(self, nbytes: int) -> None:
+        """asyncio's: it has read."""
         self._splitter.filled(nbytes)
         try:
             while (message := self._splitter.next()) is not None:
@@ -38,14 +47,16 @@ class Protocol(asyncio.BufferedProtocol):
             self.session.end(ObliqError(f"{type(error).__name__}: {error}"))
         self.stir()
 
-    def connection_lost(self, error):
-        self.session.end(ConnectionLost(f"the connection was lost: {error}" if error else
+    def connection_lost(self, exc: Exception | None) -> None:
+        """asyncio's: it has ended."""
+        self.session.end(ConnectionLost(f"the connection was lost: {exc}" if exc else
                                         "the server has closed the connection"))
         self.stir()
 
-    def stir(self):
+    def stir(self) -> None:
         """Sends what is to be sent, wakes those whose wait is over, reads no faster than frames are taken."""
         session = self.session
+        assert self._transport is not None, "before connection_made()"
         if session.lost is not None:
             session.outgoing.clear()
             self._transport.close()
@@ -60,22 +71,31 @@ class Protocol(asyncio.BufferedProtocol):
             self._paused = enough
             (self._transport.pause_reading if enough else self._transport.resume_reading)()
 
-    async def run(self, command):
+    def start(self, start: Callable[[], T]) -> T:
+        """What a function of the session returns that waits for nothing; its requests are sent."""
+        if self.session.lost is not None:
+            raise self.session.lost
+        result = start()
+        self.stir()
+        return result
+
+    async def run(self, command: Command[T]) -> T:
         """What a command of the session returns."""
-        error = None
+        error: ObliqError | None = None
         while True:
             try:
                 wait = next(command) if error is None else command.throw(error)
             except StopIteration as end:
                 self.stir()
-                return end.value
+                value: T = end.value
+                return value
             error = None
             try:
                 await self._await(wait)
             except ObliqError as failure:
                 error = failure
 
-    async def _await(self, wait):
+    async def _await(self, wait: Wait) -> None:
         self.stir()
         deadline = None if wait.timeout_s is None else time.monotonic() + wait.timeout_s
         while not wait.test():
@@ -84,7 +104,7 @@ class Protocol(asyncio.BufferedProtocol):
             left = 3600.0 if deadline is None else deadline - time.monotonic()
             if left <= 0:
                 raise TimedOut(f"{wait.what} did not come within {wait.timeout_s:g} s")
-            future = asyncio.get_running_loop().create_future()
+            future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             entry = (wait, future)
             self._waiters.append(entry)
             try:
@@ -98,14 +118,16 @@ class Protocol(asyncio.BufferedProtocol):
             finally:
                 self._waiters.remove(entry)
 
-    def close(self, why):
+    def close(self, why: str = "the connection was closed by close()") -> None:
+        """The next use raises ConnectionLost."""
         self.session.end(ConnectionLost(why))
         self.stir()
 
 
-async def open_connection(door):
+async def open_connection(door: Door) -> Connection:
+    """Connects, and is let in."""
     address, tls = f"{door.host}:{door.port}", door.tls
-    protocol = Protocol()
+    protocol = Connection(address)
     try:
         await asyncio.wait_for(asyncio.get_running_loop().create_connection(
             lambda: protocol, door.host, door.port, ssl=None if tls is None else tls.context(),

@@ -1,11 +1,17 @@
 """Blocks to arrays: every bin of every plane exactly once. Knows no sockets."""
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
+from . import obliq_pb2 as wire
+from ._wire import Header
 from .errors import BadStream, FrameAborted
 from .frame import Dwell, Frame
-from .planes import NAMES, TYPES, Run, Scaled, plain
+from .parameters import Pose
+from .planes import NAMES, TYPES, Scaled, plain
 
 # Above any radar's limits; what is kept for each azimuth from a frame's beginning is then small.
 MOST_AZIMUTHS = 1 << 14
@@ -24,10 +30,10 @@ FRESH_BYTES = 32 << 20
 class Buffers:
     """Arrays that are used again. A frame that has been handed out gives its arrays back when the next one is."""
 
-    def __init__(self):
-        self._free = {}
+    def __init__(self) -> None:
+        self._free: dict[tuple[Any, ...], list[npt.NDArray[Any]]] = {}
 
-    def take(self, name, shape, kind):
+    def take(self, name: str, shape: tuple[int, int], kind: np.dtype[Any]) -> tuple[npt.NDArray[Any], bool]:
         """An array, and whether all of it is 0."""
         waiting = self._free.get((name, shape, kind))
         if waiting:
@@ -36,7 +42,8 @@ class Buffers:
             return np.zeros(shape, kind), True
         return np.empty(shape, kind), False
 
-    def give(self, frame):
+    def give(self, frame: Frame) -> None:
+        """Its arrays may be written again."""
         for name in NAMES.values():
             values = getattr(frame, name)
             if values is not None:
@@ -49,15 +56,14 @@ class Assembler:
     """One frame from its FrameBegin on. Arrays are made when a plane's first block comes; their pages are touched as
     values come, so memory follows what arrives, not what is claimed."""
 
-    def __init__(self, begin, header, names, buffers=None):
+    def __init__(self, begin: wire.FrameBegin, header: Header, names: tuple[str, ...], buffers: Buffers | None = None):
         descriptor = begin.frame
         settings = descriptor.settings
         if not (1 <= settings.azimuth_bins <= MOST_AZIMUTHS and 1 <= settings.range_bins <= MOST_RANGES):
             raise BadStream(f"a frame of {settings.azimuth_bins} x {settings.range_bins} bins; allowed: 1 to "
                             f"{MOST_AZIMUTHS} x 1 to {MOST_RANGES}")
-        window = descriptor.window
-        self.azimuth = Run.cut(window.first_azimuth, window.n_azimuth, window.azimuth_step, settings.azimuth_bins)
-        self.range = Run.cut(window.first_range, window.n_range, window.range_step, settings.range_bins)
+        self.frame = Frame(begin, header.utc_ns)
+        self.azimuth, self.range = self.frame.azimuth_run, self.frame.range_run
         if not self.azimuth.n or not self.range.n:
             raise BadStream("a frame of a window without bins")
         self.shape = (self.azimuth.n, self.range.n)
@@ -70,15 +76,15 @@ class Assembler:
         self.names = names
         self._take = (buffers or Buffers()).take
         self._filled = {name: [0] * self.azimuth.n for name in names}
-        self._fresh = set()  # planes whose array is 0 where nothing has come
-        self.frame = Frame(self, begin, header.utc_ns)
+        self._fresh: set[str] = set()  # planes whose array is 0 where nothing has come
 
-    def is_mine(self, header, frame_id):
+    def is_mine(self, header: Header, frame_id: int) -> bool:
+        """A message of this frame."""
         return header.stream_id == self.stream_id and frame_id == self.frame_id
 
-    def block(self, header, block, data):
+    def block(self, header: Header, block: wire.WedgeBlock, data: memoryview) -> slice | None:
         """Takes a block; returns the rows that it has completed in all planes, as a slice, or None."""
-        name = NAMES.get(block.plane)
+        name = NAMES.get(block.plane, "")
         values = plain(block, data)
         filled = self._filled.get(name)
         if filled is None:
@@ -107,7 +113,7 @@ class Assembler:
         self.frame._note_dwell(rows, block, header.utc_ns)
         return rows
 
-    def _allocate(self, name, kind):
+    def _allocate(self, name: str, kind: np.dtype[Any]) -> npt.NDArray[Any]:
         try:
             array, fresh = self._take(name, self.shape, kind)
         except MemoryError:
@@ -117,7 +123,7 @@ class Assembler:
         setattr(self.frame, name, array)
         return array
 
-    def end(self, end):
+    def end(self, end: wire.FrameEnd) -> Frame:
         """The complete frame; what a scanning antenna missed is 0, "not sampled". FrameAborted where that is nearly all of a
         large one, which would take memory that nothing that came accounts for."""
         missed = []
@@ -150,31 +156,43 @@ class Assembler:
 
 
 class Wedge:
-    """Neighbouring azimuths of a frame that have arrived in all planes. Its arrays are parts of the frame's."""
+    """Neighbouring azimuths of a frame that have arrived in all planes. Its arrays are parts of the frame's.
 
-    def __init__(self, frame, rows, block, header, received_ns, offset_ns):
-        self.frame = frame  # the arrays of the whole, not yet complete
-        self.azimuth = rows  # rows of the frame's arrays
+    frame: the whole, not yet complete. azimuth: rows of the frame's arrays. latency_s: from the beam, or the start of
+    rendering. pose_age_s: from the pose's arrival at the server.
+    """
+
+    iq: npt.NDArray[np.complex64] | None
+    power: npt.NDArray[np.float64] | None
+    count: npt.NDArray[np.uint32] | None
+    state: npt.NDArray[np.uint8] | None
+    video: npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | None
+
+    def __init__(self, frame: Frame, rows: slice, block: wire.WedgeBlock, header: Header, received_ns: int, offset_ns: int):
+        self.frame = frame
+        self.azimuth = rows
         for name in NAMES.values():
             array = getattr(frame, name)
             setattr(self, name, None if array is None else array[rows])
-        self.pose = Dwell.pose_of(block)
-        self.settings_version = block.settings_version
-        self.pose_stale = block.pose_stale
+        self.pose: Pose = Dwell.pose_of(block)
+        self.settings_version: int = block.settings_version
+        self.pose_stale: bool = block.pose_stale
         self.utc = np.datetime64(header.utc_ns, "ns")
         here_ns = received_ns - offset_ns  # arrival by the server's clock
 
-        def since(reading_ns):
+        def since(reading_ns: int) -> float:
             return (here_ns - header.utc_ns + block.send_ns - reading_ns) * 1e-9
 
-        self.latency_s = since(block.beam_ns or block.render_start_ns)  # from the beam, or the start of rendering
-        self.pose_age_s = since(block.pose_received_ns)  # from the pose's arrival at the server
-        self.pose_id = block.pose.pose_id
+        self.latency_s = since(block.beam_ns or block.render_start_ns)
+        self.pose_age_s = since(block.pose_received_ns)
+        self.pose_id: int = block.pose.pose_id
 
     @property
-    def azimuth_deg(self):
+    def azimuth_deg(self) -> npt.NDArray[np.float64]:
+        """Centres of its azimuth bins."""
         return self.frame.azimuth_deg[self.azimuth]
 
     @property
-    def range_m(self):
+    def range_m(self) -> npt.NDArray[np.float64]:
+        """Centres of the range bins."""
         return self.frame.range_m

@@ -9,193 +9,158 @@ import collections
 import concurrent.futures
 import contextlib
 import dataclasses
-import json
+import itertools
 import os
 import pathlib
 import sys
 import tempfile
-import threading
 import time
-import uuid
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Literal, Union
 
-from . import _seeds
-from ._poses import read_poses
+import numpy as np
+
+from . import _judge, _seeds
+from ._area import area_of, printed_config, with_area
+from ._daemons import own_daemon, stop_own_daemons
+from ._files import SUMS, as_lines, file_sum, read_sums, sum_lines, write_whole
+from ._poses import Line, Poses, name_of, read_poses
 from ._requests import Tls
-from ._shards import FORMAT, MANIFEST, Dataset, PartWriter, digest, parsed, part_name, sweep, write_whole
-from .client import connect
-from .local import Daemon
-from .parameters import Pose, Settings
-from .planes import plane_names
+from ._shards import PartWriter, failed_of, part_name, parts_of, sweep
+from ._world import MANIFEST, check_manifest, read_manifest, same_world, world_of, world_of_frame, worlds_in
+from .client import Server, connect
+from ._dataset import Dataset
+from .frame import Frame
+from .parameters import Pose, Settings, SettingsFields
+from .planes import Planes, plane_names
+
+Shard = tuple[int, int, int, float]  # number, frames, failed poses, seconds
+Watch = Union[bool, Callable[[int, int], object], None]
 
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """All that a worker on another machine needs; run(number) does one shard."""
+    """All that a worker on another machine needs; run(number) does one shard. radar: whose patterns and name the frames have."""
 
     out: str
-    poses: tuple  # (id, pose as dict, settings as dict, line)
-    planes: tuple
-    settings: dict
-    radar: str  # whose patterns and name the frames have
+    name: str
+    lines: tuple[Line, ...]
+    planes: tuple[str, ...]
+    settings: dict[str, Any]
+    radar: str
     seed: int
     speckle_per_frame: bool
     shard_size: int
+    min_coverage: float
     server: str | None
     token_file: str | None
     ca_file: str | None
     tls: bool
-    local: str | None
+    scenes: dict[str, str]  # the scene files, by their names in the lines; "": of lines that name none
     obliqd: str | None
-    local_settings: dict
+    local_settings: dict[str, Any]
+    areas: dict[str, list[list[float]] | None]  # by scene: what is loaded of it
     timeout: float
 
-    def shards(self):
-        return range(-(-len(self.poses) // self.shard_size))
+    def shards(self) -> range:
+        """Numbers of all shards."""
+        return range(len(self._shards()))
 
-    def run(self, number):
-        """One shard; its frames, failed poses and seconds. Does nothing where the shard is there."""
+    def _shards(self) -> list[list[int]]:
+        """Places of each shard's poses in the data set. A shard is of one scene."""
+        made: list[list[int]] = []
+        for scene in dict.fromkeys(line.scene for line in self.lines):
+            places = [place for place, line in enumerate(self.lines) if line.scene == scene]
+            made += [places[first: first + self.shard_size] for first in range(0, len(places), self.shard_size)]
+        return made
+
+    def run(self, number: int) -> Shard:
+        """One shard; its frames, failed poses and seconds. Does nothing where the shard is there; poses that failed before are
+        taken up again."""
         for done in self.run_some([number]):
             return done
         return number, 0, 0, 0.0
 
-    def run_some(self, numbers):
+    def run_some(self, numbers: Sequence[int]) -> Iterator[Shard]:
         """The same of each shard that is not there, one after the other on one connection: while one is brought to the
         disk, the server renders frames of the next."""
-        numbers = [number for number in numbers if not (pathlib.Path(self.out) / part_name(number)).is_dir()]
-        if not numbers:
-            return
+        shards = self._shards()
+        wanted = [(number, places) for number in numbers if (places := self._left(number, shards[number]))]
+        for scene, some in itertools.groupby(wanted, key=lambda item: self.lines[item[1][0]].scene):
+            with self.connected(scene) as server:
+                check_manifest(self, {scene: world_of(server, self, scene)})
+                yield from self._render(server, list(some))
+
+    def _left(self, number: int, places: list[int]) -> list[int]:
+        """Of a shard's places those that have no frame."""
+        if not parts_of(self.out, number):
+            return places
+        failed = {line["id"] for line in failed_of(self.out, number)}
+        return [place for place in places if self.lines[place].id in failed]
+
+    def _render(self, server: Server, wanted: list[tuple[int, list[int]]]) -> Iterator[Shard]:
         began = time.monotonic()
-        with self.connected() as server:
-            check_manifest(self, world_of(server, self))
-            wanted = read_manifest(self.out)["world"]
-            asked = (self._asked(place) for number in numbers for place in self._places_of(number))
-            results = server.render_many(asked, planes=self.planes, timeout=self.timeout, return_exceptions=True,
-                                         radar=self.radar)
-            for number in numbers:
-                frames = failed = 0
-                with contextlib.closing(PartWriter(self.out, number)) as part:
-                    for place, result in zip(self._places_of(number), results):
-                        its_id, _, _, line = self.poses[place]
-                        if isinstance(result, Exception):
-                            part.fail(its_id, line, result)
-                            failed += 1
-                            continue
-                        same_world(wanted, world_of_frame(result, server), its_id)
-                        part.add(its_id, result)
+        scene = self.lines[wanted[0][1][0]].scene
+        world = worlds_in(read_manifest(self.out))[scene]
+        places = [place for _, some in wanted for place in some]
+        low = self._too_low(server, places)
+        results = server.render_many([self.asked(place) for place in places if place not in low], planes=self.planes,
+                                     timeout=self.timeout, return_exceptions=True, radar=self.radar)
+        for number, some in wanted:
+            frames, again = 0, len(parts_of(self.out, number))
+            with contextlib.closing(PartWriter(self.out, number, len(some), again)) as part:
+                for place in some:
+                    line, result = self.lines[place], low.get(place) or next(results)
+                    if isinstance(result, Frame):
+                        same_world(world, world_of_frame(result, server), f"{self.name}, line {line.number}")
+                        coverage = result.summary.coverage if result.summary is not None else 0.0
+                        if coverage < self.min_coverage:
+                            result = _judge.too_low(coverage, self.min_coverage)
+                    if isinstance(result, Frame):
+                        part.add(line, result)
                         frames += 1
+                    else:
+                        part.fail(line, result)
+                if frames or not again:
                     part.finish()
-                yield number, frames, failed, time.monotonic() - began
-                began = time.monotonic()
+            yield number, frames, len(some) - frames, time.monotonic() - began
+            began = time.monotonic()
 
-    def _places_of(self, number):
-        """Of a shard's poses in the data set."""
-        return range(number * self.shard_size, min((number + 1) * self.shard_size, len(self.poses)))
+    def _too_low(self, server: Server, places: Sequence[int]) -> dict[int, Exception]:
+        """Those whose coverage is far too low, before they are rendered: the frame's own is the last word."""
+        if self.min_coverage <= 0:
+            return {}
+        found = _judge.coverage_of(server, [self.lines[place] for place in places], self.settings)
+        return {place: _judge.too_low(float(coverage), self.min_coverage) for place, coverage in zip(places, found)
+                if coverage < self.min_coverage - 0.1}
 
-    def _asked(self, place):
-        """What is drawn follows from the place alone, so that shares, workers and resumed runs make the same frames; a line
-        may name its own."""
-        _, pose, its, _ = self.poses[place]
-        return Pose.of(pose), Settings.of({**self.settings, **_seeds.draw(self.seed, place, self.speckle_per_frame), **its})
+    def asked(self, place: int) -> tuple[Pose, Settings]:
+        """Pose and settings of a frame. What is drawn follows from the place alone, so that shares, workers and resumed runs
+        make the same frames; a line may name its own."""
+        line = self.lines[place]
+        drawn = _seeds.draw(self.seed, place, self.speckle_per_frame)
+        return Pose.of(line.pose), Settings.of({**self.settings, **drawn, **line.settings})
+
+    def radar_of(self, server: Server) -> str:
+        """Of a server: the radar of that name, or its first."""
+        known = server.info.radars
+        return self.radar if self.radar in known else "main" if "main" in known else known[0]
 
     @contextlib.contextmanager
-    def connected(self):
+    def connected(self, scene: str = "") -> Iterator[Server]:
+        """The server, or the process's own daemon for a scene."""
         if self.server is not None:
             tls = Tls(self.ca_file) if self.tls or self.ca_file else None
             with connect(self.server, token_file=self.token_file, tls=tls, name="batch", timeout=30.0) as server:
                 yield server
             return
-        with connect(own_daemon(self.local, self.obliqd, self.local_settings), name="batch", timeout=30.0) as server:
-            yield server
+        settings = with_area(self.local_settings, self.areas.get(scene))
+        with own_daemon(self.scenes[scene], self.obliqd, settings) as address:
+            with connect(address, name="batch", timeout=30.0) as server:
+                yield server
 
 
-_daemons = {}  # of this process, which end with it
-_one_at_a_time = threading.Lock()
-
-
-def own_daemon(scene, obliqd, settings):
-    """The address of this process's own daemon for a scene: started once, for all its shards."""
-    key = (os.getpid(), scene, obliqd, json.dumps(settings, sort_keys=True))
-    with _one_at_a_time:
-        if key in _daemons and not _daemons[key].is_running():
-            _daemons.pop(key).stop()
-        if key not in _daemons:
-            _daemons[key] = Daemon(scene, obliqd, settings)
-        return _daemons[key].address
-
-
-def stop_own_daemons():
-    for key in [key for key in _daemons if key[0] == os.getpid()]:
-        _daemons.pop(key).stop()
-
-
-# ---- What a data set was made of ----
-
-def world_of_frame(frame, server):
-    """What bits depend on beside pose and settings."""
-    d = frame.descriptor
-    return {"server_version": server.info.version, "scene": d.scene_name, "origin_latitude_deg": d.origin_latitude_deg,
-            "origin_longitude_deg": d.origin_longitude_deg, "radius_factor": repr(d.radius_factor), "cell_m": d.cell_m,
-            "buildings": d.buildings_in_scene,
-            "materials_sha256": digest([material.SerializeToString(deterministic=True).hex() for material in d.materials])}
-
-
-def world_of(server, job):
-    """Of a server: by a frame of one bin with nothing in it that could be refused, from where its radar stands, or else from
-    the first pose that it takes."""
-    tiny = Settings(azimuth_bins=1, range_bins=1, pixel_columns=1, pixel_rows=1, frustum="sweep", scan_mode="frame",
-                    **Settings.ideal)
-    for place in [server.radar(job.radar).pose, *(Pose.of(pose) for _, pose, _, _ in job.poses[:20])]:
-        for result in server.render_many([place], tiny, planes="state", timeout=job.timeout, return_exceptions=True):
-            if not isinstance(result, Exception):
-                return world_of_frame(result, server)
-            error = result
-    raise error
-
-
-def same_world(wanted, found, its_id):
-    for key, value in wanted.items():
-        if found.get(key) != value:
-            raise ValueError(f"{its_id}: {key}: found {found.get(key)!r}; allowed: {value!r}, as in the manifest. The daemon "
-                             "has another origin or another scene than the one that began the data set, and its bits differ: "
-                             "start it again with the same scene file, or choose another folder")
-
-
-def manifest_of(job, world):
-    return {"format": FORMAT, "poses": len(job.poses), "poses_sha256": digest([pose[:3] for pose in job.poses]),
-            "shard_size": job.shard_size, "planes": list(job.planes), "settings": job.settings, "radar": job.radar,
-            "seed": job.seed, "speckle_per_frame": job.speckle_per_frame, "world": world}
-
-
-def read_manifest(out):
-    return parsed((pathlib.Path(out) / MANIFEST).read_text())
-
-
-def check_manifest(job, world):
-    """Writes the manifest, or compares it with the one that is there. ValueError names what differs."""
-    path = pathlib.Path(job.out) / MANIFEST
-    mine = json.loads(json.dumps(manifest_of(job, world)))
-    if not path.exists():
-        if any(pathlib.Path(job.out).glob("part-*")):
-            raise ValueError(f"{job.out}: has parts but no {MANIFEST}: not a data set of obliq's")
-        # Two that begin at once: the second finds the first's, or writes the same.
-        draft = path.with_name(f".{MANIFEST}.draft.{uuid.uuid4().hex}")
-        write_whole(draft, json.dumps(mine, indent=1) + "\n")
-        with contextlib.suppress(FileExistsError):
-            os.link(draft, path)
-        draft.unlink()
-    found = read_manifest(job.out)
-    for key, value in mine.items():
-        theirs = found.get(key)
-        if key == "world":
-            same_world(theirs, value, str(path))
-        elif theirs != value:
-            if isinstance(value, dict) and isinstance(theirs, dict):
-                part = next(name for name in {**value, **theirs} if value.get(name) != theirs.get(name))
-                key, theirs, value = f"{key}.{part}", theirs.get(part), value.get(part)
-            raise ValueError(f"{path}: {key}: found {theirs!r}; this run has {value!r}. Choose another folder for another data set")
-
-
-def make_folder(out):
+def make_folder(out: pathlib.Path) -> None:
     """A folder that can be written; modes say little to root, and nothing about a disk that is read-only."""
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -207,68 +172,164 @@ def make_folder(out):
         raise PermissionError(f"{out}: cannot be written: {error.strerror}") from None
 
 
-# ---- The whole run ----
+def _scenes(lines: Sequence[Line], name: str, given: Poses, server: str | None, local: object) -> dict[str, str]:
+    """The scene files by their names in the lines. A line's is looked for beside the file of poses."""
+    scenes = {} if local is None else {"": str(pathlib.Path(os.fspath(local)).resolve())}  # type: ignore[call-overload]
+    folder = pathlib.Path(os.fspath(given)).parent if isinstance(given, (str, os.PathLike)) else pathlib.Path()
+    for line in lines:
+        where = f"{name}, line {line.number}"
+        if server is not None and line.scene:
+            raise ValueError(f"{where}: scene: found {line.scene!r}; allowed with local= alone: a server has one scene")
+        if server is None and line.scene not in scenes:
+            path = folder / line.scene
+            if not line.scene:
+                raise ValueError(f"{where}: scene: found none; allowed: a scene file, here or by local=")
+            if not path.is_file():
+                raise ValueError(f"{where}: scene: found {line.scene!r}; allowed: a scene file, and {path} is none")
+            scenes[line.scene] = str(path.resolve())
+    used = {line.scene for line in lines}
+    return {scene: path for scene, path in scenes.items() if scene in used}
 
-@dataclasses.dataclass(frozen=True)
-class Done:
-    frames: int  # rendered by this run
-    failed: int
-    parts: int  # that are there now, of all
-    parts_wanted: int
-    seconds: float
-    first_failed: dict | None = None  # its line of failed.jsonl
 
-    @property
-    def complete(self):
-        return self.parts == self.parts_wanted
-
-
-def prepare(poses, out, *, server=None, local=None, planes="iq state", settings=None, shard_size=64, token_file=None, tls=False,
-            ca_file=None, obliqd=None, local_settings=None, radar=None, seed=0, speckle_per_frame=False, timeout=300.0):
-    """The Job of a data set, checked against its folder. For engines that are no executor (Ray): job.run(number) for each
-    number of todo(job). seed: a whole number from which each frame has noise and independent speckle of its own
-    (noise_frame), unless its line names them; speckle_per_frame: a speckle_seed of its own as well, so that the ground's
-    speckle is another in each frame."""
-    if (server is None) == (local is None):
+def _job(poses: Poses, out: pathlib.Path, *, server: str | None = None, local: str | os.PathLike[str] | None = None,
+         planes: Planes = "iq state", settings: Settings | SettingsFields | Mapping[str, Any] | None = None, shard_size: int = 64,
+         token_file: str | None = None, tls: bool = False, ca_file: str | None = None, obliqd: str | None = None,
+         local_settings: Mapping[str, Any] | None = None, radar: str | None = None, seed: int = 0,
+         speckle_per_frame: bool = False, min_coverage: float = 0.0, area: Literal["poses", "scene"] = "poses",
+         timeout: float = 300.0) -> Job:
+    """What is asked for, before any server is."""
+    if server is not None and local is not None:
         raise TypeError("batch() needs one of server='HOST:PORT' and local='scene.toml'")
     if shard_size < 1:
         raise ValueError(f"shard_size: found {shard_size}; allowed: from 1")
+    if not 0 <= min_coverage <= 1:
+        raise ValueError(f"min_coverage: found {min_coverage}; allowed: 0 to 1")
+    if area not in ("poses", "scene"):
+        raise ValueError(f"area: found {area!r}; allowed: 'poses', 'scene'")
+    lines, name = read_poses(poses), name_of(poses)
+    if server is None and local is None and not all(line.scene for line in lines):
+        raise TypeError("batch() needs one of server='HOST:PORT' and local='scene.toml', or a scene in each line")
+    scenes = _scenes(lines, name, poses, server, local)
+    given = Settings.of(settings).as_dict()  # type: ignore[arg-type, unused-ignore]
+    own = dict(local_settings or {})
+    areas: dict[str, list[list[float]] | None] = {}
+    for scene, path in scenes.items():
+        if area == "poses" and pathlib.Path(path).is_file():
+            areas[scene] = area_of([line for line in lines if line.scene == scene], given, printed_config(path, obliqd, own))
+    return Job(str(out.resolve()), name, lines, plane_names(planes), given, radar or "", _seeds.checked(seed),
+               bool(speckle_per_frame), shard_size, float(min_coverage), server, token_file, ca_file, tls, scenes, obliqd, own,
+               areas, timeout)
+
+
+def _with_settings(job: Job, server: Server) -> Job:
+    """Whole settings, so that a default of another version, or a change of the live radar, cannot slip in."""
+    radar = job.radar or job.radar_of(server)
+    base = server.radar(radar).settings.replace(scan_mode="frame")
+    return dataclasses.replace(job, radar=radar, settings={**base.as_dict(), **job.settings})
+
+
+def _each_scene(job: Job) -> Iterator[tuple[str, Server]]:
+    """The server for each scene of the lines."""
+    for scene in dict.fromkeys(line.scene for line in job.lines):
+        with job.connected(scene) as server:
+            yield scene, server
+
+
+def prepare(poses: Poses, out: str | os.PathLike[str], **options: Any) -> Job:
+    """The Job of a data set, checked against its folder. For engines that are no executor (Ray): job.run(number) for each
+    number of todo(job). Options as those of batch()."""
     out = pathlib.Path(out)
     make_folder(out)
     sweep(out)
-    job = Job(str(out.resolve()), read_poses(poses), plane_names(planes), {}, "", _seeds.checked(seed), bool(speckle_per_frame),
-              shard_size, server, token_file, ca_file, tls, None if local is None else str(pathlib.Path(local).resolve()),
-              obliqd, local_settings or {}, timeout)
-    with job.connected() as connected:
-        # Whole settings, so that a default of another version, or a change of the live radar, cannot slip in.
-        known = connected.info.radars
-        name = radar or ("main" if "main" in known else known[0])
-        base = connected.radar(name).settings.replace(scan_mode="frame")
-        job = dataclasses.replace(job, radar=name,
-                                  settings=Settings.of({**base.as_dict(), **Settings.of(settings).as_dict()}).as_dict())
-        check_manifest(job, world_of(connected, job))
+    job = _job(poses, out, **options)
+    worlds: dict[str, dict[str, Any]] = {}
+    said = 0
+    for scene, server in _each_scene(job):
+        job = _with_settings(job, server) if not worlds else job
+        worlds[scene] = world_of(server, job, scene)
+        lines = [line for line in job.lines if line.scene == scene]
+        if not said and server.info.limits.max_query_points and (off := _judge.off_the_ground(server, lines)):
+            said = len(off)
+            print(f"obliq.batch: {said} of {len(lines)} poses stand where no ground is loaded: {job.name}, line {off[0].number}"
+                  f"{'' if job.server is None else '; terrain.area in the scene file says what is loaded'}", file=sys.stderr)
+    check_manifest(job, worlds)
     return job
 
 
-def todo(job, shard=None):
-    """Numbers of the shards that are not there, of those that part I of N is to do ("2/8"; 0 counts as N)."""
-    first, n = 0, 1
-    if shard is not None:
-        first, n = _share(shard)
-    return [number for number in job.shards()
-            if number % n == first % n and not (pathlib.Path(job.out) / part_name(number)).is_dir()]
+def check(poses: Poses, **options: Any) -> _judge.Checked:
+    """All poses judged, none rendered, nothing written: which would be refused, and how much of each sector has ground.
+    Options as those of batch()."""
+    try:
+        job = _job(poses, pathlib.Path(), **options)
+        refused: list[tuple[int, dict[str, Any]]] = []
+        coverage = np.full(len(job.lines), np.nan)
+        first = True
+        for scene, server in _each_scene(job):
+            job, first = (_with_settings(job, server) if first else job), False
+            places = [place for place, line in enumerate(job.lines) if line.scene == scene]
+            lines = [job.lines[place] for place in places]
+            coverage[places] = _judge.coverage_of(server, lines, job.settings)
+            errors = _judge.refusals(server, [job.asked(place) for place in places], job.timeout, job.radar)
+            for place, line, error in zip(places, lines, errors):
+                if error is None and coverage[place] < job.min_coverage:
+                    error = _judge.too_low(coverage[place], job.min_coverage)
+                if error is not None:
+                    refused.append((place, {"id": line.id, "line": line.number, "text": str(error)}))
+        return _judge.Checked(len(job.lines), [row for _, row in sorted(refused, key=lambda item: item[0])], coverage)
+    finally:
+        stop_own_daemons()
 
 
-def _share(shard):
+def todo(job: Job, shard: str | None = None) -> list[int]:
+    """Numbers of the shards that are not there, or have poses that failed, of those that part I of N is to do ("2/8"; 0
+    counts as N)."""
+    first, n = _share(shard) if shard is not None else (0, 1)
+    return [number for number in job.shards() if number % n == first % n
+            and (not (pathlib.Path(job.out) / part_name(number)).is_dir() or failed_of(job.out, number))]
+
+
+def _share(shard: str) -> tuple[int, int]:
     i, slash, n = str(shard).partition("/")
     if not (slash and i.isdigit() and n.isdigit() and int(n) >= 1 and int(i) <= int(n)):
         raise ValueError(f"shard: found {shard!r}; allowed: I/N with I from 0 or 1 to N")
     return int(i), int(n)
 
 
-def batch(poses, out, *, executor=None, shard=None, progress=None, **options):
-    """Renders poses into a data set; options as those of prepare(). executor: any concurrent.futures executor, whose workers
-    see the folder `out`; None: this process. Call it again after any failure: it does what is missing. Returns Done."""
+@dataclasses.dataclass(frozen=True)
+class Done:
+    """What a run has done. frames: rendered by this run. failed: poses without a frame. parts: that are there now, of
+    parts_wanted. first_failed: its line of failed.jsonl."""
+
+    frames: int
+    failed: int
+    parts: int
+    parts_wanted: int
+    seconds: float
+    first_failed: dict[str, Any] | None = None
+
+    @property
+    def complete(self) -> bool:
+        """Every part is there."""
+        return self.parts == self.parts_wanted
+
+
+def batch(poses: Poses, out: str | os.PathLike[str], *, executor: concurrent.futures.Executor | None = None,
+          shard: str | None = None, progress: Watch = None, **options: Any) -> Done:
+    """Renders poses into a data set. Call it again after any failure: it does what is missing, and takes up poses that were
+    refused. Returns Done.
+
+    poses: a file of JSON lines, or poses and dicts. A line has fields of a pose and of the settings, and id, meta (an object
+    of your own columns), split ("train"), scene (a scene file of its own).
+    out: the folder. executor: any concurrent.futures executor, whose workers see that folder; None: this process. shard: "I/N",
+    a share of the work. progress: called with frames done and in all; True: lines on standard error.
+
+    server: HOST:PORT, with token_file, tls, ca_file; or local: a scene file, for which obliqd is started and stopped. obliqd:
+    the program; local_settings: what its --set would take. area: "poses" loads the ground that the poses reach, where the scene
+    file names no area of its own; "scene" loads what it says.
+    planes: "iq state". settings: of all frames, else as the server's radar has them; radar: which. shard_size: poses a part.
+    min_coverage: a frame with less ground in its sector fails. seed: a whole number from which each frame has noise and
+    independent speckle of its own (noise_frame), unless its line names them; speckle_per_frame: a speckle_seed of its own as
+    well, so that the ground's speckle is another in each frame. timeout: seconds for each frame."""
     began = time.monotonic()
     if shard is not None:
         _share(shard)
@@ -279,27 +340,37 @@ def batch(poses, out, *, executor=None, shard=None, progress=None, **options):
         if executor is not None:
             stop_own_daemons()  # its workers start theirs
         numbers = todo(job, shard)
-        say = Progress(len(numbers) * job.shard_size, progress)
+        every = job._shards()
+        say = Progress(sum(len(job._left(number, every[number])) for number in numbers), progress)
         frames = failed = 0
         for _, more, lost, _ in _results(job, numbers, executor):
             frames, failed = frames + more, failed + lost
             say(frames + failed)
     finally:
         stop_own_daemons()
-    found = Dataset(out)
-    if not found.missing:
-        write_whole(pathlib.Path(out) / "failed.jsonl", "".join(json.dumps(line) + "\n" for line in found.failed))
+    return _finish(pathlib.Path(out), frames, began)
+
+
+def _finish(out: pathlib.Path, frames: int, began: float) -> Done:
+    """What is said of a whole data set: the poses that failed, and the sums of all files."""
+    found = Dataset(out, _quiet=True)
     wanted = found.parts_wanted
+    if not found.missing:
+        write_whole(out / "failed.jsonl", as_lines(found.failed))
+        sums = {path.name: file_sum(path) for path in (out / MANIFEST, out / "failed.jsonl", *out.glob("scene*.toml"))}
+        for part in sorted(out.glob("part-*")):
+            sums.update({f"{part.name}/{name}": value for name, value in read_sums(part / SUMS).items()})
+        write_whole(out / SUMS, sum_lines(sums))
     return Done(frames, len(found.failed), wanted - len(found.missing), wanted, time.monotonic() - began,
                 found.failed[0] if found.failed else None)
 
 
-def _results(job, numbers, executor):
+def _results(job: Job, numbers: Sequence[int], executor: concurrent.futures.Executor | None) -> Iterator[Shard]:
     """As they come. A failure ends the run when the others that have begun are done."""
     if executor is None:
         yield from job.run_some(numbers)
         return
-    failures = collections.deque(maxlen=1)
+    failures: collections.deque[Exception] = collections.deque(maxlen=1)
     waiting = [executor.submit(job.run, number) for number in numbers]
     for future in concurrent.futures.as_completed(waiting) if all(
             isinstance(future, concurrent.futures.Future) for future in waiting) else waiting:
@@ -312,13 +383,17 @@ def _results(job, numbers, executor):
 
 
 class Progress:
-    """A line on standard error now and then: how far, how fast, until when."""
+    """How far: told to a callable, or a line on standard error now and then, with how fast and until when."""
 
-    def __init__(self, total, wanted):
+    def __init__(self, total: int, wanted: Watch):
         self._total, self._began, self._last = total, time.monotonic(), 0.0
-        self._wanted = sys.stderr.isatty() if wanted is None else wanted
+        self._watch = wanted if callable(wanted) else None
+        self._wanted = sys.stderr.isatty() if wanted is None else bool(wanted)
 
-    def __call__(self, done):
+    def __call__(self, done: int) -> None:
+        if self._watch is not None:
+            self._watch(done, self._total)
+            return
         now = time.monotonic()
         if not self._wanted or (now - self._last < 2 and done < self._total):
             return
@@ -326,4 +401,4 @@ class Progress:
         rate = done / max(now - self._began, 1e-9)
         left = max(0, self._total - done) / max(rate, 1e-9)
         end = time.strftime("%H:%M:%S", time.localtime(time.time() + left))
-        print(f"obliq.batch: {done} of at most {self._total} frames, {rate:.1f} a second, until {end}", file=sys.stderr)
+        print(f"obliq.batch: {done} of {self._total} frames, {rate:.1f} a second, until {end}", file=sys.stderr)

@@ -7,13 +7,18 @@ import socket
 import ssl
 import threading
 import time
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
-from ._session import Session
+from ._requests import Door, Tls
+from ._session import Command, Session, Wait
 from ._wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
 
+T = TypeVar("T")
 
-def untrusted(address, error):
+
+def untrusted(address: str, error: ssl.SSLError) -> Untrusted:
     """What a failed TLS handshake means."""
     if isinstance(error, ssl.SSLCertVerificationError):
         return Untrusted(f"{address}: the server's certificate is not to be trusted: {error.verify_message or error}. "
@@ -21,7 +26,7 @@ def untrusted(address, error):
     return Untrusted(f"{address}: TLS is not spoken there ({error}). Leave out tls=, or check the port")
 
 
-def open_socket(host, port, tls, timeout_s):
+def open_socket(host: str, port: int, tls: Tls | None, timeout_s: float) -> socket.socket:
     """Connects, and shakes hands where TLS is wanted."""
     address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
     try:
@@ -50,7 +55,7 @@ def open_socket(host, port, tls, timeout_s):
 class Connection:
     """A session and its socket. One thread at a time, one process."""
 
-    def __init__(self, door):
+    def __init__(self, door: Door):
         self._pid = os.getpid()
         self._lock = threading.Lock()
         self.session = Session()
@@ -68,7 +73,7 @@ class Connection:
             raise
 
     @contextlib.contextmanager
-    def _alone(self):
+    def _alone(self) -> Iterator[None]:
         if os.getpid() != self._pid:
             raise RuntimeError("this connection belongs to the process that made it: connect again after a fork")
         if not self._lock.acquire(blocking=False):
@@ -78,32 +83,33 @@ class Connection:
         finally:
             self._lock.release()
 
-    def run(self, command):
+    def run(self, command: Command[T]) -> T:
         """What a command of the session returns."""
         with self._alone():
             return self._run(command)
 
-    def start(self, start, *arguments):
+    def start(self, start: Callable[[], T]) -> T:
         """What a function of the session returns that waits for nothing; its requests are sent."""
         with self._alone():
-            result = start(*arguments)
+            result = start()
             self._flush()
             return result
 
-    def _run(self, command):
-        error = None
+    def _run(self, command: Command[T]) -> T:
+        error: ObliqError | None = None
         while True:
             try:
                 wait = next(command) if error is None else command.throw(error)
             except StopIteration as end:
-                return end.value
+                value: T = end.value
+                return value
             error = None
             try:
                 self._await(wait)
             except ObliqError as failure:
                 error = failure
 
-    def _await(self, wait):
+    def _await(self, wait: Wait) -> None:
         self._flush()
         deadline = None if wait.timeout_s is None else time.monotonic() + wait.timeout_s
         while not wait.test():
@@ -118,7 +124,7 @@ class Connection:
             self._receive(min(patience, 3600.0 if deadline is None else deadline - now))
             self._flush()
 
-    def _flush(self):
+    def _flush(self) -> None:
         while self.session.outgoing and self.session.lost is None:
             data = memoryview(self.session.outgoing[0])
             try:
@@ -140,7 +146,7 @@ class Connection:
             else:
                 self.session.outgoing.pop(0)
 
-    def _receive(self, timeout_s, quiet=False):
+    def _receive(self, timeout_s: float, quiet: bool = False) -> None:
         """Some bytes, and all messages that they complete."""
         splitter = self._splitter
         self._socket.settimeout(max(timeout_s, 1e-3))
@@ -163,12 +169,12 @@ class Connection:
             self.session.end(error)
         return None
 
-    def _shut(self):
+    def _shut(self) -> None:
         # A child after a fork closes its own copy; no shutdown, which would end the parent's connection.
         with contextlib.suppress(OSError):
             self._socket.close()
 
-    def close(self):
+    def close(self, why: str = "the connection was closed by close()") -> None:
         """The next use raises ConnectionLost."""
-        self.session.end(ConnectionLost("the connection was closed by close()"))
+        self.session.end(ConnectionLost(why))
         self._shut()

@@ -2,9 +2,13 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
+from typing import Any
+
+Sum = Callable[..., int]  # of bytes or an array, and the sum of what came before
 
 
-def _google():
+def _google() -> Sum:
     import google_crc32c
 
     if google_crc32c.implementation != "c":
@@ -12,14 +16,14 @@ def _google():
     return lambda data, crc=0: google_crc32c.extend(crc, data)
 
 
-def _google_in_python():
+def _google_in_python() -> Sum:
     """Seconds a frame: where there is no other."""
     import google_crc32c
 
     return lambda data, crc=0: google_crc32c.extend(crc, bytes(data))
 
 
-def _isa_l():
+def _isa_l() -> Sum:
     """Intel's library, which obliqd needs itself: where both run on one machine, it is there."""
     try:
         update = ctypes.CDLL("libisal.so.2").crc32_iscsi  # find_library would run programs
@@ -27,25 +31,26 @@ def _isa_l():
         raise ImportError(str(error)) from None
     update.argtypes, update.restype = (ctypes.c_void_p, ctypes.c_int, ctypes.c_uint32), ctypes.c_uint32
 
-    def crc32c(data, crc=0):
+    def crc32c(data: Any, crc: int = 0) -> int:
         # The bare register: it inverts neither what it begins with nor its result.
         place = data if isinstance(data, bytes) else data.__array_interface__["data"][0]
-        return update(place, len(data), crc ^ 0xFFFFFFFF) ^ 0xFFFFFFFF
+        return int(update(place, len(data), crc ^ 0xFFFFFFFF)) ^ 0xFFFFFFFF
 
     return crc32c
 
 
-def _debian():
-    from crc32c import crc32c
+def _debian() -> Sum:
+    import importlib
 
-    return crc32c
+    update: Sum = importlib.import_module("crc32c").crc32c
+    return update
 
 
 LIBRARIES = {"google-crc32c": _google, "ISA-L": _isa_l, "crc32c": _debian,
              "google-crc32c without its C library": _google_in_python}
 
 
-def choose(libraries):
+def choose(libraries: dict[str, Callable[[], Sum]]) -> tuple[str, Sum]:
     """The first that is here: its name, and crc32c(data, crc=0) of bytes or of an array of bytes without gaps."""
     for name, load in libraries.items():
         try:

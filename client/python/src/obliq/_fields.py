@@ -4,50 +4,53 @@ from __future__ import annotations
 import collections.abc
 import dataclasses
 import difflib
-import functools
 import math
 import numbers
-import typing
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar, TypeVar
+
+from google.protobuf.message import Message
+
+F = TypeVar("F", bound="Fields")
+M = TypeVar("M", bound=Message)
 
 
-def hint(name, known):
+def hint(name: object, known: Iterable[str]) -> str:
     """"; did you mean r_max_m?" where a known name is near."""
     near = difflib.get_close_matches(str(name), list(known), n=1)
     return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
 
 
-def number(name, value):
+def number(name: str, value: object) -> float:
     """The value, where it is a number."""
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(f"{name}: found {value!r}; allowed: a number")
-    return value
+    return value  # type: ignore[return-value]  # numpy's are numbers, too
 
 
 class Fields:
-    """A frozen dataclass of optional values that a protobuf message of the same field names carries."""
+    """A frozen dataclass of optional values that a protobuf message of the same field names carries.
 
-    choices: typing.ClassVar[dict] = {}
-    keys: typing.ClassVar[dict] = {}
-    ideal: typing.ClassVar[dict] = {}  # the values that an ideal map has: with another, bins are more than its echoes
+    choices: name -> the texts that it may have, and their numbers on the wire. keys: name in a scene file -> name here.
+    ideal: the values that an ideal map has: with another, bins are more than its echoes.
+    """
 
-    @classmethod
-    @functools.cache
-    def names(cls):
-        return tuple(cls._types())
-
-    @classmethod
-    @functools.cache
-    def _types(cls):
-        """Name -> "float", in the order of the fields. Made once: frames come by the hundred a second."""
-        return {field.name: field.type.split(" ")[0] for field in dataclasses.fields(cls)}
+    choices: ClassVar[dict[str, dict[str, int]]] = {}
+    keys: ClassVar[dict[str, str]] = {}
+    ideal: ClassVar[dict[str, Any]] = {}
 
     @classmethod
-    def of(cls, given=None, call=None, **more):
+    def names(cls) -> tuple[str, ...]:
+        """Of all values."""
+        return tuple(_types(cls))
+
+    @classmethod
+    def of(cls: type[F], given: F | Mapping[str, Any] | None = None, call: str | None = None, **more: Any) -> F:
         """From an object of this class, a mapping, None, and keywords that override it. TypeError for a name that
         does not exist or a value of the wrong type, ValueError for an unknown choice."""
         call = call or cls.__name__
         if given is None:
-            base = {}
+            base: dict[str, Any] = {}
         elif isinstance(given, cls):
             base = given.as_dict()
         elif isinstance(given, collections.abc.Mapping):
@@ -57,16 +60,16 @@ class Fields:
         base.update(more)
         values = {}
         for name, value in base.items():
-            if name not in cls._types():
+            if name not in _types(cls):
                 raise TypeError(f"{call}() got {name!r}{hint(name, cls.names())}")
             values[name] = cls._checked(call, name, value)
         return cls(**values)
 
     @classmethod
-    def _checked(cls, call, name, value):
+    def _checked(cls, call: str, name: str, value: Any) -> Any:
         if value is None:
             return None
-        wanted = cls._types()[name]
+        wanted = _types(cls)[name]
         if name in cls.choices:
             if value not in cls.choices[name]:
                 raise ValueError(f"{call}() got {name}={value!r}; allowed: {', '.join(cls.choices[name])}")
@@ -89,14 +92,14 @@ class Fields:
             raise TypeError(f"{call}() got {name}={value!r}; allowed: a text")
         return value
 
-    def as_dict(self):
+    def as_dict(self) -> dict[str, Any]:
         """The values that are not None."""
         return {name: value for name in self.names() if (value := getattr(self, name)) is not None}
 
-    def replace(self, **changes):
+    def _replaced(self: F, changes: Mapping[str, Any]) -> F:
         return type(self).of(self, "replace", **changes)
 
-    def write(self, message):
+    def write(self, message: M) -> M:
         """Into a protobuf message. OverflowError of a number that does not fit becomes ValueError."""
         for name, value in self.as_dict().items():
             try:
@@ -106,17 +109,27 @@ class Fields:
         return message
 
     @classmethod
-    def read(cls, message):
+    def read(cls: type[F], message: Message) -> F:
+        """What a protobuf message has. A choice of a later version keeps its number as text."""
         values = {}
         for name in cls.names():
             if not message.HasField(name):
                 continue
             value = getattr(message, name)
             if name in cls.choices:
-                # A choice of a later version keeps its number as text.
                 value = next((text for text, number in cls.choices[name].items() if number == value), str(value))
             values[name] = value
         return cls(**values)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.as_dict().items())})"
+
+
+_known: dict[type[Fields], dict[str, str]] = {}
+
+
+def _types(cls: type[Fields]) -> dict[str, str]:
+    """Name -> "float", in the order of the fields. Made once: frames come by the hundred a second."""
+    if cls not in _known:
+        _known[cls] = {field.name: str(field.type).split(" ")[0] for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    return _known[cls]

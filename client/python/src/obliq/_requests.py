@@ -5,25 +5,34 @@ import dataclasses
 import ipaddress
 import os
 import ssl
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Union
 
 from . import _seeds
 from . import obliq_pb2 as wire
 from ._fields import hint, number
 from ._session import Subscription
 from .errors import Fault, UnknownRadar
-from .parameters import Pose, Settings
-from .planes import write_choice
+from .parameters import Pose, PoseFields, Settings, SettingsFields
+from .planes import Planes, Window, write_choice
 
 DEFAULT_PORT = 7420
+
+PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
+SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
+Wished = Union[PoseLike, tuple[PoseLike, SettingsLike]]  # a pose, or a pair of pose and settings
+Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str]  # planes, encoding, compress, window, radar
+Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, Union[dict[str, int], None]]
 
 
 @dataclasses.dataclass(frozen=True)
 class Tls:
     """TLS 1.2 or later. ca_file: PEM of the authorities to trust instead of this machine's."""
 
-    ca_file: str | os.PathLike | None = None
+    ca_file: str | os.PathLike[str] | None = None
 
-    def context(self):
+    def context(self) -> ssl.SSLContext:
+        """For Python's ssl."""
         context = ssl.create_default_context(cafile=None if self.ca_file is None else os.fspath(self.ca_file))
         context.minimum_version = ssl.TLSVersion.TLSv1_2
         return context
@@ -31,38 +40,49 @@ class Tls:
 
 @dataclasses.dataclass(frozen=True)
 class ServerInfo:
+    """What a server said of itself. role: of this client: viewer, controller or admin. limits: the message."""
+
     name: str
     version: str
     scene: str
     radars: tuple[str, ...]
     encodings: tuple[str, ...]
-    role: str  # viewer, controller or admin
+    role: str
     limits: wire.Limits
 
+    def __repr__(self) -> str:
+        return (f"ServerInfo(name={self.name!r}, version={self.version!r}, scene={self.scene!r}, radars={self.radars!r}, "
+                f"role={self.role!r}, ...)")
+
     @staticmethod
-    def of(welcome):
+    def of(welcome: wire.Welcome) -> ServerInfo:
+        """From its Welcome."""
         return ServerInfo(welcome.server_name, welcome.server_version, welcome.scene_name, tuple(welcome.radars),
                           tuple(welcome.encodings), welcome.role, welcome.limits)
 
 
 @dataclasses.dataclass(frozen=True)
 class RadarInfo:
+    """A radar as it is now. controller: which client controls it; empty: none. fault: why no frame can be rendered at present;
+    empty: none. pose_stale: its pose's validity has run out."""
+
     radar: str
     settings: Settings
     pose: Pose
     settings_version: int
-    controller: str  # empty: none
+    controller: str
     controlled_by_me: bool
     watchers: int
     rate_hz: float
-    fault: str  # why no frame can be rendered at present; empty: none
+    fault: str
     pose_stale: bool
     transmit: bool
     frozen: bool
     rate_limit_hz: float
 
     @staticmethod
-    def of(m):
+    def of(m: wire.RadarInfo) -> RadarInfo:
+        """From the message."""
         return RadarInfo(m.radar, Settings.read(m.settings), Pose.read(m.pose), m.settings_version, m.controller,
                          m.controlled_by_you, m.subscribers, m.rate_hz, m.fault, m.pose_stale, not m.transmit_off,
                          m.frozen, m.rate_limit_hz)
@@ -70,14 +90,15 @@ class RadarInfo:
 
 @dataclasses.dataclass(frozen=True)
 class Accepted:
-    """A change that the server took."""
+    """A change that the server took. coverage: of a pose: part of the disc within r_max_m for which the files have ground."""
 
     settings_version: int
     warnings: tuple[str, ...]
-    coverage: float | None  # of a pose: part of the disc within r_max_m for which the files have ground
+    coverage: float | None
 
     @staticmethod
-    def of(ack):
+    def of(ack: wire.Ack) -> Accepted:
+        """From the message."""
         return Accepted(ack.settings_version, tuple(ack.warnings),
                         ack.coverage if ack.HasField("coverage") else None)
 
@@ -94,21 +115,25 @@ class Door:
     timeout_s: float
 
     @staticmethod
-    def of(address, token, token_file, tls, name, timeout):
+    def of(address: str | int, token: str | None, token_file: str | os.PathLike[str] | None, tls: Tls | bool | None, name: str,
+           timeout: float) -> Door:
+        """From what connect() is given."""
         host, port = parse_address(address)
         if tls is True:
             tls = Tls()
-        if not isinstance(tls, (Tls, type(None))) and tls is not False:
+        if tls is False:
+            tls = None
+        if not isinstance(tls, (Tls, type(None))):
             raise TypeError(f"tls: found {tls!r}; allowed: obliq.Tls(ca_file=...), True, or None for a connection without")
         for what, text in (("name", name), ("token", token)):
             if not isinstance(text, str) and (what == "name" or text is not None):
                 raise TypeError(f"{what}: found {type(text).__name__}; allowed: a text")
         if not number("timeout", timeout) > 0:
             raise ValueError(f"timeout: found {timeout!r}; allowed: seconds above 0")
-        return Door(host, port, tls or None, name, read_token(token, token_file), timeout)
+        return Door(host, port, tls, name, read_token(token, token_file), timeout)
 
 
-def parse_address(address):
+def parse_address(address: str | int) -> tuple[str, int]:
     """HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT as (host, port)."""
     if not isinstance(address, (str, int)) or isinstance(address, bool):
         raise TypeError(f"address: found {address!r}; allowed: a text such as 127.0.0.1:7420")
@@ -132,7 +157,8 @@ def parse_address(address):
     return host or "127.0.0.1", int(port) if port else DEFAULT_PORT
 
 
-def read_token(token, token_file):
+def read_token(token: str | None, token_file: str | os.PathLike[str] | None) -> str:
+    """The token, or the first line of its file."""
     if token_file is None:
         return token or ""
     if token:
@@ -141,7 +167,7 @@ def read_token(token, token_file):
         return lines.readline().strip()
 
 
-def radar_name(radars, name):
+def radar_name(radars: Sequence[str], name: str | None) -> str:
     """The only one, or the one of that name."""
     if name is None:
         if len(radars) == 1:
@@ -153,34 +179,39 @@ def radar_name(radars, name):
     return name
 
 
-def wishes(poses, settings, seed, choice):
+def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, choice: Choice) -> Iterator[Wish]:
     """Arguments of render_request() for each pose, or pair of pose and settings."""
     if seed is not None:
         seed = _seeds.checked(seed)
     for place, pose in enumerate(poses):
-        pose, its = pose if isinstance(pose, tuple) else (pose, settings)
-        yield its, pose, *choice, None if seed is None else _seeds.draw(seed, place)
+        its_pose, its = pose if isinstance(pose, tuple) else (pose, settings)
+        yield its, its_pose, *choice, None if seed is None else _seeds.draw(seed, place)
 
 
-def render_request(settings, pose, planes, encoding, compress, window, radar, draw=None):
+def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encoding: str, compress: str | None,
+                   window: Window | None, radar: str,
+                   draw: dict[str, int] | None = None) -> tuple[wire.RenderOnce, tuple[str, ...]]:
     """RenderOnce and the planes that it asks for. draw: settings that win."""
-    pose = Pose.of(pose, "pose")
+    antenna = Pose.of(pose, "pose")
     request = wire.RenderOnce(radar=radar)
     Settings.of(settings, "settings", **(draw or {})).write(request.settings)
-    pose.write(request.pose)
-    lacking = [name for name in ("latitude_deg", "longitude_deg", "height_m") if getattr(pose, name) is None]
+    antenna.write(request.pose)
+    lacking = [name for name in ("latitude_deg", "longitude_deg", "height_m") if getattr(antenna, name) is None]
     if lacking:
         raise TypeError(f"pose: lacks {', '.join(lacking)}: a frame needs an antenna")
     return request, write_choice(request, planes, encoding, compress, window)
 
 
-def subscription(radar, rate_hz, planes, encoding, compress, window, lossless, by_wedge, copy):
+def subscription(radar: str, rate_hz: float, planes: Planes, encoding: str, compress: str | None, window: Window | None,
+                 lossless: bool, by_wedge: bool, copy: bool) -> Subscription:
+    """What stream() and wedges() ask for."""
     request = wire.Subscribe(radar=radar, rate_hz=float(number("rate_hz", rate_hz)), lossless=bool(lossless))
     names = write_choice(request, planes, encoding, compress, window)
     return Subscription(request, names, by_wedge, copy)
 
 
-def state_request(radar, transmit, freeze):
+def state_request(radar: str, transmit: bool | None, freeze: bool | None) -> wire.SetState:
+    """What set_state() asks for."""
     request = wire.SetState(radar=radar)
     if transmit is not None:
         request.transmit = bool(transmit)
@@ -189,18 +220,20 @@ def state_request(radar, transmit, freeze):
     return request
 
 
-def pose_request(radar, pose, fields):
+def pose_request(radar: str, pose: PoseLike, fields: Mapping[str, Any]) -> wire.SetPose:
+    """What set_pose() asks for."""
     request = wire.SetPose(radar=radar)
     Pose.of(pose, "set_pose", **fields).write(request.pose)
     return request
 
 
-def settings_request(radar, settings, fields):
+def settings_request(radar: str, settings: SettingsLike, fields: Mapping[str, Any]) -> wire.SetSettings:
+    """What set() asks for."""
     request = wire.SetSettings(radar=radar)
     Settings.of(settings, "set", **fields).write(request.settings)
     return request
 
 
-def stream_timeout(timeout_s, rate_hz):
+def stream_timeout(timeout_s: float | None, rate_hz: float) -> float | None:
     """At low rates a frame may take longer than any fixed time."""
     return None if timeout_s is None else max(number("timeout", timeout_s), 3 / max(rate_hz, 1e-9))

@@ -6,7 +6,7 @@ import operator
 WORD = (1 << 64) - 1
 
 
-def mix64(word):
+def mix64(word: int) -> int:
     """The finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014), as
     terrain/base/hash.h has it."""
     word = (word + 0x9E3779B97F4A7C15) & WORD
@@ -15,7 +15,8 @@ def mix64(word):
     return word ^ word >> 31
 
 
-def checked(seed):
+def checked(seed: int) -> int:
+    """The seed, where it is one."""
     try:
         seed = operator.index(seed)
     except TypeError:
@@ -25,7 +26,7 @@ def checked(seed):
     return seed
 
 
-def draw(seed, place, speckle_per_frame=False):
+def draw(seed: int, place: int, speckle_per_frame: bool = False) -> dict[str, int]:
     """Settings by which the frame at a place, from 0, has noise and independent speckle that no other has. Both follow from
     noise_frame. Speckle of the ground stays that of the ground, unless speckle_per_frame."""
     # Hashed before the place joins it: with seed ^ place, neighbouring seeds would share frames in another order.
@@ -36,5 +37,5 @@ def draw(seed, place, speckle_per_frame=False):
     return own
 
 
-def _signed(word):
+def _signed(word: int) -> int:
     return word - (1 << 64) if word >> 63 else word

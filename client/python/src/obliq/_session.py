@@ -8,12 +8,14 @@ from __future__ import annotations
 import collections
 import dataclasses
 import time
-import typing
+from collections.abc import Callable, Generator
+from typing import Any, TypeVar, Union, cast
 
 from . import obliq_pb2 as wire
 from ._assembly import Assembler, Buffers, Wedge
-from ._wire import MAJOR, MINOR, encode
+from ._wire import MAJOR, MINOR, Header, Message, encode
 from .errors import BadStream, ConnectionLost, FrameAborted, ObliqError, Refused, from_message
+from .frame import Frame
 
 REPLY_S = 30.0
 # Heartbeats that may fail to come before a server is taken for dead: any may be late.
@@ -25,76 +27,98 @@ MOST_WEDGES_WAITING = 512
 
 @dataclasses.dataclass
 class Wait:
-    test: typing.Callable[[], bool]
+    """Until test() holds. what: "the answer to Subscribe"."""
+
+    test: Callable[[], bool]
     timeout_s: float | None
-    what: str  # "an answer to Subscribe"
+    what: str
 
 
-ANSWERS = {wire.Hello: wire.Welcome, wire.ListRadars: wire.RadarList, wire.GetRadar: wire.RadarInfo,
-           wire.GetStatus: wire.Status, wire.Heartbeat: wire.Heartbeat, wire.QueryGround: wire.GroundAnswer}
+T = TypeVar("T")
+Command = Generator[Wait, None, T]
+Request = Union[wire.Hello, wire.Heartbeat, wire.ListRadars, wire.GetRadar, wire.GetStatus, wire.QueryGround, wire.ClaimControl,
+                wire.ReleaseControl, wire.SetSettings, wire.SetPose, wire.SetState, wire.Subscribe, wire.Unsubscribe,
+                wire.RenderOnce, wire.SetReplay]
+Answer = Union[wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.Ack]
+A = TypeVar("A", wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.Ack)
 
 
 class Pending:
     """A request that has not been answered."""
 
-    reply = error = message = None
+    reply: Answer | None = None
+    error: ObliqError | None = None
+    message: Message | None = None
 
-    def __init__(self, request):
-        self.answer = ANSWERS.get(type(request), wire.Ack)
+    def __init__(self, answer: type[Answer]):
+        self.answer = answer
 
-    def done(self):
+    def done(self) -> bool:
         return self.reply is not None or self.error is not None
 
 
 class Sink:
     """Where the frames of a subscription or a RenderOnce go."""
 
-    def __init__(self, names, buffers=None):
+    def __init__(self, names: tuple[str, ...], buffers: Buffers | None = None):
         self.names, self.buffers = names, buffers
-        self.assembler = None
-        self.error = None
-        self.ready = collections.deque()  # whole frames or wedges
+        self.assembler: Assembler | None = None
+        self.error: ObliqError | None = None
+        self.ready: collections.deque[Any] = collections.deque()  # whole frames or wedges
 
-    def waits(self):
+    def waits(self) -> bool:
         return not self.ready and self.error is None
 
-    def begin(self, begin, header):
+    def begin(self, begin: wire.FrameBegin, header: Header) -> None:
         if self.assembler is not None:
             raise BadStream("a frame began before the one before it ended")
         self.assembler = Assembler(begin, header, self.names, self.buffers)
 
-    def lose(self):
+    def lose(self) -> None:
         """The connection is gone: of a frame that has begun, no more will come."""
         self.assembler = None
+
+    def whole(self, frame: Frame) -> None:
+        """Takes a frame."""
+        self.ready.append(frame)
+
+    def aborted(self, reason: str) -> None:
+        """Takes note that a frame will not come."""
+
+    def wedge(self, rows: slice, block: wire.WedgeBlock, header: Header, offset_ns: int) -> None:
+        """Takes rows that are complete."""
+
+    def has_enough(self) -> bool:
+        """Reading on would only fill memory."""
+        return False
 
 
 class Rendering(Sink):
     """Of one RenderOnce."""
 
-    def whole(self, frame):
-        self.ready.append(frame)
+    def __init__(self, names: tuple[str, ...], request_id: int, pending: Pending):
+        super().__init__(names)
+        self.request_id, self.pending = request_id, pending
 
-    def aborted(self, reason):
+    def aborted(self, reason: str) -> None:
         self.error = FrameAborted(reason)
 
-    def wedge(self, rows, block, header, offset_ns):
-        pass
-
-    def has_enough(self):
-        return False
+    def over(self) -> bool:
+        """The frame is there, or will not come."""
+        return self.pending.error is not None or not self.waits()
 
 
 class Subscription(Sink):
     """Of one radar. Where frames may be left out, a newer whole frame takes the place of one that has not been taken."""
 
-    def __init__(self, request, names, by_wedge=False, copy=True):
+    def __init__(self, request: wire.Subscribe, names: tuple[str, ...], by_wedge: bool = False, copy: bool = True):
         super().__init__(names, None if copy else Buffers())
         self.request, self.by_wedge = request, by_wedge
         self.frames_aborted = 0
         self._skipped = 0
-        self._handed_out = None
+        self._handed_out: Frame | None = None
 
-    def whole(self, frame):
+    def whole(self, frame: Frame) -> None:
         if self.by_wedge:
             return
         if self.ready and not self.request.lossless:
@@ -106,60 +130,76 @@ class Subscription(Sink):
         self._skipped = 0
         self.ready.append(frame)
 
-    def wedge(self, rows, block, header, offset_ns):
-        if self.by_wedge:
+    def wedge(self, rows: slice, block: wire.WedgeBlock, header: Header, offset_ns: int) -> None:
+        if self.by_wedge and self.assembler is not None:
             self.ready.append(Wedge(self.assembler.frame, rows, block, header, time.time_ns(), offset_ns))
 
-    def aborted(self, reason):
+    def aborted(self, reason: str) -> None:
         self.frames_aborted += 1
 
-    def has_enough(self):
+    def has_enough(self) -> bool:
         """Reading on would only fill memory: the server is to wait, or to leave frames out."""
         if self.by_wedge:
             return len(self.ready) >= MOST_WEDGES_WAITING
         return self.request.lossless and len(self.ready) >= MOST_FRAMES_WAITING
 
-    def take(self):
+    def take(self) -> Any:
+        """The oldest frame or wedge."""
         if self.buffers and self._handed_out is not None:
             self.buffers.give(self._handed_out)
-        self._handed_out = self.ready.popleft()
-        return self._handed_out
+        taken = self.ready.popleft()
+        if isinstance(taken, Frame):
+            self._handed_out = taken
+        return taken
 
 
 class Session:
-    def __init__(self):
-        self.outgoing = []
-        self.welcome = None
-        self.replay_state = None  # the newest ReplayState and when it was sent
-        self.lost = None  # the exception that ended the connection
+    """What has been asked, what has come, what waits. Each command is a generator that its driver runs."""
+
+    def __init__(self) -> None:
+        self.outgoing: list[bytes] = []
+        self._welcome: wire.Welcome | None = None
+        self.replay_state: tuple[wire.ReplayState, int] | None = None  # the newest, and when it was sent
+        self.lost: ObliqError | None = None  # what ended the connection
         self.offset_ns = 0  # the server's clock is so much behind ours
         self.heard = time.monotonic()
-        self.subscriptions = {}  # radar -> Subscription
-        self._renderings = {}  # request_id -> Rendering
-        self._streams = {}  # stream_id -> Sink, while a frame is on its way
-        self._pending = {}
+        self.subscriptions: dict[str, Subscription] = {}  # by radar
+        self._renderings: dict[int, Rendering] = {}  # by request_id
+        self._streams: dict[int, Sink] = {}  # by stream_id, while a frame is on its way
+        self._pending: dict[int, Pending] = {}
         self._last_request = 0
         self._sequence = 0
 
     # Messages.
 
-    def _send(self, message):
+    @property
+    def welcome(self) -> wire.Welcome:
+        """What the server said first."""
+        assert self._welcome is not None, "before hello()"
+        return self._welcome
+
+    def _send(self, message: Request) -> None:
         self._sequence += 1
         self.outgoing.append(encode(message, self._sequence))
 
-    def ask(self, message):
+    def ask(self, message: Request, answer: type[Answer] = wire.Ack) -> Pending:
         """Puts a request on its way."""
         self._last_request += 1
         message.request_id = self._last_request
-        pending = self._pending[self._last_request] = Pending(message)
+        pending = self._pending[self._last_request] = Pending(answer)
         self._send(message)
         return pending
 
-    def call(self, message, timeout_s=REPLY_S):
+    def call(self, message: Request, answer: type[A], timeout_s: float = REPLY_S) -> Command[A]:
         """Command: the answer to a request."""
-        return (yield from self._answer(self.ask(message), message, timeout_s)).reply
+        pending = yield from self._answer(self.ask(message, answer), message, timeout_s)
+        return cast(A, pending.reply)
 
-    def _answer(self, pending, message, timeout_s=REPLY_S):
+    def act(self, message: Request) -> Command[wire.Ack]:
+        """Command: until the server has done it."""
+        return self.call(message, wire.Ack)
+
+    def _answer(self, pending: Pending, message: Request, timeout_s: float = REPLY_S) -> Command[Pending]:
         try:
             yield Wait(pending.done, timeout_s, f"the answer to {message.DESCRIPTOR.name}")
         finally:
@@ -168,14 +208,14 @@ class Session:
             raise pending.error
         return pending
 
-    def end(self, error):
+    def end(self, error: ObliqError) -> None:
         """Nothing more will come."""
         if self.lost is None:
             self.lost = error
         for sink in [*self._renderings.values(), *self.subscriptions.values()]:
             sink.lose()
 
-    def feed(self, message):
+    def feed(self, message: Message) -> None:
         """Takes a message of the server. Raises BadStream for one that cannot be."""
         self.heard = time.monotonic()
         parsed = message.parsed()
@@ -202,7 +242,7 @@ class Session:
                 raise BadStream(f"{parsed.DESCRIPTOR.name} answers a request; allowed: {pending.answer.DESCRIPTOR.name}",
                                 message.offset)
 
-    def _feed_error(self, message):
+    def _feed_error(self, message: wire.Error) -> None:
         error = from_message(message)
         pending = self._pending.pop(message.request_id, None)
         if pending:
@@ -214,8 +254,9 @@ class Session:
         if message.number < 100:
             self.end(error)
 
-    def _feed_frame(self, message, parsed):
+    def _feed_frame(self, message: Message, parsed: Any) -> None:
         header = message.header
+        sink: Sink | None
         if header.type == 48:
             sink = self._renderings.get(parsed.request_id) if parsed.request_id else self.subscriptions.get(
                 parsed.frame.radar)
@@ -243,73 +284,77 @@ class Session:
         else:
             sink.whole(frame)
 
-    def has_enough(self):
+    def has_enough(self) -> bool:
         """Nothing more is to be read for now. Not while an answer is awaited, which may be behind the frames."""
         if self._pending or self._renderings:
             return False
         return any(sink.has_enough() for sink in self.subscriptions.values())
 
-    def patience_s(self):
+    def patience_s(self) -> float | None:
         """So long may the server be silent before it is taken for dead; None: for ever."""
-        heartbeat_s = self.welcome.limits.heartbeat_s if self.welcome else 0
+        heartbeat_s = self._welcome.limits.heartbeat_s if self._welcome else 0
         return HEARTBEATS_MISSED * heartbeat_s if heartbeat_s > 0 else None
 
-    def check_silence(self):
+    def check_silence(self) -> None:
         """Where nothing has come and nothing waits to be read: ConnectionLost, once it has lasted too long."""
         patience = self.patience_s()
         silence = time.monotonic() - self.heard
         if patience is not None and silence > patience:
             self.end(ConnectionLost(f"the server has said nothing for {silence:.0f} s"))
-            raise self.lost
+            raise self.lost or ConnectionLost("the connection is closed")
 
     # Commands.
 
-    def hello(self, name, token, timeout_s):
-        self.welcome = yield from self.call(
-            wire.Hello(major=MAJOR, minor=MINOR, client_name=name[:64], token=token or ""), timeout_s)
+    def hello(self, name: str, token: str, timeout_s: float) -> Command[None]:
+        """Command: until the server has let this client in."""
+        self._welcome = yield from self.call(
+            wire.Hello(major=MAJOR, minor=MINOR, client_name=name[:64], token=token or ""), wire.Welcome, timeout_s)
         if self.welcome.major != MAJOR:
             raise BadStream(f"protocol version: found {self.welcome.major}.{self.welcome.minor}; allowed: {MAJOR}.x")
 
-    def measure_clock(self):
+    def measure_clock(self) -> Command[float]:
         """How much the server's clock is behind ours: PROTOCOL.md, "Latency"."""
         before_ns = time.time_ns()
         beat = wire.Heartbeat(answer_wanted=True)
-        pending = yield from self._answer(self.ask(beat), beat)
+        pending = yield from self._answer(self.ask(beat, wire.Heartbeat), beat)
+        assert pending.message is not None
         self.offset_ns = (before_ns + time.time_ns()) // 2 - pending.message.header.utc_ns
         return self.offset_ns * 1e-9
 
-    def query(self, request, timeout_s):
+    def query(self, request: wire.QueryGround, timeout_s: float) -> Command[tuple[wire.GroundAnswer, memoryview]]:
         """Command: the answer to a QueryGround, and the records behind it."""
-        pending = yield from self._answer(self.ask(request), request, timeout_s)
-        return pending.reply, pending.message.plane
+        pending = yield from self._answer(self.ask(request, wire.GroundAnswer), request, timeout_s)
+        assert pending.message is not None
+        return cast(wire.GroundAnswer, pending.reply), pending.message.plane
 
-    def begin_render(self, request, names):
-        """RenderOnce on its way: finish() waits for its frame."""
+    def begin_render(self, request: wire.RenderOnce, names: tuple[str, ...]) -> Rendering:
+        """RenderOnce on its way: finish_render() waits for its frame."""
         pending = self.ask(request)
-        rendering = self._renderings[request.request_id] = Rendering(names)
-        rendering.request_id, rendering.pending = request.request_id, pending
+        rendering = self._renderings[request.request_id] = Rendering(names, request.request_id, pending)
         return rendering
 
-    def finish_render(self, rendering, timeout_s):
+    def finish_render(self, rendering: Rendering, timeout_s: float) -> Command[Frame]:
+        """Command: the frame."""
         try:
-            yield Wait(lambda: rendering.pending.error or not rendering.waits(), timeout_s, "a rendered frame")
+            yield Wait(rendering.over, timeout_s, "a rendered frame")
         finally:
             self.forget_render(rendering)
         error = rendering.pending.error or rendering.error
         if error:
             raise error
-        return rendering.ready.popleft()
+        return cast(Frame, rendering.ready.popleft())
 
-    def settle_render(self, rendering, timeout_s):
+    def settle_render(self, rendering: Rendering, timeout_s: float) -> Command[None]:
         """Command: until the frame is there, or is not to come. It is not taken."""
-        yield Wait(lambda: rendering.pending.error or not rendering.waits(), timeout_s, "a rendered frame")
+        yield Wait(rendering.over, timeout_s, "a rendered frame")
 
-    def forget_render(self, rendering):
+    def forget_render(self, rendering: Rendering) -> None:
+        """Its frame is not wanted any more."""
         self._renderings.pop(rendering.request_id, None)
         self._pending.pop(rendering.request_id, None)
         self._streams = {number: sink for number, sink in self._streams.items() if sink is not rendering}
 
-    def begin_stream(self, subscription):
+    def begin_stream(self, subscription: Subscription) -> Command[None]:
         """Command. A subscription of the same radar is replaced, as on the server."""
         radar = subscription.request.radar
         old = self.subscriptions.get(radar)
@@ -329,18 +374,21 @@ class Session:
             old.error = ObliqError(f"another stream of radar {radar} was begun on this connection: connect once more "
                                    "to watch it twice")
 
-    def next_of(self, subscription, timeout_s):
+    def next_of(self, subscription: Subscription, timeout_s: float | None) -> Command[Any]:
+        """Command: its next frame or wedge."""
         yield Wait(lambda: not subscription.waits(), timeout_s, f"a frame of radar {subscription.request.radar}")
         if subscription.ready:
             return subscription.take()
+        assert subscription.error is not None
         raise subscription.error
 
-    def end_stream(self, subscription):
+    def end_stream(self, subscription: Subscription) -> Command[None]:
+        """Command: no more is to come."""
         radar = subscription.request.radar
         if self.subscriptions.get(radar) is not subscription:
             return
         try:
-            yield from self.call(wire.Unsubscribe(radar=radar))
+            yield from self.act(wire.Unsubscribe(radar=radar))
         finally:
             self.subscriptions.pop(radar, None)
             self._streams = {number: sink for number, sink in self._streams.items() if sink is not subscription}

@@ -3,9 +3,10 @@ from __future__ import annotations
 
 import struct
 import time
-import typing
+from typing import Any, NamedTuple
 
 import numpy as np
+from google.protobuf.message import Message as ProtobufMessage
 
 from . import obliq_pb2 as wire
 from ._crc import crc32c
@@ -21,7 +22,7 @@ MAGIC = b"OBLQ"
 CRC_AT = slice(40, 44)
 WEDGE_BLOCK = 49
 
-TYPES = {
+TYPES: dict[int, type[ProtobufMessage]] = {
     1: wire.Hello, 2: wire.Welcome, 3: wire.Ack, 4: wire.Error, 5: wire.Heartbeat, 16: wire.ListRadars,
     17: wire.RadarList, 18: wire.GetRadar, 19: wire.RadarInfo, 20: wire.ClaimControl, 21: wire.ReleaseControl,
     22: wire.SetSettings, 23: wire.SetPose, 24: wire.Subscribe, 25: wire.Unsubscribe, 26: wire.RenderOnce,
@@ -36,7 +37,9 @@ STRANGERS = {b"HTTP": "an HTTP server (obliqd's own has another port than its st
              b"\x16\x03": "a server that speaks TLS: give tls=obliq.Tls()", b"220": "a mail or FTP server"}
 
 
-class Header(typing.NamedTuple):
+class Header(NamedTuple):
+    """What stands before each message."""
+
     type: int
     header_length: int
     payload_length: int
@@ -46,21 +49,24 @@ class Header(typing.NamedTuple):
     crc: int
 
     @property
-    def size(self):
+    def size(self) -> int:
+        """Of header and payload, in bytes."""
         return self.header_length + self.payload_length
 
 
-class Message(typing.NamedTuple):
+class Message(NamedTuple):
+    """One message. offset: of its first byte in the connection or the file."""
+
     header: Header
     payload: bytes | memoryview
-    offset: int  # of its first byte in the connection or the file
+    offset: int
 
     @property
-    def plane(self):
+    def plane(self) -> memoryview:
         """The bytes behind the protobuf part, not copied."""
         return memoryview(self.payload)[self.header.descriptor_length:]
 
-    def parsed(self):
+    def parsed(self) -> Any:
         """The protobuf part. BadStream where it does not parse, None for a type that is not known."""
         kind = TYPES.get(self.header.type)
         if kind is None:
@@ -71,24 +77,24 @@ class Message(typing.NamedTuple):
             raise BadStream(f"a message does not parse: {kind.DESCRIPTOR.name}", self.offset) from None
 
 
-def encode(message, sequence, stream_id=0, plane=b"", utc_ns=None):
+def encode(message: ProtobufMessage, sequence: int, stream_id: int = 0, plane: bytes = b"", utc_ns: int | None = None) -> bytes:
     """One message as bytes."""
     descriptor = message.SerializeToString()
     payload = descriptor + plane
-    fields = [MAGIC, MAJOR, MINOR, NUMBERS[type(message)], 0, HEADER.size, len(payload), len(descriptor), stream_id,
+    fields: list[Any] = [MAGIC, MAJOR, MINOR, NUMBERS[type(message)], 0, HEADER.size, len(payload), len(descriptor), stream_id,
               sequence, time.time_ns() if utc_ns is None else utc_ns, 0, 0]
     fields[11] = crc32c(payload, crc32c(HEADER.pack(*fields)))
     return HEADER.pack(*fields) + payload
 
 
-def stranger(first):
+def stranger(first: bytes | memoryview) -> str:
     """What answers where obliqd was expected, told by its first bytes."""
     program = next((text for start, text in STRANGERS.items() if bytes(first).startswith(start)), "another program")
     return (f"not an obliq stream: found {bytes(first)[:8]!r}, which is {program}; allowed: where obliqd listens "
             "(server.port, 7420 unless its scene file says otherwise)")
 
 
-def decode_header(data, offset, at=0):
+def decode_header(data: bytes | memoryview, offset: int, at: int = 0) -> Header:
     """Checks all lengths before anything is allocated. data: which holds the header from byte `at` on."""
     magic, major, minor, kind, _, header_length, payload, descriptor, stream_id, _, utc_ns, crc, _ = HEADER.unpack_from(data, at)
     if magic != MAGIC:
@@ -112,14 +118,15 @@ class Splitter:
     PIECE = 1 << 18  # read at a time, so that an event loop is not held for long
     SIZE = 2 * (MOST_HEADER + MOST_PAYLOAD)
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._buffer = np.zeros(self.SIZE, "u1")
-        self._view = memoryview(self._buffer)
+        self._view = memoryview(self._buffer)  # type: ignore[arg-type, unused-ignore]
         self._begin = self._end = 0
         self.offset = 0  # of what is not yet used
-        self._header = None
+        self._header: Header | None = None
 
-    def space(self):
+    def space(self) -> memoryview:
+        """Where the next bytes go."""
         here = self._end - self._begin
         # To the front whenever that is cheap: what is written again and again stays in the processor's cache.
         if here <= min(self._begin, self.PIECE) or self.SIZE - self._end < self.PIECE:
@@ -127,15 +134,16 @@ class Splitter:
             self._begin, self._end = 0, here
         return self._view[self._end: self._end + self.PIECE]
 
-    def filled(self, count):
+    def filled(self, count: int) -> None:
+        """So many bytes have come into space()."""
         self._end += count
 
     @property
-    def waiting(self):
+    def waiting(self) -> int:
         """Bytes of a message that is not yet whole."""
         return self._end - self._begin
 
-    def next(self):
+    def next(self) -> Message | None:
         """The next whole message, or None until more bytes have come."""
         begin, here = self._begin, self._end - self._begin
         header = self._header
@@ -153,7 +161,7 @@ class Splitter:
         message[CRC_AT] = 0
         if crc32c(message) != header.crc:
             raise BadStream("a message is damaged (CRC mismatch)", self.offset)
-        payload = self._view[begin + header.header_length: begin + size]
+        payload: bytes | memoryview = self._view[begin + header.header_length: begin + size]
         if header.type != WEDGE_BLOCK:
             payload = bytes(payload)
         offset = self.offset

@@ -1,7 +1,7 @@
 """python -m obliq.batch poses.jsonl --out DIR (--server HOST:PORT | --local SCENE.toml) ...
 
 Exit code 0: the data set, or this share of it, is whole; 2: it is, but for poses that the server refused, which
-failed.jsonl lists; 1: not, run it again.
+failed.jsonl lists; 1: not, run it again. --check renders nothing: 0: all poses are good, 2: not all. --self-test: 0: good.
 """
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ import concurrent.futures
 import multiprocessing
 import sys
 import types
+from collections.abc import Sequence
+from typing import Any
 
-from ._batch import batch
+from ._batch import Done, batch, check
 from .errors import ObliqError
 from .parameters import Settings
 
 
-def setting(text):
+def setting(text: str) -> tuple[str, object]:
     """KEY=VALUE, by the scene file's name or by Python's."""
     key, equals, value = text.partition("=")
     name = Settings.keys.get(key, key)
@@ -32,17 +34,25 @@ def setting(text):
         raise argparse.ArgumentTypeError(f"{key}: found {value!r}; allowed: a number") from None
 
 
-def arguments(words):
+def arguments(words: Sequence[str] | None) -> argparse.Namespace:
+    """What the command line says."""
     parser = argparse.ArgumentParser(prog="python -m obliq.batch", description="Render many poses into a data set. Run it "
                                      "again after any failure: it does what is missing.")
-    parser.add_argument("poses", help="JSON lines: {\"id\": \"a17\", \"latitude_deg\": ..., \"bearing_deg\": ..., "
-                        "\"r_max_m\": ...}, any field of a pose and of the settings")
-    parser.add_argument("--out", required=True, help="folder of the data set")
-    where = parser.add_mutually_exclusive_group(required=True)
+    parser.add_argument("poses", nargs="?", help="JSON lines: {\"id\": \"a17\", \"latitude_deg\": ..., \"bearing_deg\": ..., "
+                        "\"r_max_m\": ...}, any field of a pose and of the settings; \"meta\": {...}, your own columns; "
+                        "\"split\": \"train\"; \"scene\": \"b.toml\", a scene file of its own")
+    parser.add_argument("--out", help="folder of the data set")
+    parser.add_argument("--check", action="store_true", help="judge all poses, render none, write nothing")
+    parser.add_argument("--self-test", action="store_true", help="make a small data set and look at it")
+    where = parser.add_mutually_exclusive_group()
     where.add_argument("--server", metavar="HOST:PORT")
     where.add_argument("--local", metavar="SCENE.toml", help="start obliqd, and stop it at the end; each worker its own")
     parser.add_argument("--obliqd", help="the program for --local")
     parser.add_argument("--planes", default="iq,state")
+    parser.add_argument("--area", choices=("poses", "scene"), default="poses", help="with --local: load the ground that the poses "
+                        "reach, where the scene file names no terrain.area (the default), or what the scene says")
+    parser.add_argument("--min-coverage", type=float, default=0.0, metavar="SHARE", help="a frame with less ground in its sector "
+                        "fails, such as 0.95")
     parser.add_argument("--set", type=setting, action="append", default=[], metavar="KEY=VALUE", help="of all frames; else as "
                         "the server's radar has it")
     parser.add_argument("--radar", help="whose settings are taken; default: main, or the first")
@@ -55,16 +65,31 @@ def arguments(words):
     parser.add_argument("--token-file")
     parser.add_argument("--tls", action="store_true")
     parser.add_argument("--ca", metavar="FILE")
-    return parser.parse_args(words)
+    given = parser.parse_args(words)
+    if not given.self_test:
+        if given.poses is None or (given.out is None and not given.check):
+            parser.error("the following arguments are required: poses, --out (or --check), --server or --local")
+    return given
 
 
-def main(words=None):
+def main(words: Sequence[str] | None = None) -> int:
+    """The program; its exit code."""
     given = arguments(words)
-    options = dict(server=given.server, local=given.local, planes=given.planes, settings=dict(given.set), radar=given.radar,
-                   seed=given.seed, speckle_per_frame=given.speckle_per_frame,
-                   shard_size=given.shard_size, shard=given.shard, token_file=given.token_file, tls=given.tls,
-                   ca_file=given.ca, obliqd=given.obliqd, progress=True)
+    options: dict[str, Any] = {
+        "server": given.server, "local": given.local, "planes": given.planes, "settings": dict(given.set), "radar": given.radar,
+        "seed": given.seed, "speckle_per_frame": given.speckle_per_frame, "shard_size": given.shard_size,
+        "token_file": given.token_file, "tls": given.tls, "ca_file": given.ca, "obliqd": given.obliqd, "area": given.area,
+        "min_coverage": given.min_coverage}
     try:
+        if given.self_test:
+            from ._self_test import self_test
+
+            return 0 if self_test(given.obliqd) else 1
+        if given.check:
+            checked = check(given.poses, **options)
+            print(f"obliq.batch: {checked.sentence(given.poses)}", file=sys.stderr)
+            return 2 if checked.refused else 0
+        options.update(shard=given.shard, progress=True)
         if given.workers > 1:
             spawn = multiprocessing.get_context("spawn")
             with concurrent.futures.ProcessPoolExecutor(given.workers, mp_context=spawn) as executor:
@@ -74,9 +99,14 @@ def main(words=None):
     except (ObliqError, OSError, TypeError, ValueError, concurrent.futures.BrokenExecutor) as error:
         print(f"obliq.batch: {error}", file=sys.stderr)
         return 1
+    return told(given.poses, done)
+
+
+def told(poses: str, done: Done) -> int:
+    """Says what was done; the exit code."""
     refused = ""
     if (first := done.first_failed) is not None:
-        refused = f"; {done.failed} refused, as failed.jsonl says: {given.poses}, line {first['line']}: {first['text']}"
+        refused = f"; {done.failed} refused, as failed.jsonl says: {poses}, line {first['line']}: {first['text']}"
     print(f"obliq.batch: {done.frames} frames in {done.seconds:.1f} s; {done.parts} of {done.parts_wanted} parts are there"
           + refused, file=sys.stderr)
     return 2 if done.failed else 0
@@ -89,7 +119,7 @@ if __name__ == "__main__":
 class _Callable(types.ModuleType):
     """obliq.batch is a function, also where `import obliq.batch` has made it a module."""
 
-    def __call__(self, *arguments_, **options):
+    def __call__(self, *arguments_: Any, **options: Any) -> Done:
         return batch(*arguments_, **options)
 
 

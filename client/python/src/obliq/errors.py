@@ -5,11 +5,14 @@ Numbers are those of PROTOCOL.md, "Errors"; `number` is 0 where the server did n
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
+from typing import Any
 
+from . import obliq_pb2 as wire
 from .parameters import Pose, Settings
 
 
-def printable(text):
+def printable(text: str) -> str:
     """With escapes for what would steer a terminal or begin a line of its own: some of these texts are a server's."""
     if text.isprintable():
         return text
@@ -17,9 +20,11 @@ def printable(text):
 
 
 class ObliqError(Exception):
+    """Whatever goes wrong in obliq. number: that of PROTOCOL.md, "Errors", 0 where the server did not say anything."""
+
     number = 0
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable(super().__str__())
 
 
@@ -42,52 +47,52 @@ class ConnectionLost(ObliqError, ConnectionError):
 class BadStream(ObliqError):
     """What arrived is not the protocol, or damaged. `offset` counts bytes of the connection or the file."""
 
-    def __init__(self, reason, offset=None):
+    def __init__(self, reason: str, offset: int | None = None):
         super().__init__(reason if offset is None else f"{reason} (at byte {offset})")
         self.reason, self.offset = reason, offset
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.reason, self.offset)
 
 
 class FrameAborted(ObliqError):
     """A frame that had begun was ended by the server."""
 
-    def __init__(self, reason):
+    def __init__(self, reason: str):
         super().__init__(f"the server ended the frame before it was complete: {reason}")
         self.reason = reason
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.reason,)
 
 
 @dataclasses.dataclass(frozen=True)
 class Fault:
-    """One value that was refused."""
+    """One value that was refused. field: as the server calls it, a key of the scene file or a field of the request."""
 
-    field: str  # as the server calls it: a key of the scene file, or a field of the request
+    field: str
     found: str
     allowed: str
 
     @property
-    def argument(self):
+    def argument(self) -> str:
         """The Python name of the value: r_min_m for radar.r_min_m."""
         return Settings.keys.get(self.field) or Pose.keys.get(self.field) or self.field
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable(f"{self.argument}: found {self.found}; allowed: {self.allowed}")
 
 
 class Refused(ObliqError):
-    """The server answered with an Error."""
+    """The server answered with an Error. text, faults, radar: what it said."""
 
-    def __init__(self, number, text, faults=(), radar=""):
+    def __init__(self, number: int, text: str, faults: Iterable[Fault] = (), radar: str = ""):
         self.number, self.text, self.faults, self.radar = number, text, tuple(faults), radar
         words = [self.text] + [str(fault) for fault in self.faults]
         advice = ADVICE.get(number)
         super().__init__(f"{'; '.join(words)}{f'. {advice}' if advice else ''} (error {number})")
 
-    def __reduce__(self):  # so that it passes between processes
+    def __reduce__(self) -> tuple[Any, ...]:  # so that it passes between processes
         return type(self), (self.number, self.text, self.faults, self.radar)
 
 
@@ -96,45 +101,49 @@ class InvalidValue(Refused, ValueError):
 
 
 class UnknownRadar(Refused, LookupError):
-    pass
+    """The server has no radar of that name."""
 
 
 class NotInControl(Refused):
+    """Another client controls the radar, or none does."""
+
     @property
-    def holder(self):
+    def holder(self) -> str:
         """What the server says of the client that controls the radar; empty: none does."""
         return self.text if self.number == 102 else ""
 
 
 class OverLimit(Refused):
+    """More than the server gives."""
+
     @property
-    def limit(self):
+    def limit(self) -> str:
         """The limit's name: max_bins, max_renders_queued, ..."""
         named = {104: "max_renders_queued", 105: "max_subscriptions"}
         return named.get(self.number) or self.text.split(":")[0].split(" ")[0]
 
 
 class RenderFailed(Refused):
-    pass
+    """The server could not render the frame."""
 
 
 class Unauthorized(Refused, PermissionError):
-    pass
+    """The token is missing, wrong, or of a lesser role."""
 
 
 class ServerFull(Refused):
-    pass
+    """The server has as many clients as it takes."""
 
 
 class ServerStopping(Refused, ConnectionError):
-    pass
+    """The server is about to end."""
 
 
 class ReplayOnly(Refused):
-    pass
+    """Of a server that replays a recording, or of one that does not."""
 
 
-KINDS = {
+KINDS: dict[int, type[Refused]] = {
     8: ServerFull, 9: ServerStopping, 11: Unauthorized, 12: Unauthorized, 14: ServerFull, 100: InvalidValue,
     101: UnknownRadar, 102: NotInControl, 103: NotInControl, 104: OverLimit, 105: OverLimit, 106: RenderFailed,
     108: Unauthorized, 109: OverLimit, 125: ReplayOnly, 126: ReplayOnly,
@@ -157,12 +166,12 @@ ADVICE = {
 }
 
 
-def refusal(number, text, faults=(), radar=""):
+def refusal(number: int, text: str, faults: Iterable[Fault] = (), radar: str = "") -> Refused:
     """The exception for an Error of the server."""
     return KINDS.get(number, Refused)(number, text, faults, radar)
 
 
-def from_message(error):
+def from_message(error: wire.Error) -> Refused:
     """The exception for a wire.Error."""
     faults = [Fault(fault.field, fault.found, fault.allowed) for fault in error.fields]
     return refusal(error.number, error.text, faults, error.radar)

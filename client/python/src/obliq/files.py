@@ -6,18 +6,22 @@ import io
 import os
 import pathlib
 import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import mapping
-from .frame import restore
+from .frame import Frame, restore
+from .planes import NUMBERS
 from .xarrays import attributes, coordinates, need, variable_attributes
 
 FORMAT = 1  # of .npz files
 
 
 @contextlib.contextmanager
-def whole(path):
+def whole(path: str | os.PathLike[str]) -> Iterator[pathlib.Path]:
     """A path to write to; the file has its name when it is whole, and not before."""
     path = pathlib.Path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
@@ -33,8 +37,11 @@ def whole(path):
             part.unlink()
 
 
-def save(frame, path):
-    writers = {".npz": save_npz, ".nc": save_nc, ".tif": save_tif, ".tiff": save_tif, ".png": save_png}
+def save(frame: Frame, path: str | os.PathLike[str]) -> None:
+    """By the path's suffix."""
+    writers: dict[str, Callable[[Frame, pathlib.Path], None]] = {
+        ".npz": save_npz, ".nc": save_nc, ".tif": save_tif, ".tiff": save_tif,
+        ".png": save_png}
     suffix = pathlib.Path(path).suffix.lower()
     if suffix not in writers:
         raise ValueError(f"{path}: found suffix {suffix!r}; allowed: {', '.join(writers)}")
@@ -42,16 +49,16 @@ def save(frame, path):
         writers[suffix](frame, part)
 
 
-def load(path):
+def load(path: str | os.PathLike[str]) -> Frame:
     """The frame that save() wrote to .npz or .nc: the same bits."""
-    readers = {".npz": load_npz, ".nc": load_nc}
+    readers: dict[str, Callable[[str | os.PathLike[str]], Frame]] = {".npz": load_npz, ".nc": load_nc}
     suffix = pathlib.Path(path).suffix.lower()
     if suffix not in readers:
         raise ValueError(f"{path}: found suffix {suffix!r}; allowed: {', '.join(readers)}")
     return readers[suffix](path)
 
 
-def messages_of(frame):
+def messages_of(frame: Frame) -> dict[str, Any]:
     """What a file keeps beside the planes, as arrays."""
     summary = frame.summary.SerializeToString() if frame.summary is not None else b""
     return {"descriptor": np.frombuffer(frame.descriptor.SerializeToString(), "u1"),
@@ -60,38 +67,41 @@ def messages_of(frame):
             "missed": np.array([(rows.start, rows.stop) for rows in frame.missed], "i8").reshape(-1, 2)}
 
 
-def from_messages(planes, kept):
+def from_messages(planes: Mapping[str, npt.NDArray[Any]], kept: Mapping[str, Any]) -> Frame:
+    """messages_of(), turned round."""
     return restore(planes, bytes(kept["descriptor"]), bytes(kept["summary"]), int(kept["utc_ns"]), int(kept["frame_id"]),
                    np.asarray(kept["missed"]).tolist())
 
 
-def save_npz(frame, path):
+def save_npz(frame: Frame, path: pathlib.Path) -> None:
+    """numpy's archive."""
     with open(path, "wb") as file:
-        np.savez(file, format=np.int64(FORMAT), azimuth_deg=frame.azimuth_deg, range_m=frame.range_m, **frame.planes(),
-                 **{f"obliq_{name}": value for name, value in messages_of(frame).items()})
+        np.savez(file, **{"format": np.int64(FORMAT), "azimuth_deg": frame.azimuth_deg, "range_m": frame.range_m, **frame.planes(),
+                          **{f"obliq_{name}": value for name, value in messages_of(frame).items()}})
 
 
-def load_npz(path):
+def load_npz(path: str | os.PathLike[str]) -> Frame:
+    """What save_npz() wrote."""
     try:
         with open(path, "rb") as file, np.load(file) as kept:
             names = set(kept.files)
             if "obliq_descriptor" not in names or int(kept["format"]) > FORMAT:
                 raise ValueError(f"{path}: not a frame that obliq saved, or by a later version")
             messages = {name[6:]: kept[name] for name in names if name.startswith("obliq_")}
-            planes = {name: kept[name] for name in ("iq", "power", "count", "state", "video") if name in names}
+            planes = {name: kept[name] for name in NUMBERS if name in names}
             return from_messages(planes, messages)
     except (zipfile.BadZipFile, EOFError, KeyError) as error:
         raise ValueError(f"{path}: damaged, or not a frame that obliq saved: {error}") from None
 
 
-def save_nc(frame, path):
+def save_nc(frame: Frame, path: pathlib.Path) -> None:
     """CF netCDF-4. Complex numbers are no netCDF type: iq is two variables, i and q."""
     netcdf = need("saving .nc", "netCDF4", "netcdf")
     with netcdf.Dataset(path, "w") as file:
         for name, size in (("azimuth", frame.shape[0]), ("range", frame.shape[1]), ("bound", 2)):
             file.createDimension(name, size)
 
-        def put(name, dimensions, values, its):
+        def put(name: str, dimensions: str | tuple[str, ...], values: Any, its: Mapping[str, Any]) -> None:
             dimensions = (dimensions,) if isinstance(dimensions, str) else dimensions
             variable = file.createVariable(name, np.asarray(values).dtype, dimensions, zlib=bool(dimensions), complevel=1)
             variable[...] = values
@@ -117,7 +127,8 @@ def save_nc(frame, path):
                         **({"missed": missed} if missed.size else {})})
 
 
-def load_nc(path):
+def load_nc(path: str | os.PathLike[str]) -> Frame:
+    """What save_nc() wrote."""
     netcdf = need("loading .nc", "netCDF4", "netcdf")
     try:
         file = netcdf.Dataset(path)
@@ -130,9 +141,9 @@ def load_nc(path):
         held = file.variables
         if "obliq_descriptor" not in held:
             raise ValueError(f"{path}: not a frame that obliq saved")
-        planes = {name: np.asarray(held[name][...]) for name in ("power", "count", "state", "video") if name in held}
+        planes = {name: np.asarray(held[name][...]) for name in NUMBERS if name in held}
         if "i" in held:
-            iq = np.empty(held["i"].shape, "<c8")
+            iq = np.empty(held["i"].shape, np.complex64)
             iq.real, iq.imag = held["i"][...], held["q"][...]
             planes = {"iq": iq, **planes}
         missed = np.atleast_1d(getattr(file, "missed", np.empty(0, "i8")))
@@ -141,7 +152,7 @@ def load_nc(path):
                                       "frame_id": file.frame_id, "missed": missed.reshape(-1, 2)})
 
 
-def save_tif(frame, path):
+def save_tif(frame: Frame, path: pathlib.Path) -> None:
     """Bands and values as the ground_map.tif of `obliq get`: level in dB, and state (255 outside)."""
     rasterio = need("saving .tif", "rasterio", "geotiff")
     grid = mapping.north_up(frame)
@@ -159,7 +170,8 @@ def save_tif(frame, path):
                                      "range, 254 not known, 255 outside")
 
 
-def save_png(frame, path):
+def save_png(frame: Frame, path: pathlib.Path) -> None:
+    """A picture."""
     need("saving .png", "matplotlib", "plot")
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -167,7 +179,7 @@ def save_png(frame, path):
     from . import plotting
 
     figure = Figure(figsize=(10, 8), dpi=150)
-    FigureCanvasAgg(figure)
+    FigureCanvasAgg(figure)  # type: ignore[no-untyped-call, unused-ignore]
     plotting.plot(frame, "ppi", figure.add_subplot(), None)
     picture = io.BytesIO()
     figure.savefig(picture, format="png")

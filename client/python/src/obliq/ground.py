@@ -1,11 +1,15 @@
 """Ground queries: what is at places, and whether an antenna sees points there. PROTOCOL.md, "Ground queries"."""
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any, Literal
+
 import numpy as np
+import numpy.typing as npt
 
 from . import obliq_pb2 as wire
 from .errors import BadStream, ObliqError
-from .parameters import Pose
+from .parameters import Pose, PoseFields
 
 STATES = ("known", "unknown", "outside", "too_near")
 SIGHTS = ("not_asked", "visible", "visible_over_unknown", "behind_ground", "behind_building", "below_ground",
@@ -20,6 +24,10 @@ OF_GROUND = ("height_m", "surface_height_m", "slope_deg", "downhill_deg")
 REFERENCES = {"datum": wire.DATUM, "ground": wire.GROUND, "ellipsoid": wire.ELLIPSOID}
 
 
+Reference = Literal["datum", "ground", "ellipsoid"]
+Floats = npt.NDArray[np.float64]
+
+
 class GroundPoints:
     """What is at the places of a query: arrays of the shape in which the places were given.
 
@@ -27,12 +35,29 @@ class GroundPoints:
     point that is seen or not, above the datum; slope_deg, downhill_deg (true bearing of the steepest descent);
     building (number, from 1; 0: none); material (index into .materials); water; state (index into obliq.ground.STATES);
     sight (index into obliq.ground.SIGHTS); clearance_deg (angle above what stands highest before the point, negative:
-    hidden by so much); obstacle_range_m. What is not known is NaN.
+    hidden by so much); obstacle_range_m. What is not known is NaN. materials: their names. antenna: that looked; None: sight
+    was not asked for.
     """
 
-    def __init__(self, records, shape, materials, antenna, by_bearing=False):
-        self.materials = materials  # names
-        self.antenna = antenna  # that looked; None: sight was not asked for
+    latitude_deg: Floats
+    longitude_deg: Floats
+    height_m: Floats
+    surface_height_m: Floats
+    point_height_m: Floats
+    slope_deg: npt.NDArray[np.float32]
+    downhill_deg: npt.NDArray[np.float32]
+    clearance_deg: npt.NDArray[np.float32]
+    obstacle_range_m: npt.NDArray[np.float32]
+    building: npt.NDArray[np.uint32]
+    state: npt.NDArray[np.uint8]
+    sight: npt.NDArray[np.uint8]
+    material: npt.NDArray[np.uint8]
+    water: npt.NDArray[np.bool_]
+
+    def __init__(self, records: npt.NDArray[Any], shape: tuple[int, ...], materials: tuple[str, ...], antenna: Pose | None,
+                 by_bearing: bool = False):
+        self.materials = materials
+        self.antenna = antenna
         unknown = records["state"] != 0
         for name, kind in MEMBERS:
             values = records[name].reshape(shape).astype(np.dtype(kind).newbyteorder("="))
@@ -47,41 +72,46 @@ class GroundPoints:
             self.latitude_deg[~self.known] = self.longitude_deg[~self.known] = np.nan
 
     @property
-    def shape(self):
+    def shape(self) -> tuple[int, ...]:
+        """In which the places were given."""
         return self.state.shape
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.state)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<obliq.GroundPoints of shape {self.shape}>"
 
     @property
-    def known(self):
+    def known(self) -> npt.NDArray[np.bool_]:
         """Where the ground is known."""
-        return self.state == 0
+        return np.asarray(self.state == 0)
 
     @property
-    def visible(self):
+    def visible(self) -> npt.NDArray[np.bool_]:
         """Where nothing known hides the point; .sight tells where the way is not all known."""
-        return (self.sight == 1) | (self.sight == 2)
+        return np.asarray((self.sight == 1) | (self.sight == 2))
 
     @property
-    def sight_name(self):
-        return np.array(SIGHTS, object)[np.minimum(self.sight, len(SIGHTS) - 1)]
+    def sight_name(self) -> npt.NDArray[np.object_]:
+        """As in obliq.ground.SIGHTS."""
+        return np.asarray(np.array(SIGHTS, object)[np.minimum(self.sight, len(SIGHTS) - 1)])
 
     @property
-    def material_name(self):
+    def material_name(self) -> npt.NDArray[np.object_]:
         """Empty where the ground is not known."""
         names = np.array([*self.materials, ""], object)
-        return names[np.where(self.known, np.minimum(self.material, len(self.materials)), len(self.materials))]
+        return np.asarray(names[np.where(self.known, np.minimum(self.material, len(self.materials)), len(self.materials))])
 
 
 class Asked:
     """A query as the messages that ask it: as many as the server's limit makes of it."""
 
-    def __init__(self, limits, latitude_deg=None, longitude_deg=None, height_m=None, *, bearing_deg=None, range_m=None,
-                 height_reference="datum", geoid_undulation_m=0.0, radar="", antenna=None):
+    def __init__(self, limits: wire.Limits, latitude_deg: npt.ArrayLike | None = None,
+                 longitude_deg: npt.ArrayLike | None = None, height_m: npt.ArrayLike | None = None, *,
+                 bearing_deg: npt.ArrayLike | None = None, range_m: npt.ArrayLike | None = None,
+                 height_reference: str = "datum", geoid_undulation_m: float = 0.0, radar: str = "",
+                 antenna: Pose | PoseFields | None = None):
         if limits.max_query_points == 0:
             raise ObliqError("this server answers no ground queries: it replays a recording, or is too old")
         if height_reference not in REFERENCES:
@@ -92,7 +122,7 @@ class Asked:
             "latitude_deg", latitude_deg, "longitude_deg", longitude_deg)
         if geodetic == by_bearing or pair[1] is None or pair[3] is None:
             raise TypeError("query() takes latitude_deg and longitude_deg, or bearing_deg and range_m")
-        columns = {pair[0]: pair[1], pair[2]: pair[3]}
+        columns: dict[str, npt.ArrayLike] = {pair[0]: pair[1], pair[2]: pair[3]}
         if height_m is not None:
             columns["height_m"] = height_m
         arrays = np.broadcast_arrays(*(np.asarray(column, np.float64) for column in columns.values()))
@@ -107,10 +137,11 @@ class Asked:
         if antenna is not None:
             Pose.of(antenna, "antenna").write(self._common.antenna)
         self._most = limits.max_query_points
-        self._parts = []
-        self._materials, self._antenna = (), None
+        self._parts: list[npt.NDArray[Any]] = []
+        self._materials: tuple[str, ...] = ()
+        self._antenna: Pose | None = None
 
-    def requests(self):
+    def requests(self) -> Iterator[wire.QueryGround]:
         """One after the other; add() what answers each."""
         points = len(self._columns[next(iter(self._columns))])
         for first in range(0, points, self._most):
@@ -120,17 +151,20 @@ class Asked:
                 getattr(request, name).extend(values[first: first + self._most].tolist())
             yield request
 
-    def add(self, reply, plane):
+    def add(self, reply: wire.GroundAnswer, plane: memoryview) -> None:
+        """Takes the answer to one of requests()."""
         if reply.record_bytes < RECORD.itemsize or reply.points * reply.record_bytes != len(plane):
             raise BadStream(f"GroundAnswer: found {len(plane)} bytes for {reply.points} records of {reply.record_bytes}")
-        offsets = [RECORD.fields[name][1] for name, _ in MEMBERS]
+        fields = RECORD.fields
+        assert fields is not None
+        offsets = [fields[name][1] for name, _ in MEMBERS]
         kind = np.dtype({"names": [name for name, _ in MEMBERS], "formats": [kind for _, kind in MEMBERS],
                          "offsets": offsets, "itemsize": reply.record_bytes})
         self._parts.append(np.frombuffer(plane, kind).astype(RECORD))
         self._materials = tuple(reply.materials)
         self._antenna = Pose.read(reply.antenna) if reply.HasField("antenna") else None
 
-    def points(self):
+    def points(self) -> GroundPoints:
         """All answers together."""
         records = np.concatenate(self._parts) if self._parts else np.zeros(0, RECORD)
         expected = len(self._columns[next(iter(self._columns))])

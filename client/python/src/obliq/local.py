@@ -12,14 +12,17 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator, Mapping
+from typing import Any
 
-from .client import connect
+from .client import Server, connect
 from .errors import CannotConnect, TimedOut
 
 READY = re.compile(r"ready: .* on (\S+)")
 
 
-def find_obliqd(program):
+def find_obliqd(program: str | os.PathLike[str] | None) -> str:
+    """The program: as given, or of $OBLIQD, or in PATH."""
     found = program or os.environ.get("OBLIQD") or shutil.which("obliqd")
     if not found or not shutil.which(os.fspath(found)):
         raise FileNotFoundError(f"obliqd: found {found!r}; allowed: a program in PATH, in the variable OBLIQD, or given as "
@@ -27,7 +30,7 @@ def find_obliqd(program):
     return os.fspath(found)
 
 
-def toml(value):
+def toml(value: object) -> object:
     """A value as --set takes it."""
     if isinstance(value, (bool, list, tuple)):
         return json.dumps(value)
@@ -38,11 +41,12 @@ class Daemon:
     """obliqd with a scene, on any free port of this machine. It ends with this object or with this process, even where
     that is killed: a keeper between them watches a pipe."""
 
-    def __init__(self, scene, obliqd=None, settings=None, timeout=600.0):
-        scene = pathlib.Path(scene)
-        if not scene.is_file():
-            raise FileNotFoundError(f"{scene}: no such scene file")
-        words = [find_obliqd(obliqd), "--config", os.fspath(scene), "--set", "server.port=0", "--set", "http.enabled=false",
+    def __init__(self, scene: str | os.PathLike[str], obliqd: str | os.PathLike[str] | None = None,
+                 settings: Mapping[str, Any] | None = None, timeout: float = 600.0):
+        file = pathlib.Path(scene)
+        if not file.is_file():
+            raise FileNotFoundError(f"{file}: no such scene file")
+        words = [find_obliqd(obliqd), "--config", os.fspath(file), "--set", "server.port=0", "--set", "http.enabled=false",
                  "--set", "server.address=127.0.0.1", "--set", "server.tokens=", "--set", "server.tls_certificate=", "--set",
                  "server.tls_key="]
         for key, value in (settings or {}).items():
@@ -59,18 +63,19 @@ class Daemon:
             self.stop()
             raise
 
-    def log(self):
+    def log(self) -> str:
         """What it has printed so far."""
         # Where the daemon writes goes on from where this file's position is: it stays.
         return os.pread(self._log.fileno(), os.fstat(self._log.fileno()).st_size, 0).decode(errors="replace")
 
-    def _last_words(self):
+    def _last_words(self) -> str:
         return "; ".join(self.log().strip().splitlines()[-5:]) or "nothing"
 
-    def is_running(self):
+    def is_running(self) -> bool:
+        """It has not ended."""
         return self._keeper.poll() is None
 
-    def _await_ready(self, timeout):
+    def _await_ready(self, timeout: float) -> str:
         end = time.monotonic() + timeout
         while True:
             ended = self._keeper.poll() is not None
@@ -83,7 +88,9 @@ class Daemon:
                 raise TimedOut(f"obliqd was not ready within {timeout:g} s; it printed: {self._last_words()}")
             time.sleep(0.02)
 
-    def stop(self, timeout=15.0):
+    def stop(self, timeout: float = 15.0) -> None:
+        """Ends it, by force after so many seconds."""
+        assert self._keeper.stdin is not None
         if self._keeper.poll() is None:
             self._keeper.stdin.close()
             try:
@@ -97,7 +104,8 @@ class Daemon:
 
 
 @contextlib.contextmanager
-def local(scene, *, obliqd=None, settings=None, timeout=600.0, name="python"):
+def local(scene: str | os.PathLike[str], *, obliqd: str | os.PathLike[str] | None = None,
+          settings: Mapping[str, Any] | None = None, timeout: float = 600.0, name: str = "python") -> Iterator[Server]:
     """Starts obliqd with a scene file, yields it connected, stops it at the end. settings: what --set would take, such as
     {"terrain.cell_m": 30}. obliqd: the program; else $OBLIQD, else the one in PATH."""
     daemon = Daemon(scene, obliqd, settings, timeout)

@@ -6,10 +6,17 @@ is taken to lie at `descriptor.map_reference_height_m`.
 from __future__ import annotations
 
 import dataclasses
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from .places import A_M, F, STEPS, World, locate
+from . import obliq_pb2 as wire
+
+from .places import A_M, F, STEPS, Floats, World, locate
+
+if TYPE_CHECKING:
+    from .frame import Frame
 
 NO_VALUE = -9999.0
 OUTSIDE, UNKNOWN = 255, 254  # states of pixels off the sector, and of bins without a state plane
@@ -18,7 +25,7 @@ LATTICE = 16
 MOST_PIXELS = 2048
 
 
-def direct(latitude_deg, longitude_deg, east_m, north_m):
+def direct(latitude_deg: float, longitude_deg: float, east_m: Floats, north_m: Floats) -> tuple[Floats, Floats]:
     """The geodesic from a point: T. Vincenty, "Direct and inverse solutions of geodesics on the ellipsoid", Survey
     Review 23 (1975), within 0.1 mm."""
     s = np.hypot(east_m, north_m)
@@ -46,7 +53,7 @@ def direct(latitude_deg, longitude_deg, east_m, north_m):
     return np.degrees(latitude), longitude_deg + np.degrees(lam)
 
 
-def inverse(latitude_deg, longitude_deg, latitudes_deg, longitudes_deg):
+def inverse(latitude_deg: float, longitude_deg: float, latitudes_deg: Floats, longitudes_deg: Floats) -> tuple[Floats, Floats]:
     """East and north of points within some 1,000 km: direct() turned round on the tangent plane of the first point, where
     nothing happens at a pole. A step leaves (s / R)^2 / 2 of the error: under a micrometre."""
     tangent = World(latitude_deg, longitude_deg, 1.0)
@@ -69,20 +76,20 @@ class Grid:
     top_m: float
 
     @property
-    def extent(self):
+    def extent(self) -> tuple[float, float, float, float]:
         """left, right, bottom, top."""
         return (self.left_m, self.left_m + self.width * self.pixel_m, self.top_m - self.height * self.pixel_m, self.top_m)
 
 
-def sector(frame):
+def sector(frame: Frame) -> tuple[float, float, float, float]:
     """Edges of the bins that the frame has, each of a window's bins standing for its step: start and width of an azimuth
     bin in degrees, start and spacing of a range bin in metres."""
-    d, azimuth, ranges = frame.descriptor, frame._azimuth, frame._range
+    d, azimuth, ranges = frame.descriptor, frame.azimuth_run, frame.range_run
     return (d.azimuth_start_deg + azimuth.first * d.azimuth_width_deg, azimuth.step * d.azimuth_width_deg,
             d.range_start_m + ranges.first * d.range_spacing_m, ranges.step * d.range_spacing_m)
 
 
-def north_up(frame, most=MOST_PIXELS):
+def north_up(frame: Frame, most: int = MOST_PIXELS) -> Grid:
     """The grid that just holds the sector, as fine as the range bins or `most` pixels allow."""
     start, width, r0, spacing = sector(frame)
     n_azimuth, n_range = frame.shape
@@ -92,6 +99,7 @@ def north_up(frame, most=MOST_PIXELS):
                                          np.arange(np.ceil(start / 90), end / 90 + 1e-12) * 90]))
     pose = frame.pose
     latitude, longitude, away = locate_exactly(frame.descriptor, bearings, np.array([r0, r1]))
+    assert pose.latitude_deg is not None and pose.longitude_deg is not None
     if not away[:, 1].any():  # the swath does not reach the ground: as if the antenna stood on it
         east, north = (np.array([[r0, r1]]) * turn(np.radians(bearings))[:, None] for turn in (np.sin, np.cos))
     else:
@@ -100,18 +108,20 @@ def north_up(frame, most=MOST_PIXELS):
     extent = max(right - left, top - bottom)
     pixel = max(spacing, extent / most)
 
-    def pixels(length):
+    def pixels(length: float) -> int:
         return int(np.clip(np.ceil(length / pixel - 1e-6), 1, most))
 
     return Grid(pixels(right - left), pixels(top - bottom), float(pixel), float(left), float(top))
 
 
-def locate_exactly(descriptor, bearings, ranges):
+def locate_exactly(descriptor: wire.FrameDescriptor, bearings: Floats, ranges: Floats) -> tuple[Floats, Floats, Floats]:
+    """As places.locate(), without its interpolation."""
     parts = [locate(descriptor, np.array([bearing]), ranges) for bearing in bearings]
-    return tuple(np.concatenate([part[i] for part in parts]) for i in range(3))
+    latitude, longitude, away = (np.concatenate([part[i] for part in parts]) for i in range(3))
+    return latitude, longitude, away
 
 
-def bins_on(frame, grid):
+def bins_on(frame: Frame, grid: Grid) -> npt.NDArray[np.int64]:
     """[height, width]: azimuth row * range bins + range column of each pixel; -1 off the sector."""
     d, pose = frame.descriptor, frame.pose
     world = World(d.origin_latitude_deg, d.origin_longitude_deg, d.radius_factor)
@@ -119,6 +129,7 @@ def bins_on(frame, grid):
     rows = np.arange(0, grid.height + LATTICE, LATTICE)
     east = grid.left_m + (columns + 0.5) * grid.pixel_m
     north = grid.top_m - (rows + 0.5) * grid.pixel_m
+    assert pose.latitude_deg is not None and pose.longitude_deg is not None
     latitude, longitude = direct(pose.latitude_deg, pose.longitude_deg, *np.meshgrid(east, north))
     x, y, z = world.world(latitude, longitude, d.map_reference_height_m)
     start, width, r0, spacing = sector(frame)
@@ -138,7 +149,7 @@ def bins_on(frame, grid):
     return found
 
 
-def _between(values, strip, width):
+def _between(values: Floats, strip: slice, width: int) -> Any:
     """Values on the lattice, bilinearly, at the pixels of some rows."""
     row, column = np.arange(strip.start, strip.stop), np.arange(width)
     r, c = row // LATTICE, column // LATTICE
@@ -148,14 +159,15 @@ def _between(values, strip, width):
     return (1 - u) * left + u * right
 
 
-def is_ideal(frame):
+def is_ideal(frame: Frame) -> bool:
     """No receiver has added anything to the echoes or changed their law in range: a bin without a sample has no value, and a
     picture may make up for the range. As in `obliq get`."""
     return all(getattr(frame.settings, name) in (None, value) for name, value in frame.settings.ideal.items())
 
 
-def levels(frame):
+def levels(frame: Frame) -> npt.NDArray[np.float32]:
     """dB of |iq|, or of power where there is no iq, or of the video; NO_VALUE where that is 0. [azimuth, range], float32."""
+    power: npt.NDArray[np.float64]
     if frame.iq is not None:
         power = frame.iq.real.astype("f8")**2 + frame.iq.imag.astype("f8")**2
     elif frame.power is not None:
@@ -172,13 +184,14 @@ def levels(frame):
     return np.where(there, 10 * np.log10(np.where(there, power, 1)), NO_VALUE).astype("f4")
 
 
-def level_name(frame):
+def level_name(frame: Frame) -> str:
+    """Of levels(), with its unit."""
     if frame.iq is not None:
         return f"magnitude, dB re {frame.unit}"
     return f"{'video' if frame.power is None else 'power'}, dB re {frame.power_unit}"
 
 
-def levels_on(frame, grid):
+def levels_on(frame: Frame, grid: Grid) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
     """Level (float32) and state (uint8) of each pixel."""
     bins = bins_on(frame, grid)
     inside = bins >= 0

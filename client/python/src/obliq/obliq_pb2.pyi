@@ -180,7 +180,7 @@ class FrameBegin(_message.Message):
     def __init__(self, frame_id: _Optional[int] = ..., request_id: _Optional[int] = ..., frame: _Optional[_Union[FrameDescriptor, _Mapping]] = ..., wedges: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., scan: _Optional[_Union[ScanPass, _Mapping]] = ...) -> None: ...
 
 class FrameDescriptor(_message.Message):
-    __slots__ = ["adc_step", "antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "noise_counter", "noise_power_w", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_name", "settings", "settings_version", "source_error", "top_y_m", "unit", "video_floor_db", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
+    __slots__ = ["adc_step", "antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "build", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "noise_counter", "noise_power_w", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_hash", "scene_name", "settings", "settings_version", "source_error", "top_y_m", "unit", "video_floor_db", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
     ADC_STEP_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_X_M_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_Y_M_FIELD_NUMBER: _ClassVar[int]
@@ -191,6 +191,7 @@ class FrameDescriptor(_message.Message):
     AZIMUTH_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
     BOTTOM_Y_M_FIELD_NUMBER: _ClassVar[int]
     BUILDINGS_IN_SCENE_FIELD_NUMBER: _ClassVar[int]
+    BUILD_FIELD_NUMBER: _ClassVar[int]
     CELL_M_FIELD_NUMBER: _ClassVar[int]
     FRAME_ID_FIELD_NUMBER: _ClassVar[int]
     GROUND_FIELD_NUMBER: _ClassVar[int]
@@ -209,6 +210,7 @@ class FrameDescriptor(_message.Message):
     RADIUS_FACTOR_FIELD_NUMBER: _ClassVar[int]
     RANGE_SPACING_M_FIELD_NUMBER: _ClassVar[int]
     RANGE_START_M_FIELD_NUMBER: _ClassVar[int]
+    SCENE_HASH_FIELD_NUMBER: _ClassVar[int]
     SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
@@ -229,6 +231,7 @@ class FrameDescriptor(_message.Message):
     azimuth_start_deg: float
     azimuth_width_deg: float
     bottom_y_m: float
+    build: str
     buildings_in_scene: int
     cell_m: float
     frame_id: int
@@ -248,6 +251,7 @@ class FrameDescriptor(_message.Message):
     radius_factor: float
     range_spacing_m: float
     range_start_m: float
+    scene_hash: str
     scene_name: str
     settings: RadarSettings
     settings_version: int
@@ -259,7 +263,7 @@ class FrameDescriptor(_message.Message):
     wavelength_m: float
     wedge_azimuth_bins: int
     window: BinWindow
-    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ..., noise_power_w: _Optional[float] = ..., noise_counter: _Optional[int] = ..., adc_step: _Optional[float] = ..., video_floor_db: _Optional[float] = ...) -> None: ...
+    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ..., noise_power_w: _Optional[float] = ..., noise_counter: _Optional[int] = ..., adc_step: _Optional[float] = ..., video_floor_db: _Optional[float] = ..., scene_hash: _Optional[str] = ..., build: _Optional[str] = ...) -> None: ...
 
 class FrameEnd(_message.Message):
     __slots__ = ["frame_id", "missed", "render_s", "summary", "waited_s"]
@@ -936,40 +940,40 @@ class Welcome(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., scene_name: _Optional[str] = ..., radars: _Optional[_Iterable[str]] = ..., encodings: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., client_name: _Optional[str] = ..., role: _Optional[str] = ...) -> None: ...
 
 class FrustumKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class PlateKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class SpeckleKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class BeamPattern(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class ElevationPattern(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class PulseKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class PulseWindow(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class ScanMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class Polarisation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class HeightReference(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class PlaneKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class IqEncodingKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()
 
 class CompressionKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-    __slots__ = []
+    __slots__ = ()

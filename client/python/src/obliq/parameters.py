@@ -2,124 +2,213 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 from ._fields import Fields
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class SettingsFields(TypedDict, total=False):
+    """Keywords that Settings takes."""
+
+    frequency_ghz: float | None
+    sector_deg: float | None
+    r_min_m: float | None
+    r_max_m: float | None
+    power_w: float | None
+    gain_db: float | None
+    range_normalisation: bool | None
+    speckle: Literal["ground", "geometric", "none", "independent", "auto"] | None
+    speckle_seed: int | None
+    frustum: Literal["symmetric", "oblique", "polar", "sweep"] | None
+    plates: Literal["spread", "nearest"] | None
+    pixel_columns: int | None
+    pixel_rows: int | None
+    sub_columns: int | None
+    azimuth_bins: int | None
+    range_bins: int | None
+    scan_mode: Literal["frame", "sector", "circular"] | None
+    scan_rate_deg_s: float | None
+    scan_dwell_bins: int | None
+    beam_pattern: Literal["off", "gaussian", "uniform", "cosine", "taylor", "file"] | None
+    beam_width_deg: float | None
+    beam_sidelobe_db: float | None
+    beam_nbar: int | None
+    beam_extent_deg: float | None
+    beam_elevation: Literal["off", "gaussian", "cosecant", "file"] | None
+    beam_elevation_width_deg: float | None
+    beam_cosecant_to_deg: float | None
+    pulse_kind: Literal["off", "rectangular", "compressed"] | None
+    pulse_length_us: float | None
+    pulse_bandwidth_mhz: float | None
+    pulse_window: Literal["none", "hamming", "hann", "taylor"] | None
+    pulse_sidelobe_db: float | None
+    pulse_nbar: int | None
+    pulse_extent_bins: int | None
+    pulse_eclipse: bool | None
+    noise: bool | None
+    noise_figure_db: float | None
+    antenna_temperature_k: float | None
+    loss_db: float | None
+    noise_seed: int | None
+    noise_frame: int | None
+    receiver_gain_db: float | None
+    stc_range_m: float | None
+    stc_power: float | None
+    stc_db: float | None
+    adc_bits: int | None
+    full_scale_dbm: float | None
+    video_looks: int | None
+    video_floor_auto: bool | None
+    video_floor_db: float | None
+    video_span_db: float | None
+    rain_mm_h: float | None
+    rain_top_m: float | None
+    gas: bool | None
+    polarisation: Literal["horizontal", "vertical"] | None
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Settings(Fields):
-    """Settings of a radar. None: as it is, or the default where a frame is rendered."""
+    """Settings of a radar. None: as it is, or the default where a frame is rendered.
 
-    # Carrier frequency. Allowed: number 0.03 to 300 GHz
+    frequency_ghz: Carrier frequency. Allowed: number 0.03 to 300 GHz.
+    sector_deg: Width of the sector in azimuth; the symmetric frustum needs less than 180. Allowed: number above 0, at most
+        360 deg.
+    r_min_m: Slant range of the near edge of the first range bin. Allowed: number 0 to 500000 m.
+    r_max_m: Slant range of the far edge of the last range bin. Allowed: number above 0, at most 500000 m.
+    power_w: Transmitted power; 0: a silent radar. Allowed: number 0 to 1000000000000 W.
+    gain_db: One-way antenna gain at its peak; without [beam] the same in all directions. Allowed: number -100 to 100 dB.
+    range_normalisation: Multiply amplitudes by range squared; phases stay. Allowed: true | false.
+    speckle: Speckle fixed to the ground; the paper's, from the ranges of rays, so not with the sweep; none; or drawn anew
+        for each azimuth bin. auto: independent where an antenna with a beam scans, else ground. Allowed: "ground" |
+        "geometric" | "none" | "independent" | "auto".
+    speckle_seed: Each seed gives another speckle pattern on the same ground. Allowed: any integer.
+    frustum: How the ground is sampled: rays through the pixels of a camera, or vertical planes without rays. A scene file
+        whose [frustum] is empty gets "sweep" (frustum.quality = "standard"). Allowed: "symmetric" | "oblique" | "sweep".
+    plates: Spread a pixel's power over all range bins that it covers, or put it into the bin of its hit, as the paper does.
+        Allowed: "spread" | "nearest".
+    pixel_columns: Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth bin, and at
+        least one each half degree. frustum.pixels sets columns and rows. Allowed: integer 1 to 16384.
+    pixel_rows: Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both. Allowed: integer 1 to
+        16384.
+    sub_columns: Parts of an azimuth bin that see its buildings, of the sweep; 16 or more, a power of two or the next one;
+        0: exact planes at each building. Allowed: integer 0 to 1024.
+    azimuth_bins: Azimuth bins in the sector. Allowed: integer 1 to 8192.
+    range_bins: Range bins between r_min and r_max. Allowed: integer 1 to 8192.
+    scan_mode: How a live radar scans: whole frames, back and forth across the sector, or round and round. Allowed: "frame"
+        | "sector" | "circular".
+    scan_rate_deg_s: Turning rate of the antenna; 36 is 6 turns per minute. A pass over the sector takes 10 ms to 60 s.
+        Allowed: number 0.1 to 7200 deg/s.
+    scan_dwell_bins: Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192.
+    beam_pattern: The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone. Allowed: "off" |
+        "gaussian" | "uniform" | "cosine" | "taylor" | "file".
+    beam_width_deg: One-way half-power beamwidth in azimuth. Allowed: number 0.05 to 90 deg.
+    beam_sidelobe_db: How far a Taylor pattern's sidelobes lie below its peak, one way. Allowed: number 13 to 60 dB.
+    beam_nbar: Sidelobes of a Taylor pattern that are nearly equal. Allowed: integer 2 to 20.
+    beam_extent_deg: Beyond it the azimuth pattern is 0; 0: where it stays 30 dB down, at most four widths. Allowed: number
+        0 to 180 deg.
+    beam_elevation: The antenna's pattern in elevation about antenna.tilt_deg: a pencil (gaussian) or a fan (cosecant).
+        Allowed: "off" | "gaussian" | "cosecant" | "file".
+    beam_elevation_width_deg: One-way half-power beamwidth in elevation. Allowed: number 0.05 to 90 deg.
+    beam_cosecant_to_deg: Depression to which a cosecant-squared pattern reaches. Allowed: number 0.1 to 90 deg.
+    pulse_kind: What a point becomes in range; off: it stays in its range bin. Allowed: "off" | "rectangular" |
+        "compressed".
+    pulse_length_us: Length of the pulse; a rectangular one resolves c/2 times it. Allowed: number 0.001 to 10000 us.
+    pulse_bandwidth_mhz: Bandwidth of a compressed pulse; 0: the range bin is its resolution, c/2B. Allowed: number 0 to
+        5000 MHz.
+    pulse_window: Weighting of a compressed pulse over its band. Allowed: "none" | "hamming" | "hann" | "taylor".
+    pulse_sidelobe_db: How far a Taylor window's range sidelobes lie below the peak. Allowed: number 13 to 60 dB.
+    pulse_nbar: Range sidelobes of a Taylor window that are nearly equal. Allowed: integer 2 to 20.
+    pulse_extent_bins: Range bins on either side that a point reaches. Allowed: integer 1 to 256.
+    pulse_eclipse: Cut the echo of what is nearer than half a pulse: the antenna still transmits. Allowed: true | false.
+    noise: Add the receiver's noise, k T B, to the bins. Allowed: true | false.
+    noise_figure_db: Noise figure of the receiver at 290 K. Allowed: number 0 to 40 dB.
+    antenna_temperature_k: Noise temperature of what the antenna sees. Allowed: number 3 to 100000 K.
+    loss_db: Losses of the echo, there and back; they leave the noise as it is. Allowed: number 0 to 60 dB.
+    noise_seed: Each seed gives other noise. Allowed: any integer.
+    noise_frame: Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts. Allowed:
+        non-negative integer.
+    receiver_gain_db: Gain of the receiver, of echoes and noise. Allowed: number -200 to 200 dB.
+    stc_range_m: Sensitivity time control lowers the gain up to this slant range; 0: none. Allowed: number 0 to 500000 m.
+    stc_power: Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level. Allowed: number 0 to 12.
+    stc_db: It lowers the gain by at most this. Allowed: number 0 to 200 dB.
+    adc_bits: Bits of the converter, of I and of Q, 2 or more; 0: none. Allowed: integer 0 to 16.
+    full_scale_dbm: Power of a sine that just fills the converter. Allowed: number -200 to 100 dBm.
+    video_looks: Pulses that the video integrates: it scatters as the mean of so many, in grains as large as one look's; 1:
+        |I&Q|^2 itself. Allowed: integer 1 to 1024.
+    video_floor_auto: Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it.
+        Allowed: true | false.
+    video_floor_db: Power at which the video's scale begins; "auto" in a scene file is video.floor_auto. Allowed: number
+        -400 to 400 dB.
+    video_span_db: From there to the video's highest level. Allowed: number 1 to 400 dB.
+    rain_mm_h: Rain everywhere up to rain_top_m: attenuation and an echo of its own. Allowed: number 0 to 200 mm/h.
+    rain_top_m: Height of the rain's top above the datum. Allowed: number -1000 to 20000 m.
+    gas: Attenuation by oxygen and water vapour of the standard atmosphere at sea level. Allowed: true | false.
+    polarisation: Of the radar's wave, for the rain's attenuation. Allowed: "horizontal" | "vertical".
+    """
+
     frequency_ghz: float | None = None
-    # Width of the sector in azimuth; the symmetric frustum needs less than 180. Allowed: number above 0, at most 360 deg
     sector_deg: float | None = None
-    # Slant range of the near edge of the first range bin. Allowed: number 0 to 500000 m
     r_min_m: float | None = None
-    # Slant range of the far edge of the last range bin. Allowed: number above 0, at most 500000 m
     r_max_m: float | None = None
-    # Transmitted power; 0: a silent radar. Allowed: number 0 to 1000000000000 W
     power_w: float | None = None
-    # One-way antenna gain at its peak; without [beam] the same in all directions. Allowed: number -100 to 100 dB
     gain_db: float | None = None
-    # Multiply amplitudes by range squared; phases stay. Allowed: true | false
     range_normalisation: bool | None = None
-    # Speckle fixed to the ground; the paper's, from the ranges of rays, so not with the sweep; none; or drawn anew for each azimuth bin. auto: independent where an antenna with a beam scans, else ground. Allowed: "ground" | "geometric" | "none" | "independent" | "auto"
-    speckle: str | None = None
-    # Each seed gives another speckle pattern on the same ground. Allowed: any integer
+    speckle: Literal["ground", "geometric", "none", "independent", "auto"] | None = None
     speckle_seed: int | None = None
-    # How the ground is sampled: rays through the pixels of a camera, or vertical planes without rays. A scene file whose [frustum] is empty gets "sweep" (frustum.quality = "standard"). Allowed: "symmetric" | "oblique" | "sweep"
-    frustum: str | None = None
-    # Spread a pixel's power over all range bins that it covers, or put it into the bin of its hit, as the paper does. Allowed: "spread" | "nearest"
-    plates: str | None = None
-    # Pixels across the sector; for the sweep, planes, rounded up to a whole number per azimuth bin, and at least one each half degree. frustum.pixels sets columns and rows. Allowed: integer 1 to 16384
+    frustum: Literal["symmetric", "oblique", "polar", "sweep"] | None = None
+    plates: Literal["spread", "nearest"] | None = None
     pixel_columns: int | None = None
-    # Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both. Allowed: integer 1 to 16384
     pixel_rows: int | None = None
-    # Parts of an azimuth bin that see its buildings, of the sweep; 16 or more, a power of two or the next one; 0: exact planes at each building. Allowed: integer 0 to 1024
     sub_columns: int | None = None
-    # Azimuth bins in the sector. Allowed: integer 1 to 8192
     azimuth_bins: int | None = None
-    # Range bins between r_min and r_max. Allowed: integer 1 to 8192
     range_bins: int | None = None
-    # How a live radar scans: whole frames, back and forth across the sector, or round and round. Allowed: "frame" | "sector" | "circular"
-    scan_mode: str | None = None
-    # Turning rate of the antenna; 36 is 6 turns per minute. A pass over the sector takes 10 ms to 60 s. Allowed: number 0.1 to 7200 deg/s
+    scan_mode: Literal["frame", "sector", "circular"] | None = None
     scan_rate_deg_s: float | None = None
-    # Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192
     scan_dwell_bins: int | None = None
-    # The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone. Allowed: "off" | "gaussian" | "uniform" | "cosine" | "taylor" | "file"
-    beam_pattern: str | None = None
-    # One-way half-power beamwidth in azimuth. Allowed: number 0.05 to 90 deg
+    beam_pattern: Literal["off", "gaussian", "uniform", "cosine", "taylor", "file"] | None = None
     beam_width_deg: float | None = None
-    # How far a Taylor pattern's sidelobes lie below its peak, one way. Allowed: number 13 to 60 dB
     beam_sidelobe_db: float | None = None
-    # Sidelobes of a Taylor pattern that are nearly equal. Allowed: integer 2 to 20
     beam_nbar: int | None = None
-    # Beyond it the azimuth pattern is 0; 0: where it stays 30 dB down, at most four widths. Allowed: number 0 to 180 deg
     beam_extent_deg: float | None = None
-    # The antenna's pattern in elevation about antenna.tilt_deg: a pencil (gaussian) or a fan (cosecant). Allowed: "off" | "gaussian" | "cosecant" | "file"
-    beam_elevation: str | None = None
-    # One-way half-power beamwidth in elevation. Allowed: number 0.05 to 90 deg
+    beam_elevation: Literal["off", "gaussian", "cosecant", "file"] | None = None
     beam_elevation_width_deg: float | None = None
-    # Depression to which a cosecant-squared pattern reaches. Allowed: number 0.1 to 90 deg
     beam_cosecant_to_deg: float | None = None
-    # What a point becomes in range; off: it stays in its range bin. Allowed: "off" | "rectangular" | "compressed"
-    pulse_kind: str | None = None
-    # Length of the pulse; a rectangular one resolves c/2 times it. Allowed: number 0.001 to 10000 us
+    pulse_kind: Literal["off", "rectangular", "compressed"] | None = None
     pulse_length_us: float | None = None
-    # Bandwidth of a compressed pulse; 0: the range bin is its resolution, c/2B. Allowed: number 0 to 5000 MHz
     pulse_bandwidth_mhz: float | None = None
-    # Weighting of a compressed pulse over its band. Allowed: "none" | "hamming" | "hann" | "taylor"
-    pulse_window: str | None = None
-    # How far a Taylor window's range sidelobes lie below the peak. Allowed: number 13 to 60 dB
+    pulse_window: Literal["none", "hamming", "hann", "taylor"] | None = None
     pulse_sidelobe_db: float | None = None
-    # Range sidelobes of a Taylor window that are nearly equal. Allowed: integer 2 to 20
     pulse_nbar: int | None = None
-    # Range bins on either side that a point reaches. Allowed: integer 1 to 256
     pulse_extent_bins: int | None = None
-    # Cut the echo of what is nearer than half a pulse: the antenna still transmits. Allowed: true | false
     pulse_eclipse: bool | None = None
-    # Add the receiver's noise, k T B, to the bins. Allowed: true | false
     noise: bool | None = None
-    # Noise figure of the receiver at 290 K. Allowed: number 0 to 40 dB
     noise_figure_db: float | None = None
-    # Noise temperature of what the antenna sees. Allowed: number 3 to 100000 K
     antenna_temperature_k: float | None = None
-    # Losses of the echo, there and back; they leave the noise as it is. Allowed: number 0 to 60 dB
     loss_db: float | None = None
-    # Each seed gives other noise. Allowed: any integer
     noise_seed: int | None = None
-    # Number of the frame that obliq render or a RenderOnce makes the noise of; a live radar counts. Allowed: non-negative integer
     noise_frame: int | None = None
-    # Gain of the receiver, of echoes and noise. Allowed: number -200 to 200 dB
     receiver_gain_db: float | None = None
-    # Sensitivity time control lowers the gain up to this slant range; 0: none. Allowed: number 0 to 500000 m
     stc_range_m: float | None = None
-    # Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level. Allowed: number 0 to 12
     stc_power: float | None = None
-    # It lowers the gain by at most this. Allowed: number 0 to 200 dB
     stc_db: float | None = None
-    # Bits of the converter, of I and of Q, 2 or more; 0: none. Allowed: integer 0 to 16
     adc_bits: int | None = None
-    # Power of a sine that just fills the converter. Allowed: number -200 to 100 dBm
     full_scale_dbm: float | None = None
-    # Pulses that the video integrates: it scatters as the mean of so many, in grains as large as one look's; 1: |I&Q|^2 itself. Allowed: integer 1 to 1024
     video_looks: int | None = None
-    # Begin the video's scale at the noise, or 20 dB below ground at r_max; a floor_db alone ends it. Allowed: true | false
     video_floor_auto: bool | None = None
-    # Power at which the video's scale begins; "auto" in a scene file is video.floor_auto. Allowed: number -400 to 400 dB
     video_floor_db: float | None = None
-    # From there to the video's highest level. Allowed: number 1 to 400 dB
     video_span_db: float | None = None
-    # Rain everywhere up to rain_top_m: attenuation and an echo of its own. Allowed: number 0 to 200 mm/h
     rain_mm_h: float | None = None
-    # Height of the rain's top above the datum. Allowed: number -1000 to 20000 m
     rain_top_m: float | None = None
-    # Attenuation by oxygen and water vapour of the standard atmosphere at sea level. Allowed: true | false
     gas: bool | None = None
-    # Of the radar's wave, for the rain's attenuation. Allowed: "horizontal" | "vertical"
-    polarisation: str | None = None
+    polarisation: Literal["horizontal", "vertical"] | None = None
+
+    def replace(self, **changes: Unpack[SettingsFields]) -> Settings:
+        """The same, but for these."""
+        return self._replaced(changes)
 
 
 Settings.choices = {
@@ -175,7 +264,15 @@ Settings.choices = {
         "vertical": 1
     }
 }
-Settings.ideal = {'beam_pattern': 'off', 'beam_elevation': 'off', 'pulse_kind': 'off', 'noise': False, 'stc_range_m': 0.0, 'adc_bits': 0, 'rain_mm_h': 0.0}
+Settings.ideal = {
+    "beam_pattern": "off",
+    "beam_elevation": "off",
+    "pulse_kind": "off",
+    "noise": False,
+    "stc_range_m": 0.0,
+    "adc_bits": 0,
+    "rain_mm_h": 0.0
+}
 Settings.keys = {
     "radar.frequency_ghz": "frequency_ghz",
     "radar.sector_deg": "sector_deg",
@@ -235,32 +332,61 @@ Settings.keys = {
 }
 
 
+class PoseFields(TypedDict, total=False):
+    """Keywords that Pose takes."""
+
+    latitude_deg: float | None
+    longitude_deg: float | None
+    height_m: float | None
+    height_reference: Literal["datum", "ground", "ellipsoid"] | None
+    geoid_undulation_m: float | None
+    bearing_deg: float | None
+    sim_time_ns: int | None
+    pose_id: int | None
+    valid_s: float | None
+    tilt_deg: float | None
+    tilt_auto: bool | None
+
+
 @dataclasses.dataclass(frozen=True, repr=False)
 class Pose(Fields):
-    """Where the antenna is and where it looks. None: as it is."""
+    """Where the antenna is and where it looks. None: as it is.
 
-    # Geodetic latitude of the antenna; a scene file that names none gets the terrain's centre. Allowed: number -90 to 90 deg
+    latitude_deg: Geodetic latitude of the antenna; a scene file that names none gets the terrain's centre. Allowed: number
+        -90 to 90 deg.
+    longitude_deg: Longitude of the antenna, east positive; a scene file that names none gets the terrain's centre. Allowed:
+        number -180 to 180 deg.
+    height_m: Height of the antenna above antenna.height_reference. Allowed: number -1000 to 100000 m.
+    height_reference: Zero of antenna.height_m: the terrain's datum, the ground below, or the WGS84 ellipsoid. Allowed:
+        "datum" | "ground" | "ellipsoid".
+    geoid_undulation_m: Height of the datum above the ellipsoid at the antenna; used with "ellipsoid" only. Allowed: number
+        -120 to 120 m.
+    bearing_deg: Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg.
+    sim_time_ns: Time of the pose by the controller's clock; the server interpolates between poses that have one. Allowed:
+        integer -4e+18 to 4e+18 ns.
+    pose_id: The controller's number for the pose; echoed, not used. Allowed: non-negative integer.
+    valid_s: A pose is marked stale this long after it arrived if no other has arrived since; 0: never. Allowed: number 0 to
+        86400 s.
+    tilt_deg: Elevation of the boresight, up positive; of patterns in elevation. "auto" in a scene file is
+        antenna.tilt_auto. Allowed: number -90 to 90 deg.
+    tilt_auto: Tilt towards level ground in the middle of the swath instead of by antenna.tilt_deg. Allowed: true | false.
+    """
+
     latitude_deg: float | None = None
-    # Longitude of the antenna, east positive; a scene file that names none gets the terrain's centre. Allowed: number -180 to 180 deg
     longitude_deg: float | None = None
-    # Height of the antenna above antenna.height_reference. Allowed: number -1000 to 100000 m
     height_m: float | None = None
-    # Zero of antenna.height_m: the terrain's datum, the ground below, or the WGS84 ellipsoid. Allowed: "datum" | "ground" | "ellipsoid"
-    height_reference: str | None = None
-    # Height of the datum above the ellipsoid at the antenna; used with "ellipsoid" only. Allowed: number -120 to 120 m
+    height_reference: Literal["datum", "ground", "ellipsoid"] | None = None
     geoid_undulation_m: float | None = None
-    # Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg
     bearing_deg: float | None = None
-    # Time of the pose by the controller's clock; the server interpolates between poses that have one. Allowed: integer -4e+18 to 4e+18 ns
     sim_time_ns: int | None = None
-    # The controller's number for the pose; echoed, not used. Allowed: non-negative integer
     pose_id: int | None = None
-    # A pose is marked stale this long after it arrived if no other has arrived since; 0: never. Allowed: number 0 to 86400 s
     valid_s: float | None = None
-    # Elevation of the boresight, up positive; of patterns in elevation. "auto" in a scene file is antenna.tilt_auto. Allowed: number -90 to 90 deg
     tilt_deg: float | None = None
-    # Tilt towards level ground in the middle of the swath instead of by antenna.tilt_deg. Allowed: true | false
     tilt_auto: bool | None = None
+
+    def replace(self, **changes: Unpack[PoseFields]) -> Pose:
+        """The same, but for these."""
+        return self._replaced(changes)
 
 
 Pose.choices = {

@@ -4,7 +4,14 @@ World frame: x east, y up, z north of the scene's origin on the WGS84 ellipsoid,
 """
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
+
+from . import obliq_pb2 as wire
+
+Floats = npt.NDArray[np.float64]
 
 A_M = 6378137.0  # WGS84
 F = 1 / 298.257223563
@@ -18,7 +25,7 @@ MOST_ROWS_DEG = 1.0
 class World:
     """The frame of one scene origin. Arrays of any one shape go in and come out."""
 
-    def __init__(self, latitude_deg, longitude_deg, radius_factor):
+    def __init__(self, latitude_deg: float, longitude_deg: float, radius_factor: float):
         phi, lam = np.radians(latitude_deg), np.radians(longitude_deg)
         self._k = radius_factor
         self._sin, self._cos = np.sin(phi), np.cos(phi)
@@ -26,7 +33,7 @@ class World:
         self._lam = lam
         self._longitude_deg = longitude_deg
 
-    def ellipsoid_y_m(self, x, z):
+    def ellipsoid_y_m(self, x: Any, z: Any) -> Any:
         """The ellipsoid's own y, before refraction."""
         w = 1 / (1 - E2)
         uu = self._cos**2 + w * self._sin**2
@@ -34,7 +41,7 @@ class World:
         c = x**2 + (self._sin**2 + w * self._cos**2) * z**2
         return -c / (h + np.sqrt(np.maximum(0, h**2 - uu * c)))
 
-    def geodetic(self, x, y, z):
+    def geodetic(self, x: Any, y: Any, z: Any) -> tuple[Any, Any, Any]:
         """Latitude and longitude in degrees, height above the ellipsoid in metres."""
         up = y + (1 - 1 / self._k) * self.ellipsoid_y_m(x, z)
         # Earth-centred axes turned so that the origin's meridian is the first.
@@ -52,7 +59,7 @@ class World:
         longitude = self._longitude_deg + np.degrees(np.arctan2(x, first))
         return np.degrees(latitude), (longitude + 180) % 360 - 180, height
 
-    def world(self, latitude_deg, longitude_deg, height_m):
+    def world(self, latitude_deg: Any, longitude_deg: Any, height_m: Any) -> tuple[Any, Any, Any]:
         """x, y, z of a geodetic position."""
         phi, lam = np.radians(latitude_deg), np.radians(longitude_deg) - self._lam
         n = A_M / np.sqrt(1 - E2 * np.sin(phi)**2)
@@ -65,7 +72,7 @@ class World:
         return x, up - (1 - 1 / self._k) * self.ellipsoid_y_m(x, z), z
 
 
-def locate(descriptor, azimuth_deg, range_m):
+def locate(descriptor: wire.FrameDescriptor, azimuth_deg: Floats, range_m: Floats) -> tuple[Floats, Floats, Floats]:
     """Latitude, longitude (degrees) and ground range (m), each [azimuth, range], of bin centres."""
     d = descriptor
     world = World(d.origin_latitude_deg, d.origin_longitude_deg, d.radius_factor)

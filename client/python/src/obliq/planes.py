@@ -3,10 +3,14 @@ from __future__ import annotations
 
 import collections.abc
 import dataclasses
-import typing
+import types
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple, TypeVar, Union, cast
 
 import numpy as np
+import numpy.typing as npt
 
+from . import obliq_pb2 as wire
 from ._fields import hint
 from ._wire import MOST_PLANE
 from .errors import BadStream
@@ -14,22 +18,27 @@ from .errors import BadStream
 # Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its
 # blocks' sizes say.
 NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4}
-TYPES = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"), "count": np.dtype("<u4"), "state": np.dtype("u1")}
-VIDEO_TYPES = {1: np.dtype("u1"), 2: np.dtype("<u2")}
+TYPES: dict[str, np.dtype[Any]] = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"),
+                                   "count": np.dtype("<u4"), "state": np.dtype("u1")}
+VIDEO_TYPES: dict[int, np.dtype[Any]] = {1: np.dtype("u1"), 2: np.dtype("<u2")}
 NAMES = {number: name for name, number in NUMBERS.items()}
 FOUR = ("iq", "power", "count", "state")
 STATES = ("not_sampled", "sampled", "shadow", "no_surface", "no_ground")
 ENCODINGS = {"cf32": 0, "cf32_le": 0, "ci16": 1, "ci16_le": 1}
-COMPRESSIONS = {None: 0, "none": 0, "zstd": 1}
+COMPRESSIONS: dict[str | None, int] = {None: 0, "none": 0, "zstd": 1}
 
 
-def _words(given):
+Planes = Union[str, Iterable[str], None]
+K = TypeVar("K")
+
+
+def _words(given: Planes) -> list[str]:
     if not isinstance(given, (str, collections.abc.Iterable, type(None))):
         raise TypeError(f"planes: found {given!r}; allowed: a text such as \"iq state\", or a list of names")
     return given.replace(",", " ").split() if isinstance(given, str) else list(given or ())
 
 
-def plane_names(given):
+def plane_names(given: Planes) -> tuple[str, ...]:
     """"iq state", ["iq", "state"] or None, the four, as a tuple in the order of their numbers. "video16" is video."""
     if given is None:
         return FOUR
@@ -39,10 +48,11 @@ def plane_names(given):
             raise ValueError(f"planes: found {name!r}{hint(name, NUMBERS)}")
     if not names:
         raise ValueError(f"planes: found none; allowed: some of {', '.join(NUMBERS)}")
-    return tuple(sorted(set(names), key=NUMBERS.get))
+    return tuple(sorted(set(names), key=NUMBERS.__getitem__))
 
 
-def choice(name, table, given):
+def choice(name: str, table: Mapping[K, int], given: K) -> int:
+    """The number of one of a table's words."""
     if given not in table:
         raise ValueError(f"{name}: found {given!r}; allowed: {', '.join(repr(key) for key in table)}")
     return table[given]
@@ -55,7 +65,8 @@ class Window:
     azimuth: slice = dataclasses.field(default_factory=lambda: slice(None))
     range: slice = dataclasses.field(default_factory=lambda: slice(None))
 
-    def write(self, message):
+    def write(self, message: wire.BinWindow) -> None:
+        """Into the message."""
         for axis in ("azimuth", "range"):
             run = getattr(self, axis)
             if not isinstance(run, slice) or not all(isinstance(part, (int, np.integer, type(None)))
@@ -69,7 +80,7 @@ class Window:
             setattr(message, f"{axis}_step", step)
 
 
-class Run(typing.NamedTuple):
+class Run(NamedTuple):
     """Bins first, first + step, ... of one axis: n of them."""
 
     first: int
@@ -77,34 +88,42 @@ class Run(typing.NamedTuple):
     n: int
 
     @staticmethod
-    def cut(first, spanned, step, bins):
+    def cut(first: int, spanned: int, step: int, bins: int) -> Run:
+        """Of `spanned` bins from `first` on, 0: all, each step-th."""
         step = max(1, step)
         spanned = min(spanned, bins - first) if spanned else bins - first
         return Run(first, step, max(0, -(-spanned // step)))
 
-    def place(self, first, n, step):
+    def place(self, first: int, n: int, step: int) -> int | None:
         """Where a block's bins stand among these, or None."""
         if (step or 1) != self.step:
             return None
         at, rest = divmod(first - self.first, self.step)
         return at if not rest and 0 <= at <= self.n - n else None
 
-    def indices(self):
+    def indices(self) -> npt.NDArray[np.int64]:
+        """All of them."""
         return self.first + self.step * np.arange(self.n)
 
 
-class Scaled(typing.NamedTuple):
+class Scaled(NamedTuple):
     """Values that are integers times a scale, [n_azimuth, n_range]."""
 
-    integers: np.ndarray  # [n_azimuth, 2 n_range]
+    integers: npt.NDArray[Any]  # [n_azimuth, 2 n_range]
     scale: float
-    dtype = TYPES["iq"]
 
     @property
-    def size(self):
+    def dtype(self) -> np.dtype[Any]:
+        """Of the values."""
+        return TYPES["iq"]
+
+    @property
+    def size(self) -> int:
+        """How many values."""
         return self.integers.size // 2
 
-    def into(self, array):
+    def into(self, array: npt.NDArray[Any]) -> None:
+        """Writes the values."""
         # In double, then rounded once, as the C++ client does: the same bits. In three steps, each of which numpy does
         # many values at a time; one that converts as it multiplies takes nearly twice as long.
         scaled = self.integers.astype(np.float64)
@@ -112,7 +131,7 @@ class Scaled(typing.NamedTuple):
         array.view("<f4")[...] = scaled
 
 
-def plain(block, data):
+def plain(block: wire.WedgeBlock, data: bytes | memoryview) -> npt.NDArray[Any] | Scaled:
     """The values of a block's rectangle, [n_azimuth, n_range]: an array, or Scaled. BadStream where sizes or codings are not
     possible."""
     name = NAMES.get(block.plane)
@@ -123,6 +142,7 @@ def plain(block, data):
     bins = block.n_azimuth * block.n_range
     size = block.plain_bytes if block.compression else len(data)
     integers = name == "iq" and block.iq_encoding == 1
+    kind: np.dtype[Any] | None
     if name == "video":
         kind = VIDEO_TYPES.get(size // bins if bins else 1)
     else:
@@ -136,24 +156,25 @@ def plain(block, data):
         return np.frombuffer(data, kind).reshape(block.n_azimuth, block.n_range)
     if not 0 <= block.scale <= float(np.finfo(np.float32).max) / 32767:
         raise BadStream(f"a data block's scale: found {block.scale}; allowed: from 0")
-    return Scaled(np.frombuffer(data, kind).reshape(block.n_azimuth, 2 * block.n_range), np.float64(block.scale))
+    return Scaled(np.frombuffer(data, kind).reshape(block.n_azimuth, 2 * block.n_range), float(block.scale))
 
 
-def need_zstd():
+def need_zstd() -> types.ModuleType:
+    """zstandard, or how to get it."""
     try:
         import zstandard
     except ImportError:
         raise ImportError("compress='zstd' needs zstandard: pip install 'obliq[zstd]'") from None
-    return zstandard
+    return zstandard  # type: ignore[no-any-return, unused-ignore]
 
 
-def _unpack(data, size):
+def _unpack(data: bytes | memoryview, size: int) -> bytes:
     zstandard = need_zstd()
     # What the bytes claim decides nothing about memory.
     try:
         if zstandard.frame_content_size(data) not in (-1, size):
             raise BadStream(f"a compressed data block is damaged: its plain_bytes are {size}")
-        values = zstandard.ZstdDecompressor().decompress(data, max_output_size=max(1, size))
+        values: bytes = zstandard.ZstdDecompressor().decompress(data, max_output_size=max(1, size))
     except zstandard.ZstdError as error:
         raise BadStream(f"a compressed data block is damaged: {error}") from None
     if len(values) != size:
@@ -161,14 +182,15 @@ def _unpack(data, size):
     return values
 
 
-def write_choice(request, planes, encoding, compress, window):
+def write_choice(request: wire.Subscribe | wire.RenderOnce, planes: Planes, encoding: str, compress: str | None,
+                 window: Window | None) -> tuple[str, ...]:
     """Which planes, how they are sent, which bins: fields that Subscribe and RenderOnce share."""
     names = plane_names(planes)
-    request.planes.extend(NUMBERS[name] for name in names)
+    request.planes.extend(cast(wire.PlaneKind, NUMBERS[name]) for name in names)
     if "video16" in _words(planes):
         request.video_bits = 16
-    request.iq_encoding = choice("encoding", ENCODINGS, encoding)
-    request.compression = choice("compress", COMPRESSIONS, compress)
+    request.iq_encoding = cast(wire.IqEncodingKind, choice("encoding", ENCODINGS, encoding))
+    request.compression = cast(wire.CompressionKind, choice("compress", COMPRESSIONS, compress))
     if request.compression:
         need_zstd()
     if window is not None:

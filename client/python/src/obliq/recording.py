@@ -2,12 +2,18 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import pathlib
+import warnings
+from collections.abc import Iterator
+from typing import BinaryIO
 
 from . import planes as _planes
 from ._assembly import Assembler
-from ._wire import HEADER, MAGIC, Message, crc32c, decode_header
+from ._crc import crc32c
+from ._wire import HEADER, MAGIC, Message, decode_header
 from .errors import BadStream, FrameAborted, printable
+from .frame import Frame
 
 # Searched for whole messages behind damage, over the whole file, as obliq replay does.
 MOST_SEARCHED = 8 << 30
@@ -23,19 +29,19 @@ class Loss:
     offset: int
     text: str
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable(f"at byte {self.offset}: {self.text}")
 
 
 class _Reader:
     """Whole messages of a file, or what was skipped."""
 
-    def __init__(self, file, offset=0):
+    def __init__(self, file: BinaryIO, offset: int = 0):
         self._file, self._data, self._start = file, b"", offset  # _data begins at byte _start
         self._at = 0  # in _data
         self._searched = 0
 
-    def _hold(self, count):
+    def _hold(self, count: int) -> bool:
         if len(self._data) - self._at < count:
             rest = self._data[self._at:]
             self._start += self._at
@@ -44,10 +50,11 @@ class _Reader:
         return len(self._data) >= self._at + count
 
     @property
-    def offset(self):
+    def offset(self) -> int:
+        """In the file."""
         return self._start + self._at
 
-    def _message(self):
+    def _message(self) -> tuple[Message | None, str | None]:
         """The message here, and None; or None, and the reason. need: the file ends in it."""
         if not self._hold(HEADER.size):
             return None, "need"
@@ -65,7 +72,7 @@ class _Reader:
             return None, "CRC mismatch"
         return Message(header, payload, self.offset), None
 
-    def messages(self):
+    def messages(self) -> Iterator[Message | Loss]:
         """Message, or Loss for bytes that are none."""
         while self._hold(1):
             message, reason = self._message()
@@ -79,10 +86,10 @@ class _Reader:
             if reason == "need" and not found:
                 yield Loss("cut", offset, f"the recording is cut: the last {skipped} bytes are no whole message")
             else:
-                text = "the length in its header reaches beyond the end" if reason == "need" else reason
+                text = "the length in its header reaches beyond the end" if reason == "need" else str(reason)
                 yield Loss("damage", offset, f"{text}; {skipped} bytes skipped")
 
-    def _seek(self):
+    def _seek(self) -> bool:
         """To the next whole message; False: there is none, and all bytes are used."""
         self._at += 1
         while self._searched <= MOST_SEARCHED and self._hold(HEADER.size):
@@ -102,31 +109,35 @@ class _Reader:
 class Recording:
     """Frames of one radar, in order. Iterate any number of times; `losses` is of the newest pass over the file."""
 
-    def __init__(self, path, radar=None, planes=None):
+    def __init__(self, path: str | os.PathLike[str], radar: str | None = None, planes: _planes.Planes = None):
         self.path = pathlib.Path(path)
         if self.path.exists() and not self.path.is_file():
             raise ValueError(f"{path}: found a folder or a device; allowed: a file that `obliq record` wrote")
         self._only = None if planes is None else _planes.plane_names(planes)
-        self.losses = []
-        self.radar = radar or self._first_radar()
+        self.losses: list[Loss] = []
+        self.radar: str = radar or self._first_radar()
 
-    def _messages(self, offset=0):
+    def _messages(self, offset: int = 0) -> Iterator[Message | Loss]:
         with open(self.path, "rb") as file:
             file.seek(offset)
             yield from _Reader(file, offset).messages()
 
-    def _first_radar(self):
+    def _first_radar(self) -> str:
         for number, item in enumerate(self._messages()):
             if isinstance(item, Loss):
                 if number == 0:
                     raise BadStream(f"{self.path}: not a recording of obliq: {item.text}", item.offset)
             elif item.header.type == 48:
-                return item.parsed().frame.radar
+                first = item.parsed().frame
+                if not first.scene_hash:
+                    warnings.warn(f"{self.path}: recorded without a scene hash: nothing tells which world it shows", stacklevel=4)
+                return str(first.radar)
         raise BadStream(f"{self.path}: no frame begins in it")
 
-    def _names_of(self, offset):
+    def _names_of(self, offset: int) -> tuple[str, ...]:
         """The planes of the frame that begins there: those that its blocks bring."""
-        found, stream = set(), None
+        found: set[str | None] = set()
+        stream = None
         for item in self._messages(offset):
             if isinstance(item, Loss):
                 break
@@ -138,7 +149,7 @@ class Recording:
                 found.add(_planes.NAMES.get(item.parsed().plane))
         return tuple(name for name in _planes.NUMBERS if name in found and (not self._only or name in self._only))
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Frame]:
         self.losses = []
         hand = _Hand(self)
         for item in self._messages():
@@ -162,20 +173,21 @@ class Recording:
 class _Hand:
     """The frame that is being put together."""
 
-    def __init__(self, recording):
+    def __init__(self, recording: Recording):
         self._recording = recording
-        self._names = ()
-        self._stream = None  # the radar's, of this connection
-        self._told = None  # the newest frame_id that began, or whose missing beginning was told
-        self.assembler, self.began_at = None, 0
+        self._names: tuple[str, ...] = ()
+        self._stream: int | None = None  # the radar's, of this connection
+        self._told: int | None = None  # the newest frame_id that began, or whose missing beginning was told
+        self.assembler: Assembler | None = None
+        self.began_at = 0
 
-    def lose(self, text):
+    def lose(self, text: str | None) -> None:
         """The frame in hand will not be whole."""
         if self.assembler is not None and text:
             self._recording.losses.append(Loss("frame", self.began_at, text))
         self.assembler = None
 
-    def take(self, message):
+    def take(self, message: Message) -> Frame | None:
         """The frame that a message completes, or None."""
         kind, header = message.header.type, message.header
         if kind == 2:  # another connection, whose streams may have other numbers
@@ -209,11 +221,12 @@ class _Hand:
         try:
             return assembler.end(parsed)
         except FrameAborted as given_up:
-            self._recording.losses.append(Loss("aborted", message.offset, f"the frame that ends there was given up: {given_up.reason}"))
+            self._recording.losses.append(Loss("aborted", message.offset,
+                                               f"the frame that ends there was given up: {given_up.reason}"))
             return None
 
 
-def open_recording(path, radar=None, planes=None):
+def open_recording(path: str | os.PathLike[str], radar: str | None = None, planes: _planes.Planes = None) -> Recording:
     """The frames of a file that `obliq record` wrote: `for frame in obliq.open("minute.obliq")`. radar: the first that
     comes unless named. What is missing is in .losses after the loop; whole frames come all the same."""
     return Recording(path, radar, planes)

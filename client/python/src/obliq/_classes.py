@@ -1,0 +1,418 @@
+"""The blocking classes. Written by generate.py from _aio_classes.py: do not edit."""
+from __future__ import annotations
+
+import collections
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
+
+import numpy.typing as npt
+
+from . import _requests as requests
+from . import ground
+from . import obliq_pb2 as wire
+from ._connection import Connection
+from ._assembly import Wedge
+from ._session import Command, Rendering, Session, Subscription
+from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
+from .frame import Frame
+from .parameters import Pose, PoseFields, Settings, SettingsFields
+from .planes import Planes, Window
+from .replay import ReplayState, seek_request
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 5.0
+# A loss, or why an attempt to connect again failed for now; other refusals are for good.
+PASSING = (ConnectionLost, ServerStopping, CannotConnect, ServerFull, TimedOut)
+
+T = TypeVar("T")
+Taken = TypeVar("Taken", Frame, Wedge)
+Encoding = Literal["cf32", "cf32_le", "ci16", "ci16_le"]
+Compression = Literal["zstd", "none"]
+
+
+class Server:
+    """A connected server. Use it as a context manager, or close() it."""
+
+    def __init__(self, open_connection: Callable[[], Connection]):
+        self._open = open_connection
+        self._connected: Connection | None = None
+        self._closed = False
+        self._reconnecting = threading.Lock()
+
+    def _start(self) -> Server:
+        self._connected = self._open()
+        return self
+
+    @property
+    def _connection(self) -> Connection:
+        assert self._connected is not None, "before it is awaited"
+        return self._connected
+
+    @property
+    def _session(self) -> Session:
+        return self._connection.session
+
+    def __enter__(self) -> Server:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """The next use raises ConnectionLost."""
+        self._closed = True
+        if self._connected is not None:
+            self._connected.close()
+
+    def __repr__(self) -> str:
+        return printable(f"<obliq.Server {self._connection.address}: {self.info.scene}, {', '.join(self.info.radars)}>")
+
+    @property
+    def address(self) -> str:
+        """HOST:PORT of the server."""
+        return self._connection.address
+
+    @property
+    def info(self) -> requests.ServerInfo:
+        """Name, version, scene, radars, encodings, limits and role, as the server's Welcome had them."""
+        return requests.ServerInfo.of(self._session.welcome)
+
+    def _run(self, command: Command[T]) -> T:
+        return self._connection.run(command)
+
+    def radar(self, name: str | None = None) -> Radar:
+        """A live radar: the only one, or the one of that name."""
+        return Radar(self, requests.radar_name(self.info.radars, name))
+
+    @property
+    def replay(self) -> Replay:
+        """Pause, speed and place of a server that replays a recording (`obliq replay FILE --serve`)."""
+        return Replay(self)
+
+    def status(self) -> wire.Status:
+        """The message Status."""
+        return self._run(self._session.call(wire.GetStatus(), wire.Status))
+
+    def measure_clock(self) -> float:
+        """Seconds by which the server's clock is behind this machine's; latencies take it into account."""
+        return self._run(self._session.measure_clock())
+
+    def query(self, latitude_deg: npt.ArrayLike | None = None, longitude_deg: npt.ArrayLike | None = None,
+              height_m: npt.ArrayLike | None = None, *, bearing_deg: npt.ArrayLike | None = None,
+              range_m: npt.ArrayLike | None = None, height_reference: ground.Reference = "datum",
+              geoid_undulation_m: float = 0.0, antenna: Pose | PoseFields | None = None, radar: str = "",
+              timeout: float = 30.0) -> ground.GroundPoints:
+        """What is at places of the ground: an obliq.GroundPoints with arrays of the given shape. height_m: of points
+        there, None: on the ground. height_reference: "datum", "ground" or "ellipsoid" with geoid_undulation_m.
+        antenna: a Pose, or a dict, for whether it sees the points; bearing_deg and range_m in place of the first
+        two. radar.query() asks for a live radar's antenna."""
+        asked = ground.Asked(self.info.limits, latitude_deg, longitude_deg, height_m, bearing_deg=bearing_deg, range_m=range_m,
+                             height_reference=height_reference, geoid_undulation_m=geoid_undulation_m, antenna=antenna,
+                             radar=radar)
+        for request in asked.requests():
+            asked.add(*self._run(self._session.query(request, timeout)))
+        return asked.points()
+
+    def render(self, settings: requests.SettingsLike = None, pose: requests.PoseLike = None, *, planes: Planes = None,
+               encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
+               timeout: float = 60.0, radar: str = "python") -> Frame:
+        """One frame for this client alone; no live radar is touched. settings, pose: objects or dicts; absent settings
+        take their defaults. planes: "iq state", or None for iq, power, count and state."""
+        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, None))
+        return self._run(self._session.finish_render(rendering, timeout))
+
+    @overload
+    def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
+                    encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
+                    timeout: float = 60.0, radar: str = "python", return_exceptions: Literal[False] = False,
+                    seed: int | None = None) -> Iterator[Frame]: ...
+    @overload
+    def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
+                    encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
+                    timeout: float = 60.0, radar: str = "python", return_exceptions: bool,
+                    seed: int | None = None) -> Iterator[Frame | Exception]: ...
+
+    def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *,
+                    planes: Planes = None, encoding: Encoding = "cf32", compress: Compression | None = None,
+                    window: Window | None = None, timeout: float = 60.0, radar: str = "python",
+                    return_exceptions: bool = False, seed: int | None = None) -> Iterator[Any]:
+        """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
+        pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
+        from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
+        say); None: all have those that their settings name."""
+        in_flight = max(1, self.info.limits.max_renders_queued)
+        waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]] = collections.deque()
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar))
+        more = True
+        try:
+            while more or waiting:
+                while more and len(waiting) < in_flight:
+                    wish = next(wanted, None)
+                    if wish is None:
+                        more = False
+                        break
+                    try:
+                        waiting.append((wish, self._begin(wish)))
+                    except (TypeError, ValueError) as error:
+                        if not return_exceptions:
+                            raise
+                        waiting.append((wish, error))
+                if waiting:
+                    yield self._finish(return_exceptions, waiting, timeout)
+        finally:
+            for _, rendering in waiting:
+                if not isinstance(rendering, Exception):
+                    self._session.forget_render(rendering)
+
+    def _begin(self, wish: requests.Wish) -> Rendering:
+        request, names = requests.render_request(*wish)
+        return self._connection.start(lambda: self._session.begin_render(request, names))
+
+    def _finish(self, keep_errors: bool, waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]],
+                timeout: float) -> Frame | Exception:
+        wish, rendering = waiting.popleft()
+        try:
+            if isinstance(rendering, Exception):
+                raise rendering
+            try:
+                return self._run(self._session.finish_render(rendering, timeout))
+            except OverLimit:
+                # Others fill the server's queue: once more, when what this client has in flight is done.
+                if not waiting:
+                    raise
+            for _, other in waiting:
+                if not isinstance(other, Exception):
+                    self._run(self._session.settle_render(other, timeout))
+            return self._run(self._session.finish_render(self._begin(wish), timeout))
+        except (ConnectionLost, ServerStopping):
+            raise
+        except (ObliqError, TypeError, ValueError) as error:
+            if not keep_errors:
+                raise
+            return error
+
+    def _reconnect(self, why: ObliqError, patience_s: float, lost: Connection) -> None:
+        """Until all subscriptions are as they were, or patience ends and the loss is raised. One attempt for all streams that
+        noticed the loss."""
+        end = time.monotonic() + patience_s
+        with self._reconnecting:
+            if self._connection is lost:
+                self._connect_again(why, end)
+
+    def _connect_again(self, why: ObliqError, end: float) -> None:
+        pause = FIRST_PAUSE_S
+        while True:
+            if self._closed or time.monotonic() + pause > end:
+                raise why
+            time.sleep(pause)
+            pause = min(2 * pause, LONGEST_PAUSE_S)
+            held = self._session.subscriptions
+            fresh = None
+            try:
+                fresh = self._open()
+                for subscription in held.values():
+                    subscription.lose()
+                    fresh.run(fresh.session.begin_stream(subscription))
+            except PASSING:
+                if fresh is not None:
+                    fresh.close("the connection was closed")
+                continue
+            except BaseException:
+                if fresh is not None:
+                    fresh.close("the connection was closed")
+                raise
+            self._connection.close("the connection was closed")
+            self._connected = fresh
+            return
+
+
+class Radar:
+    """A live radar of a server."""
+
+    def __init__(self, server: Server, name: str):
+        self._server, self.name = server, name
+
+    def __repr__(self) -> str:
+        return printable(f"<obliq.Radar {self.name}>")
+
+    def info(self) -> requests.RadarInfo:
+        """Settings, pose, who controls it, what is wrong with it: asked of the server."""
+        session = self._server._session
+        return requests.RadarInfo.of(self._server._run(session.call(wire.GetRadar(radar=self.name), wire.RadarInfo)))
+
+    @property
+    def settings(self) -> Settings:
+        """Its settings at this moment: asked of the server."""
+        return self.info().settings
+
+    @property
+    def pose(self) -> Pose:
+        """Its pose at this moment: asked of the server."""
+        return self.info().pose
+
+    def query(self, latitude_deg: npt.ArrayLike | None = None, longitude_deg: npt.ArrayLike | None = None,
+              height_m: npt.ArrayLike | None = None, *, bearing_deg: npt.ArrayLike | None = None,
+              range_m: npt.ArrayLike | None = None, height_reference: ground.Reference = "datum",
+              geoid_undulation_m: float = 0.0, antenna: Pose | PoseFields | None = None,
+              timeout: float = 30.0) -> ground.GroundPoints:
+        """What is at places of the ground, and whether this radar's antenna sees points there: as Server.query.
+        bearing_deg, range_m: true bearing and slant range from the antenna to the ground."""
+        return self._server.query(latitude_deg, longitude_deg, height_m, bearing_deg=bearing_deg, range_m=range_m,
+                                  height_reference=height_reference, geoid_undulation_m=geoid_undulation_m,
+                                  antenna=antenna, radar=self.name, timeout=timeout)
+
+    def frame(self, timeout: float | None = 30.0, *, rate_hz: float = 10.0, planes: Planes = None,
+              encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
+              lossless: bool = False) -> Frame:
+        """The next live frame; choice as in stream()."""
+        with self.stream(rate_hz, planes, encoding, compress, window, lossless, timeout=timeout) as frames:
+            return frames.__next__()
+
+    def stream(self, rate_hz: float = 10.0, planes: Planes = None, encoding: Encoding = "cf32",
+               compress: Compression | None = None, window: Window | None = None, lossless: bool = False,
+               reconnect: float = 0.0, copy: bool = True, timeout: float | None = 30.0) -> Stream[Frame]:
+        """Live frames. Where reading is slow, the newest wins and frame.frames_skipped counts the others; lossless: the
+        radar waits (needs the role controller). copy=False: arrays are used again by the next frame. reconnect: seconds to
+        try again for after a loss. timeout: for each frame; None: as long as the server lives."""
+        return Stream(self._server, requests.subscription(self.name, rate_hz, planes, encoding, compress, window, lossless,
+                                                          False, copy), reconnect,
+                      requests.stream_timeout(timeout, rate_hz))
+
+    def wedges(self, rate_hz: float = 10.0, planes: Planes = None, encoding: Encoding = "cf32",
+               compress: Compression | None = None, window: Window | None = None, lossless: bool = False,
+               reconnect: float = 0.0, timeout: float | None = 30.0) -> Stream[Wedge]:
+        """Parts of live frames as they arrive: neighbouring azimuths, complete in all planes. For pictures with the
+        least delay, and for scanning antennas."""
+        return Stream(self._server, requests.subscription(self.name, rate_hz, planes, encoding, compress, window, lossless,
+                                                          True, True), reconnect,
+                      requests.stream_timeout(timeout, rate_hz))
+
+    @contextlib.contextmanager
+    def control(self, force: bool = False) -> Iterator[Control]:
+        """Claims the radar; it is released at the end, also after an exception. force: from another client, for an
+        admin."""
+        self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force)))
+        try:
+            yield Control(self._server, self.name)
+        finally:
+            with contextlib.suppress(ObliqError):  # gone with the connection, or taken over by another
+                self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name)))
+
+
+class Control:
+    """A radar that this client controls."""
+
+    def __init__(self, server: Server, name: str):
+        self._server, self.name = server, name
+
+    def set_pose(self, pose: requests.PoseLike = None, **fields: Unpack[PoseFields]) -> requests.Accepted:
+        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion."""
+        request = requests.pose_request(self.name, pose, fields)
+        return requests.Accepted.of(self._server._run(self._server._session.act(request)))
+
+    def set(self, settings: requests.SettingsLike = None, **fields: Unpack[SettingsFields]) -> requests.Accepted:
+        """Changes settings, all or none; the next frame has them."""
+        request = requests.settings_request(self.name, settings, fields)
+        return requests.Accepted.of(self._server._run(self._server._session.act(request)))
+
+    def set_state(self, transmit: bool | None = None, freeze: bool | None = None) -> None:
+        """transmit=False: no frames. freeze=True: frames keep the pose and settings of this moment."""
+        self._server._run(self._server._session.act(requests.state_request(self.name, transmit, freeze)))
+
+
+class Stream(Generic[Taken]):
+    """Frames or wedges, one after the other. Ends with its `for` loop, its `with` block, or close()."""
+
+    def __init__(self, server: Server, subscription: Subscription, reconnect_s: float, timeout_s: float | None):
+        self._server, self._subscription = server, subscription
+        self._reconnect_s, self._timeout_s = reconnect_s, timeout_s
+        self._begun = self._over = False
+        self._begin()
+
+    def __iter__(self) -> Stream[Taken]:
+        return self
+
+    def __enter__(self) -> Stream[Taken]:
+        self._begin()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def frames_aborted(self) -> int:
+        """Frames that the server began and did not finish."""
+        return self._subscription.frames_aborted
+
+    def _begin(self) -> None:
+        if self._begun:
+            return
+        self._begun = True
+        if self._subscription.by_wedge:
+            self._server.measure_clock()
+        self._server._run(self._server._session.begin_stream(self._subscription))
+
+    def __next__(self) -> Taken:
+        if self._over:
+            raise StopIteration
+        self._begin()
+        while True:
+            connection = self._server._connection
+            try:
+                taken: Taken = connection.run(connection.session.next_of(self._subscription, self._timeout_s))
+                return taken
+            except (ConnectionLost, ServerStopping) as why:
+                if not self._reconnect_s:
+                    raise
+                self._server._reconnect(why, self._reconnect_s, connection)
+
+    def close(self) -> None:
+        """No more frames: the server need not send any."""
+        if self._over:
+            return
+        self._over = True
+        with contextlib.suppress(ObliqError):
+            self._server._run(self._server._session.end_stream(self._subscription))
+
+    def __del__(self) -> None:
+        # Of a `for` loop that was left: the server need not go on. Not where the connection is busy or gone.
+        with contextlib.suppress(Exception):
+            self.close()
+
+
+class Replay:
+    """Pause, speed and place of a server that replays a recording: server.replay."""
+
+    def __init__(self, server: Server):
+        self._server = server
+
+    def state(self) -> ReplayState:
+        """Of now."""
+        session = self._server._session
+        # What has been sent before it has come then.
+        self._server._run(session.call(wire.Heartbeat(answer_wanted=True), wire.Heartbeat))
+        return ReplayState.of(session.replay_state, session.offset_ns)
+
+    def _set(self, request: wire.SetReplay) -> None:
+        self._server._run(self._server._session.act(request))
+
+    def pause(self) -> None:
+        """It stands still."""
+        self._set(wire.SetReplay(paused=True))
+
+    def resume(self) -> None:
+        """It goes on."""
+        self._set(wire.SetReplay(paused=False))
+
+    def set_speed(self, factor: float) -> None:
+        """Recorded seconds in a second: 0.01 to 1000000, or math.inf: without waiting."""
+        self._set(wire.SetReplay(speed=factor))
+
+    def seek(self, position_s: float | None = None, *, sim_time_ns: int | None = None) -> None:
+        """To the frame of that time, from the recording's start or by the poses' own clock."""
+        self._set(seek_request(position_s, sim_time_ns))
