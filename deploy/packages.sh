@@ -2,10 +2,10 @@
 # Makes Debian packages of a built tree, obliq, libobliq0, libobliq-dev and python3-obliq: out/packages/*.deb, for the release of
 # Debian that this is run on. Nothing is compiled.
 #
-#   deploy/packages.sh [--build DIR] [--out DIR] [--version VERSION] [--no-lintian]
+#   deploy/packages.sh [--build DIR] [--out DIR] [--version VERSION] [--quick]
 #
 # Default: build/release, out/packages, and the project's version with the commit's time and name. The tree was configured with
-# BUILD_SHARED_LIBS. deploy/install-deps.sh package installs what this needs; no right of root is needed.
+# BUILD_SHARED_LIBS. --quick: hardly compressed and not judged by lintian. deploy/install-deps.sh package installs what this needs; no right of root is needed.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root"
@@ -13,7 +13,7 @@ cd "$root"
 build=build/release
 out=out/packages
 version=""
-lintian=1
+quick=""
 while [ $# -gt 0 ]; do
   case "$1" in
     --build | --out | --version)
@@ -21,7 +21,7 @@ while [ $# -gt 0 ]; do
       declare "${1#--}=$2"
       shift
       ;;
-    --no-lintian) lintian="" ;;
+    --quick) quick=1 ;;
     *)
       sed -n '2,8s/^# \{0,1\}//p' deploy/packages.sh
       [ "$1" = --help ] || [ "$1" = -h ] || exit 2
@@ -54,7 +54,8 @@ printf 'obliq (%s) unstable; urgency=medium\n\n  * See CHANGES.md.\n\n -- %s  %s
 PYTHON=/usr/bin/python3 deploy/build-wheel.sh --out "$scratch" >/dev/null
 OBLIQ_BUILD=$(readlink -f "$build")
 OBLIQ_WHEEL=$(echo "$scratch"/obliq-*.whl)
-export OBLIQ_BUILD OBLIQ_WHEEL PATH=/usr/bin:$PATH # Debian's python3, whatever stands first
+OBLIQ_DEB=${quick:+-Zgzip -z1}
+export OBLIQ_BUILD OBLIQ_WHEEL OBLIQ_DEB PATH=/usr/bin:$PATH # Debian's python3, whatever stands first
 if ! (cd "$scratch/tree" && debian/rules binary) >"$scratch/log" 2>&1; then
   tail -n 40 "$scratch/log" >&2
   die "the packages could not be made"
@@ -62,5 +63,5 @@ fi
 mkdir -p "$out"
 rm -f "$out"/{obliq,libobliq0,libobliq-dev,python3-obliq}_*.deb
 mv "$scratch"/*.deb "$out/"
-[ -z "$lintian" ] || lintian --fail-on error --tag-display-limit 0 "$out"/*.deb
+[ -n "$quick" ] || lintian --fail-on error --tag-display-limit 0 "$out"/*.deb
 ls "$out"/*.deb

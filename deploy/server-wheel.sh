@@ -81,3 +81,13 @@ if [ ! -e "$lean/gdal.done" ]; then
       -DOGR_ENABLE_DRIVER_SQLITE=ON -DOGR_ENABLE_DRIVER_GPKG=ON
   } 2>&1 | tee "$work/log"
 fi
+
+step "wheel"
+stage=$(mktemp -d)
+trap 'rm -rf "$stage"' EXIT
+DESTDIR=$stage cmake --install "$build" --component programs --strip --prefix /usr >"$stage/log"
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 1577836800)}
+export SOURCE_DATE_EPOCH
+wheel=$(python3 deploy/server_wheel/make.py --stage "$stage" --lean "$lean" --sources "$work/src" --out "$out" \
+  --version "$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)")
+python3 deploy/server_wheel/check.py "$wheel"

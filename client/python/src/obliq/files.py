@@ -160,12 +160,15 @@ def save_tif(frame, path):
 
 
 def save_png(frame, path):
-    need("saving .png", "matplotlib", "plot")
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
+    """With axes and a scale by matplotlib; without it the map alone."""
     from . import plotting
 
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        pathlib.Path(path).write_bytes(plotting.plain_png(frame))
+        return
     figure = Figure(figsize=(10, 8), dpi=150)
     FigureCanvasAgg(figure)
     plotting.plot(frame, "ppi", figure.add_subplot(), None)

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import os
 import pathlib
@@ -19,12 +20,25 @@ from .errors import CannotConnect, TimedOut
 READY = re.compile(r"ready: .* on (\S+)")
 
 
+def packaged():
+    """The module of the package obliq-server, which contains the programs, where it is installed."""
+    try:
+        return importlib.import_module("obliq_server")
+    except ImportError:
+        return None
+
+
 def find_obliqd(program):
-    found = program or os.environ.get("OBLIQD") or shutil.which("obliqd")
+    """The program, and the environment that it needs."""
+    server = packaged()
+    found = program or os.environ.get("OBLIQD")
+    if not found and server:
+        return os.fspath(server.program("obliqd")), server.environment()
+    found = found or shutil.which("obliqd")
     if not found or not shutil.which(os.fspath(found)):
-        raise FileNotFoundError(f"obliqd: found {found!r}; allowed: a program in PATH, in the variable OBLIQD, or given as "
-                                "obliqd=PATH")
-    return os.fspath(found)
+        raise FileNotFoundError(f"obliqd: found {found!r}; allowed: the package obliq-server, a program in PATH, in the variable "
+                                "OBLIQD, or given as obliqd=PATH")
+    return os.fspath(found), None
 
 
 def toml(value):
@@ -42,7 +56,8 @@ class Daemon:
         scene = pathlib.Path(scene)
         if not scene.is_file():
             raise FileNotFoundError(f"{scene}: no such scene file")
-        words = [find_obliqd(obliqd), "--config", os.fspath(scene), "--set", "server.port=0", "--set", "http.enabled=false",
+        program, environment = find_obliqd(obliqd)
+        words = [program, "--config", os.fspath(scene), "--set", "server.port=0", "--set", "http.enabled=false",
                  "--set", "server.address=127.0.0.1", "--set", "server.tokens=", "--set", "server.tls_certificate=", "--set",
                  "server.tls_key="]
         for key, value in (settings or {}).items():
@@ -52,7 +67,7 @@ class Daemon:
         keeper = pathlib.Path(__file__).with_name("_keeper.py")
         # A group of its own: Ctrl-C in a notebook is not for the daemon.
         self._keeper = subprocess.Popen([sys.executable, "-I", os.fspath(keeper), *words], stdin=subprocess.PIPE,
-                                        stdout=self._log, stderr=self._log, start_new_session=True)
+                                        stdout=self._log, stderr=self._log, start_new_session=True, env=environment)
         try:
             self.address = self._await_ready(timeout)
         except BaseException:
@@ -99,7 +114,8 @@ class Daemon:
 @contextlib.contextmanager
 def local(scene, *, obliqd=None, settings=None, timeout=600.0, name="python"):
     """Starts obliqd with a scene file, yields it connected, stops it at the end. settings: what --set would take, such as
-    {"terrain.cell_m": 30}. obliqd: the program; else $OBLIQD, else the one in PATH."""
+    {"terrain.cell_m": 30}. obliqd: the program; else $OBLIQD, else that of the package
+    obliq-server, else the one in PATH."""
     daemon = Daemon(scene, obliqd, settings, timeout)
     try:
         with connect(daemon.address, name=name, timeout=30.0) as server:
