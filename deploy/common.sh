@@ -1,5 +1,10 @@
-# Sourced by the scripts that build: where the project is, how many compilers fit, and a step clock.
+# Sourced by the scripts that build: where the project is, a last word, how many compilers fit, and a step clock.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+die() {
+  echo "$(basename "$0" .sh): $*" >&2
+  exit 1
+}
 
 # One compiler a core, but no more than memory holds (the largest files take about 1.2 GB).
 parallel_jobs() {

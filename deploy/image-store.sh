@@ -3,11 +3,6 @@
 
 store=${OBLIQ_IMAGES:-${TMPDIR:-/var/tmp}/obliq-images}
 
-die() {
-  echo "$(basename "$0" .sh): $*" >&2
-  exit 1
-}
-
 as_root() {
   [ "$(id -u)" -eq 0 ] || die "run it as root: it makes a system in a folder and runs programs in it"
 }

@@ -2,7 +2,7 @@
 # Installs the Debian packages that obliq needs, and only those that are missing: a second run touches no
 # network and asks for no rights.
 #
-#   deploy/install-deps.sh [build] [test] [fuzz] [demo] [image]      default: build
+#   deploy/install-deps.sh [build] [test] [package] [fuzz] [demo] [image] [wheel]      default: build
 set -euo pipefail
 
 build_packages=(
@@ -26,6 +26,8 @@ test_packages=(
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
   chromium chromium-driver                                     # the page, with Selenium (below)
 )
+package_packages=(debhelper dh-python fakeroot lintian python3 python3-hatchling python3-pip)    # packages.sh
+wheel_packages=(dpkg-dev patchelf sqlite3 libjson-c-dev liblzma-dev libsqlite3-dev)             # server-wheel.sh
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
 image_packages=(buildah debootstrap python3 python3-numpy)     # build-image.sh, check-image.sh
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)
@@ -42,6 +44,8 @@ for group in "$@"; do
   case "$group" in
     build) wanted+=("${build_packages[@]}") ;;
     test) wanted+=("${test_packages[@]}") ;;
+    package) wanted+=("${package_packages[@]}") ;;
+    wheel) wanted+=("${wheel_packages[@]}") ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     image) wanted+=("${image_packages[@]}") ;;
     demo) wanted+=("${demo_packages[@]}") ;;
@@ -49,7 +53,7 @@ for group in "$@"; do
       sed -n '2,5s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
-    *) die "unknown group '$group'; allowed: build, test, fuzz, demo, image" ;;
+    *) die "unknown group '$group'; allowed: build, test, package, fuzz, demo, image, wheel" ;;
   esac
 done
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ._poses import Line
-from .local import find_obliqd, toml
+from .local import find_program, toml
 from .mapping import direct
 
 CORNERS = 16  # of the polygon about a disc
@@ -21,10 +21,11 @@ BEYOND = 1.05  # of the reach: what is loaded has a ragged edge of a cell
 
 def printed_config(scene: str, obliqd: str | None, settings: Mapping[str, Any]) -> str:
     """The whole configuration that obliqd has of a scene file, as text. ValueError with its own words."""
-    words = [find_obliqd(obliqd), "--config", scene, "--print-config"]
+    program, environment = find_program("obliqd", obliqd)
+    words = [program, "--config", scene, "--print-config"]
     for key, value in settings.items():
         words += ["--set", f"{key}={toml(value)}"]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    done = subprocess.run(words, capture_output=True, text=True, check=False, env=environment)
     if done.returncode != 0:
         raise ValueError(f"{os.path.basename(scene)}: {done.stderr.strip() or 'obliqd cannot read it'}")
     return done.stdout

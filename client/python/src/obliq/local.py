@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import os
 import pathlib
@@ -21,13 +22,27 @@ from .errors import CannotConnect, TimedOut
 READY = re.compile(r"ready: .* on (\S+)")
 
 
-def find_obliqd(program: str | os.PathLike[str] | None) -> str:
-    """The program: as given, or of $OBLIQD, or in PATH."""
-    found = program or os.environ.get("OBLIQD") or shutil.which("obliqd")
+def packaged() -> Any:
+    """The module of the package obliq-server, which contains the programs, where it is installed."""
+    try:
+        return importlib.import_module("obliq_server")
+    except ImportError:
+        return None
+
+
+def find_program(name: str, program: str | os.PathLike[str] | None = None) -> tuple[str, dict[str, str] | None]:
+    """obliqd or obliq: as given, or of $OBLIQD or $OBLIQ, or of the package obliq-server, or in PATH; with the environment
+    that it needs. FileNotFoundError where there is none."""
+    variable = name.upper()
+    found = program or os.environ.get(variable)
+    server = packaged()
+    if not found and server:
+        return os.fspath(server.program(name)), server.environment()
+    found = found or shutil.which(name)
     if not found or not shutil.which(os.fspath(found)):
-        raise FileNotFoundError(f"obliqd: found {found!r}; allowed: a program in PATH, in the variable OBLIQD, or given as "
-                                "obliqd=PATH")
-    return os.fspath(found)
+        raise FileNotFoundError(f"{name}: found {found!r}; allowed: the package obliq-server, a program in PATH, in the variable "
+                                f"{variable}, or given as {name}=PATH")
+    return os.fspath(found), None
 
 
 def toml(value: object) -> object:
@@ -46,7 +61,8 @@ class Daemon:
         file = pathlib.Path(scene)
         if not file.is_file():
             raise FileNotFoundError(f"{file}: no such scene file")
-        words = [find_obliqd(obliqd), "--config", os.fspath(file), "--set", "server.port=0", "--set", "http.enabled=false",
+        program, environment = find_program("obliqd", obliqd)
+        words = [program, "--config", os.fspath(file), "--set", "server.port=0", "--set", "http.enabled=false",
                  "--set", "server.address=127.0.0.1", "--set", "server.tokens=", "--set", "server.tls_certificate=", "--set",
                  "server.tls_key="]
         for key, value in (settings or {}).items():
@@ -56,7 +72,7 @@ class Daemon:
         keeper = pathlib.Path(__file__).with_name("_keeper.py")
         # A group of its own: Ctrl-C in a notebook is not for the daemon.
         self._keeper = subprocess.Popen([sys.executable, "-I", os.fspath(keeper), *words], stdin=subprocess.PIPE,
-                                        stdout=self._log, stderr=self._log, start_new_session=True)
+                                        stdout=self._log, stderr=self._log, start_new_session=True, env=environment)
         try:
             self.address = self._await_ready(timeout)
         except BaseException:
@@ -107,7 +123,8 @@ class Daemon:
 def local(scene: str | os.PathLike[str], *, obliqd: str | os.PathLike[str] | None = None,
           settings: Mapping[str, Any] | None = None, timeout: float = 600.0, name: str = "python") -> Iterator[Server]:
     """Starts obliqd with a scene file, yields it connected, stops it at the end. settings: what --set would take, such as
-    {"terrain.cell_m": 30}. obliqd: the program; else $OBLIQD, else the one in PATH."""
+    {"terrain.cell_m": 30}. obliqd: the program; else $OBLIQD, else that of the package
+    obliq-server, else the one in PATH."""
     daemon = Daemon(scene, obliqd, settings, timeout)
     try:
         with connect(daemon.address, name=name, timeout=30.0) as server:
