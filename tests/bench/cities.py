@@ -202,10 +202,10 @@ def kept_before(where):
     return one, f"{one['commit']}, {one['date']}, load {one['load']}, from {KEPT.name}" if one else f"none in {KEPT.name} for this machine"
 
 
-def keep(where, commit, before):
+def keep(where, commit, load, before):
     kept = [k for k in json.loads(KEPT.read_text(encoding="utf-8")) if k["machine"] != where] if KEPT.exists() else []
     keys = ("processor_s", "wall_s", "memory_mb", "most_memory_mb")
-    kept.append({"machine": where, "commit": commit, "date": time.strftime("%Y-%m-%d"), "load": round(os.getloadavg()[0], 1),
+    kept.append({"machine": where, "commit": commit, "date": time.strftime("%Y-%m-%d"), "load": round(load, 1),
                  "runs": {name: {key: float(f"{f[key]:.4g}") for key in keys} for name, f in before.items()}})
     KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
@@ -241,7 +241,7 @@ def main():
         if not quiet and not given.busy:
             before, why_none = None, f"load {load:.1f}: figures of another time do not compare; allowed: --before BUILD, or --busy"
     if given.before and given.keep:
-        keep(where, commit, before)
+        keep(where, commit, load, before)
     print(f"\n{'':49}{'ratio':>8}{'least':>7}{'past it':>8}")
     results = {}
     for row in rows:

@@ -9,7 +9,7 @@ import tempfile
 from dataclasses import dataclass
 from typing import Callable
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+NEEDS = "found {}; allowed: a Python with numpy, protobuf and google-crc32c"
 
 
 @dataclass
@@ -38,7 +38,7 @@ def with_daemon(programs, bins, measured):
     try:
         bench = clients(programs)
     except ImportError as error:
-        return f"not measured: {error}"
+        return "not measured: " + NEEDS.format(error)
     azimuths = 2048 if bins == 1024 else bins
     with tempfile.TemporaryDirectory() as folder:
         scene = pathlib.Path(folder) / "scene.toml"
@@ -88,7 +88,7 @@ def dwells_beside_work(programs, quick):
     try:
         import dwells
     except ImportError as error:
-        return None, f"not measured: {error}"
+        return None, "not measured: " + NEEDS.format(error)
     lacking = dwells.ground_of(dwells.SCENE)
     if lacking:
         return None, f"not measured: {lacking}"
