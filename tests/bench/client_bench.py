@@ -10,6 +10,7 @@ that others use mean little by themselves. Then the data sets: frames a second b
 """
 import argparse
 import asyncio
+import collections
 import concurrent.futures
 import multiprocessing
 import os
@@ -44,6 +45,7 @@ r_max_m = 20000.0
 [frustum]
 quality = "standard"
 """
+SET_FRAMES = 192
 CASES = {"iq": dict(planes="iq"), "iq, ci16": dict(planes="iq", encoding="ci16"), "all planes": {}}
 
 
@@ -147,33 +149,37 @@ def poses(count):
     return [{"id": k, "latitude_deg": 33.0, "longitude_deg": -99.5, "height_m": 1500.0, "bearing_deg": k * 0.7} for k in range(count)]
 
 
+def set_ratios(server, folder, turns, which=("render_many", "batch")):
+    """Frames a second of each over those of a bare loop, turn by turn. Rendering by the daemon is the same work for all."""
+    settings, pose = server.radar().settings, server.radar().pose
+    wanted = [pose.replace(bearing_deg=k * 0.7) for k in range(SET_FRAMES)]
+    programs = {"render_many": lambda _: collections.deque(server.render_many(wanted, settings, planes="iq state"), maxlen=0),
+                "batch": lambda turn: obliq.batch(poses(SET_FRAMES), folder / f"one{turn}", server=server.address, progress=False)}
+    ratios = {name: [] for name in which}
+    for turn in range(turns):
+        for name, of in ratios.items():
+            alone_s = timed_s(lambda: bare(server, wanted, settings))
+            of.append(alone_s / timed_s(lambda: programs[name](turn)))
+    return ratios
+
+
+def timed_s(work):
+    began = time.monotonic()
+    work()
+    return time.monotonic() - began
+
+
 def data_sets(scene, folder, turns):
-    """Rendering by the daemon is the same work for all; what differs is told beside it."""
-    count = 192
     with obliq.local(scene, obliqd=BIN / "obliqd") as server:
-        settings, pose = server.radar().settings, server.radar().pose
-        wanted = [pose.replace(bearing_deg=k * 0.7) for k in range(count)]
-        ratios = {"render_many": [], "batch": []}
-        for turn in range(turns):
-            began = time.monotonic()
-            bare(server, wanted, settings)
-            alone = time.monotonic() - began
-            began = time.monotonic()
-            for _ in server.render_many(wanted, settings, planes="iq state"):
-                pass
-            ratios["render_many"].append(alone / (time.monotonic() - began))
-            began = time.monotonic()
-            obliq.batch(poses(count), folder / f"one{turn}", server=server.address, progress=False)
-            ratios["batch"].append(alone / (time.monotonic() - began))
-            rate = count / alone
-        print(f"one daemon, 256 x 256 bins: a bare loop with 4 in flight {rate:.0f} frames/s; of that render_many "
+        ratios = set_ratios(server, folder, turns)
+        print(f"one daemon, 256 x 256 bins, of a bare loop with 4 in flight: render_many "
               f"{statistics.median(ratios['render_many']):.2f}, batch {statistics.median(ratios['batch']):.2f}")
     spawn = multiprocessing.get_context("spawn")
     rates = {}
     for turn in range(turns):
         for workers in (1, 2):
             with concurrent.futures.ProcessPoolExecutor(workers, mp_context=spawn) as executor:
-                job = obliq.prepare(poses(2 * count), folder / f"w{workers}{turn}", local=scene, obliqd=str(BIN / "obliqd"),
+                job = obliq.prepare(poses(2 * SET_FRAMES), folder / f"w{workers}{turn}", local=scene, obliqd=str(BIN / "obliqd"),
                                     local_settings={"run.threads": 1}, shard_size=32)
                 list(executor.map(len, [""] * workers))  # Python is up; daemons begin with the first shard
                 began = time.monotonic()
