@@ -74,6 +74,25 @@ SinCos BuildingView::bearing(double position) const {
   return plan_.sector().world_bearing(plan_.bins().azimuth_edge_rad(position));
 }
 
+/// The buildings of an azimuth bin lie anywhere in memory: asks for the next ones in two steps. Inlined, since
+/// a compiler leaves out calls of what only asks for memory.
+[[gnu::always_inline]] inline void BuildingView::ask_for_buildings(std::size_t from) const {
+  const Buildings& all = plan_.scene().world().buildings;
+  if (from + 2 * kAskAhead < buildings_.size())
+    __builtin_prefetch(&all.list[buildings_[from + 2 * kAskAhead]]);
+  if (from + kAskAhead < buildings_.size())
+    __builtin_prefetch(&all.ring_xz_m[all.first_corner(buildings_[from + kAskAhead])]);
+}
+
+/// The same for the faces of the next parts.
+[[gnu::always_inline]] inline void BuildingView::ask_for_faces(std::size_t from) const {
+  if (from + kAskAhead >= parts_.size()) return;
+  const Buildings& all = plan_.scene().world().buildings;
+  const Part& part = parts_[from + kAskAhead];
+  __builtin_prefetch(&all.list[part.building]);
+  __builtin_prefetch(&all.ring_xz_m[part.roof_face - part.building]);
+}
+
 bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
   buildings_ = plan_.buildings_in(azimuth_bin);
   if (buildings_.empty()) return false;
@@ -88,7 +107,10 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
     ask(1);
     return p.order < q.order;
   });
-  for (const Part& part : parts_) see(part, cells);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    ask_for_faces(k);
+    see(parts_[k], cells);
+  }
   add_parts_together(cells);
   return true;
 }
@@ -164,15 +186,6 @@ void BuildingView::refine(float near_m) {
     roofs_ = std::move(finer);
     set_fineness(columns_.n * 2);
   }
-}
-
-/// The buildings of an azimuth bin lie anywhere in memory: asks for the next ones in two steps.
-void BuildingView::ask_for_buildings(std::size_t from) const {
-  const Buildings& all = plan_.scene().world().buildings;
-  if (from + 2 * kAskAhead < buildings_.size())
-    __builtin_prefetch(&all.list[buildings_[from + 2 * kAskAhead]]);
-  if (from + kAskAhead < buildings_.size())
-    __builtin_prefetch(&all.ring_xz_m[all.first_corner(buildings_[from + kAskAhead])]);
 }
 
 void BuildingView::collect(std::uint32_t b) {

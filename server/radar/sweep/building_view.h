@@ -48,6 +48,7 @@ class BuildingView {
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
   void ask_for_buildings(std::size_t from) const;
+  void ask_for_faces(std::size_t from) const;
   void collect(std::uint32_t building);
   void add_corner(const glm::vec2& corner, std::uint32_t face);
   void add_part(std::uint32_t building, bool one_of_several, std::size_t first_corner);
