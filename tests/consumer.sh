@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
-# The installed C++ library as its user meets it: configured without the server, built, installed, found by a project outside
-# the tree, which runs against a daemon. Needs obliqd in --bin.
+# The installed C++ library as its user meets it: found by a project outside the tree, which runs against a daemon. It is that of a
+# build (--tree), so that nothing is compiled twice, or configured without the server, built and installed here.
+# Needs obliqd in --bin.
 #
-#   tests/consumer.sh [--bin DIR] [--compiler g++|clang++]      default: build/release/bin, g++
+#   tests/consumer.sh [--bin DIR] [--compiler g++|clang++] [--tree DIR]      default: build/release/bin, g++, none
 set -euo pipefail
 cd "$(dirname "$0")/.."
-root=$PWD bin=$root/build/release/bin compiler=g++
+root=$PWD bin=$root/build/release/bin compiler=g++ tree=
 while [ $# -gt 0 ]; do
   case "$1" in
     --bin) bin=$2 ;;
     --compiler) compiler=$2 ;;
+    --tree) tree=$2 ;;
     *)
-      sed -n '2,5s/^# \{0,1\}//p' "$0"
+      sed -n '2,7s/^# \{0,1\}//p' "$0"
       exit 2
       ;;
   esac
@@ -25,17 +27,21 @@ work=$(mktemp -d)
 daemon=
 trap 'if [ -n "$daemon" ]; then kill "$daemon"; fi; rm -rf "$work"' EXIT
 
-# Packages that the client needs not are not even looked for.
-hidden=()
-for package in embree GDAL Boost TBB glm tomlplusplus CLI11 spdlog fmt OpenEXR; do
-  hidden+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
-done
-cmake -S . -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOBLIQ_SERVER=OFF "-DCMAKE_CXX_COMPILER=$compiler" \
-  "-DCMAKE_INSTALL_PREFIX=$work/installed" "${hidden[@]}" >"$work/log" 2>&1 &&
-  cmake --build "$work/build" >>"$work/log" 2>&1 && cmake --install "$work/build" >>"$work/log" 2>&1 || {
-  tail -40 "$work/log"
-  exit 1
-}
+if [ -n "$tree" ]; then
+  cmake --install "$tree" --prefix "$work/installed" --component client >"$work/log"
+else
+  # Packages that the client needs not are not even looked for. It is to be compiled and to run, not to be fast.
+  hidden=()
+  for package in embree GDAL Boost TBB glm tomlplusplus CLI11 spdlog fmt OpenEXR; do
+    hidden+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
+  done
+  cmake -S . -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O1 -DOBLIQ_SERVER=OFF \
+    "-DCMAKE_CXX_COMPILER=$compiler" "-DCMAKE_INSTALL_PREFIX=$work/installed" "${hidden[@]}" >"$work/log" 2>&1 &&
+    cmake --build "$work/build" --target obliq_client >>"$work/log" 2>&1 && cmake --install "$work/build" >>"$work/log" 2>&1 || {
+    tail -40 "$work/log"
+    exit 1
+  }
+fi
 cp -r tests/consumer "$work/consumer"
 cmake -S "$work/consumer" -B "$work/consumer/build" -G Ninja "-DCMAKE_CXX_COMPILER=$compiler" \
   "-DCMAKE_PREFIX_PATH=$work/installed" "-DOBLIQ_EXAMPLES=$work/installed/share/obliq/client/examples" >"$work/log" 2>&1 &&

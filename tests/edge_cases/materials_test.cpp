@@ -190,7 +190,11 @@ void expect_numbers(const nlohmann::json& json, const std::string& where) {
     for (const auto& [key, value] : json.items()) expect_numbers(value, where + "/" + key);
 }
 
-TEST(HardMaterials, EveryFileOfTheDarkestAndTheBrightestFrameHoldsNumbers) {
+/// Transmitter's power and frequency: a test each, as files take their time.
+class FilesOfPower : public testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(FilesOfPower, HoldNumbersForEveryMaterial) {
+  const auto [power_w, frequency_ghz] = GetParam();
   const auto world = std::make_shared<const World>(town());
   const Pose pose = test::pose_at(*world, {13, 900, -7}, 20);
   const fs::path folder = fs::path(testing::TempDir()) / ("obliq_hard_materials_" + std::to_string(getpid()));
@@ -198,49 +202,50 @@ TEST(HardMaterials, EveryFileOfTheDarkestAndTheBrightestFrameHoldsNumbers) {
     const auto scene = std::make_shared<const Scene>(world, std::vector<Material>{c.ground, c.building}, 0);
     for (const test::Sampling& sampling : test::kSamplings) {
       if (has_plates(c) && !sampling.rays()) continue;
-      for (const auto& [power_w, frequency_ghz] :
-           {std::pair{0.0, 0.03}, {1e12, 0.03}, {1.0, 300.0}, {kLeast, 10.0}}) {
-        for (const bool normalised : {false, true}) {
-          SCOPED_TRACE(std::string(c.name) + ", " + sampling.name + ", " + std::to_string(power_w) + " W");
-          RadarSettings s = test::sampled(settings(), sampling);
-          s.power_w = power_w;
-          s.frequency_ghz = frequency_ghz;
-          s.range_normalisation = normalised;
-          const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
-          ASSERT_TRUE(planned.plan);
-          const Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});
-          wire::FrameDescriptor descriptor;
-          wire::FrameSummary summary;
-          describe_frame(*planned.plan, "main", "test", descriptor);
-          summarise_frame(*planned.plan, frame.stats, summary);
-          std::size_t shown = 0;
-          for (const float level_db : bin_levels(descriptor, frame.bins).db) {
-            EXPECT_TRUE(std::isfinite(level_db));
-            shown += level_db != BinLevels::kNoValue ? 1 : 0;
-          }
-          const bool dark = c.dark || power_w == 0;
-          if (dark) {
-            EXPECT_EQ(shown, 0u) << "nothing has no decibels";
-          } else if (power_w != kLeast) {
-            EXPECT_GT(shown, 0u);
-          }
-          write_frame_files(folder, descriptor, summary, frame.bins);
-          std::ifstream text(folder / "frame.json");
-          expect_numbers(nlohmann::json::parse(text), "");
-          for (const double power : test::read_npy<double>(folder / "power.npy")) {
-            EXPECT_TRUE(dark ? power == 0 : std::isfinite(power) && power >= 0);
-          }
-          const auto parts = test::read_npy<float>(folder / "bins.npy");
-          EXPECT_EQ(parts.size(), 2 * frame.bins.iq.size());
-          for (const float part : parts) EXPECT_TRUE(dark ? part == 0 : std::isfinite(part));
-          EXPECT_GT(fs::file_size(folder / "ground_map.png"), 1000u);
-          EXPECT_GT(fs::file_size(folder / "ground_map.tif"), 100u);
+      for (const bool normalised : {false, true}) {
+        SCOPED_TRACE(std::string(c.name) + ", " + sampling.name + ", " + std::to_string(power_w) + " W");
+        RadarSettings s = test::sampled(settings(), sampling);
+        s.power_w = power_w;
+        s.frequency_ghz = frequency_ghz;
+        s.range_normalisation = normalised;
+        const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
+        ASSERT_TRUE(planned.plan);
+        const Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});
+        wire::FrameDescriptor descriptor;
+        wire::FrameSummary summary;
+        describe_frame(*planned.plan, "main", "test", descriptor);
+        summarise_frame(*planned.plan, frame.stats, summary);
+        std::size_t shown = 0;
+        for (const float level_db : bin_levels(descriptor, frame.bins).db) {
+          EXPECT_TRUE(std::isfinite(level_db));
+          shown += level_db != BinLevels::kNoValue ? 1 : 0;
         }
+        const bool dark = c.dark || power_w == 0;
+        if (dark) {
+          EXPECT_EQ(shown, 0u) << "nothing has no decibels";
+        } else if (power_w != kLeast) {
+          EXPECT_GT(shown, 0u);
+        }
+        write_frame_files(folder, descriptor, summary, frame.bins);
+        std::ifstream text(folder / "frame.json");
+        expect_numbers(nlohmann::json::parse(text), "");
+        for (const double power : test::read_npy<double>(folder / "power.npy")) {
+          EXPECT_TRUE(dark ? power == 0 : std::isfinite(power) && power >= 0);
+        }
+        const auto parts = test::read_npy<float>(folder / "bins.npy");
+        EXPECT_EQ(parts.size(), 2 * frame.bins.iq.size());
+        for (const float part : parts) EXPECT_TRUE(dark ? part == 0 : std::isfinite(part));
+        EXPECT_GT(fs::file_size(folder / "ground_map.png"), 1000u);
+        EXPECT_GT(fs::file_size(folder / "ground_map.tif"), 100u);
       }
     }
   }
   fs::remove_all(folder);
 }
+INSTANTIATE_TEST_SUITE_P(None, FilesOfPower, testing::Values(std::pair{0.0, 0.03}));
+INSTANTIATE_TEST_SUITE_P(Most, FilesOfPower, testing::Values(std::pair{1e12, 0.03}));
+INSTANTIATE_TEST_SUITE_P(Usual, FilesOfPower, testing::Values(std::pair{1.0, 300.0}));
+INSTANTIATE_TEST_SUITE_P(Least, FilesOfPower, testing::Values(std::pair{kLeast, 10.0}));
 
 }  // namespace
 }  // namespace obliq

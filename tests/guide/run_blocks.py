@@ -72,6 +72,8 @@ def readers_files(folder):
         (folder / name).symlink_to(ROOT / name)
     shutil.copytree(ROOT / "deploy", folder / "deploy", ignore=shutil.ignore_patterns("data", "pictures"))
     (folder / "deploy" / "scenes" / "data").mkdir()
+    track = folder / "deploy" / "scenes" / "demo_track.csv"  # flown in a tenth of its half minute
+    track.write_text(re.sub(r"(?m)^\d+", lambda time: str(int(time[0]) / 10), track.read_text()))
     elevation(folder / "deploy" / "scenes" / "data" / "new_mexico_ned13.tif", -107.72, 36.28, 0.26)
     shutil.copy(folder / "deploy" / "scenes" / "demo.toml", folder / "scene.toml")
     scene = (folder / "scene.toml").read_text().replace("data/", "deploy/scenes/data/").replace(
