@@ -102,7 +102,7 @@ class Assembler:
             values.into(array[rows, column:end])
         else:
             array[rows, column:end] = values
-        if end < self.range.n or any(other[rows] != done for other in self._filled.values()):
+        if end < self.range.n or (len(self._filled) > 1 and any(other[rows] != done for other in self._filled.values())):
             return None
         self.frame._note_dwell(rows, block, header.utc_ns)
         return rows

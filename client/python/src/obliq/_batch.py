@@ -60,32 +60,47 @@ class Job:
 
     def run_some(self, numbers):
         """The same of each shard that is not there, one after the other on one connection: while one is brought to the
-        disk, the server renders frames of the next."""
+        disk, frames of the next are taken."""
         numbers = [number for number in numbers if not (pathlib.Path(self.out) / part_name(number)).is_dir()]
         if not numbers:
             return
         began = time.monotonic()
-        with self.connected() as server:
+        with self.connected() as server, concurrent.futures.ThreadPoolExecutor(1) as disk:
             check_manifest(self, world_of(server, self))
             wanted = read_manifest(self.out)["world"]
             asked = (self._asked(place) for number in numbers for place in self._places_of(number))
             results = server.render_many(asked, planes=self.planes, timeout=self.timeout, return_exceptions=True,
                                          radar=self.radar)
+            before = None
             for number in numbers:
-                frames = failed = 0
-                with contextlib.closing(PartWriter(self.out, number)) as part:
-                    for place, result in zip(self._places_of(number), results):
-                        its_id, _, _, line = self.poses[place]
-                        if isinstance(result, Exception):
-                            part.fail(its_id, line, result)
-                            failed += 1
-                            continue
-                        same_world(wanted, world_of_frame(result, server), its_id)
-                        part.add(its_id, result)
-                        frames += 1
-                    part.finish()
-                yield number, frames, failed, time.monotonic() - began
-                began = time.monotonic()
+                part = PartWriter(self.out, number)
+                try:
+                    frames, failed = self._fill(part, number, results, wanted, server)
+                except BaseException:
+                    part.close()
+                    raise
+                now = time.monotonic()
+                written = disk.submit(part.finish)
+                if before:
+                    before[0].result()
+                    yield before[1:]
+                before, began = (written, number, frames, failed, now - began), now
+            before[0].result()
+            yield before[1:]
+
+    def _fill(self, part, number, results, wanted, server):
+        """Counts of its frames and of its poses that failed."""
+        frames = failed = 0
+        for place, result in zip(self._places_of(number), results):
+            its_id, _, _, line = self.poses[place]
+            if isinstance(result, Exception):
+                part.fail(its_id, line, result)
+                failed += 1
+                continue
+            same_world(wanted, world_of_frame(result, server), its_id)
+            part.add(its_id, result)
+            frames += 1
+        return frames, failed
 
     def _places_of(self, number):
         """Of a shard's poses in the data set."""

@@ -102,6 +102,10 @@ class PartWriter:
 
     def finish(self):
         """Gives the part its name. Where another worker has done so before, that one stays."""
+        with contextlib.closing(self):
+            self._finish()
+
+    def _finish(self):
         for file, kind, shape in self._arrays.values():
             file.seek(0)
             file.write(_npy_header(kind, (len(self._lines), *shape)))
@@ -117,7 +121,6 @@ class PartWriter:
             if not self._target.is_dir():
                 raise
         sync(self._target.parent)
-        self.close()
 
     def close(self):
         for file, _, _ in self._arrays.values():

@@ -18,7 +18,8 @@ MOST_DESCRIPTOR = 1 << 18
 MOST_PLANE = 1 << 20
 MOST_PAYLOAD = MOST_DESCRIPTOR + MOST_PLANE
 MAGIC = b"OBLQ"
-CRC_AT = slice(40, 44)
+CRC_AT = 40
+NO_CRC = bytes(4)
 WEDGE_BLOCK = 49
 
 TYPES = {
@@ -149,9 +150,8 @@ class Splitter:
         size = header.header_length + header.payload_length
         if here < size:
             return None
-        message = self._buffer[begin: begin + size]
-        message[CRC_AT] = 0
-        if crc32c(message) != header.crc:
+        self._view[begin + CRC_AT: begin + CRC_AT + 4] = NO_CRC
+        if crc32c(self._buffer[begin: begin + size]) != header.crc:
             raise BadStream("a message is damaged (CRC mismatch)", self.offset)
         payload = self._view[begin + header.header_length: begin + size]
         if header.type != WEDGE_BLOCK:

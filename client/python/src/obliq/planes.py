@@ -86,8 +86,12 @@ class Run(typing.NamedTuple):
         """Where a block's bins stand among these, or None."""
         if (step or 1) != self.step:
             return None
-        at, rest = divmod(first - self.first, self.step)
-        return at if not rest and 0 <= at <= self.n - n else None
+        at = first - self.first
+        if self.step != 1:
+            at, rest = divmod(at, self.step)
+            if rest:
+                return None
+        return at if 0 <= at <= self.n - n else None
 
     def indices(self):
         return self.first + self.step * np.arange(self.n)
@@ -120,8 +124,9 @@ def plain(block, data):
         raise BadStream(f"a data block of plane {block.plane}; allowed: 0 to {max(NAMES)}")
     if block.iq_encoding not in (0, 1) or block.compression not in (0, 1):
         raise BadStream(f"a data block in encoding {block.iq_encoding}, compression {block.compression}; allowed: 0 or 1")
-    bins = block.n_azimuth * block.n_range
-    size = block.plain_bytes if block.compression else len(data)
+    n, n_range, compression = block.n_azimuth, block.n_range, block.compression
+    bins = n * n_range
+    size = block.plain_bytes if compression else len(data)
     integers = name == "iq" and block.iq_encoding == 1
     if name == "video":
         kind = VIDEO_TYPES.get(size // bins if bins else 1)
@@ -130,13 +135,13 @@ def plain(block, data):
     per_bin = (2 if integers else 1) * (kind.itemsize if kind else 0)
     if kind is None or size != bins * per_bin or size > MOST_PLANE:
         raise BadStream(f"a data block of {bins} bins of {name} has the wrong size: found {size} bytes")
-    if block.compression:
+    if compression:
         data = _unpack(data, size)
     if not integers:
-        return np.frombuffer(data, kind).reshape(block.n_azimuth, block.n_range)
+        return np.ndarray((n, n_range), kind, data)
     if not 0 <= block.scale <= float(np.finfo(np.float32).max) / 32767:
         raise BadStream(f"a data block's scale: found {block.scale}; allowed: from 0")
-    return Scaled(np.frombuffer(data, kind).reshape(block.n_azimuth, 2 * block.n_range), np.float64(block.scale))
+    return Scaled(np.ndarray((n, 2 * n_range), kind, data), np.float64(block.scale))
 
 
 def need_zstd():
