@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace obliq::wire {
 
 Bytes encode_message(MessageType type, const Addressing& addressing,
                      const google::protobuf::MessageLite& descriptor, std::span<const std::byte> plane,
-                     std::uint32_t max_descriptor_bytes) {
+                     std::uint32_t max_descriptor_bytes, Bytes memory) {
   const std::size_t descriptor_bytes = descriptor.ByteSizeLong();
   if (descriptor_bytes > max_descriptor_bytes || plane.size() > kMaxPlaneBytes) return {};
 
@@ -22,7 +23,8 @@ Bytes encode_message(MessageType type, const Addressing& addressing,
   header.utc_ns = addressing.utc_ns;
 
   // Plane data is most of a message: its bytes are written once, not zeroed first.
-  Bytes bytes;
+  Bytes bytes = std::move(memory);
+  bytes.clear();
   bytes.reserve(kHeaderBytes + header.payload_length);
   bytes.resize(kHeaderBytes + descriptor_bytes);
   bytes.insert(bytes.end(), plane.begin(), plane.end());

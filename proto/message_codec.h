@@ -23,10 +23,10 @@ struct Addressing {
 };
 
 /// A complete message. Empty when the parts exceed the limits of limits.h, which is a fault of the caller, or
-/// the protobuf part those given.
+/// the protobuf part those given. memory: the message is written there, where it has room.
 Bytes encode_message(MessageType type, const Addressing& addressing,
                      const google::protobuf::MessageLite& descriptor, std::span<const std::byte> plane = {},
-                     std::uint32_t max_descriptor_bytes = kMaxDescriptorBytes);
+                     std::uint32_t max_descriptor_bytes = kMaxDescriptorBytes, Bytes memory = {});
 
 enum class MessageStatus { ok, need_more, bad_magic, version_mismatch, bad_length, bad_crc };
 

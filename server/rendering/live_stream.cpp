@@ -51,6 +51,7 @@ void LiveStream::set_demand(std::vector<Demand> demands) {
     stop_.request_stop();
     held_up_since_ = kNever;  // no client waits
   }
+  frames_->meter()->spare.keep(rate_hz > 0);
   rate_hz_ = rate_hz;
   demands_ = std::move(demands);
 }

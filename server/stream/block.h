@@ -5,9 +5,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "proto/message_codec.h"
 #include "proto/plane.h"
+#include "server/stream/spare_memory.h"
 #include "server/stream/stream_choice.h"
 
 namespace google::protobuf {
@@ -16,10 +18,12 @@ class Message;
 
 namespace obliq::net {
 
-/// Memory that a radar's blocks take, wherever they wait. From any thread.
+/// Memory that a radar's blocks take, wherever they wait, and what those left that have gone. From any
+/// thread.
 struct BlockMeter {
   std::atomic<std::size_t> blocks{0};
   std::atomic<std::size_t> bytes{0};
+  SpareMemory spare;
 };
 
 /// An encoded message, shared by all clients it goes to. Never changes once made.
@@ -29,6 +33,7 @@ struct Block {
     if (!meter) return;
     --meter->blocks;
     meter->bytes -= memory();
+    meter->spare.give(std::move(bytes));
   }
   Block(const Block&) = delete;
   Block& operator=(const Block&) = delete;

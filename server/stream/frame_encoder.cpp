@@ -100,7 +100,12 @@ std::shared_ptr<Block> FrameEncoder::new_block(MessageType type) {
 BlockPtr FrameEncoder::finish(std::shared_ptr<Block> block, bool as_json,
                               const google::protobuf::Message& message, std::span<const std::byte> values) {
   const wire::Addressing addressing{block->stream_id, block->sequence, wire::utc_now_ns()};
-  block->bytes = wire::encode_message(block->type, addressing, message, values);
+  // A block's head is a few hundred bytes.
+  constexpr std::size_t kHeadBytes = 1024;
+  wire::Bytes memory =
+      identity_.meter ? identity_.meter->spare.take(values.size() + kHeadBytes) : wire::Bytes();
+  block->bytes = wire::encode_message(block->type, addressing, message, values, wire::kMaxDescriptorBytes,
+                                      std::move(memory));
   block->plane_bytes = values.size();
   if (as_json) block->json_head = wire::json_head(block->type, addressing, message, values.size());
   if (identity_.meter) {
