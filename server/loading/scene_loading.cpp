@@ -177,6 +177,10 @@ std::vector<ReportLine> world_report_lines(const World& world) {
   for (const BuildingHeights& heights : report.building_heights) {
     if (heights.found > 0 || heights.by_default > 0) lines.push_back(heights_line(heights));
   }
+  if (!gives_large_pages())
+    lines.emplace_back(
+        "memory: the kernel gives no pages of 2 MB (transparent_hugepage is neither always nor madvise); "
+        "frames of large scenes take longer");
   lines.insert(lines.end(), report.notes.begin(), report.notes.end());
   for (const std::string& warning : report.warnings) lines.emplace_back(warning, true);
   return lines;

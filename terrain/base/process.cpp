@@ -35,6 +35,13 @@ std::int64_t peak_resident_bytes() {
 
 void give_back_freed_memory() { ::malloc_trim(0); }
 
+bool gives_large_pages(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  for (std::string word; file >> word;)
+    if (word == "[always]" || word == "[madvise]") return true;
+  return false;
+}
+
 bool lower_own_priority() {
   // About a tenth of a core beside threads that compute all the time, a whole one beside threads that wait
   // (weights of the Linux scheduler: 110 against 1024).

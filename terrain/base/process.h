@@ -22,6 +22,10 @@ std::int64_t peak_resident_bytes();
 /// which other threads may wait for memory.
 void give_back_freed_memory();
 
+/// Whether the kernel gives pages of 2 MB to memory that asks for them (LargePages): the setting
+/// transparent_hugepage/enabled, in brackets in this file, is always or madvise.
+bool gives_large_pages(const std::filesystem::path& file = "/sys/kernel/mm/transparent_hugepage/enabled");
+
 /// Makes the calling thread, and the threads that it will start, yield to others that want the processor.
 /// Says whether that worked.
 bool lower_own_priority();

@@ -256,7 +256,8 @@ def main():
                 words = verdict(value, row.least, row.past) + (f"; {words}" if words else "") + ("" if quiet else f"; load {load:.1f}")
         results[row.name] = {"value": value, "least": row.least, "past": row.past, "verdict": words}
         say(row.name, "" if value is None else value, row.least, row.past, words)
-    say_goals(figures["new"], quiet)
+    if figures["new"]:
+        say_goals(figures["new"], quiet)
     if given.errors:
         print()
         for name, scene in (("hills", HILLS), ("city", CITY), ("million", MILLION), ("dwell", LOS_ANGELES)):

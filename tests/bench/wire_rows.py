@@ -103,7 +103,7 @@ def dwells_beside_work(programs, quick):
         try:
             with dwells.obliq.connect(daemon.address) as server:
                 radar = server.info.radars[0]
-            said = dwells.fly([str(programs / "dwell")], daemon.address, radar, 600 if quick else 1800, "iq")
+            said = dwells.fly([str(programs / "dwell")], daemon.address, radar, 300 if quick else 1800, "iq")
         finally:
             daemon.stop()
     finally:

@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <string>
 
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
@@ -285,6 +287,18 @@ TEST(ProcessMemory, ThePeakRemembersMemoryThatWasGivenBack) {
   touch_and_give_back();
   EXPECT_GT(peak_resident_bytes(), std::int64_t{kBlock_bytes});
   EXPECT_LT(resident_bytes(), std::int64_t{kBlock_bytes});
+}
+
+TEST(ProcessMemory, LargePagesAreThereWhereTheKernelGivesThemToAllOrToWhatAsks) {
+  const auto gives = [](const char* setting) {
+    const std::string file = testing::TempDir() + "enabled";
+    std::ofstream(file) << setting << '\n';
+    return gives_large_pages(file);
+  };
+  EXPECT_TRUE(gives("[always] madvise never"));
+  EXPECT_TRUE(gives("always [madvise] never"));
+  EXPECT_FALSE(gives("always madvise [never]"));
+  EXPECT_FALSE(gives_large_pages("/no/such/file"));
 }
 
 // getrusage's ru_maxrss would say 300 MB here: a new process takes it over from its parent.

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "proto/json_text.h"
 #include "proto/obliq.pb.h"
@@ -134,6 +136,38 @@ TEST(FrameEncoder, CountsTheBytesOfItsBlocksForAsLongAsTheyLive) {
   }
   EXPECT_EQ(meter->blocks, 0u);
   EXPECT_EQ(meter->bytes, 0u);
+}
+
+TEST(SpareMemory, OfABlockThatHasGoneIsThatOfTheNextOfItsLength) {
+  SpareMemory spare;
+  wire::Bytes memory(100'000);
+  const std::byte* const place = memory.data();
+  spare.give(std::move(memory));
+  EXPECT_EQ(spare.take(100'001).capacity(), 0u) << "too short";
+  EXPECT_EQ(spare.take(50'000).capacity(), 0u) << "half of it would lie idle";
+  EXPECT_EQ(spare.take(90'000).data(), place);
+  EXPECT_EQ(spare.take(90'000).capacity(), 0u) << "it is taken";
+}
+
+TEST(SpareMemory, IsLimitedAndGoesBackWhereNoMoreIsToCome) {
+  SpareMemory spare;
+  constexpr std::size_t kLength = 1 << 20;
+  const auto kept = [&] {
+    std::vector<wire::Bytes> taken;
+    do taken.push_back(spare.take(kLength));
+    while (taken.back().capacity() > 0);
+    return taken.size() - 1;
+  };
+  for (int i = 0; i < 100; ++i) spare.give(wire::Bytes(kLength));
+  EXPECT_EQ(kept(), SpareMemory::kMostBytes / kLength);
+  spare.give(wire::Bytes(kLength));
+  spare.keep(false);
+  EXPECT_EQ(kept(), 0u);
+  spare.give(wire::Bytes(kLength));
+  EXPECT_EQ(kept(), 0u);
+  spare.keep(true);
+  spare.give(wire::Bytes(kLength));
+  EXPECT_EQ(kept(), 1u);
 }
 
 TEST(FrameAssembler, RefusesABlockOfAnotherStepOrBetweenTheSteps) {

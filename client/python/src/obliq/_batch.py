@@ -15,7 +15,7 @@ import pathlib
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -83,7 +83,7 @@ class Job:
 
     def run_some(self, numbers: Sequence[int]) -> Iterator[Shard]:
         """The same of each shard that is not there, one after the other on one connection: while one is brought to the
-        disk, the server renders frames of the next."""
+        disk, frames of the next are taken."""
         shards = self._shards()
         wanted = [(number, places) for number in numbers if (places := self._left(number, shards[number]))]
         for scene, some in itertools.groupby(wanted, key=lambda item: self.lines[item[1][0]].scene):
@@ -106,25 +106,43 @@ class Job:
         low = self._too_low(server, places)
         results = server.render_many([self.asked(place) for place in places if place not in low], planes=self.planes,
                                      timeout=self.timeout, return_exceptions=True, radar=self.radar)
-        for number, some in wanted:
-            frames, again = 0, len(parts_of(self.out, number))
-            with contextlib.closing(PartWriter(self.out, number, len(some), again)) as part:
-                for place in some:
-                    line, result = self.lines[place], low.get(place) or next(results)
-                    if isinstance(result, Frame):
-                        same_world(world, world_of_frame(result, server), f"{self.name}, line {line.number}")
-                        coverage = result.summary.coverage if result.summary is not None else 0.0
-                        if coverage < self.min_coverage:
-                            result = _judge.too_low(coverage, self.min_coverage)
-                    if isinstance(result, Frame):
-                        part.add(line, result)
-                        frames += 1
-                    else:
-                        part.fail(line, result)
-                if frames or not again:
-                    part.finish()
-            yield number, frames, len(some) - frames, time.monotonic() - began
-            began = time.monotonic()
+        before: tuple[concurrent.futures.Future[None], Shard] | None = None
+        with concurrent.futures.ThreadPoolExecutor(1) as disk:
+            for number, some in wanted:
+                again = len(parts_of(self.out, number))
+                part = PartWriter(self.out, number, len(some), again)
+                try:
+                    frames = self._fill(part, some, low, results, world, server)
+                except BaseException:
+                    part.close()
+                    raise
+                now = time.monotonic()
+                written = disk.submit(part.finish if frames or not again else part.close)
+                if before:
+                    before[0].result()
+                    yield before[1]
+                before, began = (written, (number, frames, len(some) - frames, now - began)), now
+            if before:
+                before[0].result()
+                yield before[1]
+
+    def _fill(self, part: PartWriter, places: Iterable[int], low: Mapping[int, Exception],
+              results: Iterator[Any], world: Mapping[str, Any], server: Server) -> int:
+        """How many frames there are; the other poses failed."""
+        frames = 0
+        for place in places:
+            line, result = self.lines[place], low.get(place) or next(results)
+            if isinstance(result, Frame):
+                same_world(world, world_of_frame(result, server), f"{self.name}, line {line.number}")
+                coverage = result.summary.coverage if result.summary is not None else 0.0
+                if coverage < self.min_coverage:
+                    result = _judge.too_low(coverage, self.min_coverage)
+            if isinstance(result, Frame):
+                part.add(line, result)
+                frames += 1
+            else:
+                part.fail(line, result)
+        return frames
 
     def _too_low(self, server: Server, places: Sequence[int]) -> dict[int, Exception]:
         """Those whose coverage is far too low, before they are rendered: the frame's own is the last word."""

@@ -133,6 +133,10 @@ class PartWriter:
 
     def finish(self) -> None:
         """Gives the part its name. Where another worker has done so before, that one stays."""
+        with contextlib.closing(self):
+            self._finish()
+
+    def _finish(self) -> None:
         sums = {f"{name}.npy": array.finish(len(self._lines)) for name, array in self._arrays.items()}
         for name, lines in (("frames.jsonl", self._lines), ("failed.jsonl", self._failed), ("log.jsonl", self._log)):
             (self._folder / name).write_text(as_lines(lines), encoding="utf-8")
@@ -148,7 +152,6 @@ class PartWriter:
             if not self._target.is_dir():
                 raise
         sync(self._target.parent)
-        self.close()
 
     def close(self) -> None:
         """Of a part that was not finished, nothing stays."""
