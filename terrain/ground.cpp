@@ -145,6 +145,7 @@ class DemLoader {
 
   GroundCache::Facts load() {
     world_.report.elevation = mosaic_.sources();
+    world_.report.dem_files = mosaic_.files();
     const Rect covered = mosaic_.extent(world_.frame);
     rect_ = wanted_.rect.empty() ? covered : wanted_.rect.intersection(covered);
     if (rect_.empty()) mosaic_.refuse_no_ground(world_.frame, wanted_.rect);

@@ -13,6 +13,7 @@
 #include "terrain/dem/dem_mosaic.h"
 #include "terrain/dem/gdal_messages.h"
 #include "terrain/grid_area.h"
+#include "terrain/world_sum.h"
 
 namespace obliq {
 namespace {
@@ -68,6 +69,7 @@ World load_world(const WorldSpec& spec, const Progress& progress) {
   load_buildings(world, spec, area, progress);
   scatter_prisms(world, spec, area, progress);
   world.buildings.trim();
+  world.report.world_sum = world_sum(spec, world.report.dem_files);
   return world;
 }
 

@@ -18,12 +18,12 @@ import textwrap
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGE = HERE / "src" / "obliq"
 PROTO = HERE.parent.parent / "proto"
-FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py", "_classes.py"]
+FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py", "_classes.py", "_streams.py"]
 # What the asyncio classes say, and what the blocking ones say instead.
 BLOCKING = [(r"async (def|with|for) ", r"\1 "), (r"\bawait ", ""), (r"\basynccontextmanager\b", "contextmanager"),
             (r"__(aenter|aexit|aiter|anext)__", lambda found: f"__{found[1][1:]}__"), (r"\bStopAsyncIteration\b", "StopIteration"),
             (r"\bAsyncIterator\b", "Iterator"), (r"Callable\[\[\], Awaitable\[Connection\]\]", "Callable[[], Connection]"),
-            (r"\((self\.info\(\))\)", r"\1"), (r"\basyncio\.Lock\b", "threading.Lock"), (r"\basyncio\.sleep\b", "time.sleep"), (r"_aio_connection", "_connection")]
+            (r"\((self\.info\(\))\)", r"\1"), (r"\basyncio\.Lock\b", "threading.Lock"), (r"\basyncio\.sleep\b", "time.sleep"), (r"_aio_(connection|streams|classes)", r"_\1")]
 PYTHON_TYPES = {"number": "float", "integer": "int", "boolean": "bool", "choice": "str", "text": "str"}
 
 
@@ -43,7 +43,7 @@ def blocking_text(source):
     for pattern, text in BLOCKING:
         body = re.sub(pattern, text, body)
     body = re.sub(r"^ +$", "", body, flags=re.M)
-    return f'"""The blocking classes. Written by generate.py from _aio_classes.py: do not edit."""\n{aligned(body)}'
+    return f'"""The blocking classes. Written by generate.py from those for asyncio: do not edit."""\n{aligned(body)}'
 
 
 def aligned(text):
@@ -119,7 +119,8 @@ def generate(folder, obliq, protoc):
     import obliq_pb2
 
     (folder / "parameters.py").write_text(parameters_text(rows, obliq_pb2))
-    (folder / "_classes.py").write_text(blocking_text((PACKAGE / "_aio_classes.py").read_text()))
+    for name in ("classes", "streams"):
+        (folder / f"_{name}.py").write_text(blocking_text((PACKAGE / f"_aio_{name}.py").read_text()))
 
 
 def main():

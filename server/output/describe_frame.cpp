@@ -14,6 +14,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/unsampled.h"
 #include "terrain/base/units.h"
+#include "terrain/cache/cache_key.h"
 
 namespace obliq {
 
@@ -175,6 +176,16 @@ void describe_load(const LoadReport& report, wire::FrameDescriptor& descriptor) 
   for (const std::string& warning : first_of(report.warnings)) descriptor.add_warnings(cut(warning));
 }
 
+/// Of the world and its materials; empty for a world that was not loaded from a scene.
+std::string scene_hash(const World& world, const wire::FrameDescriptor& descriptor) {
+  if (world.report.world_sum.empty()) return {};
+  CacheKey key;
+  key.add("world", world.report.world_sum);
+  for (const wire::Material& material : descriptor.materials())
+    key.add("material", material.SerializeAsString());
+  return key.name();
+}
+
 }  // namespace
 
 void describe_frame(const FramePlan& plan, const std::string& radar, const std::string& scene_name,
@@ -224,6 +235,7 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
     row.set_plate_tau(material.plate_tau);
     row.set_plate_exponent(material.plate_exponent);
   }
+  descriptor.set_scene_hash(scene_hash(world, descriptor));
   descriptor.set_cell_m(world.grid.cell_m);
   const SourceError& error = world.report.source_error;
   wire::SourceError& row = *descriptor.mutable_source_error();

@@ -6,6 +6,7 @@
 #include <exception>
 #include <utility>
 
+#include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/pose.h"
@@ -35,14 +36,18 @@ std::string build(const std::shared_ptr<const Scene>& scene) {
 class PlannedSceneFrame : public PlannedFrame {
  public:
   PlannedSceneFrame(std::shared_ptr<const Scene> scene, std::shared_ptr<const FramePlan> plan,
-                    std::string scene_name)
-      : scene_(std::move(scene)), plan_(std::move(plan)), scene_name_(std::move(scene_name)) {}
+                    std::string scene_name, std::string build)
+      : scene_(std::move(scene)),
+        plan_(std::move(plan)),
+        scene_name_(std::move(scene_name)),
+        build_(std::move(build)) {}
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const FramePlan& plan() const { return *plan_; }
 
   void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
     describe_frame(*plan_, radar, scene_name_, descriptor);
+    descriptor.set_build(build_);
   }
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     return render_wedges(*plan_, azimuths, options);
@@ -56,19 +61,19 @@ class PlannedSceneFrame : public PlannedFrame {
     plan_->looks_at().seen().mark(buildings);
   }
   std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const override {
-    return std::make_unique<PlannedSceneFrame>(scene_, plan_->again(pose), scene_name_);
+    return std::make_unique<PlannedSceneFrame>(scene_, plan_->again(pose), scene_name_, build_);
   }
 
  private:
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const FramePlan> plan_;
-  std::string scene_name_;
+  std::string scene_name_, build_;
 };
 
 }  // namespace
 
-SceneRenderer::SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name)
-    : scene_(std::move(scene)), scene_name_(std::move(scene_name)) {}
+SceneRenderer::SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name, std::string build)
+    : scene_(std::move(scene)), scene_name_(std::move(scene_name)), build_(std::move(build)) {}
 
 std::shared_ptr<const Scene> SceneRenderer::scene() const {
   const std::lock_guard lock(mutex_);
@@ -125,7 +130,8 @@ FrameRenderer::Plan SceneRenderer::plan_in(std::shared_ptr<const Scene> scene, c
   }
   if (before != nullptr)
     planned.plan->looks_at().seen().mark(before->looks_at().seen().list());  // the dwells of a pass add up
-  result.frame = std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_);
+  result.frame =
+      std::make_unique<PlannedSceneFrame>(std::move(scene), std::move(planned.plan), scene_name_, build_);
   return result;
 }
 

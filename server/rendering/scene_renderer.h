@@ -30,7 +30,8 @@ class TracerBuilder {
 /// to the rendering.
 class SceneRenderer : public FrameRenderer {
  public:
-  SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name);
+  /// build: of the program, for descriptors.
+  SceneRenderer(std::shared_ptr<const Scene> scene, std::string scene_name, std::string build = {});
   std::vector<FieldError> place(const PoseSettings& pose) const override;
   std::vector<FieldError> scene_faults(const RadarSettings& settings) const override;
   std::vector<FieldError> faults(const RadarSettings& settings, const PoseSettings& pose) const override;
@@ -49,7 +50,7 @@ class SceneRenderer : public FrameRenderer {
 
   mutable std::mutex mutex_;  ///< guards scene_
   std::shared_ptr<const Scene> scene_;
-  std::string scene_name_;
+  std::string scene_name_, build_;
   std::atomic<std::uint64_t> generation_ = 0;
   mutable TracerBuilder tracer_;
 };

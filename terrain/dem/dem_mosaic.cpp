@@ -120,6 +120,15 @@ std::vector<ElevationSource> DemMosaic::sources() const {
   return sources;
 }
 
+std::vector<std::string> DemMosaic::files() const {
+  std::vector<std::string> all;
+  for (const Raster& file : files_) {
+    const std::vector<std::string> parts = file.files();
+    all.insert(all.end(), parts.begin(), parts.end());
+  }
+  return all;
+}
+
 LonLat DemMosaic::centre() const {
   const DegreeBox box = box_of(files_);
   return {std::remainder((box.west + box.east) / 2, 360.0), (box.south + box.north) / 2};

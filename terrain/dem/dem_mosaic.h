@@ -24,6 +24,8 @@ class DemMosaic {
 
   /// The files and what their heights count in.
   std::vector<ElevationSource> sources() const;
+  /// Every file that they consist of.
+  std::vector<std::string> files() const;
 
   /// Centre of the union of the files' extents.
   LonLat centre() const;

@@ -33,6 +33,8 @@ struct LoadReport {
   std::uint64_t posts_filled = 0;          ///< void nodes filled by interpolation
   std::uint64_t posts_absent = 0;          ///< nodes left without ground (voids too wide, outside every DEM)
   std::vector<ElevationSource> elevation;  ///< none for made-up ground
+  std::vector<std::string> dem_files;      ///< paths of every file that they consist of, in their order
+  std::string world_sum;                   ///< of what the world is made from (terrain/world_sum.h)
   double lowest_m = 0;                     ///< known ground, above the datum
   double highest_m = 0;
   SourceError source_error;          ///< of the ground against the elevation models' posts

@@ -43,9 +43,8 @@ class Checked(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_the_package_is_typed_and_so_is_what_uses_it(self):
-        self.assert_clean("mypy", "--config-file", PACKAGE / "pyproject.toml", "--strict", "--no-incremental", "-p", "obliq")
-        self.assert_clean("mypy", "--config-file", PACKAGE / "pyproject.toml", "--strict", "--no-incremental",
-                          HERE / "typed_user.py")
+        self.assert_clean("mypy", "--config-file", PACKAGE / "pyproject.toml", "--strict", "--cache-dir",
+                          self.programs.parent / "mypy_cache", "obliq", HERE / "typed_user.py")
 
     def test_the_package_and_its_examples_are_in_good_style(self):
         self.assert_clean("ruff", "check", "--no-cache", "--config", PACKAGE / "pyproject.toml", SOURCES, PACKAGE / "examples")

@@ -7,7 +7,7 @@ words = argv ();
 file = words{1};
 
 iq = complex (double (ncread (file, "i")), double (ncread (file, "q")));
-azimuth = ncread (file, "azimuth");      % degrees from true north
+azimuth = ncread (file, "bearing");      % degrees from true north
 range = ncread (file, "range");          % metres, slant
 latitude = ncread (file, "latitude");
 bearing = ncreadatt (file, "/", "pose_bearing_deg");

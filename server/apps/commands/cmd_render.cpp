@@ -137,6 +137,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   wire::FrameDescriptor descriptor;
   wire::FrameSummary summary;
   describe_frame(*planned.plan, radar.name, config.name, descriptor);
+  descriptor.set_build(OBLIQ_VERSION);
   describe_receiver(receiver, descriptor);
   summarise_frame(*planned.plan, frame.stats, summary);
   files.samples = textures.get();

@@ -236,7 +236,7 @@ void Daemon::load() {
   const auto first_scene = build_scene(config_, say, tell);
   for (RadarConfig& radar : config_.radars)
     find_pixels(first_scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
-  renderer_.emplace(first_scene, config_.name);
+  renderer_.emplace(first_scene, config_.name, server_options(config_).server_version);
   cache_.emplace(*renderer_);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),

@@ -13,7 +13,8 @@ __version__ = "0.1.0"
 from . import aio, errors, ground
 from . import obliq_pb2 as wire
 from ._assembly import Wedge
-from ._batch import Done, Job, batch, prepare, todo
+from ._batch import Job, batch, prepare, todo
+from ._progress import Done
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
 from ._dataset import Dataset
 from .client import Control, Radar, Replay, Server, Stream, connect

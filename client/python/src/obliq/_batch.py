@@ -15,8 +15,8 @@ import pathlib
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any, Literal, Union
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from ._area import area_of, printed_config, with_area
 from ._daemons import own_daemon, stop_own_daemons
 from ._files import SUMS, as_lines, file_sum, read_sums, sum_lines, write_whole
 from ._poses import Line, Poses, name_of, read_poses
+from ._progress import Done, Progress, Watch
 from ._requests import Tls
 from ._shards import PartWriter, failed_of, part_name, parts_of, sweep
 from ._world import MANIFEST, check_manifest, read_manifest, same_world, world_of, world_of_frame, worlds_in
@@ -35,12 +36,12 @@ from .parameters import Pose, Settings, SettingsFields
 from .planes import Planes, plane_names
 
 Shard = tuple[int, int, int, float]  # number, frames, failed poses, seconds
-Watch = Union[bool, Callable[[int, int], object], None]
 
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """All that a worker on another machine needs; run(number) does one shard. radar: whose patterns and name the frames have."""
+    """All that a worker on another machine needs; run(number) does one shard. radar: whose patterns and name the frames have.
+    scenes: the scene files, by their names in the lines; "": of lines that name none. areas: by scene, what is loaded of it."""
 
     out: str
     name: str
@@ -56,10 +57,10 @@ class Job:
     token_file: str | None
     ca_file: str | None
     tls: bool
-    scenes: dict[str, str]  # the scene files, by their names in the lines; "": of lines that name none
+    scenes: dict[str, str]
     obliqd: str | None
     local_settings: dict[str, Any]
-    areas: dict[str, list[list[float]] | None]  # by scene: what is loaded of it
+    areas: dict[str, list[list[float]] | None]
     timeout: float
 
     def shards(self) -> range:
@@ -313,24 +314,6 @@ def _share(shard: str) -> tuple[int, int]:
     return int(i), int(n)
 
 
-@dataclasses.dataclass(frozen=True)
-class Done:
-    """What a run has done. frames: rendered by this run. failed: poses without a frame. parts: that are there now, of
-    parts_wanted. first_failed: its line of failed.jsonl."""
-
-    frames: int
-    failed: int
-    parts: int
-    parts_wanted: int
-    seconds: float
-    first_failed: dict[str, Any] | None = None
-
-    @property
-    def complete(self) -> bool:
-        """Every part is there."""
-        return self.parts == self.parts_wanted
-
-
 def batch(poses: Poses, out: str | os.PathLike[str], *, executor: concurrent.futures.Executor | None = None,
           shard: str | None = None, progress: Watch = None, **options: Any) -> Done:
     """Renders poses into a data set. Call it again after any failure: it does what is missing, and takes up poses that were
@@ -398,25 +381,3 @@ def _results(job: Job, numbers: Sequence[int], executor: concurrent.futures.Exec
             failures.append(error)
     if failures:
         raise failures[0]
-
-
-class Progress:
-    """How far: told to a callable, or a line on standard error now and then, with how fast and until when."""
-
-    def __init__(self, total: int, wanted: Watch):
-        self._total, self._began, self._last = total, time.monotonic(), 0.0
-        self._watch = wanted if callable(wanted) else None
-        self._wanted = sys.stderr.isatty() if wanted is None else bool(wanted)
-
-    def __call__(self, done: int) -> None:
-        if self._watch is not None:
-            self._watch(done, self._total)
-            return
-        now = time.monotonic()
-        if not self._wanted or (now - self._last < 2 and done < self._total):
-            return
-        self._last = now
-        rate = done / max(now - self._began, 1e-9)
-        left = max(0, self._total - done) / max(rate, 1e-9)
-        end = time.strftime("%H:%M:%S", time.localtime(time.time() + left))
-        print(f"obliq.batch: {done} of {self._total} frames, {rate:.1f} a second, until {end}", file=sys.stderr)

@@ -82,7 +82,7 @@ def to_xarray(data: Dataset, lazy: bool) -> xarray.Dataset:
 def to_zarr(data: Dataset, path: str | os.PathLike[str]) -> None:
     """A store of a chunk for each frame."""
     need("Dataset.to_zarr()", "zarr", "zarr")
-    to_xarray(data, True).to_zarr(os.fspath(path), mode="w-")
+    to_xarray(data, True).to_zarr(os.fspath(path), mode="w-", consolidated=False)
 
 
 def to_webdataset(data: Dataset, pattern: str, frames: int) -> list[pathlib.Path]:

@@ -13,7 +13,8 @@ import types
 from collections.abc import Sequence
 from typing import Any
 
-from ._batch import Done, batch, check
+from ._batch import batch, check
+from ._progress import Done
 from .errors import ObliqError
 from .parameters import Settings
 

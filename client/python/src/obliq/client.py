@@ -3,9 +3,10 @@ from __future__ import annotations
 
 import os
 
-from ._classes import Control, Radar, Replay, Server, Stream
+from ._classes import Control, Radar, Server
 from ._connection import Connection
 from ._requests import Door, Tls
+from ._streams import Replay, Stream
 
 __all__ = ["Control", "Radar", "Replay", "Server", "Stream", "connect"]
 
