@@ -101,9 +101,11 @@ r_max_m = 12000.0
 TOML
   cat >"$scratch/steps.sh" <<'STEPS'
 set -eu
+fail() { echo "$*"; exit 1; }
 began=$(date +%s)
-apt-get -q update >/tmp/log && apt-get -q install -y --no-install-recommends python3 python3-venv >/tmp/log 2>&1
-! command -v cc gcc c++ g++ clang
+apt-get -q update >/tmp/log
+apt-get -q install -y --no-install-recommends python3 python3-venv >/tmp/log 2>&1
+if command -v cc gcc c++ g++ clang; then fail "a compiler is here"; fi
 python3 -m venv /tmp/venv
 /tmp/venv/bin/pip install -q --no-index --find-links /mnt/wheels obliq obliq-server
 cd /tmp
@@ -115,13 +117,15 @@ with obliq.local("/mnt/scene.toml") as server:
     server.radar().frame().save("real.png")
 PYTHON
 /tmp/venv/bin/python3 three.py
-[ "$(stat -c %s real.png)" -gt 20000 ] && cp out.png real.png /mnt/
+[ "$(stat -c %s real.png)" -gt 20000 ]
+cp out.png real.png /mnt/
 /tmp/venv/bin/obliqd --version
 /tmp/venv/bin/obliq render /mnt/scene.toml --out frame >log 2>&1
-[ -s frame/ground_map.png ] && [ -s frame/ground_map.tif ]
-! grep -i 'fontconfig\|proj' log
+[ -s frame/ground_map.png ]
+[ -s frame/ground_map.tif ]
+if grep -i 'fontconfig\|proj' log; then fail "a library misses its files"; fi
 /tmp/venv/bin/pip uninstall -q -y obliq obliq-server
-[ -z "$(find /tmp/venv -iname '*obliq*')" ]
+[ -z "$(find /tmp/venv -iname '*obliq*')" ] || fail "uninstalled, it left $(find /tmp/venv -iname '*obliq*')"
 STEPS
   deploy/in-overlay.sh "$clean" "$scratch"
   mkdir -p out/check-packages

@@ -18,6 +18,7 @@ newer() {
 proof() {
   cat <<STEPS
 set -eu
+fail() { echo "\$*"; exit 1; }
 install_all() { $1 "\$@" >/mnt/log 2>&1 || { cat /mnt/log; exit 1; }; }
 STEPS
   cat <<'STEPS'
@@ -28,14 +29,15 @@ began=$(date +%s)
 install_all /mnt/old/*.deb
 obliqd --version
 obliq render /usr/share/obliq/scenes/demo_hills.toml --set bins.azimuth=128 --set bins.range=256 --out frame >log 2>&1
-[ -s frame/ground_map.png ] && [ -s frame/bins.npy ]
+[ -s frame/ground_map.png ]
+[ -s frame/bins.npy ]
 echo "from nothing to a picture: $(($(date +%s) - began)) s"
 /usr/bin/python3 -m obliq.demo demo.png
-! command -v pkg-config >log || pkg-config --libs obliq | grep -q '^-lobliq '
+[ ! -e /usr/bin/pkg-config ] || pkg-config --libs obliq | grep -q '^-lobliq '
 ldd /usr/lib/*/libobliq.so >log
-! grep 'not found' log
-# The unit says nothing that its systemd does not know.
-! systemd-analyze verify --man=no obliqd.service 2>&1 | grep obliqd.service:
+if grep 'not found' log; then fail "libobliq needs what is not there"; fi
+systemd-analyze verify --man=no obliqd.service 2>&1 | grep obliqd.service >log || true # 252 exits with 0, whatever it finds
+[ ! -s log ] || fail "$(cat log)"
 
 # Served as the unit would, upgraded meanwhile; its owner's line in the scene stays.
 setpriv --reuid obliq --regid obliq --clear-groups --no-new-privs obliqd --config /etc/obliq/obliqd.toml --port 0 --set http.port=0 >daemon.log 2>&1 &
@@ -51,11 +53,13 @@ install_all /mnt/new/*.deb
 [ "$(dpkg-query -W -f '${Version} ${Status}\n' $all | sort -u)" = "$(dpkg-deb -f /mnt/new/obliq_*.deb Version) install ok installed" ]
 obliq get --server "$server" --out upgraded >log 2>&1
 [ -s upgraded/ground_map.png ]
-kill $daemon && wait $daemon
+kill $daemon
+wait $daemon
 grep -qx '# mine' /etc/obliq/obliqd.toml
 
 dpkg -r $all >log 2>&1
-[ ! -e /usr/bin/obliqd ] && [ -e /etc/obliq/obliqd.toml ]
+[ ! -e /usr/bin/obliqd ] || fail "removed, obliqd is there"
+[ -e /etc/obliq/obliqd.toml ]
 mkdir -p /var/cache/obliq && touch /var/cache/obliq/grid # as the unit's daemon does
 dpkg -P $all >log 2>&1
 STEPS
