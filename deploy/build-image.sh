@@ -9,6 +9,7 @@
 # `deploy/build-image.sh clean` removes. OBLIQ_JOBS: compilers at a time. OBLIQ_TARGET: a stage to stop after.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/image-store.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/clean-root.sh"
 cd "$root"
 
 suite=bookworm
@@ -29,33 +30,14 @@ as_root
 "$root"/deploy/install-deps.sh image
 need buildah debootstrap unshare apt-get
 
-# archive LABEL: where this machine's apt finds Debian (LABEL Debian) or its security updates (Debian-Security).
-archive() {
-  apt-get indextargets --format '$(CREATED_BY)|$(ORIGIN)|$(LABEL)|$(REPO_URI)' |
-    awk -F '|' -v label="$1" '$1 == "Packages" && $2 == "Debian" && $3 == label && !seen++ {print $4}'
-}
-
 # The base image that Dockerfiles know as debian:SUITE-slim: Debian's minimal system without manuals.
 make_base() {
-  local folder=$store/base-$suite main security working extra=()
-  main=$(archive Debian)
-  security=$(archive Debian-Security)
-  [ -n "$main" ] || die "apt knows no Debian archive here (apt-get update?)"
-  rm -rf --one-file-system "$folder" "$folder.tar"
-  case "$main" in https:*) extra=(--include=ca-certificates) ;; esac
-  # In a mount namespace of its own, so that what it mounts goes when it ends.
-  unshare --mount debootstrap --variant=minbase "${extra[@]}" --keyring=/usr/share/keyrings/debian-archive-keyring.gpg \
-    "$suite" "$folder" "$main" >"$folder.log" 2>&1 ||
-    die "debootstrap failed; see $folder.log"
-  {
-    echo "deb $main $suite main"
-    echo "deb $main $suite-updates main"
-    [ -z "$security" ] || echo "deb $security $suite-security main"
-  } >"$folder/etc/apt/sources.list"
+  local folder=$store/base-$suite working
+  rm -f "$folder.tar"
+  clean_root "$suite" "$folder"
   printf 'path-exclude %s\n' '/usr/share/doc/*' '/usr/share/man/*' '/usr/share/info/*' '/usr/share/locale/*' \
     '/usr/share/groff/*' '/usr/share/lintian/*' >"$folder/etc/dpkg/dpkg.cfg.d/slim"
   echo 'path-include /usr/share/doc/*/copyright' >>"$folder/etc/dpkg/dpkg.cfg.d/slim"
-  echo force-unsafe-io >"$folder/etc/dpkg/dpkg.cfg.d/unsafe-io" # an image that breaks off is not kept anyway
   printf 'Acquire::Languages "none";\nAcquire::GzipIndexes "true";\n' >"$folder/etc/apt/apt.conf.d/slim"
   find "$folder"/usr/share/doc -mindepth 2 ! -type d ! -name copyright -delete
   rm -rf --one-file-system "$folder"/usr/share/{man,info,locale,groff,lintian}/* "$folder"/var/lib/apt/lists/* \

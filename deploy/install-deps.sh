@@ -26,7 +26,8 @@ test_packages=(
   libfaketime iptables iproute2                                # clocks that jump, networks that swallow packets
   chromium chromium-driver                                     # the page, with Selenium (below)
 )
-package_packages=(debhelper dh-python fakeroot lintian python3 python3-hatchling python3-pip)    # packages.sh
+package_packages=(debhelper dh-python fakeroot lintian python3 python3-hatchling python3-pip    # packages.sh
+  systemd procps)                                              # what the packages need, for tests/debs.sh
 wheel_packages=(dpkg-dev patchelf sqlite3 libjson-c-dev liblzma-dev libsqlite3-dev)             # server-wheel.sh
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
 image_packages=(buildah debootstrap python3 python3-numpy)     # build-image.sh, check-image.sh

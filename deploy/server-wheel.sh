@@ -50,15 +50,15 @@ sources() {
   apt-get "${options[@]}" update && (cd "$work/src" && apt-get "${options[@]}" source "$@")
 }
 
-# lean NAME SOURCE OPTION...: configured, built and installed with a distribution's flags, once.
+# lean NAME TARGET SOURCE OPTION...: configured, built and installed with a distribution's flags, once.
 lean() {
-  local name=$1 source=$2
-  shift 2
+  local name=$1 target=$2 source=$3
+  shift 3
   [ ! -e "$lean/$name.done" ] || return 0
   step "$name"
-  cmake -S "$source" -B "$work/build-$name" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$lean" \
+  cmake -S "$source" -B "$work/build-$name" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_INSTALL_PREFIX="$lean" \
     -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_PREFIX_PATH="$lean" -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_TESTING=OFF "$@"
-  cmake --build "$work/build-$name" --parallel "$jobs"
+  cmake --build "$work/build-$name" --parallel "$jobs" --target "$target"
   cmake --install "$work/build-$name" >/dev/null
   touch "$lean/$name.done"
 }
@@ -67,18 +67,22 @@ if [ ! -e "$lean/gdal.done" ]; then
   {
     step "source packages"
     compgen -G "$work/src/gdal-*/CMakeLists.txt" >/dev/null || sources tiff proj gdal
-    flags=$(DEB_BUILD_MAINT_OPTIONS=hardening=+all dpkg-buildflags --export=sh)
+    flags=$(DEB_BUILD_MAINT_OPTIONS=hardening=+all DEB_CFLAGS_MAINT_STRIP=-g DEB_CXXFLAGS_MAINT_STRIP=-g \
+      DEB_CPPFLAGS_MAINT_APPEND=-DNDEBUG dpkg-buildflags --export=sh)
     eval "$flags"
+    export CFLAGS+=" $CPPFLAGS" CXXFLAGS+=" $CPPFLAGS" # CMake reads no CPPFLAGS
     # For PROJ, whose grids are deflated TIFFs. No JBIG: Debian's library of it is GPL-2.
-    lean tiff "$work"/src/tiff-*/ -DBUILD_SHARED_LIBS=ON -Dtiff-tools=OFF -Dtiff-tests=OFF -Dtiff-docs=OFF -Dtiff-contrib=OFF \
+    lean tiff all "$work"/src/tiff-*/ -DBUILD_SHARED_LIBS=ON -Dtiff-tools=OFF -Dtiff-tests=OFF -Dtiff-docs=OFF -Dtiff-contrib=OFF \
       -Dcxx=OFF -Djbig=OFF -Dwebp=OFF -Dlerc=OFF -Djpeg=OFF -Dlzma=OFF -Dzstd=OFF -Dlibdeflate=OFF
-    lean proj "$work"/src/proj-*/ -DBUILD_SHARED_LIBS=ON -DBUILD_APPS=OFF -DENABLE_CURL=OFF -DENABLE_TIFF=ON
-    lean gdal "$work"/src/gdal-*/ -DBUILD_SHARED_LIBS=ON -DBUILD_APPS=OFF -DBUILD_PYTHON_BINDINGS=OFF -DBUILD_JAVA_BINDINGS=OFF \
+    lean proj all "$work"/src/proj-*/ -DBUILD_SHARED_LIBS=ON -DBUILD_APPS=OFF -DENABLE_CURL=OFF -DENABLE_TIFF=ON
+    lean gdal GDAL "$work"/src/gdal-*/ -DBUILD_SHARED_LIBS=ON -DBUILD_APPS=OFF -DBUILD_PYTHON_BINDINGS=OFF -DBUILD_JAVA_BINDINGS=OFF \
       -DBUILD_CSHARP_BINDINGS=OFF -DGDAL_USE_EXTERNAL_LIBS=OFF -DGDAL_USE_INTERNAL_LIBS=OFF -DGDAL_USE_TIFF_INTERNAL=ON -DGDAL_USE_GEOTIFF_INTERNAL=ON \
       -DGDAL_USE_LERC_INTERNAL=ON -DGDAL_USE_ZLIB=ON -DGDAL_USE_ZSTD=ON -DGDAL_USE_LIBLZMA=ON -DGDAL_USE_JSONC=ON -DGDAL_USE_PNG=ON \
       -DGDAL_USE_SQLITE3=ON -DGDAL_USE_GEOS=ON -DGDAL_BUILD_OPTIONAL_DRIVERS=OFF -DOGR_BUILD_OPTIONAL_DRIVERS=OFF \
-      -DGDAL_ENABLE_DRIVER_USGSDEM=ON -DGDAL_ENABLE_DRIVER_AAIGRID=ON -DGDAL_ENABLE_DRIVER_SRTMHGT=ON -DGDAL_ENABLE_DRIVER_PNG=ON \
-      -DOGR_ENABLE_DRIVER_SQLITE=ON -DOGR_ENABLE_DRIVER_GPKG=ON
+      -DGDAL_USE_JPEG12_INTERNAL=OFF -DGDAL_ENABLE_DRIVER_RAW=ON -DGDAL_ENABLE_DRIVER_USGSDEM=ON \
+      -DGDAL_ENABLE_DRIVER_AAIGRID=ON -DGDAL_ENABLE_DRIVER_SRTMHGT=ON -DGDAL_ENABLE_DRIVER_PNG=ON \
+      -DOGR_ENABLE_DRIVER_SQLITE=ON -DOGR_ENABLE_DRIVER_GPKG=ON -DOGR_ENABLE_DRIVER_TAB=OFF -DOGR_ENABLE_DRIVER_KML=OFF \
+      -DENABLE_GNM=OFF
   } 2>&1 | tee "$work/log"
 fi
 

@@ -26,7 +26,7 @@ cd "$root"
 jobs=$(parallel_jobs)
 
 step "packages"
-deploy/install-deps.sh build test
+deploy/install-deps.sh build test package
 step "configure"
 cmake --preset release -DOBLIQ_TESTS=ON -DOBLIQ_BENCHMARKS=ON
 step "build with $jobs jobs"

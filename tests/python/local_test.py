@@ -5,7 +5,9 @@ import signal
 import subprocess
 import sys
 import time
+import types
 import unittest
+from unittest import mock
 
 import support
 from support import OBLIQD, Folder, obliq, scene
@@ -38,6 +40,18 @@ class Local(Folder):
             self.assertEqual(server.radar("main").frame(planes="state").shape, (64, 48))
             self.assertEqual(len(daemons_of(config)), 1)
         self.assertTrue(gone(config, 0))
+
+    def test_programs_of_a_package_are_found_with_their_environment(self):
+        package = types.ModuleType("obliq_server")
+        package.program = lambda name: pathlib.Path(OBLIQD).with_name(name)
+        package.environment = lambda: {**os.environ, "OBLIQ_OF_THE_PACKAGE": "1"}
+        elsewhere = {key: value for key, value in os.environ.items() if key != "OBLIQD"}
+        with mock.patch.dict("sys.modules", obliq_server=package), mock.patch.dict("os.environ", elsewhere, clear=True):
+            config = scene(self.folder)
+            with obliq.local(config) as server:
+                self.assertEqual(server.radar("main").frame(planes="state").shape[0], 64)
+                pid, = daemons_of(config)
+                self.assertIn(b"OBLIQ_OF_THE_PACKAGE=1", pathlib.Path(f"/proc/{pid}/environ").read_bytes())
 
     def test_it_stops_after_an_exception(self):
         config = scene(self.folder)
