@@ -112,27 +112,33 @@ struct Limits {
   double gaps, false_light, missed;
 };
 
-/// The towns of one kind of material, every other one: a test each, as 3000 towns take one processor a while.
-void expect_much_the_same(std::uint64_t first_seed, const std::vector<Limits>& all_limits) {
-  std::vector<Errors> errors(all_limits.size());
-  for (std::uint64_t seed = first_seed; seed < kTowns; seed += 2) {
+TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
+  // A fourth above what was recorded, and no more than what was wanted of two planes: E of 0.005, 0.03, 0.15.
+  constexpr Limits kLimits[] = {
+      {{"2 planes, exact", 2, 0}, 0.00125, 0.0125, 0.076, 5e-4, 0.0016, 1.8e-6, 0.0022},
+      {{"1 plane, 64 sub-columns", 1, 64}, 0.0025, 0.02, 0.15, 0.0076, 0.002, 0.0105, 0.003},
+      {{"2 planes, 64 sub-columns", 2, 64}, 0.0024, 0.02, 0.15, 0.0076, 0.0012, 0.0105, 0.003},
+      {{"8 planes, 64 sub-columns", 8, 64}, 0.0017, 0.018, 0.15, 0.0078, 1.5e-4, 0.0105, 0.0015},
+  };
+  std::vector<Errors> errors(std::size(kLimits));
+  for (std::uint64_t seed = 0; seed < kTowns; ++seed) {
     const test::Trial trial = trial_of(seed);
     SCOPED_TRACE(trial.text);
     const Rendered reference = render_all(trial, kReference.of(trial.settings));
     if (!reference.plan) continue;
     for (std::size_t k = 0; k < errors.size(); ++k) {
-      const Rendered rendered = render_all(trial, all_limits[k].sweep.of(trial.settings));
+      const Rendered rendered = render_all(trial, kLimits[k].sweep.of(trial.settings));
       ASSERT_TRUE(rendered.plan);
       test::expect_sane(rendered.frame, trial.settings, trial.scene->materials());
       errors[k].add(rendered, reference, trial.settings, trial.scene->world().buildings.list.size());
     }
   }
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    const Limits& limits = all_limits[k];
+    const Limits& limits = kLimits[k];
     const Errors& e = errors[k];
     SCOPED_TRACE(limits.sweep.name);
     e.print(limits.sweep.name);
-    EXPECT_GE(e.power_error.size(), 1250u);
+    EXPECT_GE(e.power_error.size(), 2500u);
     EXPECT_LE(Errors::at(e.power_error, 0.5), limits.median);
     EXPECT_LE(Errors::at(e.power_error, 0.9), limits.ninety);
     EXPECT_LE(Errors::at(e.power_error, 0.99), limits.ninety_nine);
@@ -141,29 +147,6 @@ void expect_much_the_same(std::uint64_t first_seed, const std::vector<Limits>& a
     EXPECT_LE(e.false_light_w / e.truth_w, limits.false_light);
     EXPECT_LE(static_cast<double>(e.missed), limits.missed * static_cast<double>(e.seen));
   }
-}
-
-// Limits: a fourth above what was recorded, and no more than what was wanted of two planes: E of 0.005, 0.03,
-// 0.15.
-
-TEST(RandomTowns, OfConstantGammaAreMuchTheSameWithFewPlanesAndWithSubColumns) {
-  expect_much_the_same(
-      0, {
-             {{"2 planes, exact", 2, 0}, 0.00125, 0.0125, 0.076, 5e-4, 0.0016, 1.8e-6, 0.0022},
-             {{"1 plane, 64 sub-columns", 1, 64}, 0.0025, 0.02, 0.15, 0.0076, 0.002, 0.0105, 0.003},
-             {{"2 planes, 64 sub-columns", 2, 64}, 0.0024, 0.02, 0.15, 0.0076, 0.0012, 0.0105, 0.003},
-             {{"8 planes, 64 sub-columns", 8, 64}, 0.0017, 0.018, 0.15, 0.0078, 1.5e-4, 0.0105, 0.0015},
-         });
-}
-
-TEST(RandomTowns, WithWallsThatShineAreMuchTheSameWithFewPlanesAndWithSubColumns) {
-  expect_much_the_same(
-      1, {
-             {{"2 planes, exact", 2, 0}, 0.00125, 0.0125, 0.076, 5e-4, 0.0016, 1.8e-6, 0.0022},
-             {{"1 plane, 64 sub-columns", 1, 64}, 0.0025, 0.02, 0.15, 0.0076, 0.002, 0.0105, 0.003},
-             {{"2 planes, 64 sub-columns", 2, 64}, 0.0024, 0.02, 0.15, 0.0076, 0.0012, 0.0105, 0.003},
-             {{"8 planes, 64 sub-columns", 8, 64}, 0.0017, 0.018, 0.15, 0.0078, 1.5e-4, 0.0105, 0.0015},
-         });
 }
 
 /// A frame that gives way after so much work of a thread.

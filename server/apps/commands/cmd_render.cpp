@@ -10,6 +10,7 @@
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/scene_arguments.h"
+#include "server/apps/version/version.h"
 #include "server/loading/scene_loading.h"
 #include "server/net/request_limits.h"
 #include "server/output/describe_frame.h"
@@ -137,7 +138,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   wire::FrameDescriptor descriptor;
   wire::FrameSummary summary;
   describe_frame(*planned.plan, radar.name, config.name, descriptor);
-  descriptor.set_build(OBLIQ_VERSION);
+  descriptor.set_build(program_version());
   describe_receiver(receiver, descriptor);
   summarise_frame(*planned.plan, frame.stats, summary);
   files.samples = textures.get();
