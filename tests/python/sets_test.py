@@ -1,6 +1,5 @@
 """Data sets: columns, splits, scenes, coverage, poses that are judged and taken up again, sums, and other programs' formats."""
 import json
-import pathlib
 import pickle
 import subprocess
 import sys
@@ -12,7 +11,7 @@ import warnings
 import support
 from support import OBLIQD, Folder, needs, obliq
 import numpy as np
-from obliq import _area, _poses, _self_test, _shards, _world
+from obliq import _area, _poses, _self_test, _world
 
 warnings.filterwarnings("ignore", message=".*without a scene hash.*")
 SMALL = support.SCENE.replace("azimuth = 64\nrange = 96", "azimuth = 8\nrange = 16")
@@ -231,6 +230,15 @@ class Sets(Folder):
         path.write_text(path.read_text().replace('"k": 1', '"k": 2'))
         with self.assertRaisesRegex(obliq.BadStream, "frames.jsonl: it is not what was written"):
             obliq.Dataset(self.folder / "changed").verify()
+
+    def test_a_file_that_is_gone_is_named(self):
+        self.make("gone", poses(2))
+        data = obliq.Dataset(self.folder / "gone")
+        (self.folder / "gone" / "part-00000" / "log.jsonl").unlink()
+        self.assertEqual(data[1].utc.astype("i8"), 0)  # when it was rendered is all that the log has
+        (self.folder / "gone" / "part-00000" / "frames.jsonl").unlink()
+        with self.assertRaisesRegex(FileNotFoundError, "part-00000/frames.jsonl"):
+            obliq.Dataset(self.folder / "gone")
 
     def test_a_manifest_says_by_what_when_and_of_what_words_it_was_made(self):
         self.local("told", poses(2))

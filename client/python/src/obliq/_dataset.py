@@ -170,7 +170,8 @@ class Dataset:
         if "utc_ns" in row.line:  # of a data set that has no log.jsonl
             return row.line
         if row.part not in self._logs:
-            self._logs[row.part] = json_lines(row.part / "log.jsonl")
+            path = row.part / "log.jsonl"
+            self._logs[row.part] = json_lines(path) if path.exists() else []
         return self._logs[row.part][row.row] if row.row < len(self._logs[row.part]) else {}
 
     def _map(self, path: pathlib.Path) -> npt.NDArray[Any] | None:

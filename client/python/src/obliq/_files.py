@@ -44,9 +44,9 @@ def parsed(text: str) -> Any:
 
 
 def json_lines(path: pathlib.Path) -> list[dict[str, Any]]:
-    """The objects of a file of JSON lines; none where there is no such file. ValueError names the line."""
+    """The objects of a file of JSON lines. ValueError names the line, FileNotFoundError the file."""
     found = []
-    with contextlib.suppress(FileNotFoundError), open(path, encoding="utf-8") as file:
+    with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
             try:
                 found.append(parsed(line))
