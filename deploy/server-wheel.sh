@@ -95,3 +95,4 @@ export SOURCE_DATE_EPOCH
 wheel=$(python3 deploy/server_wheel/make.py --stage "$stage" --lean "$lean" --sources "$work/src" --out "$out" \
   --version "$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)")
 python3 deploy/server_wheel/check.py "$wheel"
+python3 deploy/server_wheel/formats.py "$wheel"

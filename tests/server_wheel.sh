@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The wheel that deploy/server-wheel.sh has built, where it has: its libraries and their licences, its size, what it needs.
+# The wheel that deploy/server-wheel.sh has built, where it has: its libraries and their licences, its size, what it needs; a frame
+# from each format.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # The check can fail: a library of poppler's name in a wheel is refused.
@@ -17,3 +18,8 @@ wheels=(out/wheel/obliq_server-*.whl)
   exit 77
 }
 python3 deploy/server_wheel/check.py "${wheels[-1]}"
+command -v gdal_translate >/dev/null && command -v ogr2ogr >/dev/null || {
+  echo "not asked for a frame from each format: no gdal_translate and ogr2ogr here (deploy/install-deps.sh build)"
+  exit 0
+}
+python3 deploy/server_wheel/formats.py "${wheels[-1]}"

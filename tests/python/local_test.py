@@ -1,4 +1,5 @@
 """A daemon of one's own: started, used, stopped, whatever happens."""
+import io
 import os
 import pathlib
 import signal
@@ -52,6 +53,17 @@ class Local(Folder):
                 self.assertEqual(server.radar("main").frame(planes="state").shape[0], 64)
                 pid, = daemons_of(config)
                 self.assertIn(b"OBLIQ_OF_THE_PACKAGE=1", pathlib.Path(f"/proc/{pid}/environ").read_bytes())
+
+    def test_the_demo_makes_a_picture_or_says_why_not(self):
+        from obliq import demo
+
+        picture = self.folder / "out.png"
+        with mock.patch.dict("os.environ", OBLIQD=OBLIQD), mock.patch("sys.stdout", io.StringIO()):
+            self.assertEqual(demo.main([str(picture), "--range", "6000"]), 0)
+        self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        with mock.patch.dict("os.environ", OBLIQD=OBLIQD), mock.patch("sys.stderr", io.StringIO()) as said:
+            self.assertEqual(demo.main([str(picture), "--dem", str(self.folder / "none.tif")]), 1)
+        self.assertIn("none.tif", said.getvalue())
 
     def test_it_stops_after_an_exception(self):
         config = scene(self.folder)
