@@ -25,6 +25,7 @@ struct Client::State {
   Tap tap;
   wire::Bytes welcome_bytes;
   std::optional<wire::ReplayState> replay_state;
+  wire::Bytes payload;  ///< memory of the message before, for the next
   std::uint64_t last_request = 0;
   Clock::time_point last_heard;
 
@@ -43,6 +44,7 @@ struct Client::State {
     return call(type, request, MessageType::ack, ack);
   }
   Status receive(Message& message, Timeout timeout);
+  Status receive_and_handle(Message& message, Timeout timeout);
   Status dispatch(const Message& message);
   Status keep_replay_state(const Message& message);
   Status doubt_server(Status status);
@@ -293,12 +295,18 @@ Status Client::query_ground(wire::QueryGround& request, wire::GroundAnswer& answ
 
 Status Client::receive(Timeout timeout) {
   Message message;
-  if (Status status = state_->receive(message, timeout); !status.ok())
-    return state_->doubt_server(std::move(status));
-  state_->last_heard = Clock::now();
-  if (message.header.type == MessageType::heartbeat) return answer_heartbeat(state_->connection, message);
-  if (message.header.type == MessageType::replay_state) return state_->keep_replay_state(message);
-  return is_frame(message.header.type) ? state_->dispatch(message) : unsolicited(message);
+  message.payload = std::move(state_->payload);
+  Status status = state_->receive_and_handle(message, timeout);
+  state_->payload = std::move(message.payload);
+  return status;
+}
+
+Status Client::State::receive_and_handle(Message& message, Timeout timeout) {
+  if (Status status = receive(message, timeout); !status.ok()) return doubt_server(std::move(status));
+  last_heard = Clock::now();
+  if (message.header.type == MessageType::heartbeat) return answer_heartbeat(connection, message);
+  if (message.header.type == MessageType::replay_state) return keep_replay_state(message);
+  return is_frame(message.header.type) ? dispatch(message) : unsolicited(message);
 }
 
 }  // namespace obliq::client
