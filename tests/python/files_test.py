@@ -8,7 +8,7 @@ import unittest
 import support
 from support import OBLIQ, Folder, obliq, run
 import numpy as np
-from obliq import mapping, plotting
+from obliq import mapping
 from obliq.places import World
 
 GDAL_TRANSLATE = "/usr/bin/gdal_translate"
@@ -71,24 +71,6 @@ class Saved(Folder):
         picture = imread(self.folder / "f.png")
         self.assertGreater(picture.shape[0], 500)
         self.assertGreater(picture[..., 0].std(), 0.1)
-
-    @support.needs("matplotlib")
-    def test_without_matplotlib_a_png_is_the_map_alone(self):
-        from unittest import mock
-
-        from matplotlib.image import imread
-
-        with mock.patch.dict("sys.modules", {"matplotlib.figure": None}):
-            self.frame.save(self.folder / "f.png")
-        picture = imread(self.folder / "f.png")
-        level, state, inside, _, grid = plotting.on_map(self.frame)
-        self.assertEqual(picture.shape, (grid.height, grid.width, 4))
-        np.testing.assert_array_equal(picture[..., 3] == 1, inside)
-        lit = inside & (level != mapping.NO_VALUE)
-        brightness, levels = picture[..., 0][lit], level[lit]  # brighter is stronger
-        self.assertTrue((np.diff(brightness[np.argsort(levels, kind="stable")]) >= 0).all())
-        np.testing.assert_allclose(picture[inside & ~lit & (state == 2), :3], np.tile(plotting.COLOURS[2], (((inside & ~lit & (state == 2)).sum()), 1)),
-                                   atol=1 / 255)
 
     @support.needs("matplotlib")
     def test_plots_are_drawn_into_axes_and_refuse_unknown_kinds(self):

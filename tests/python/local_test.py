@@ -58,10 +58,10 @@ class Local(Folder):
         from obliq import demo
 
         picture = self.folder / "out.png"
-        with mock.patch.dict("os.environ", OBLIQD=OBLIQD), mock.patch("sys.stdout", io.StringIO()):
+        with mock.patch.dict("os.environ", OBLIQ=OBLIQ), mock.patch("sys.stdout", io.StringIO()):
             self.assertEqual(demo.main([str(picture), "--range", "6000"]), 0)
         self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
-        with mock.patch.dict("os.environ", OBLIQD=OBLIQD), mock.patch("sys.stderr", io.StringIO()) as said:
+        with mock.patch.dict("os.environ", OBLIQ=OBLIQ), mock.patch("sys.stderr", io.StringIO()) as said:
             self.assertEqual(demo.main([str(picture), "--dem", str(self.folder / "none.tif")]), 1)
         self.assertIn("none.tif", said.getvalue())
 

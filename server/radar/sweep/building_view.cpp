@@ -74,8 +74,8 @@ SinCos BuildingView::bearing(double position) const {
   return plan_.sector().world_bearing(plan_.bins().azimuth_edge_rad(position));
 }
 
-/// The buildings of an azimuth bin lie anywhere in memory: asks for the next ones in two steps. Inlined, since
-/// a compiler leaves out calls of what only asks for memory.
+/// The buildings of an azimuth bin lie anywhere in memory: asks for the next ones in two steps. Inlined,
+/// since a compiler leaves out calls of what only asks for memory.
 [[gnu::always_inline]] inline void BuildingView::ask_for_buildings(std::size_t from) const {
   const Buildings& all = plan_.scene().world().buildings;
   if (from + 2 * kAskAhead < buildings_.size())

@@ -40,8 +40,10 @@ HILLS = 'synthetic = "hills"\ncell_m = 20.0\nshape = {height_m = 1600.0, seed = 
 def draw(scene: pathlib.Path, picture: pathlib.Path) -> None:
     """The picture of `obliq render`, for which no package of Python's is needed."""
     program, environment = find_program("obliq")
-    subprocess.run([program, "render", scene, "--north-up", "--out", scene.parent], check=True, env=environment,
-                   stdout=subprocess.DEVNULL)
+    ran = subprocess.run([program, "render", scene, "--north-up", "--out", scene.parent], check=False, env=environment,
+                         capture_output=True, text=True)
+    if ran.returncode != 0:
+        raise ValueError(ran.stderr.strip())
     shutil.copyfile(scene.parent / "ground_map.png", picture)
 
 
@@ -61,7 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
             else:
                 with local(scene) as server:
                     server.radar().frame().save(asked.picture)
-        except (ObliqError, OSError, ValueError, ImportError, subprocess.SubprocessError) as error:
+        except (ObliqError, OSError, ValueError, ImportError) as error:
             print(f"obliq.demo: {error}", file=sys.stderr)
             return 1
     print(asked.picture)
