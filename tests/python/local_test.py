@@ -11,7 +11,7 @@ import unittest
 from unittest import mock
 
 import support
-from support import OBLIQD, Folder, obliq, scene
+from support import OBLIQ, OBLIQD, Folder, obliq, scene
 
 
 def daemons_of(config):

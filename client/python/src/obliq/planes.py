@@ -114,7 +114,7 @@ class Scaled(NamedTuple):
     """Values that are integers times a scale, [n_azimuth, n_range]."""
 
     integers: npt.NDArray[Any]  # [n_azimuth, 2 n_range]
-    scale: float
+    scale: np.float64
 
     @property
     def dtype(self) -> np.dtype[Any]:
