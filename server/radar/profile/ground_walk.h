@@ -127,9 +127,11 @@ class MarchedCells {
  private:
   static constexpr double kPerWidth = 1.27;  ///< 4 / pi: lines of both directions are crossed
 
+  /// A profile that is through may stand infinitely far off.
   double way_m() const {
     double sum = 0;
-    for (const double d_m : profiles_.d_m) sum += d_m;
+    for (std::size_t lane = 0; lane < std::size(profiles_.d_m); ++lane)
+      sum += std::min<double>(profiles_.d_m[lane], profiles_.end_m[lane]);
     return sum;
   }
 
