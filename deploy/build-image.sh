@@ -20,10 +20,7 @@ case "${1-}" in
     remove_store
     exit 0
     ;;
-  -h | --help)
-    sed -n '2,9s/^# \{0,1\}//p' deploy/build-image.sh
-    exit 0
-    ;;
+  -h | --help) usage "$1" ;;
   *) die "unknown suite '$1'; allowed: bookworm, trixie, clean" ;;
 esac
 as_root
@@ -62,7 +59,7 @@ step "image $(image_name "$suite")"
 build_log=$store/build-$suite.log
 if ! buildah_ bud --isolation chroot --pull-never --format docker --layers -f deploy/Dockerfile \
   --ignorefile .dockerignore --build-arg "DEBIAN=$suite" --build-arg "JOBS=${OBLIQ_JOBS:-$(parallel_jobs)}" \
-  --build-arg "VERSION=$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)" \
+  --build-arg "VERSION=$(project_version)" \
   --build-arg "REVISION=$(git describe --always --dirty --abbrev=7 --exclude='*' 2>/dev/null || echo unknown)" \
   --build-arg "CREATED=$(date -u +%Y-%m-%dT%H:%M:%SZ)" \
   ${OBLIQ_TARGET:+--target "$OBLIQ_TARGET"} -t "$(image_name "$suite")${OBLIQ_TARGET:+-$OBLIQ_TARGET}" . >"$build_log" 2>&1; then

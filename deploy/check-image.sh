@@ -23,10 +23,7 @@ while [ $# -gt 0 ]; do
       [ -f "$dem" ] || die "no file '$2'"
       shift
       ;;
-    -h | --help)
-      sed -n '2,10s/^# \{0,1\}//p' deploy/check-image.sh
-      exit 0
-      ;;
+    -h | --help) usage "$1" ;;
     *) die "unknown argument '$1'; allowed: bookworm, trixie, --dem FILE" ;;
   esac
   shift

@@ -20,11 +20,7 @@ for word in "$@"; do
   case "$word" in
     bookworm | trixie) suite=$word ;;
     packages | wheel) parts+=" $word" ;;
-    *)
-      sed -n '2,11s/^# \{0,1\}//p' deploy/check-packages.sh
-      [ "$word" = --help ] || [ "$word" = -h ] || exit 2
-      exit 0
-      ;;
+    *) usage "$word" ;;
   esac
 done
 as_root
@@ -55,7 +51,7 @@ cd /mnt/source
 apt-get -q update && deploy/install-deps.sh build package
 cmake --preset release -DOBLIQ_TESTS=OFF -DOBLIQ_BENCHMARKS=OFF
 cmake --build --preset release --parallel ${OBLIQ_JOBS:-$(parallel_jobs)} --target obliqd obliq obliq_shared
-deploy/packages.sh --out /mnt/old --version $(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+deploy/packages.sh --out /mnt/old --version $(project_version)
 STEPS
   deploy/in-overlay.sh "$clean" "$scratch" >"$scratch/build.log" 2>&1 || {
     tail -n 40 "$scratch/build.log"

@@ -1,9 +1,26 @@
-# Sourced by the scripts that build: where the project is, a last word, how many compilers fit, and a step clock.
+# Sourced by the scripts that build: where the project is and which version, usage and a last word, how many compilers fit, and a
+# step clock.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+script=$(realpath "$0")
 
 die() {
   echo "$(basename "$0" .sh): $*" >&2
   exit 1
+}
+
+# usage WORD: the comment that the script begins with; 0 where it was asked for by --help, else 2.
+usage() {
+  awk 'NR == 1 {next} !/^#/ {exit} {sub(/^# ?/, ""); print}' "$script"
+  [ "$1" = --help ] || [ "$1" = -h ] || exit 2
+  exit 0
+}
+
+# As CMakeLists.txt has it, without a commit.
+project_version() { sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt"; }
+
+# Exports SOURCE_DATE_EPOCH, the time of the sources, where it is not set: packages of the same sources are equal.
+set_source_date() {
+  export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -C "$root" log -1 --format=%ct 2>/dev/null || echo 1577836800)}
 }
 
 # One compiler a core, but no more than memory holds (the largest files take about 1.2 GB).

@@ -22,11 +22,7 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     --quick) quick=1 ;;
-    *)
-      sed -n '2,8s/^# \{0,1\}//p' deploy/packages.sh
-      [ "$1" = --help ] || [ "$1" = -h ] || exit 2
-      exit 0
-      ;;
+    *) usage "$1" ;;
   esac
   shift
 done
@@ -38,12 +34,11 @@ grep -q "^CMAKE_INSTALL_LIBDIR:[A-Z]*=lib/$multiarch\$" "$build/CMakeCache.txt" 
   die "$build installs libraries elsewhere than Debian; once: cmake -DCMAKE_INSTALL_LIBDIR=lib/$multiarch $build"
 
 if [ -z "$version" ]; then
-  version=$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+  version=$(project_version)
   # Of two commits the later has the greater version.
   if commit=$(TZ=UTC git log -1 --format=%cd.g%h --date=format-local:%Y%m%d%H%M%S 2>/dev/null); then version+=+$commit; fi
 fi
-SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 1577836800)}
-export SOURCE_DATE_EPOCH
+set_source_date
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

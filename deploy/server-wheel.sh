@@ -20,11 +20,7 @@ while [ $# -gt 0 ]; do
       [ "$1" = --build ] && build=$2 || out=$2
       shift
       ;;
-    *)
-      sed -n '2,9s/^# \{0,1\}//p' deploy/server-wheel.sh
-      [ "$1" = --help ] || [ "$1" = -h ] || exit 2
-      exit 0
-      ;;
+    *) usage "$1" ;;
   esac
   shift
 done
@@ -90,9 +86,8 @@ step "wheel"
 stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 DESTDIR=$stage cmake --install "$build" --component programs --strip --prefix /usr >"$stage/log"
-SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 1577836800)}
-export SOURCE_DATE_EPOCH
+set_source_date
 wheel=$(python3 deploy/server_wheel/make.py --stage "$stage" --lean "$lean" --sources "$work/src" --out "$out" \
-  --version "$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)")
+  --version "$(project_version)")
 python3 deploy/server_wheel/check.py "$wheel"
 python3 deploy/server_wheel/formats.py "$wheel"

@@ -4,7 +4,8 @@
 #
 #   tests/packages.sh [--build DIR]          default: build/release; it was configured with BUILD_SHARED_LIBS
 set -euo pipefail
-cd "$(dirname "$0")/.."
+. "$(dirname "$0")/../deploy/common.sh"
+cd "$root"
 build=build/release
 [ "${1:-}" != --build ] || build=$2
 for file in bin/obliq bin/obliqd client/libobliq.so; do
@@ -13,10 +14,10 @@ for file in bin/obliq bin/obliqd client/libobliq.so; do
     exit 77
   }
 done
-root=$(mktemp -d)
-trap 'rm -rf "$root"' EXIT
-DESTDIR=$root/stage cmake --install "$build" --prefix /opt/obliq >"$root/log"
-there=$root/stage/opt/obliq
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+DESTDIR=$scratch/stage cmake --install "$build" --prefix /opt/obliq >"$scratch/log"
+there=$scratch/stage/opt/obliq
 # Every kind of file is there.
 for file in bin/obliqd bin/obliq bin/obliq-first-start lib/systemd/system/obliqd.service lib/systemd/system/obliq-cat240@.service \
   lib/sysusers.d/obliq.conf share/man/man1/obliqd.1 share/man/man1/obliq-watch.1 share/bash-completion/completions/obliq \
@@ -28,13 +29,14 @@ for file in bin/obliqd bin/obliq bin/obliq-first-start lib/systemd/system/obliqd
   }
 done
 # Nothing lies elsewhere, nothing names the build tree, and units name the programs where they are.
-[ "$(ls "$root/stage")" = opt ]
+[ "$(ls "$scratch/stage")" = opt ]
 if grep -rIl "$PWD" "$there"; then
   echo "these files name the build tree"
   exit 1
 fi
 grep -qx 'ExecStart=/opt/obliq/bin/obliqd --config /etc/obliq/obliqd.toml' "$there/lib/systemd/system/obliqd.service"
-if readelf -d "$there/bin/obliqd" "$there"/lib*/libobliq.so | grep -E 'RPATH|RUNPATH'; then exit 1; fi
+library=$(dirname "$(find "$there" -name libobliq.so)")
+if readelf -d "$there/bin/obliqd" "$library/libobliq.so" | grep -E 'RPATH|RUNPATH'; then exit 1; fi
 "$there/bin/obliq" --version
 # The SBOM is of this version, of libraries that the programs load and those that these need, with the licences of THIRD_PARTY.md.
 /usr/bin/python3 - "$there/share/doc/obliq/obliq.spdx.json" "$("$there/bin/obliq" --version)" <<'PYTHON'
@@ -61,10 +63,9 @@ done
 completed=$(bash -c ". '$there/share/bash-completion/completions/obliq'; COMP_WORDS=(obliq watch --loss); COMP_CWORD=2; _obliq; echo \"\${COMPREPLY[*]}\"")
 [ "$completed" = --lossless ]
 
-library=$(dirname "$(find "$there" -name 'libobliq.so')")
 readelf -d "$library/libobliq.so" | grep -q 'soname: \[libobliq.so.0\]'
 export PKG_CONFIG_PATH=$library/pkgconfig
-cat >"$root/main.cpp" <<'CPP'
+cat >"$scratch/main.cpp" <<'CPP'
 #include <obliq/client/client.h>
 #include <obliq/proto/obliq.pb.h>
 
@@ -77,22 +78,22 @@ int main() {
   return status.ok() ? 1 : 0;
 }
 CPP
-[ "$(pkg-config --modversion obliq)" = "$(sed -n 's/^project(obliq VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)" ]
+[ "$(pkg-config --modversion obliq)" = "$(project_version)" ]
 # shellcheck disable=SC2046
-g++ -std=c++20 "$root/main.cpp" -o "$root/by_pkg_config" $(pkg-config --define-variable=prefix="$there" --cflags --libs obliq)
-mkdir "$root/project"
-cat >"$root/project/CMakeLists.txt" <<'CMAKE'
+g++ -std=c++20 "$scratch/main.cpp" -o "$scratch/by_pkg_config" $(pkg-config --define-variable=prefix="$there" --cflags --libs obliq)
+mkdir "$scratch/project"
+cat >"$scratch/project/CMakeLists.txt" <<'CMAKE'
 cmake_minimum_required(VERSION 3.20)
 project(user LANGUAGES CXX)
 find_package(obliq 0.1 REQUIRED)
 add_executable(user ../main.cpp)
 target_link_libraries(user PRIVATE obliq::client)
 CMAKE
-cmake -S "$root/project" -B "$root/project/build" "-DCMAKE_PREFIX_PATH=$there" >>"$root/log" &&
-  cmake --build "$root/project/build" >>"$root/log" || {
-  tail -30 "$root/log"
+cmake -S "$scratch/project" -B "$scratch/project/build" "-DCMAKE_PREFIX_PATH=$there" >>"$scratch/log" &&
+  cmake --build "$scratch/project/build" >>"$scratch/log" || {
+  tail -30 "$scratch/log"
   exit 1
 }
-[ "$(LD_LIBRARY_PATH=$library "$root/by_pkg_config")" = refused ]
-[ "$(LD_LIBRARY_PATH=$library "$root/project/build/user")" = refused ]
+[ "$(LD_LIBRARY_PATH=$library "$scratch/by_pkg_config")" = refused ]
+[ "$(LD_LIBRARY_PATH=$library "$scratch/project/build/user")" = refused ]
 echo "installed, and a user's program is built and runs by pkg-config and by find_package"

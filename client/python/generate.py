@@ -18,7 +18,7 @@ import textwrap
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGE = HERE / "src" / "obliq"
 PROTO = HERE.parent.parent / "proto"
-FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py", "_classes.py", "_streams.py"]
+FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py", "_keywords.py", "_classes.py", "_streams.py"]
 # What the asyncio classes say, and what the blocking ones say instead.
 BLOCKING = [(r"async (def|with|for) ", r"\1 "), (r"\bawait ", ""), (r"\basynccontextmanager\b", "contextmanager"),
             (r"__(aenter|aexit|aiter|anext)__", lambda found: f"__{found[1][1:]}__"), (r"\bStopAsyncIteration\b", "StopIteration"),
@@ -75,24 +75,29 @@ def wrapped(text, width=124, indent="        "):
     return textwrap.wrap(text, width, initial_indent="    ", subsequent_indent=indent, break_on_hyphens=False)
 
 
-def parameters_text(rows, messages):
+def parameters_texts(rows, messages):
+    """Of parameters.py and of _keywords.py."""
     by_message = {"RadarSettings": [], "Pose": []}
     for row in rows:
         message, _, field = (row.get("message_field") or "").partition(".")
         if message in by_message:
             by_message[message].append((field, row))
     out = ['"""The parameters of a radar and the pose of its antenna. Written by generate.py: do not edit."""',
-           "from __future__ import annotations", "", "import dataclasses", "from typing import TYPE_CHECKING, Literal, TypedDict", "",
-           "from ._fields import Fields", "", "if TYPE_CHECKING:", "    from typing_extensions import Unpack"]
+           "from __future__ import annotations", "", "import dataclasses", "from typing import TYPE_CHECKING, Literal", "",
+           "from ._fields import Fields", "from ._keywords import PoseFields, SettingsFields", "",
+           "if TYPE_CHECKING:", "    from typing_extensions import Unpack", "",
+           '__all__ = ["Pose", "PoseFields", "Settings", "SettingsFields"]']
+    keywords = ['"""The keywords that Settings and Pose take, for type checkers. Written by generate.py: do not edit."""',
+                "from __future__ import annotations", "", "from typing import Literal, TypedDict"]
     for python_name, message, text in (
             ("Settings", "RadarSettings", "Settings of a radar. None: as it is, or the default where a frame is rendered."),
             ("Pose", "Pose", "Where the antenna is and where it looks. None: as it is.")):
         found = {field: choices(row, messages.DESCRIPTOR.message_types_by_name[message].fields_by_name[field].enum_type)
                  for field, row in by_message[message] if row["type"] == "choice"}
         types = {field: f"{python_type(row, found.get(field))} | None" for field, row in by_message[message]}
-        out += ["", "", f"class {python_name}Fields(TypedDict, total=False):",
-                f'    """Keywords that {python_name} takes."""', ""]
-        out += [f"    {field}: {kind}" for field, kind in types.items()]
+        keywords += ["", "", f"class {python_name}Fields(TypedDict, total=False):",
+                     f'    """Keywords that {python_name} takes."""', ""]
+        keywords += [f"    {field}: {kind}" for field, kind in types.items()]
         out += ["", "", "@dataclasses.dataclass(frozen=True, repr=False)", f"class {python_name}(Fields):", f'    """{text}', ""]
         for field, row in by_message[message]:
             out += wrapped(f"{field}: {row['text']} Allowed: {row['allowed']}.")
@@ -106,7 +111,7 @@ def parameters_text(rows, messages):
             out.append(f"{python_name}.ideal = {json.dumps(ideal, indent=4)}".replace("false", "False").replace("true", "True"))
         keys = {row["key"]: field for field, row in by_message[message]}
         out += [f"{python_name}.keys = {json.dumps(keys, indent=4)}"]
-    return "\n".join([*out, ""])
+    return "\n".join([*out, ""]), "\n".join([*keywords, ""])
 
 
 def generate(folder, obliq, protoc):
@@ -118,7 +123,8 @@ def generate(folder, obliq, protoc):
     sys.path.insert(0, str(folder))
     import obliq_pb2
 
-    (folder / "parameters.py").write_text(parameters_text(rows, obliq_pb2))
+    for name, text in zip(("parameters", "_keywords"), parameters_texts(rows, obliq_pb2)):
+        (folder / f"{name}.py").write_text(text)
     for name in ("classes", "streams"):
         (folder / f"_{name}.py").write_text(blocking_text((PACKAGE / f"_aio_{name}.py").read_text()))
 

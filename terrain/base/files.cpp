@@ -1,10 +1,22 @@
 #include "terrain/base/files.h"
 
+#include <cerrno>
 #include <filesystem>
 
 #include "terrain/base/errors.h"
 
 namespace obliq {
+
+std::size_t read_at(int fd, void* to, std::size_t size, std::uint64_t at) {
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t n = ::pread(fd, static_cast<char*>(to) + done, size - done, static_cast<off_t>(at + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  return done;
+}
 
 std::string endless_file(const std::string& path) {
   std::error_code absent;

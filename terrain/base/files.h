@@ -1,6 +1,8 @@
 #pragma once
 #include <unistd.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -29,6 +31,9 @@ class UniqueFd {
  private:
   int fd_ = -1;
 };
+
+/// Reads from byte `at` on; how many bytes: fewer where the file ends or cannot be read.
+std::size_t read_at(int fd, void* to, std::size_t size, std::uint64_t at);
 
 /// Where this name stands for what may not be opened, as opening or reading it may never end: "a pipe", "a
 /// socket", "a device"; empty for all else. A folder is for its reader to judge (GDAL has formats that are

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -36,14 +35,8 @@ std::string contents(const std::string& path, std::int64_t size, std::int64_t mo
     std::vector<char> piece(static_cast<std::size_t>(std::min(size, kPiece_bytes)));
     const std::int64_t at =
         all ? k * kPiece_bytes : (size - kPiece_bytes) / std::max<std::int64_t>(1, n - 1) * k;
-    std::size_t done = 0;
-    while (done < piece.size()) {
-      const ssize_t more = ::pread(file.get(), piece.data() + done, piece.size() - done,
-                                   static_cast<off_t>(at) + static_cast<off_t>(done));
-      if (more <= 0) break;
-      done += static_cast<std::size_t>(more);
-    }
-    sums[static_cast<std::size_t>(k)] = checksum(piece.data(), done);
+    const std::size_t read = read_at(file.get(), piece.data(), piece.size(), static_cast<std::uint64_t>(at));
+    sums[static_cast<std::size_t>(k)] = checksum(piece.data(), read);
   });
   return fmt::format("{} bytes, {:016x}", size, checksum(sums.data(), sums.size() * sizeof sums[0]));
 }

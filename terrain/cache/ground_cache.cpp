@@ -55,20 +55,11 @@ struct File {
     return ::fstat(fd.get(), &status) == 0 && S_ISREG(status.st_mode);
   }
   bool read(void* to, std::size_t size, std::uint64_t at) const {
-    return whole(size, [&](std::size_t done) {
-      return ::pread(fd.get(), static_cast<char*>(to) + done, size - done, static_cast<off_t>(at + done));
-    });
+    return read_at(fd.get(), to, size, at) == size;
   }
   bool write(const void* from, std::size_t size) const {
-    return whole(size, [&](std::size_t done) {
-      return ::write(fd.get(), static_cast<const char*>(from) + done, size - done);
-    });
-  }
-
-  template <typename Step>
-  static bool whole(std::size_t size, const Step& step) {
     for (std::size_t done = 0; done < size;) {
-      const ssize_t n = step(done);
+      const ssize_t n = ::write(fd.get(), static_cast<const char*>(from) + done, size - done);
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) return false;
       done += static_cast<std::size_t>(n);

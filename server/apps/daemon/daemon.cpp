@@ -19,6 +19,7 @@
 #include "server/apps/daemon/reloader.h"
 #include "server/apps/daemon/server_options.h"
 #include "server/apps/daemon/service_manager.h"
+#include "server/apps/version/version.h"
 #include "server/control/parameter_reference.h"
 #include "server/flight/scene_keeper.h"
 #include "server/ground_query/ground_query.h"
@@ -236,7 +237,7 @@ void Daemon::load() {
   const auto first_scene = build_scene(config_, say, tell);
   for (RadarConfig& radar : config_.radars)
     find_pixels(first_scene, radar, {config_.server.max_pixels, config_.threads}, say, tell);
-  renderer_.emplace(first_scene, config_.name, server_options(config_).server_version);
+  renderer_.emplace(first_scene, config_.name, program_version());
   cache_.emplace(*renderer_);
   keeper_ = std::make_unique<SceneKeeper>(
       config_, renderer_->scene(),

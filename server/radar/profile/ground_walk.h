@@ -130,8 +130,8 @@ class MarchedCells {
   /// A profile that is through may stand infinitely far off.
   double way_m() const {
     double sum = 0;
-    for (std::size_t lane = 0; lane < std::size(profiles_.d_m); ++lane)
-      sum += std::min<double>(profiles_.d_m[lane], profiles_.end_m[lane]);
+    for (int lane = 0; lane < WalkingProfiles::kLanes; ++lane)
+      sum += std::min(profiles_.d_m[lane], profiles_.end_m[lane]);
     return sum;
   }
 

@@ -37,17 +37,19 @@ struct Nodes {
     while (k > 0 && range_bin[k] > static_cast<float>(bin)) --k;
     double visible = 0;
     double gone = 0;
-    // Without branches: from a node to one that is not above its horizon there is nothing to be seen.
     for (; k + 1 < n && range_bin[k] < static_cast<float>(bin + 1); ++k) {
       const double from = static_cast<double>(range_bin[k]);
-      const double to = static_cast<double>(range_bin[k + 1]);
+      const double length = static_cast<double>(range_bin[k + 1]) - from;
       const double rise = static_cast<double>(horizon[k + 1]) - static_cast<double>(horizon[k]);
-      const bool seen = to > from && rise > 0;
+      if (!(length > 0 && rise > 0)) continue;
+      const bool whole = from >= bin && from + length <= bin + 1;
       const double part =
-          std::max(0.0, std::min(to, bin + 1.0) - std::max(from, bin + 0.0)) / (seen ? to - from : HUGE_VAL);
+          whole ? 1
+                : std::clamp((std::min(from + length, bin + 1.0) - std::max(from, bin + 0.0)) / length, 0.0,
+                             1.0);
       const double lit = static_cast<double>(light[k + 1]) - static_cast<double>(light[k]);
       visible += part * lit;
-      gone += part * (static_cast<double>(hidden[k]) * (light == horizon ? 1 : lit / (seen ? rise : 1)));
+      if (hidden[k] > 0) gone += part * (static_cast<double>(hidden[k]) * (lit / rise));
     }
     return gone > 0 ? 1 - gone / visible : 1;
   }

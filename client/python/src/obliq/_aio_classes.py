@@ -242,7 +242,7 @@ class Radar:
         return printable(f"<obliq.Radar {self.name}>")
 
     async def info(self) -> requests.RadarInfo:
-        """Settings, pose, who controls it, what is wrong with it: asked of the server."""
+        """Asks the server for settings, pose, the client in control, and faults."""
         session = self._server._session
         return requests.RadarInfo.of(await self._server._run(session.call(wire.GetRadar(radar=self.name), wire.RadarInfo)))
 

@@ -1,7 +1,6 @@
 """The ground that poses need."""
 from __future__ import annotations
 
-import json
 import math
 import os
 import re
@@ -70,4 +69,4 @@ def hull(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def with_area(settings: Mapping[str, Any], area: list[list[float]] | None) -> dict[str, Any]:
     """What --set takes."""
-    return {**settings, "terrain.area": json.loads(json.dumps(area))} if area else dict(settings)
+    return {**settings, "terrain.area": area} if area else dict(settings)

@@ -69,11 +69,11 @@ class Job:
 
     def _shards(self) -> list[list[int]]:
         """Places of each shard's poses in the data set. A shard is of one scene."""
-        made: list[list[int]] = []
-        for scene in dict.fromkeys(line.scene for line in self.lines):
-            places = [place for place, line in enumerate(self.lines) if line.scene == scene]
-            made += [places[first: first + self.shard_size] for first in range(0, len(places), self.shard_size)]
-        return made
+        by_scene: dict[str, list[int]] = {}
+        for place, line in enumerate(self.lines):
+            by_scene.setdefault(line.scene, []).append(place)
+        return [places[first: first + self.shard_size] for places in by_scene.values()
+                for first in range(0, len(places), self.shard_size)]
 
     def run(self, number: int) -> Shard:
         """One shard; its frames, failed poses and seconds. Does nothing where the shard is there; poses that failed before are
@@ -320,7 +320,7 @@ def batch(poses: Poses, out: str | os.PathLike[str], *, executor: concurrent.fut
     refused. Returns Done.
 
     poses: a file of JSON lines, or poses and dicts. A line has fields of a pose and of the settings, and id, meta (an object
-    of your own columns), split ("train"), scene (a scene file of its own).
+    of your own columns), split ("train"), scene (the path of another scene file).
     out: the folder. executor: any concurrent.futures executor, whose workers see that folder; None: this process. shard: "I/N",
     a share of the work. progress: called with frames done and in all; True: lines on standard error.
 

@@ -41,7 +41,7 @@ def arguments(words: Sequence[str] | None) -> argparse.Namespace:
                                      "again after any failure: it does what is missing.")
     parser.add_argument("poses", nargs="?", help="JSON lines: {\"id\": \"a17\", \"latitude_deg\": ..., \"bearing_deg\": ..., "
                         "\"r_max_m\": ...}, any field of a pose and of the settings; \"meta\": {...}, your own columns; "
-                        "\"split\": \"train\"; \"scene\": \"b.toml\", a scene file of its own")
+                        "\"split\": \"train\"; \"scene\": \"b.toml\", the path of another scene file")
     parser.add_argument("--out", help="folder of the data set")
     parser.add_argument("--check", action="store_true", help="judge all poses, render none, write nothing")
     parser.add_argument("--self-test", action="store_true", help="make a small data set and look at it")
