@@ -56,7 +56,7 @@ std::string why_no_parameter(const std::string& name) {
     const bool of_radar = key.group == KeyGroup::radar || key.group == KeyGroup::short_form;
     (of_radar ? names : of_scene).push_back(key.name);
   }
-  if (name == "beam.file" || name == "scan.bars")
+  if (name == "beam.file" || name == "scan.bars" || name == "radar.preset")
     return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(

@@ -5,6 +5,7 @@
 
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
+#include "server/control/radar_presets.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -19,6 +20,10 @@ constexpr Limits kTilts = closed(-90, 90);
 constexpr std::size_t kMostBars = 16;
 
 const std::array kShortForms{
+    special<RadarConfig>(
+        "radar.preset", "", radar_preset_choices(), "",
+        "A whole radar: what the scene's own keys do not name. `obliq parameters --preset NAME` prints it.",
+        nullptr, nullptr, "\"\"", Change::reload),
     special<RadarConfig>(
         "frustum.quality", "", quality_choices(), "",
         "Sets kind, plates, pixel_columns and pixel_rows; the default where [frustum] is empty.", nullptr,
@@ -143,13 +148,32 @@ void note_choice(SceneConfig& config, const std::vector<std::string>& radars, co
   config.notes.push_back(of_radars + (of_radars.empty() ? "" : ": ") + text);
 }
 
+/// The tree of the preset that a radar names; without keys if it names none.
+ConfigNode read_preset(SectionReader& own) {
+  const ConfigNode* node = own.take("preset");
+  if (node == nullptr) return {};
+  const auto* name = std::get_if<std::string>(&node->value);
+  const RadarPreset* preset = name != nullptr ? find_radar_preset(*name) : nullptr;
+  if (preset != nullptr) return preset_tree(*preset);
+  own.complain(*node, "preset", choices_text(radar_preset_choices()));
+  return {};
+}
+
 RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   RadarReading radar;
   SectionReader own(table, "radar", scene.complaints);
   read_name(own, radar.config.name);
+  const ConfigNode preset = read_preset(own);
+  SectionReader given(preset, "", scene.complaints);
+  if (const ConfigNode* of_radar = given.take("radar")) {
+    SectionReader reader(*of_radar, "radar", scene.complaints);
+    read_parameters(reader, "radar", radar);
+    reader.finish();
+  }
   read_parameters(own, "radar", radar);
   std::vector<ConfigNode> frusta;
-  for (SectionReader* holder : {&scene.top, &own}) {  // what a radar names itself beats what all share
+  // What a radar names itself beats what all share, and that beats its preset.
+  for (SectionReader* holder : {&given, &scene.top, &own}) {
     for (const std::string_view name : kRadarTables) {
       const ConfigNode* found = table_in(*holder, name);
       if (found == nullptr) continue;
@@ -166,6 +190,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   // A number without a word on floor_auto is meant.
   if (radar.set_at.contains("video.floor_db") && !radar.set_at.contains("video.floor_auto"))
     radar.config.settings.video.floor_auto = false;
+  given.finish();
   own.finish();
   radar.choice = choose_frustum(frusta);
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
