@@ -88,6 +88,9 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
   }
+  settle_planes(config.settings, std::ranges::any_of(change.settings, [](const PanelChange::Setting& s) {
+                  return s.parameter->key.name == "frustum.pixel_columns";
+                }));
   if (change.of_scene_file) {
     config.settings.scan_bars_deg = change.of_scene_file->bars_deg;
     config.settings.beam.file = change.of_scene_file->pattern;

@@ -134,7 +134,7 @@ void run(const SetArguments& arguments) {
     RadarConfig wanted = before.config;
     apply_radar_flags(arguments.settings, wanted, rules);
     wire::RadarSettings settings;
-    write_message(wanted.settings, settings);
+    write_request(wanted.settings, settings);
     wire::Ack ack;
     require(client.set_settings(radar, settings, ack));
   }

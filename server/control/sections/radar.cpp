@@ -4,6 +4,7 @@
 #include <map>
 
 #include "server/control/parameters.h"
+#include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
 #include "server/control/radar_presets.h"
 #include "server/control/sections/section.h"
@@ -24,10 +25,10 @@ const std::array kShortForms{
         "radar.preset", "", radar_preset_choices(), "",
         "A whole radar: what the scene's own keys do not name. `obliq parameters --preset NAME` prints it.",
         nullptr, nullptr, "\"\"", Change::reload),
-    special<RadarConfig>(
-        "frustum.quality", "", quality_choices(), "",
-        "Sets kind, plates, pixel_columns and pixel_rows; the default where [frustum] is empty.", nullptr,
-        nullptr, "\"standard\"", Change::live),
+    special<RadarConfig>("frustum.quality", "", quality_choices(), "",
+                         "Sets kind, plates, planes_per_bin or pixel_columns, and pixel_rows; the default "
+                         "where [frustum] is empty.",
+                         nullptr, nullptr, "\"standard\"", Change::live),
     special<RadarConfig>("frustum.pixels", "", closed(1, 16384),
                          "[columns, rows], or one integer; not beside pixel_columns and pixel_rows;",
                          "Sets pixel_columns and pixel_rows.", nullptr, nullptr, "2048", Change::live),
@@ -195,6 +196,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   radar.choice = choose_frustum(frusta);
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
 
+  settle_planes(radar.config.settings, false);
   radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   std::vector<FieldError> errors = validate(radar.config);
   for (FieldError& error : flat_plate_faults(radar.config.settings, scene.config.materials))
@@ -225,9 +227,11 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
     text +=
         printed_line("quality", "\"oblique\"", "Finds pixel_columns and pixel_rows when the scene is loaded.",
                      choices_text(quality_choices()), Change::reload);
+  const bool by_planes = radar.settings.frustum == FrustumKind::sweep && radar.settings.planes_per_bin > 0;
   for (const Parameter& p : parameters()) {
     const auto name = name_in(table, p.key.name);
-    if (!name.empty() && !(radar.finds_pixels && name.starts_with("pixel_")))
+    const bool follows = by_planes && name == "pixel_columns";  // beside planes_per_bin it would decide
+    if (!name.empty() && !follows && !(radar.finds_pixels && name.starts_with("pixel_")))
       text += printed_line(name, toml_text(load(p.key, p.slot(radar))), p.key.summary,
                            allowed_text(p.key, p.slot(radar)), p.change);
   }
