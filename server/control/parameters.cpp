@@ -164,10 +164,6 @@ void check_scan(const RadarSettings& s, std::vector<FieldError>& errors) {
 }
 
 void check_receiver(const RadarSettings& s, std::vector<FieldError>& errors) {
-  if (s.receiver.stc_range_m > s.r_max_m)
-    errors.push_back({"receiver.stc_range_m",
-                      toml_number(s.receiver.stc_range_m) + " with radar.r_max_m = " + toml_number(s.r_max_m),
-                      "at most r_max_m; 0: none"});
   if (s.receiver.adc_bits == 1) errors.push_back({"receiver.adc_bits", "1", "0 (no converter) or 2 to 16"});
 }
 

@@ -238,7 +238,7 @@ TEST_F(Served, RenderOnceAsTheLiveRadarIsTakesWhatItDoesNotNameFromThere) {
 
   request.set_radar("tail");
   const client::Status refused = client.render_once(request);
-  EXPECT_EQ(refused.error_number, number(wire::ErrorNumber::unknown_radar));
+  EXPECT_EQ(refused.number, number(wire::ErrorNumber::unknown_radar));
 }
 
 TEST_F(Served, AClientOf11GetsTheColumnsThatItSends) {

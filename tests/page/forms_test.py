@@ -58,7 +58,7 @@ class Forms(unittest.TestCase):
         shown = self.page.script("return [...document.querySelectorAll('#radar .field')].map((field) => "
                                  "[field.querySelector('[data-key]').dataset.key, field.querySelector('.name').textContent])")
         self.assertEqual(shown, [[p["key"], p["knob"]] for p in table if "knob" in p])
-        self.assertIn(["receiver.stc_range_m", "STC range"], shown)
+        self.assertIn(["receiver.stc_range_m", "sea (STC)"], shown)
         forms = self.page.script("""const { section } = obliq.controls;
             return [...section.options].flatMap(({ value }) => {
               section.value = value;
