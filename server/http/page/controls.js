@@ -1,12 +1,13 @@
 // The tab Display: what is shown and how; kept in the URL's fragment.
 
-import { PALETTES, STATE_COLOURS, STATE_WORDS, colourOf } from "./palettes.js";
+import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
+import { hasReceiver } from "./levels.js";
 
 const $ = (id) => document.getElementById(id);
 
 /** @type {Record<string, any>} what the fragment may say, and what holds without it */
 export const DEFAULTS = {
-  palette: "green", low: -80, span: 50, auto: true, r2: true, glow: -1, up: "north", slant: false, unit: "km",
+  palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "north", slant: false, unit: "km",
   rings: true, overlay: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
 };
 
@@ -57,10 +58,11 @@ export class Display {
       button.onclick = () => this.set({ palette: name });
       $("palette").append(button);
     }
-    $("low").oninput = () => this.levels(Number($("low").value), look.span_dB);
-    $("span").oninput = () => this.levels(look.low_dB, Number($("span").value));
+    $("low").oninput = () => app.level(Number($("low").value), app.active.levels.span_dB);
+    $("span").oninput = () => app.level(app.active.levels.low_dB, Number($("span").value));
     $("glow").oninput = () => this.set({ afterglow_s: Number($("glow").value), autoGlow: false });
-    $("auto").onclick = () => this.set({ auto: !look.auto });
+    $("auto").onclick = () => app.active.levelOnce();
+    $("usual").onclick = () => this.usual();
     $("compensated").onclick = () => this.set({ compensated: !look.compensated });
     $("up-north").onclick = () => this.set({ up: "north" });
     $("up-bearing").onclick = () => this.set({ up: "bearing" });
@@ -76,25 +78,32 @@ export class Display {
     $("zoom-fit").onclick = () => app.zoom(0);
     $("png").onclick = () => app.save();
     for (const k of [0, 1]) $(`marker-${k + 1}`).onclick = () => app.toggleMarker(k);
-    for (const [state, word] of STATE_WORDS.entries()) {
-      if (state === 1) continue;
-      const item = document.createElement("i");
-      item.title = word;
-      item.textContent = ["not sampled", "", "shadow", "unknown", "too near"][state];
-      const swatch = document.createElement("canvas");
-      [swatch.width, swatch.height] = [8, 8];
-      const c = swatch.getContext("2d");
-      c.fillStyle = `rgb(${STATE_COLOURS[state].join(" ")})`;
-      c.fillRect(0, 0, 8, 8);
-      item.prepend(swatch);
-      $("overlay-legend").append(item);
-    }
+    const tiles = stateTiles();
+    for (const [state, word] of STATE_WORDS.entries()) if (state !== 1) this.#legend(word, ["not sampled", "", "shadow", "unknown", "too near"][state], tiles[state]);
+    this.#legend("the beam has not come by yet", "not yet", new Uint32Array(64).fill(packed(NOT_YET)));
     this.show();
   }
 
-  levels(low_dB, span_dB) {
-    this.set({ auto: false }, false);
-    this.app.level(low_dB, span_dB);
+  /** @param {Uint32Array} tile 8 x 8 pixels */
+  #legend(title, text, tile) {
+    const item = document.createElement("i");
+    item.title = title;
+    item.textContent = text;
+    const swatch = document.createElement("canvas");
+    [swatch.width, swatch.height] = [16, 8];
+    const c = swatch.getContext("2d");
+    const image = new ImageData(new Uint8ClampedArray(tile.buffer.slice(0)), 8, 8);
+    for (const x of [0, 8]) c.putImageData(image, x, 0);
+    item.prepend(swatch);
+    $("overlay-legend").append(item);
+  }
+
+  /** Levels by the receiver again, or by what is shown. */
+  usual() {
+    const { active } = this.app;
+    active.levels.auto = true;
+    active.levels.unsettle();
+    if (active.bins.descriptor) active.level(performance.now());
     this.show();
     this.app.keep();
   }
@@ -120,10 +129,13 @@ export class Display {
       if (Number($(id).value) !== value && document.activeElement !== $(id)) $(id).value = String(value);
       $(`${id}-text`).textContent = text;
     };
-    put("low", look.low_dB, `${look.low_dB.toFixed(0)} dB`);
-    put("span", look.span_dB, `${look.span_dB.toFixed(0)} dB`);
+    const { bins, levels } = this.app.active;
+    this.#limits(bins, levels);
+    put("low", levels.low_dB, `${levels.low_dB.toFixed(0)} dB`);
+    put("span", levels.span_dB, `${levels.span_dB.toFixed(0)} dB`);
     put("glow", look.afterglow_s, look.afterglow_s ? `${look.afterglow_s.toFixed(1)} s` : "off");
-    press("auto", look.auto);
+    press("usual", levels.auto);
+    $("usual").textContent = hasReceiver(bins.descriptor) ? "receiver" : "follow";
     const may = panes.some((pane) => pane.bins.mayCompensate);
     $("compensated").disabled = !may;
     press("compensated", may && look.compensated);
@@ -142,11 +154,14 @@ export class Display {
   }
 
   /** The slider's ends follow the video's scale. */
-  limits(low_dB, high_dB) {
+  #limits(bins, { low_dB }) {
+    if (!bins.placement) return;
+    const least = Math.floor(bins.floor_dB + bins.compensation_dB(0));
+    const most = Math.ceil(bins.floor_dB + 254 * bins.step_dB + bins.compensation_dB(bins.placement.ranges - 1));
     const low = $("low");
-    if (Number(low.min) === low_dB && Number(low.max) === high_dB) return;
-    low.min = String(low_dB);
-    low.max = String(high_dB);
-    low.value = String(this.app.look.low_dB);
+    if (Number(low.min) === least && Number(low.max) === most) return;
+    low.min = String(least);
+    low.max = String(most);
+    low.value = String(low_dB);
   }
 }

@@ -1,13 +1,11 @@
 // One picture with its source: a live radar, or the first pane's view rendered through another frustum.
 
 import { Bins } from "./bins.js";
+import { Levels } from "./levels.js";
 import { Ppi } from "./ppi.js";
 import { Scope } from "./scope.js";
 import { refusalText } from "./form.js";
 import { number, utcNow_ms } from "./messages.js";
-
-const AUTO_MS = 1000; // between looks at the levels
-const SETTLED_DB = 2; // a smaller change of the best levels leaves them
 
 const MARKUP = `<div class="ppi" tabindex="0" role="application" aria-label="Radar picture"></div>
 <div class="corner source"><select class="pick" title="What this picture shows: a radar, or the same view sampled by another frustum"
@@ -19,9 +17,10 @@ export class Pane {
   /**
    * @param {HTMLElement} parent
    * @param {import("./main.js").App} app
-   * @param {string} source "radar NAME" or "frustum KIND"
+   * @param {string} source "radar NAME", "scale NM" or "frustum KIND"
+   * @param {{low: number, span: number, auto: boolean}} levels
    */
-  constructor(parent, app, source) {
+  constructor(parent, app, source, levels) {
     this.app = app;
     this.element = document.createElement("section");
     this.element.className = "pane";
@@ -35,12 +34,12 @@ export class Pane {
     this.pick = this.element.querySelector(".pick");
     this.pick.onchange = () => app.choose(this, this.pick.value);
     this.source = source;
+    this.levels = new Levels(levels);
     this.info = null; // RadarInfo
     this.status = null; // RadarStatus
     this.rendered = ""; // what RenderOnce was last asked for
     this.pending = ""; // its request, while unanswered
     this.drawnFrames = 0;
-    this.auto_ms = 0;
     this.latency_ms = null;
     this.clear();
   }
@@ -53,7 +52,7 @@ export class Pane {
   }
 
   clear() {
-    this.isSettled = false;
+    this.levels.unsettle();
     this.awaits = true; // its first picture
     this.pending = this.rendered = "";
   }
@@ -93,17 +92,18 @@ export class Pane {
       .filter(Boolean).join(" · ");
   }
 
-  /** Black level and span by what is shown, where they are to follow it. */
+  /** Black level and span by the receiver or by what is shown, where nobody has set them. */
   level(now_ms) {
-    const { look } = this.app;
-    if (!look.auto || this !== this.app.panes[0] || (this.isSettled && now_ms - this.auto_ms < AUTO_MS)) return;
-    this.auto_ms = now_ms;
-    const best = this.bins.bestScale(this.ppi.table);
-    if (!best) return;
-    const off = Math.max(Math.abs(best.low_dB - look.low_dB), Math.abs(best.span_dB - look.span_dB));
-    if (this.isSettled && off < SETTLED_DB) return;
-    this.isSettled = true;
-    this.app.level(best.low_dB, best.span_dB);
+    const wanted = this.levels.wanted(this.bins, this.ppi.table, now_ms);
+    if (!wanted) return;
+    Object.assign(this.levels, wanted);
+    this.app.rescale(this);
+  }
+
+  /** Sets them by what is shown now; they do not follow it. */
+  levelOnce() {
+    const best = this.bins.descriptor && this.bins.bestScale(this.ppi.table);
+    if (best) this.app.level(best.low_dB, best.span_dB, this);
   }
 
   /** @param {number} now_ms */
@@ -117,7 +117,7 @@ export class Pane {
     const isNew = ppi.draw(now_ms, isHeld ? this.held_ms ?? now_ms : null);
     if (isNew || (hadMarks && !ppi.needs.marks)) this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));
     if (!isNew || isHeld) return;
-    if (!this.isSettled) this.level(now_ms);
+    if (!this.levels.isSettled) this.level(now_ms);
     const { newest } = bins;
     const passed = bins.passed.splice(0);
     if (newest && newest !== this.shownTimes) {

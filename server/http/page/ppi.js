@@ -1,6 +1,6 @@
 // One plan position picture: the bins through the index table and the palette, and two drawings above it.
 
-import { AGES, LEVELS, OUTSIDE, STATE_COLOURS, packed, paletteOf } from "./palettes.js";
+import { AGES, LEVELS, NOT_YET, OUTSIDE, packed, paletteOf, stateTiles, unknownTile } from "./palettes.js";
 import { BinTable, onPicture, onPlane } from "./table.js";
 import { DEGREE } from "./placement.js";
 import { drawGrid } from "./grid.js";
@@ -12,6 +12,9 @@ const MARGIN_ABOVE_PX = 28; // their words are wider than high
 const FRAME_MS = 1000 / 30;
 const EARLY_MS = 4; // a browser's tick may come so much before its time
 const MOST_ZOOM = 200;
+const NOT_YET_PIXEL = packed(NOT_YET);
+const TILES = stateTiles().map((tile, state) => (state === 1 ? null : tile)); // the overlay
+const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
 
 /**
  * @typedef {object} Look what all panes share
@@ -242,7 +245,7 @@ export class Ppi {
     const { bins, table, out, palette, ages } = this;
     const { rowStart } = table;
     const perMs = bins.scan && this.look.afterglow_s > 0 ? (AGES - 1) / (1000 * this.look.afterglow_s) : 0;
-    const overlay = this.look.overlay && bins.hasStates ? STATE_COLOURS.map(packed) : null;
+    const tiles = bins.hasStates ? (this.look.overlay ? TILES : UNKNOWN_TILES) : null;
     let [top, bottom, rows] = [Infinity, -1, 0];
     for (let row = 0; row < bins.placement.azimuths; ++row) {
       const since = (clock_ms - bins.seen_ms[row]) * perMs;
@@ -254,7 +257,8 @@ export class Ppi {
       const begin = rowStart[row];
       const end = rowStart[row + 1];
       if (begin === end) continue;
-      if (overlay) drawOverlaid(out, table, begin, end, bins, palette, age * LEVELS, overlay);
+      if (tiles && bins.hasState[row]) drawStates(out, this.view.width, table, begin, end, bins, palette, age * LEVELS, tiles);
+      else if (tiles === TILES) for (let k = begin; k < end; ++k) out[table.pixels[k]] = NOT_YET_PIXEL;
       else drawPlain(out, table, begin, end, bins.shown, palette, age * LEVELS);
       top = Math.min(top, table.pixels[begin]); // pixels of a row come from above to below
       bottom = Math.max(bottom, table.pixels[end - 1]);
@@ -273,10 +277,13 @@ function drawPlain(out, { pixels, bins }, begin, end, shown, palette, age) {
   for (let k = begin; k < end; ++k) out[pixels[k]] = palette[age + shown[bins[k]]];
 }
 
-function drawOverlaid(out, { pixels, bins }, begin, end, { shown, state }, palette, age, colours) {
+/** By state, as `tiles` have it; where they have nothing (null, or 0 in a tile) the level. */
+function drawStates(out, width, { pixels, bins }, begin, end, { shown, state }, palette, age, tiles) {
   for (let k = begin; k < end; ++k) {
     const bin = bins[k];
-    const kind = state[bin];
-    out[pixels[k]] = kind === 1 ? palette[age + shown[bin]] : colours[kind] ?? colours[3];
+    const tile = tiles[state[bin]] ?? (state[bin] > 4 ? tiles[3] : null);
+    const pixel = pixels[k];
+    const colour = tile ? tile[((Math.floor(pixel / width) & 7) << 3) | (pixel % width & 7)] : 0;
+    out[pixel] = colour || palette[age + shown[bin]];
   }
 }

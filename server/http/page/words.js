@@ -2,6 +2,8 @@
 
 import { number } from "./messages.js";
 
+export const LEAST_COVERAGE = 0.9995; // with less there is ground that no file has
+
 /** @typedef {{grave: 0|1|2, text: string, banner?: string, panes?: import("./pane.js").Pane[]}} Sentence 2: the picture is not live; without panes: of all */
 
 /**
@@ -82,7 +84,7 @@ function paneSentences(app, pane) {
   if (info?.pose_stale) say(1, "The pose is stale: no newer one has arrived in time.", "STALE POSE");
   if (info && number(info.rate_limit_hz)) say(0, `The operator limits this radar to ${number(info.rate_limit_hz)} frames/s.`);
   const coverage = status?.coverage;
-  if (coverage !== undefined && coverage < 0.9995) {
+  if (coverage !== undefined && coverage < LEAST_COVERAGE) {
     const percent = Math.min(99.9, 100 * coverage).toFixed(coverage > 0.99 ? 1 : 0);
     const why = status.coverage_reason ? `: ${plain(status.coverage_reason)}` : "";
     say(0, `${percent} % of the sector has ground${why}.`);
