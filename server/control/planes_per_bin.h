@@ -8,11 +8,11 @@
 namespace obliq {
 
 /// Most pixels on a side, and most planes of a sweep.
-constexpr int kMostSide = 16384;
+constexpr int kMostPlanes = 16384;
 
 /// After a change of settings. columns_named: the change named pixel_columns, which then decide and set
 /// planes_per_bin to 0. Else a sweep's pixel_columns become planes_per_bin for each azimuth bin, if that is
-/// above 0; up to kMostSide, which round up to as many planes in each bin.
+/// above 0; up to kMostPlanes, which round up to as many planes in each bin.
 void settle_planes(RadarSettings& settings, bool columns_named);
 
 /// More planes in all than there may be.

@@ -22,7 +22,7 @@ constexpr std::array kPresets{
 
 /// Within the limits of frustum.pixel_columns and pixel_rows.
 int pixels_for_bins(double per_bin, int bins) {
-  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, double{kMostSide})));
+  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, double{kMostPlanes})));
 }
 
 /// Sets a key to what a short form stands for, unless the same layer or a later one names the key itself.
