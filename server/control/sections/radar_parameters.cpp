@@ -97,8 +97,7 @@ const std::array kParameters{
         "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
         "How the ground is sampled: rays through the pixels of a camera, or vertical planes without "
         "rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
-        "\"standard\").",
-        {.knob = "frustum"}),
+        "\"standard\")."),
     row<&RadarSettings::plates>(
         "frustum.plates", "", kPlateKinds, "plates", {251, u16},
         "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "

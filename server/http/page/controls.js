@@ -1,14 +1,17 @@
 // The tab Display: what is shown and how; kept in the URL's fragment.
 
 import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
+import { UPS } from "./heading.js";
+import { UNIT_M } from "./grid.js";
 import { hasReceiver } from "./levels.js";
+import { turned } from "./placement.js";
 
 const $ = (id) => document.getElementById(id);
 
 /** @type {Record<string, any>} what the fragment may say, and what holds without it */
 export const DEFAULTS = {
-  palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "north", slant: false, unit: "km",
-  rings: true, overlay: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
+  palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "auto", slant: false, unit: "km",
+  rings: true, overlay: false, bscope: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
 };
 
 export function readFragment() {
@@ -21,7 +24,8 @@ export function readFragment() {
   }
   if (!PALETTES.includes(found.palette)) found.palette = DEFAULTS.palette;
   if (!["km", "NM"].includes(found.unit)) found.unit = DEFAULTS.unit;
-  if (!["north", "bearing"].includes(found.up)) found.up = DEFAULTS.up;
+  if (!UPS.includes(found.up)) found.up = DEFAULTS.up;
+  found.size = Math.min(2, Math.max(0.7, found.size));
   found.rate = Math.max(0.1, found.rate);
   return found;
 }
@@ -64,8 +68,14 @@ export class Display {
     $("auto").onclick = () => app.active.levelOnce();
     $("usual").onclick = () => this.usual();
     $("compensated").onclick = () => this.set({ compensated: !look.compensated });
-    $("up-north").onclick = () => this.set({ up: "north" });
-    $("up-bearing").onclick = () => this.set({ up: "bearing" });
+    for (const up of UPS) $(`up-${up}`).onclick = () => this.set({ up });
+    $("size").onchange = () => this.set({ size: Number($("size").value) });
+    $("expert").onchange = () => {
+      app.kept.expert = $("expert").checked;
+      app.fillSources();
+      app.keep();
+    };
+    $("bscope").onclick = () => this.set({ bscope: !look.bscope });
     $("by-ground").onclick = () => this.set({ slant: false });
     $("by-slant").onclick = () => this.set({ slant: true });
     $("rings").onclick = () => this.set({ rings: !look.rings });
@@ -77,7 +87,12 @@ export class Display {
     $("zoom-in").onclick = () => app.zoom(1.5);
     $("zoom-fit").onclick = () => app.zoom(0);
     $("png").onclick = () => app.save();
-    for (const k of [0, 1]) $(`marker-${k + 1}`).onclick = () => app.toggleMarker(k);
+    for (const k of [0, 1]) {
+      for (const kind of ["ebl", "vrm"]) {
+        $(`${kind}-${k + 1}`).onclick = () => app.toggleLine([kind, k]);
+        $(`${kind}-${k + 1}-at`).onchange = ({ target }) => this.#line(kind, k, target.value);
+      }
+    }
     const tiles = stateTiles();
     for (const [state, word] of STATE_WORDS.entries()) if (state !== 1) this.#legend(word, ["not sampled", "", "shadow", "unknown", "too near"][state], tiles[state]);
     this.#legend("the beam has not come by yet", "not yet", new Uint32Array(64).fill(packed(NOT_YET)));
@@ -115,9 +130,26 @@ export class Display {
     if (keep) this.app.keep();
   }
 
+  /** A bearing line or range marker by number: degrees, or the unit of ranges; nothing takes it away. */
+  #line(kind, k, text) {
+    const value = text.trim() === "" ? null : Number(text);
+    const isWrong = value !== null && (!Number.isFinite(value) || (kind === "vrm" && value <= 0));
+    if (isWrong) return this.show();
+    const { lines, unit } = this.app.look;
+    const list = lines[kind].map((was, n) => (n !== k ? was : value === null ? null : kind === "ebl" ? turned(value) : value * UNIT_M[unit]));
+    this.app.setLines({ ...lines, [kind]: list });
+  }
+
   next(key, values) {
     const { look } = this.app;
+    if (key === "up" && look.up === "auto") return this.set({ up: values[(values.indexOf(this.#upNow()) + 1) % values.length] });
     this.set({ [key]: values[(values.indexOf(look[key]) + 1) % values.length] });
+  }
+
+  /** What is up on the first picture. */
+  #upNow() {
+    const [{ bins, heading }] = this.app.panes;
+    return bins.placement ? heading.up(this.app.look.up, bins.placement).up : this.app.look.up;
   }
 
   show() {
@@ -139,8 +171,11 @@ export class Display {
     const may = panes.some((pane) => pane.bins.mayCompensate);
     $("compensated").disabled = !may;
     press("compensated", may && look.compensated);
-    check("up-north", look.up === "north");
-    check("up-bearing", look.up === "bearing");
+    const now = this.#upNow();
+    for (const up of UPS) check(`up-${up}`, now === up);
+    press("bscope", look.bscope);
+    $("expert").checked = this.app.kept.expert;
+    $("size").value = String(look.size);
     check("by-ground", !look.slant);
     check("by-slant", look.slant);
     press("rings", look.rings);
@@ -149,7 +184,14 @@ export class Display {
     press("overlay", look.overlay);
     $("overlay-legend").hidden = !look.overlay;
     press("hold", look.hold);
-    for (const k of [0, 1]) press(`marker-${k + 1}`, look.markers[k] || look.armed === k);
+    for (const k of [0, 1])
+      for (const [kind, scale, digits] of [["ebl", 1, 1], ["vrm", UNIT_M[look.unit], 2]]) {
+        const value = look.lines[kind][k];
+        press(`${kind}-${k + 1}`, value !== null || String(look.armed) === `${kind},${k}`);
+        const field = $(`${kind}-${k + 1}-at`);
+        const text = value === null ? "" : (value / scale).toFixed(digits);
+        if (document.activeElement !== field) field.value = text;
+      }
     press("two", panes.length > 1);
   }
 

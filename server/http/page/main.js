@@ -10,6 +10,8 @@ import { Pane } from "./pane.js";
 import { RadarControls } from "./radar.js";
 import { number } from "./messages.js";
 import { savePicture } from "./export.js";
+import { crossing, movedLines, noLines } from "./lines.js";
+import { applySize, sizeFor } from "./size.js";
 import { fillSources, isWide, otherSource } from "./sources.js";
 import { LEAST_COVERAGE, sentences } from "./words.js";
 import { turned } from "./placement.js";
@@ -21,7 +23,7 @@ const NEWS_MS = 12000;
 
 const $ = (id) => document.getElementById(id);
 
-/** @typedef {import("./ppi.js").Look & {compensated: boolean, autoGlow: boolean, hold: boolean, armed: number|null}} AppLook */
+/** @typedef {import("./ppi.js").Look & {compensated: boolean, autoGlow: boolean, hold: boolean, size: number, armed: [string, number]|null}} AppLook */
 
 export class App {
   constructor() {
@@ -30,8 +32,11 @@ export class App {
     this.look = {
       palette: kept.palette, compensated: kept.r2,
       afterglow_s: Math.max(0, kept.glow), autoGlow: kept.glow < 0, up: kept.up, slant: kept.slant, unit: kept.unit,
-      rings: kept.rings, overlay: kept.overlay, hold: false, window: null, cursor: null, markers: [null, null], armed: null,
+      rings: kept.rings, overlay: kept.overlay, bscope: kept.bscope, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
+      size: kept.size, px: sizeFor(kept.size),
     };
+    applySize(this.look.px);
+    addEventListener("resize", () => this.resize());
     this.kept = kept;
     this.tab = kept.tab;
     /** @type {Pane[]} */
@@ -43,6 +48,7 @@ export class App {
       message: (message) => this.take(message),
       state: (state) => this.linked(state),
       welcome: (welcome) => this.welcomed(welcome),
+      scales: (scales, unit) => this.controls.offer(scales, unit),
     });
     this.meter = new Meter();
     this.readout = new Readout();
@@ -121,7 +127,7 @@ export class App {
     }));
     writeFragment({
       ...levels, palette: look.palette, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
-      unit: look.unit, rings: look.rings, overlay: look.overlay, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
+      unit: look.unit, rings: look.rings, overlay: look.overlay, bscope: look.bscope, size: look.size, expert: this.kept.expert, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
       a: this.kept.a, b: this.kept.b,
     });
   }
@@ -334,6 +340,7 @@ export class App {
     const { look } = this;
     Object.assign(look, change);
     const has = (...keys) => keys.some((key) => key in change);
+    if (has("size")) this.resize();
     if (has("hold", "overlay") && !look.hold) this.subscribe();
     for (const pane of this.panes) {
       if (has("palette", "afterglow_s")) pane.ppi.restyle();
@@ -343,8 +350,8 @@ export class App {
         if (pane.bins.descriptor) pane.level(performance.now());
       }
       if (has("overlay")) pane.ppi.needs.all = true;
-      if (has("up", "slant")) look.window = null;
-      if (has("up", "slant") || !Object.keys(change).length) pane.ppi.refresh();
+      if (has("up", "slant", "bscope")) look.window = null;
+      if (has("up", "slant", "bscope") || !Object.keys(change).length) pane.ppi.refresh();
       pane.ppi.needs.grid = pane.ppi.needs.marks = true;
     }
   }
@@ -386,6 +393,15 @@ export class App {
     this.change({});
   }
 
+  /** Letters and lines follow the window. */
+  resize() {
+    const px = sizeFor(this.look.size);
+    if (px === this.look.px) return;
+    this.look.px = px;
+    applySize(px);
+    for (const pane of this.panes) pane.ppi.resize();
+  }
+
   setCursor(place) {
     this.look.cursor = place;
     for (const pane of this.panes) pane.ppi.needs.marks = true;
@@ -397,21 +413,32 @@ export class App {
     const [x, y] = cursor ? ppi.toScreen(cursor.east_m, cursor.north_m) : [ppi.width / 2, ppi.height / 2];
     this.setCursor(ppi.fromScreen(x + dx, y + dy));
   }
-  setMarker(k, place) {
-    this.look.markers[k] = place;
+  /** Bearing lines and range markers. @param {import("./lines.js").Lines} lines */
+  setLines(lines) {
+    this.look.lines = lines;
     this.look.armed = null;
     this.setCursor(this.look.cursor);
     this.display.show();
   }
-  toggleMarker(k) {
+  /** @param {[string, number]} what "ebl", "vrm" or "mark", which is both, and its number */
+  placeLine(what, pane, x, y) {
+    const at = pane.ppi.read(pane.ppi.fromScreen(x, y));
+    if (at) this.setLines(movedLines(this.look.lines, what, at));
+  }
+  /** @param {[string, number]} what is taken away; or placed at the cursor, or by the next click */
+  toggleLine(what) {
     const { look } = this;
-    if (look.markers[k]) this.setMarker(k, null);
-    else if (look.cursor && !document.activeElement?.id.startsWith("marker-")) this.setMarker(k, { ...look.cursor });
-    else look.armed = look.armed === k ? null : k;
+    const [kind, k] = what;
+    const { ebl, vrm } = look.lines;
+    const isThere = kind === "mark" ? crossing(look.lines, k) : look.lines[kind][k] !== null;
+    const without = (list) => list.map((value, n) => (n === k ? null : value));
+    if (isThere) this.setLines({ ebl: kind === "vrm" ? ebl : without(ebl), vrm: kind === "ebl" ? vrm : without(vrm) });
+    else if (look.cursor && !/^(ebl|vrm)-/.test(document.activeElement?.id ?? "")) this.setLines(movedLines(look.lines, what, this.panes[0].ppi.read(look.cursor)));
+    else look.armed = String(look.armed) === String(what) ? null : what;
     this.display.show();
   }
   clearMarks() {
-    Object.assign(this.look, { cursor: null, markers: [null, null], armed: null });
+    Object.assign(this.look, { cursor: null, lines: noLines(), armed: null });
     this.setCursor(null);
     this.display.show();
   }
@@ -433,6 +460,7 @@ export class App {
     for (const pane of this.panes) {
       const own = this.said.find(({ banner, panes }) => banner && (panes?.includes(pane) ?? true));
       pane.say(own?.banner ?? "");
+      pane.annunciators.show(pane);
       pane.element.classList.toggle("standby", Boolean(pane.info?.transmit_off));
     }
   }
