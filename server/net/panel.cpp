@@ -4,6 +4,7 @@
 #include <future>
 #include <utility>
 
+#include "server/control/planes_per_bin.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/radar/frame_plan.h"

@@ -266,6 +266,8 @@ TEST(Validate, AcceptsExactlyWhatIsInsideAllLimits) {
     ReceiverSettings& receiver = config.settings.receiver;
     if (receiver.adc_bits == 1) receiver.adc_bits = 2;
     const RadarSettings& s = config.settings;
+    if (int& planes = config.settings.planes_per_bin; planes <= 1024 && s.azimuth_bins > 0)
+      planes = std::min(planes, (16384 + s.azimuth_bins - 1) / s.azimuth_bins);
     good = good && s.r_max_m - s.r_min_m >= 0.001 * s.range_bins;
     good = good && s.frustum != FrustumKind::polar;  // recordings alone have it
     good = good && !(s.frustum == FrustumKind::symmetric && s.sector_deg >= 180);

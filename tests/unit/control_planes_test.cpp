@@ -115,8 +115,8 @@ INSTANTIATE_TEST_SUITE_P(All, PlanesOfRequests,
                                          Case{"bins columns", "0 200"}, Case{"bins columns planes", "0 200"},
                                          Case{"columns", "0 200"}, Case{"planes none", "0 200"},
                                          Case{"rays bins", "2 200"}),
-                         [](const auto& info) {
-                           std::string name = info.param.text;
+                         [](const auto& one) {
+                           std::string name = one.param.text;
                            std::ranges::replace(name, ' ', '_');
                            return name;
                          });

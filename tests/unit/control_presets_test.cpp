@@ -71,7 +71,7 @@ TEST_F(Presets, GainsFollowFromTheBeams) {
 
 TEST_F(Presets, FillOnlyWhatNoKeyOfTheSceneNames) {
   const RadarConfig alone = radar("[radar]\npreset = \"marine_x\"\n");
-  EXPECT_EQ(alone.settings.r_max_m, 22224);
+  EXPECT_EQ(alone.settings.r_max_m, 11112);
   EXPECT_EQ(alone.pose.height_reference, HeightReference::ground);
   EXPECT_EQ(alone.settings.scan_mode, ScanMode::circular);
 
@@ -84,7 +84,7 @@ TEST_F(Presets, FillOnlyWhatNoKeyOfTheSceneNames) {
 
   const RadarConfig shared = radar("[beam]\nwidth_deg = 2.5\n[radar]\npreset = \"marine_x\"\n");
   EXPECT_EQ(shared.settings.beam.width_deg, 2.5) << "sections of all radars override it too";
-  EXPECT_EQ(radar("[radar]\npreset = \"marine_x\"\n", {"radar.r_max_m=11112"}).settings.r_max_m, 11112);
+  EXPECT_EQ(radar("[radar]\npreset = \"marine_x\"\n", {"radar.r_max_m=1852"}).settings.r_max_m, 1852);
   EXPECT_EQ(radar("[frustum]\nquality = \"draft\"\n[radar]\npreset = \"marine_x\"\n").settings.pixel_columns,
             1024);
 }
