@@ -112,6 +112,8 @@ std::span<const Choice> quality_choices() {
 
 Frustum resolved_frustum(ConfigNode table, int azimuth_bins, int range_bins) {
   split_pixels(table);
+  // 0 is as if it were not named.
+  std::erase_if(table.items, [](const ConfigNode& n) { return n.key == "planes_per_bin" && is_zero(n); });
   Frustum frustum{std::move(table), {}};
   const ConfigNode* found = frustum.table.find("quality");
   const auto* name = found != nullptr ? std::get_if<std::string>(&found->value) : nullptr;
@@ -122,8 +124,6 @@ Frustum resolved_frustum(ConfigNode table, int azimuth_bins, int range_bins) {
     put(frustum.table, "kind", std::string(preset->kind), quality);
     put(frustum.table, "plates", std::string(preset->plates), quality);
     put(frustum.table, "sub_columns", std::int64_t{preset->sub_columns}, quality);
-    std::erase_if(frustum.table.items,
-                  [](const ConfigNode& n) { return n.key == "planes_per_bin" && is_zero(n); });
     put(frustum.table, "planes_per_bin", std::int64_t{preset->planes_for(azimuth_bins)}, quality);
     const bool columns =
         put(frustum.table, "pixel_columns", std::int64_t{preset->columns_for(azimuth_bins)}, quality);

@@ -38,6 +38,13 @@ TEST_F(Planes, FollowTheQualityWhereNothingNamesThem) {
       << "as many as before";
 }
 
+TEST_F(Planes, AloneAreThoseOfTheSweep) {
+  EXPECT_EQ(of(std::string(kBins) + "[frustum]\nplanes_per_bin = 5\n"), "5 500");
+  EXPECT_EQ(of(kBins, {"frustum.planes_per_bin=4"}), "4 400");
+  EXPECT_EQ(settings("[frustum]\nplanes_per_bin = 5\n").frustum, FrustumKind::sweep);
+  EXPECT_EQ(settings("[frustum]\nplanes_per_bin = 0\n").planes_per_bin, 2);
+}
+
 TEST_F(Planes, DecideWhereColumnsAreNotNamedInTheSameLayerOrALaterOne) {
   const std::string own = std::string(kBins) + "[frustum]\nquality = \"standard\"\n";
   EXPECT_EQ(of(own + "planes_per_bin = 5\n"), "5 500");

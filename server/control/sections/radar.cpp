@@ -126,7 +126,10 @@ void read_name(SectionReader& reader, std::string& name) {
 
 /// Gives a radar without a named frustum that of kDefaultQuality.
 FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
-  const auto empty = [](const ConfigNode& frustum) { return frustum.items.empty(); };
+  // Planes in each bin are the sweep's.
+  const auto empty = [](const ConfigNode& frustum) {
+    return std::ranges::all_of(frustum.items, [](const ConfigNode& n) { return n.key == "planes_per_bin"; });
+  };
   const auto names_kind = [](const ConfigNode& f) {
     return f.find("kind") != nullptr || f.find("quality") != nullptr;
   };
@@ -136,7 +139,7 @@ FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
   quality.kind = Kind::value;
   quality.where = "default";
   quality.value = std::string(kDefaultQuality);
-  frusta = {nest("quality", quality)};
+  frusta.insert(frusta.begin(), nest("quality", quality));
   return FrustumChoice::nothing;
 }
 
