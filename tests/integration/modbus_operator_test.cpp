@@ -134,7 +134,7 @@ TEST_F(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWo
 }
 
 TEST_F(ModbusOperator, PlanesPerBinFollowTheBinsUnlessColumnsAreStagedToo) {
-  EXPECT_EQ(master.write(250, {2}), 0);  // sweep
+  EXPECT_EQ(master.write(250, {3}), 0);  // sweep
   EXPECT_EQ(master.write(320, {3}), 0);
   EXPECT_EQ(master.coil(2, true), 0);
   EXPECT_EQ(s.info().settings().pixel_columns(), 60);

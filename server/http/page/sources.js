@@ -46,7 +46,8 @@ export function otherSource(app) {
 
 /** Fills the choice above each picture. @param {App} app */
 export function fillSources(app) {
-  const radars = app.link.welcome?.radars ?? [];
+  if (!app.link.welcome) return;
+  const radars = app.link.welcome.radars ?? [];
   const { panes } = app;
   for (const pane of panes) {
     const isFirst = pane === panes[0];
