@@ -255,7 +255,7 @@ function legend(ppi, c) {
   const { placement } = ppi.bins;
   const middle_deg = placement.start_deg + (placement.azimuths * placement.width_deg) / 2 - ppi.view.up_deg;
   const isLeft = !ppi.look.bscope && !placement.isRound && Math.sin(middle_deg * DEGREE) > 0.3;
-  const x = ppi.look.bscope ? 34 : isLeft ? 34 : ppi.width - width - 8;
+  const x = isLeft ? 34 : ppi.width - width - 8;
   const y = ppi.height - height - 20;
   for (let k = 0; k < height; ++k) {
     const [r, g, b] = colourOf(ppi.look.palette, Math.round(255 * (1 - k / (height - 1))));

@@ -152,7 +152,8 @@ export class Ppi {
 
   /** Edges of a B-scope, in the page's pixels. */
   get box() {
-    return { left: 46, right: this.width - 46, top: 72, bottom: this.height - 34 };
+    const side = Math.min(128, this.width / 8); // room for words and legend
+    return { left: side, right: this.width - side, top: 44, bottom: this.height - 34 };
   }
 
   /** The page's pixels of a bearing and slant range. */

@@ -17,7 +17,7 @@ const C_MPS = 299792458;
  */
 export function scaled(settings, range_m) {
   const change = { r_max_m: range_m };
-  if (number(settings.r_min_m) > range_m / 4) change.r_min_m = range_m / 20;
+  if (number(settings.r_min_m) > 0.8 * range_m) change.r_min_m = range_m / 20;
   if (settings.pulse_kind === "RECTANGULAR_PULSE") {
     const bin_m = (range_m - number(change.r_min_m ?? settings.r_min_m)) / number(settings.range_bins, 1);
     const needed = Math.ceil((C_MPS * number(settings.pulse_length_us) * 1e-6) / 2 / bin_m);
