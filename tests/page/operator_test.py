@@ -205,9 +205,11 @@ class Operator(unittest.TestCase):
     # ---- Words and lines on the picture
 
     def test_the_picture_carries_its_own_numbers(self):
+        with self.server.radar("turning").control() as control:
+            control.set_pose(bearing_deg=60.0)
         self.show("a=turning&unit=NM")
         words = "return [...document.querySelectorAll('.annun')].map(({ textContent }) => textContent).join('|')"
-        support.await_that(lambda: "RNG" in self.page.script(words), "words in the corners")
+        support.await_that(lambda: "BRG 060" in self.page.script(words), "words in the corners")
         text = self.page.script(words)
         for part in ("RNG 8.1 NM", "TURNING 20 RPM", "N UP  T", "BRG 060.0° T", "33°00.0′N", "099°30.0′W", "HGT 2500 m", "GAIN 0 dB", "SEA OFF", "RAIN OFF",
                      "TILT −8.0°"):
