@@ -121,9 +121,10 @@ void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all
       "obliq_radar_frames_shed_total",
       "Frames of the radar skipped because rendering could not keep up with the requests.", room.radars,
       [](const Radar& r) { return static_cast<double>(r.frames_shed); }, MetricType::Counter));
-  radar("obliq_radar_live_bytes",
-        "Memory of the blocks of live frames, and of sent ones that is kept for the next.",
+  radar("obliq_radar_live_bytes", "Memory of the blocks of live frames.",
         [](const Radar& r) { return static_cast<double>(r.live_bytes); });
+  radar("obliq_radar_spare_bytes", "Memory of blocks that were sent, kept for the next.",
+        [](const Radar& r) { return static_cast<double>(r.spare_bytes); });
   radar("obliq_terrain_coverage_ratio", "Share of the radar's sector over known ground in its newest frame.",
         [](const Radar& r) { return r.coverage; });
 }
