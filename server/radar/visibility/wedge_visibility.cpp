@@ -84,6 +84,8 @@ void WedgeVisibility::march(Wanted& wanted) {
     want(wanted, sub_azimuth, known);
     open.push_back(sub_azimuth);
   }
+  // Side by side those that set out at about the same range: a march takes as long as its longest profile.
+  std::ranges::stable_sort(open, {}, [&](std::size_t sub_azimuth) { return wanted[sub_azimuth].first; });
   for (std::size_t first = 0; first < open.size(); first += kMostProfiles) {
     const std::size_t n = std::min<std::size_t>(kMostProfiles, open.size() - first);
     std::array<VisibilityRequest, kMostProfiles> requests;
