@@ -21,38 +21,10 @@
 #include "tests/support/scenes.h"
 #include "tests/support/silent_radar.h"
 #include "tests/support/sources.h"
+#include "tests/unit/video_fixture.h"
 
 namespace obliq::test {
 namespace {
-
-RadarSettings radar() {
-  RadarSettings settings = radar_settings(FrustumKind::oblique, {1000, 1000 + 30.0 * 512}, {64, 512});
-  settings.video.floor_auto = false;
-  settings.video.floor_db = -150;
-  settings.video.span_db = 100;
-  return settings;
-}
-
-BinBlock video_of(const RadarSettings& settings, BinBlock bins, ReceivedPlanes wanted = {true, true, true}) {
-  Receiver(settings, "main", 3).receive(bins, wanted);
-  return bins;
-}
-
-/// One azimuth bin, all of it of one power.
-BinBlock even(const RadarSettings& settings, double power_w) {
-  BinBlock bins(0, settings.azimuth_bins, settings.range_bins);
-  for (auto& v : bins.iq) v = static_cast<float>(std::sqrt(power_w));
-  for (double& p : bins.power_w) p = power_w;
-  return bins;
-}
-
-/// The coding of the issue, in the library's arithmetic.
-int level_of(double power_w, double floor_db, double span_db, int n) {
-  if (power_w == 0) return 0;
-  const double x = 10 * std::log10(power_w);
-  return static_cast<int>(
-      std::clamp(1 + std::round((n - 2) * (x - floor_db) / span_db), 1.0, static_cast<double>(n - 1)));
-}
 
 TEST(Video, OfOneLookIsTheLogarithmOfIq) {
   const RadarSettings settings = radar();
@@ -172,54 +144,6 @@ TEST(Video, OfLooksStandsOverNoiseGainAndStc) {
     // 64 bins of 1024 looks: a deviation of 0.017 dB.
     EXPECT_NEAR(sum_db / settings.azimuth_bins, expected_db, 0.09) << bin;
   }
-}
-
-/// 0.4 us are 60 m, two bins of 30 m; 2 us are ten.
-TEST(Video, WithAFastTimeConstantIsWhatABinHasAboveItsMean) {
-  RadarSettings settings = radar();
-  settings.video.ftc_us = 2;
-  BinBlock bins(0, settings.azimuth_bins, settings.range_bins);
-  const auto set = [&](int bin, double power_w) {
-    bins.iq[static_cast<std::size_t>(bin)] = static_cast<float>(std::sqrt(power_w));
-  };
-  for (int r = 0; r < 512; ++r) set(r, r < 200 ? 1e-12 : 4e-12);  // a step
-  set(100, 9e-12);                                                // a point in the even part
-  const BinBlock out = video_of(settings, bins);
-  const auto expected = [](double power_w) { return level_of(power_w, -150, 100, 65536); };
-  EXPECT_EQ(out.video16[100], expected(9e-12 - (9 * 1e-12 + 9e-12) / 10));
-  EXPECT_LE(out.video16[99], 1) << "what is even goes";
-  EXPECT_EQ(out.video16[105], 0) << "behind a point the mean is above the bin";
-  EXPECT_LE(out.video16[115], 1) << "as long as the time constant";
-  for (int k = 0; k < 9; ++k)
-    EXPECT_NEAR(out.video16[static_cast<std::size_t>(200 + k)], expected(3e-12 * (9 - k) / 10), 1) << k;
-  EXPECT_LE(out.video16[210], 1);
-  EXPECT_EQ(video_of(settings, bins, {true, false, false}).iq, bins.iq) << "I&Q do not pass it";
-  settings.video.ftc_us = 0.001;  // less than a bin: of two
-  EXPECT_EQ(video_of(settings, bins).video16[100], expected(4e-12));
-  settings.video.ftc_us = 0;
-  EXPECT_EQ(video_of(settings, bins).video16[100], expected(9e-12));
-}
-
-TEST(Video, WithAFastTimeConstantLosesRainAndKeepsABuilding) {
-  RadarSettings settings = radar();
-  settings.video.looks = 256;
-  BinBlock bins = even(settings, 0);
-  for (std::size_t k = 0; k < bins.power_w.size(); ++k) {
-    const double r = static_cast<double>(k % 512);
-    bins.power_w[k] = 1e-10 * std::pow(1 + r / 100, -2) * (k % 512 == 300 ? 40 : 1);  // rain falls slowly
-  }
-  const auto mean_level = [&](const BinBlock& out, int from, int to) {
-    double sum = 0;
-    for (int a = 0; a < settings.azimuth_bins; ++a)
-      for (int r = from; r < to; ++r) sum += out.video8[static_cast<std::size_t>(a * 512 + r)];
-    return sum / settings.azimuth_bins / (to - from);
-  };
-  const BinBlock rain = video_of(settings, bins);
-  settings.video.ftc_us = 4;
-  const BinBlock clear = video_of(settings, bins);
-  EXPECT_GT(mean_level(rain, 250, 290), 80);
-  EXPECT_LT(mean_level(clear, 250, 290), 0.5 * mean_level(rain, 250, 290));
-  EXPECT_GT(mean_level(clear, 300, 301), mean_level(rain, 300, 301) - 2) << "within a decibel";
 }
 
 TEST(Video, FindsItsFloorFromTheSettingsAlone) {
