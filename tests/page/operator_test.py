@@ -2,8 +2,8 @@
 import time
 import unittest
 
-import obliq
 import support
+import obliq
 
 NOISY = """
 [terrain]

@@ -166,13 +166,14 @@ export class Pane {
     const { link, look } = this.app;
     const d = first.bins.descriptor;
     if (!this.isRendered || this.pending || !d || !link.isLive || look.hold) return;
-    const wanted = JSON.stringify([this.source, d.settings, d.pose, look.overlay]);
+    const withStates = this.app.wantsStates(first.radar);
+    const wanted = JSON.stringify([this.source, d.settings, d.pose, withStates]);
     if (wanted === this.rendered) return;
     this.rendered = wanted;
     const settings = { ...d.settings, ...changesOf(this.source, d.settings) };
     if (settings.planes_per_bin && settings.frustum === "SWEEP") delete settings.pixel_columns;
     this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
-      planes: look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"] });
+      planes: withStates ? ["VIDEO", "STATE"] : ["VIDEO"] });
   }
 
   /** The server renders no such frame. */
