@@ -256,6 +256,32 @@ class Operator(unittest.TestCase):
         self.page.script("document.getElementById('vrm-1').click()")
         self.assertIsNone(self.page.script("return obliq.look.lines.vrm[0]"))
 
+    def test_a_profile_along_a_bearing_line_is_the_ground_that_a_query_finds(self):
+        self.show("a=turning&up=north&profile=1")
+        with self.server.radar("turning").control() as control:
+            control.set_pose(height_m=80.0, height_reference="ground")
+        self.addCleanup(self.lift)
+        self.page.script("obliq.setLines({ ebl: [75, null], vrm: [null, null] })")
+        self.page.await_script("obliq.panes[0].profile.points.length > 200", "a profile")
+        time.sleep(1.5)
+        self.page.await_script("obliq.panes[0].profile.points.filter(({ seen }) => !seen).length > 5", "hidden ground")
+        points, places = self.page.script("""const [{ profile, bins: { placement } }] = obliq.panes;
+            return [profile.points, profile.points.map(({ slant_m }) => placement.located(75, slant_m))];""")
+        found = self.server.radar("turning").query([p["latitude_deg"] for p in places], [p["longitude_deg"] for p in places])
+        for k in range(0, len(points), 9):
+            self.assertAlmostEqual(points[k]["height_m"], found.height_m[k], delta=1e-6)
+            self.assertEqual(points[k]["seen"], bool(found.visible[k]))
+        colours = self.page.script("""const { canvas, context } = obliq.panes[0].profile;
+            const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+            let [green, blue] = [0, 0];
+            for (let k = 0; k < data.length; k += 4) { green += data[k + 1] === 125 && data[k] === 44; blue += data[k + 2] === 79 && data[k] === 29 && data[k + 1] === 47; }
+            return [green, blue];""")
+        self.assertGreater(min(colours), 50)
+
+    def lift(self):
+        with self.server.radar("turning").control() as control:
+            control.set_pose(height_m=2500.0, height_reference="datum")
+
     def test_the_course_of_a_flight_is_said_and_may_be_up(self):
         self.show("a=nose&up=course")
         with self.server.radar("nose").control() as control:
