@@ -153,7 +153,7 @@ export class Ppi {
 
   /** Edges of a B-scope, in the page's pixels. */
   get box() {
-    const side = Math.min(128, this.width / 8); // room for words and legend
+    const side = Math.min(140, this.width / 8); // room for words and legend
     return { left: side, right: this.width - side, top: 44, bottom: this.height - 34 };
   }
 
