@@ -56,6 +56,21 @@ class Pending:
     def done(self) -> bool:
         return self.reply is not None or self.error is not None
 
+    def refuse(self, error: ObliqError) -> None:
+        """Takes the server's refusal."""
+        self.error = error
+
+
+class Told(Pending):
+    """A request whose answer nobody waits for; its refusal goes to a function."""
+
+    def __init__(self, refused: Callable[[ObliqError], object]):
+        super().__init__(wire.Ack)
+        self._refused = refused
+
+    def refuse(self, error: ObliqError) -> None:
+        self._refused(error)
+
 
 class Sink:
     """Where the frames of a subscription or a RenderOnce go."""
@@ -184,9 +199,16 @@ class Session:
 
     def ask(self, message: Request, answer: type[Answer] = wire.Ack) -> Pending:
         """Puts a request on its way."""
+        return self._ask(message, Pending(answer))
+
+    def tell(self, message: Request, refused: Callable[[ObliqError], object]) -> None:
+        """The same of one whose Ack nobody waits for."""
+        self._ask(message, Told(refused))
+
+    def _ask(self, message: Request, pending: Pending) -> Pending:
         self._last_request += 1
         message.request_id = self._last_request
-        pending = self._pending[self._last_request] = Pending(answer)
+        self._pending[self._last_request] = pending
         self._send(message)
         return pending
 
@@ -246,7 +268,7 @@ class Session:
         error = from_message(message)
         pending = self._pending.pop(message.request_id, None)
         if pending:
-            pending.error = error
+            pending.refuse(error)
         elif message.request_id in self._renderings:
             self._renderings[message.request_id].error = error
         elif message.radar in self.subscriptions and message.number in (106, 110):
@@ -286,7 +308,7 @@ class Session:
 
     def has_enough(self) -> bool:
         """Nothing more is to be read for now. Not while an answer is awaited, which may be behind the frames."""
-        if self._pending or self._renderings:
+        if self._renderings or not all(isinstance(pending, Told) for pending in self._pending.values()):
             return False
         return any(sink.has_enough() for sink in self.subscriptions.values())
 
