@@ -14,8 +14,8 @@ class FrameAbort;
 
 namespace obliq::client {
 
-/// Receives the frames that arrive, and what else answers no call. A status that is not ok ends the client's receive call with it. Called
-/// in the thread that is in a call of the client; no exception may leave it.
+/// Receives the frames that arrive, and what else answers no call. A status that is not ok ends the client's
+/// receive call with it. Called in the thread that is in a call of the client; no exception may leave it.
 class FrameHandler {
  public:
   virtual ~FrameHandler() = default;

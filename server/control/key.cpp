@@ -28,7 +28,8 @@ std::string with_unit(std::string text, std::string_view unit) {
   return text;
 }
 
-/// Of lengths (NIST SP 811, appendix B): the international foot and the nautical mile are these numbers exactly.
+/// Of lengths (NIST SP 811, appendix B): the international foot and the nautical mile are these numbers
+/// exactly.
 struct LengthUnit {
   std::string_view name;
   double metres;

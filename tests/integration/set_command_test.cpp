@@ -87,9 +87,11 @@ TEST_F(SetCommand, LengthsMayNameTheirUnit) {
   EXPECT_EQ(info().settings().r_min_m(), 500);
   ASSERT_EQ(obliq({"pose", "--radar", "nose", "--height", "9842ft"}).code, 0);
   EXPECT_DOUBLE_EQ(info().pose().height_m(), 9842 * 0.3048);
-  expect_refused({"radar.r_max_m=5yd"}, "radar.r_max_m: found \"5yd\"; allowed: number above 0, at most 500000 m; "
-                                        "or with a unit: m, km, ft, nmi");
-  expect_refused({"radar.sector_deg=5km"}, "radar.sector_deg: found \"5km\"; allowed: number above 0, at most 360 deg");
+  expect_refused({"radar.r_max_m=5yd"},
+                 "radar.r_max_m: found 5yd; allowed: number above 0, at most 500000 m; "
+                 "or with a unit: m, km, ft, nmi");
+  expect_refused({"radar.sector_deg=5km"},
+                 "radar.sector_deg: found 5km; allowed: number above 0, at most 360 deg");
   expect_refused({"radar.r_max_m=1e999km"}, "radar.r_max_m: found");
   expect_refused({"radar.r_max_m=nan ft"}, "radar.r_max_m: found");
 }

@@ -308,11 +308,24 @@ class Control:
 
     def __init__(self, server: Server, name: str):
         self._server, self.name = server, name
+        self._refused: ObliqError | None = None
 
     def set_pose(self, pose: requests.PoseLike = None, **fields: Unpack[PoseFields]) -> requests.Accepted:
         """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion."""
         request = requests.pose_request(self.name, pose, fields)
         return requests.Accepted.of(self._server._run(self._server._session.act(request)))
+
+    def send_pose(self, pose: requests.PoseLike = None, *, on_refused: Callable[[ObliqError], object] | None = None,
+                  **fields: Unpack[PoseFields]) -> None:
+        """As set_pose, without waiting for the answer: for a host that moves the antenna in a loop of its own. A refusal goes
+        to on_refused, in whichever later call it arrives; without one the next send_pose raises it."""
+        if self._refused is not None:
+            refused, self._refused = self._refused, None
+            raise refused
+        self._server._connection.tell(requests.pose_request(self.name, pose, fields), on_refused or self._keep)
+
+    def _keep(self, refusal: ObliqError) -> None:
+        self._refused = refusal
 
     def set(self, settings: requests.SettingsLike = None, **fields: Unpack[SettingsFields]) -> requests.Accepted:
         """Changes settings, all or none; the next frame has them."""
