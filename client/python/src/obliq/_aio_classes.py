@@ -17,7 +17,8 @@ from . import obliq_pb2 as wire
 from ._aio_connection import Connection
 from ._aio_streams import Replay, Stream
 from ._assembly import Wedge
-from ._session import Command, Rendering, Session
+from ._asked import Rendering
+from ._session import Command, Session
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
 from .frame import Frame
 from .parameters import Pose, PoseFields, Settings, SettingsFields
