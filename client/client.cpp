@@ -59,6 +59,13 @@ Request about(const std::string& radar) {
   return request;
 }
 
+template <typename Request>
+void name_kinds(wire::ClaimSet claims, Request& request) {
+  for (int i = 0; i < wire::kClaims; ++i)
+    if ((claims & claim_bit(static_cast<wire::Claim>(i))) != 0)
+      request.add_kinds(static_cast<wire::ClaimKind>(i));
+}
+
 // Others may ask whether this client is there, at any time.
 Status answer_heartbeat(Connection& connection, const Message& message) {
   wire::Heartbeat asked;
@@ -216,6 +223,19 @@ Status Client::claim_control(const std::string& radar, bool force) {
   auto request = about<wire::ClaimControl>(radar);
   request.set_force(force);
   return state_->acknowledged(MessageType::claim_control, request);
+}
+
+Status Client::claim(const std::string& radar, wire::ClaimSet claims, bool force) {
+  auto request = about<wire::ClaimControl>(radar);
+  request.set_force(force);
+  name_kinds(claims, request);
+  return state_->acknowledged(MessageType::claim_control, request);
+}
+
+Status Client::release(const std::string& radar, wire::ClaimSet claims) {
+  auto request = about<wire::ReleaseControl>(radar);
+  name_kinds(claims, request);
+  return state_->acknowledged(MessageType::release_control, request);
 }
 
 Status Client::release_control(const std::string& radar) {

@@ -8,6 +8,7 @@
 
 #include "client/connection.h"
 #include "client/frame_dispatch.h"
+#include "proto/claim.h"
 #include "proto/ground_record.h"
 #include "proto/plane.h"
 
@@ -63,9 +64,14 @@ class Client {
 
   Status list_radars(wire::RadarList& list);
   Status get_radar(const std::string& radar, wire::RadarInfo& info);
-  /// force: also from another client, for an admin.
+  /// Pose and settings. force: also from another client, for an admin.
   Status claim_control(const std::string& radar, bool force = false);
+  /// These alone: a host that flies the radar takes its pose, an operator its settings. All of them or none. A
+  /// server of version 1.1 gives both, whatever is asked for.
+  Status claim(const std::string& radar, wire::ClaimSet claims, bool force = false);
+  /// All that this client holds.
   Status release_control(const std::string& radar);
+  Status release(const std::string& radar, wire::ClaimSet claims);
   Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
   Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);
   /// Transmit and freeze, on or off; nothing leaves one as it is.

@@ -36,6 +36,7 @@ class ResumingClient {
   Status hold(const std::string& name, std::function<Status(Client&)> request);
   void forget(const std::string& name);
   Status claim_control(const std::string& radar);
+  Status claim(const std::string& radar, wire::ClaimSet claims);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
   Status subscribe(const wire::Subscribe& request);
 

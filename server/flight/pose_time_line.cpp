@@ -19,6 +19,12 @@ Geodetic place_of(const PoseSettings& pose, double height_m) {
   return {pose.latitude_deg * kDegree_rad, pose.longitude_deg * kDegree_rad, height_m};
 }
 
+/// A share of the way along the shortest arc; at rest a stays as it is, whatever turns it counts.
+double arc(double a_deg, double b_deg, double u) {
+  const double turn_deg = std::remainder(b_deg - a_deg, 360.0);
+  return turn_deg == 0 ? a_deg : std::remainder(a_deg + u * turn_deg, 360.0);
+}
+
 bool same_place(const PoseSettings& a, const PoseSettings& b) {
   return a.latitude_deg == b.latitude_deg && a.longitude_deg == b.longitude_deg && a.height_m == b.height_m;
 }
@@ -29,9 +35,8 @@ PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u) {
   if (!(u > 0)) return a;
   if (u >= 1) return b;
   PoseSettings p = a;
-  const double turn_deg = std::remainder(b.bearing_deg - a.bearing_deg, 360.0);
-  p.bearing_deg = std::remainder(a.bearing_deg + u * turn_deg, 360.0);
-  if (turn_deg == 0) p.bearing_deg = a.bearing_deg;
+  p.bearing_deg = arc(a.bearing_deg, b.bearing_deg, u);
+  p.heading_deg = arc(a.heading_deg, b.heading_deg, u);
   p.tilt_deg = a.tilt_deg + u * (b.tilt_deg - a.tilt_deg);
   if (a.height_reference != b.height_reference || same_place(a, b)) return p;
   const bool over_ground = a.height_reference == HeightReference::ground;
@@ -60,6 +65,19 @@ void PoseTimeLine::set(const PoseSettings& pose, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   begin(pose, now_ns);
   timed_ = false;
+}
+
+void PoseTimeLine::aim(const PoseSettings& as) {
+  const std::lock_guard lock(mutex_);
+  PoseSettings& newest = poses_.back().pose;
+  const double turn_deg = as.bearing_deg - newest.bearing_deg;
+  for (auto& [pose, received_ns] : poses_) {
+    if (turn_deg != 0) pose.bearing_deg = std::remainder(pose.bearing_deg + turn_deg, 360.0);
+    pose.tilt_deg = as.tilt_deg;
+    pose.tilt_auto = as.tilt_auto;
+  }
+  newest.bearing_deg = as.bearing_deg;  // to the bit
+  newest.heading_deg = as.heading_deg;
 }
 
 void PoseTimeLine::restart() {

@@ -29,7 +29,8 @@ struct PanelStatus {
   bool transmit = true;
   bool frozen = false;
   bool pose_stale = false;
-  std::string controller;          ///< the client that holds control; empty: none
+  std::string controller;          ///< the client that holds its pose; empty: none
+  std::string settings_controller; ///< and its settings
   std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
   std::uint32_t clients = 0;       ///< of the server
   std::uint32_t watchers = 0;      ///< of this radar
@@ -66,7 +67,7 @@ struct PanelChange {
 enum class PanelVerdict {
   done,
   invalid,     ///< values refused: the errors say which
-  controlled,  ///< settings, pose and rate belong to the client that holds control
+  controlled,  ///< a client holds what the change takes: pose, or settings, rate and aim
   no_answer    ///< the io thread did not get to it in time; nothing was or will be changed
 };
 
@@ -74,7 +75,7 @@ struct PanelAnswer {
   PanelVerdict verdict = PanelVerdict::no_answer;
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;  ///< of invalid: what limit of the server it exceeds, if any
-  std::string controller;         ///< of controlled: the client that holds control
+  std::string held;               ///< of controlled: what, and by which client
 };
 
 /// transmit off: the radar is not rendered and its watchers get no frames. freeze: frames go on, of the

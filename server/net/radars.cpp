@@ -107,13 +107,26 @@ void Radars::send_fault(const LiveRadar& radar, Peer& peer) const {
                        radar.faults, radar.name));
 }
 
+void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
+  for (int i = 0; i < wire::kClaims; ++i) {
+    Peer* holder = radar.claims.holder(static_cast<wire::Claim>(i));
+    if (holder == nullptr || holder == &by) continue;
+    const wire::ClaimSet taken = radar.claims.release(claims, *holder);
+    if (taken == 0) continue;
+    log_as_guest(*holder);
+    log_as_guest(by);
+    const std::string told = "radar " + radar.name + ": " + wire::claim_names(taken) + " taken over by " + by.name;
+    holder->send(MessageType::error, make_error(0, ErrorNumber::controlled_by_other, told, {}, radar.name));
+    spdlog::warn("radar {}: {} takes {} from {}; give it a token of another role if it should not",
+                 radar.name, by.name, wire::claim_names(taken), holder->name);
+  }
+}
+
 void Radars::forget(Peer& peer) {
   for (LiveRadar& radar : radars_) {
     unsubscribe(radar, peer);
-    if (radar.controller == &peer) {
-      radar.controller = nullptr;
-      log_doing(peer, radar.name, "control released, " + peer.name + " has left");
-    }
+    if (const wire::ClaimSet released = radar.claims.release(wire::kEveryClaim, peer))
+      log_doing(peer, radar.name, wire::claim_names(released) + " released, " + peer.name + " has left");
   }
 }
 
@@ -121,10 +134,10 @@ void Radars::check_role(Peer& peer) {
   if (peer.role >= Role::controller) return;
   for (LiveRadar& radar : radars_) {
     watch_no_longer_lossless(radar, peer);
-    if (radar.controller != &peer) continue;
-    radar.controller = nullptr;
-    spdlog::warn("radar {}: control released, the role of {} is {} now", radar.name, peer.name,
-                 role_name(peer.role));
+    const wire::ClaimSet released = radar.claims.release(wire::kEveryClaim, peer);
+    if (released == 0) continue;
+    spdlog::warn("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),
+                 peer.name, role_name(peer.role));
     peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low,
                                              "control of radar " + radar.name +
                                                  " needs the role controller; this client's token gives " +
@@ -151,6 +164,12 @@ bool Radars::take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_
   radar.pose_received_ns = now_ns;
   radar.pose_has_sim_time = has_sim_time;
   return true;
+}
+
+void Radars::aim(LiveRadar& radar, const PoseSettings& as) {
+  radar.pose = as;
+  radar.poses->aim(as);
+  publish_view(radar);
 }
 
 void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by) {

@@ -30,6 +30,8 @@ class Radars {
   /// Tells the watchers of a part of the radar's frame that is no longer there.
   void check_windows(LiveRadar& radar) const;
   void send_fault(const LiveRadar& radar, Peer& peer) const;
+  /// Takes from other clients, which are told, what they hold of that.
+  static void take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
   /// A client has left: its subscriptions end, control is released.
   void forget(Peer& peer);
   /// A client's role may have become lower: it loses what the role does not allow.
@@ -40,6 +42,8 @@ class Radars {
   void publish_view(LiveRadar& radar);
   /// False: the pose came late and was left out.
   bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// Its antenna is turned where its platform stands or flies (PoseTimeLine::aim).
+  void aim(LiveRadar& radar, const PoseSettings& as);
   /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
   void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   /// The only place where transmit and freeze change. `by` stands in the log.

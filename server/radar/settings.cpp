@@ -74,6 +74,7 @@ bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
+  a.heading_deg = b.heading_deg;
   return a == b;
 }
 

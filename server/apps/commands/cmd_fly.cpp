@@ -129,7 +129,7 @@ class Flight {
     pose.set_latitude_deg(point.latitude_deg);
     pose.set_longitude_deg(point.longitude_deg);
     pose.set_height_m(point.height_m);
-    pose.set_bearing_deg(point.bearing_deg);
+    set_heading(client_, sent_ == 0, point.bearing_deg, 0, pose);
     // The track's clock, but the server holds it against its own: it runs as the flight does.
     pose.set_sim_time_ns(std::llround((first_s_ + elapsed_s(point)) * kNanoseconds));
     pose.set_pose_id(sent_ + 1);
@@ -179,7 +179,7 @@ void run(const FlyArguments& arguments) {
   if (track.is_file()) read_through(track);
   client::Client client = connect_to_server(arguments.server, "obliq fly");
   const std::string radar = choose_remote_radar(client, arguments.server);
-  require(client.claim_control(radar));
+  require(client.claim(radar, wire::kPoseClaim));
   Flight flight(client, radar, arguments);
   TrackPoint point;
   bool flying = true;
@@ -199,7 +199,8 @@ void run(const FlyArguments& arguments) {
 void add_fly(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "fly",
-      "Fly a server's radar along a track; Ctrl-C ends it, the radar stays where it is and is released");
+      "Fly a server's radar along a track, while others may turn its knobs; Ctrl-C ends it, the radar stays where it "
+      "is and is released");
   auto arguments = std::make_shared<FlyArguments>();
   add_server_arguments(*command, arguments->server);
   command->add_option(

@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
@@ -137,7 +138,7 @@ class Ride {
     pose.set_latitude_deg(ownship.latitude_deg);
     pose.set_longitude_deg(ownship.longitude_deg);
     pose.set_height_m(ownship.height_m);
-    pose.set_bearing_deg(std::remainder(ownship.heading_deg + source_.look_deg, 360.0));
+    set_heading(client_, sent_ == 0, ownship.heading_deg, source_.look_deg, pose);
     pose.set_sim_time_ns(sim_time_ns);
     pose.set_pose_id(pose_id);
     if (reference_) pose.set_height_reference(*reference_);
@@ -147,6 +148,7 @@ class Ride {
     if (status.outcome == client::Outcome::refused && status.number == 100)
       return refused_.add(status.sentence());
     require(status);
+    warnings_.tell({ack.warnings().begin(), ack.warnings().end()});
     ++sent_;
   }
 
@@ -163,9 +165,18 @@ class Ride {
   bool silent_ = false;
   std::uint64_t sent_ = 0;
   RefusedDatagrams refused_;
+  WarningChanges warnings_;
 };
 
 }  // namespace
+
+void set_heading(const client::Client& client, bool first, double heading_deg, double look_deg,
+                 wire::Pose& pose) {
+  // A server of version 1.1 knows no heading.
+  const bool knows_heading = client.welcome().minor() >= 2;
+  if (knows_heading) pose.set_heading_deg(heading_deg);
+  if (first || !knows_heading) pose.set_bearing_deg(std::remainder(heading_deg + look_deg, 360.0));
+}
 
 void add_datagram_options(CLI::App& command, DatagramSource& source) {
   command
@@ -201,7 +212,7 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
 
 void fly_by_datagrams(client::Client& client, const std::string& radar, const DatagramSource& source,
                       double rate_hz, const std::string& height_reference) {
-  require(client.claim_control(radar));
+  require(client.claim(radar, wire::kPoseClaim));
   Ride ride(client, radar, source, rate_hz, height_reference);
   ride.run();
   ride.print_summary();

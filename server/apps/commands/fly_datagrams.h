@@ -24,6 +24,11 @@ struct DatagramSource {
 
 void add_datagram_options(CLI::App& command, DatagramSource& source);
 
+/// Says where the nose points; the sector's centre is `look_deg` from it at first, and then where its operator
+/// turns it.
+void set_heading(const client::Client& client, bool first, double heading_deg, double look_deg,
+                 wire::Pose& pose);
+
 /// Until interrupted. rate_hz: of poses between an entity's PDUs. Throws InputError.
 void fly_by_datagrams(client::Client& client, const std::string& radar, const DatagramSource& source,
                       double rate_hz, const std::string& height_reference);

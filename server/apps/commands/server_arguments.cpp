@@ -1,6 +1,7 @@
 #include "server/apps/commands/server_arguments.h"
 
 #include <fmt/core.h>
+#include <google/protobuf/descriptor.h>
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
@@ -184,6 +185,33 @@ RadarConfig config_of(const wire::RadarInfo& info) {
        {merge_message(info.settings(), config.settings), merge_message(info.pose(), config.pose)})
     if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
   return config;
+}
+
+std::string holders_text(const std::string& of_pose, const std::string& of_settings) {
+  const auto name = [](const std::string& holder) { return holder.empty() ? "nobody" : holder; };
+  if (of_pose == of_settings) return "controlled by " + name(of_pose);
+  return "pose held by " + name(of_pose) + ", settings by " + name(of_settings);
+}
+
+bool names_key(const std::vector<std::string>& flags, std::string_view key) {
+  return std::ranges::any_of(
+      flags, [&](const std::string& flag) { return flag.starts_with(std::string(key) + "="); });
+}
+
+void write_named(const std::vector<std::string>& flags, const PoseSettings& pose, wire::Pose& message) {
+  wire::Pose all;
+  write_message(pose, all);
+  const google::protobuf::Reflection& reflection = *all.GetReflection();
+  for (const Parameter& parameter : parameters()) {
+    if (parameter.message != WireMessage::pose || names_key(flags, parameter.key.name)) continue;
+    reflection.ClearField(&all, all.GetDescriptor()->FindFieldByName(std::string(parameter.wire_field)));
+  }
+  // A number ends "auto" by itself; "auto" is no number.
+  if (all.has_tilt_deg() && pose.tilt_auto) {
+    all.clear_tilt_deg();
+    all.set_tilt_auto(true);
+  }
+  message = all;
 }
 
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {

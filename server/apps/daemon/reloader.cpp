@@ -203,9 +203,8 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
       *known = wanted.radars[i];
     } else if (answer.verdict == net::PanelVerdict::controlled) {
       spdlog::warn(
-          "radar {}: is controlled by {}; it keeps its settings and takes \"{}\" at a SIGHUP while no client "
-          "controls it",
-          known->name, answer.controller, text);
+          "radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them", known->name,
+          answer.held, text);
     } else {
       spdlog::error("radar {}: not applied: {}: {}; fix it and send SIGHUP again", known->name, text,
                     all_text(answer.errors));

@@ -5,7 +5,7 @@ export const SUBPROTOCOL = "obliq.v1.json";
 
 const MAGIC = 0x514c424f; // "OBLQ", little-endian
 const MAJOR = 1;
-const MINOR = 1;
+const MINOR = 2;
 const HEADER_BYTES = 48;
 const JSON_FLAG = 1;
 

@@ -12,7 +12,7 @@ from . import obliq_pb2 as wire
 from ._crc import crc32c
 from .errors import BadStream
 
-MAJOR, MINOR = 1, 1
+MAJOR, MINOR = 1, 2
 HEADER = struct.Struct("<4sBBHHHIIIQqII")
 MOST_HEADER = 256
 MOST_DESCRIPTOR = 1 << 18
