@@ -66,8 +66,8 @@ class Client {
   Status get_radar(const std::string& radar, wire::RadarInfo& info);
   /// Pose and settings. force: also from another client, for an admin.
   Status claim_control(const std::string& radar, bool force = false);
-  /// These alone: a host that flies the radar takes its pose, an operator its settings. All of them or none. A
-  /// server of version 1.1 gives both, whatever is asked for.
+  /// These alone: a host that flies the radar takes its pose, an operator its settings. All of them or none.
+  /// A server of version 1.1 gives both, whatever is asked for.
   Status claim(const std::string& radar, wire::ClaimSet claims, bool force = false);
   /// All that this client holds.
   Status release_control(const std::string& radar);

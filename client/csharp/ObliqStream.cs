@@ -62,7 +62,7 @@ namespace Obliq
     [Serializable, DataContract]
     public sealed class RadarInfo
     {
-        [DataMember] public string request_id, radar, controller, fault, settings_version;
+        [DataMember] public string request_id, radar, controller, settings_controller, fault, settings_version;
         [DataMember] public RadarSettings settings;
         [DataMember] public Pose pose;
         [DataMember] public bool controlled_by_you, transmit_off, frozen, pose_stale;
@@ -334,7 +334,7 @@ namespace Obliq
             stream.socket_.Options.AddSubProtocol("obliq.v1.json");
             await stream.socket_.ConnectAsync(new Uri(url), stream.closing_.Token).ConfigureAwait(false);
             _ = Task.Run(() => stream.ReadAsync());
-            var hello = new Fields().Add("major", 1L).Add("minor", 1L).Add("client_name", name).Add("token", token);
+            var hello = new Fields().Add("major", 1L).Add("minor", 2L).Add("client_name", name).Add("token", token);
             stream.Welcome = Json<Welcome>((string)await stream.AskAsync(Type.Hello, hello).ConfigureAwait(false));
             return stream;
         }
@@ -351,10 +351,22 @@ namespace Obliq
             return AckAsync(Type.Subscribe, new Fields().Add("radar", radar).Add("rate_hz", rateHz).Add("planes", planes));
         }
         public Task<Ack> UnsubscribeAsync(string radar) { return AckAsync(Type.Unsubscribe, new Fields().Add("radar", radar)); }
+        /// <summary>Pose and settings.</summary>
         public Task<Ack> ClaimAsync(string radar, bool force = false)
         {
             return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force));
         }
+        /// <summary>The radar's knobs alone, while another client may fly it.</summary>
+        public Task<Ack> ClaimSettingsAsync(string radar, bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force).Add("kinds", new[] { "SETTINGS_CLAIM" }));
+        }
+        /// <summary>The radar's pose alone, while another client may turn its knobs.</summary>
+        public Task<Ack> ClaimPoseAsync(string radar, bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force).Add("kinds", new[] { "POSE_CLAIM" }));
+        }
+        /// <summary>All that this client holds.</summary>
         public Task<Ack> ReleaseAsync(string radar) { return AckAsync(Type.ReleaseControl, new Fields().Add("radar", radar)); }
         /// <param name="pose">Fields of Pose that change: new Fields().Add("bearing_deg", 0.0)</param>
         public Task<Ack> SetPoseAsync(string radar, Fields pose)

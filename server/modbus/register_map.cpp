@@ -110,14 +110,17 @@ const std::array kDiscrete{
                   [](const View& v) { return v.radar.frozen; }},
     DiscreteInput{{"watchdog_tripped", "The console's heartbeat stopped; clear_faults resets this."},
                   [](const View& v) { return v.unit.watchdog_tripped; }},
-    DiscreteInput{{"controlled", "A client of the stream holds the settings; apply of a setpoint that is one, of the rate, "
-                                 "of bearing or tilt returns busy (06)."},
+    DiscreteInput{{"controlled",
+                   "A client of the stream holds the settings; apply of a setpoint that is one, of the rate, "
+                   "of bearing or tilt returns busy (06)."},
                   [](const View& v) { return !v.radar.settings_controller.empty(); }},
     DiscreteInput{{"staged", "Setpoints are written and not yet applied."},
                   [](const View& v) { return v.unit.staged > 0; }},
-    DiscreteInput{{"flown", "A client of the stream holds the pose; apply of the antenna's other setpoints returns busy "
-                            "(06), and a bearing counts from the platform's heading."},
-                  [](const View& v) { return !v.radar.controller.empty(); }},
+    DiscreteInput{
+        {"flown",
+         "A client of the stream holds the pose; apply of the antenna's other setpoints returns busy "
+         "(06), and a bearing counts from the platform's heading."},
+        [](const View& v) { return !v.radar.controller.empty(); }},
 };
 
 const Setpoint kRate{230,    u16,

@@ -40,7 +40,7 @@ std::vector<std::string> take_out_tilt(wire::Pose& message) {
 void resolve_angles(Hand hand, NamedAngles named, bool has_heading, const PoseSettings& now,
                     PoseSettings& wanted) {
   if (!named.bearing && !named.heading) return;
-  const double centre_deg = now.bearing_deg - now.heading_deg;
+  const double centre_deg = std::remainder(now.bearing_deg - now.heading_deg, 360.0);
   if (hand == Hand::operates) {
     wanted.bearing_deg = turned(now.heading_deg + wanted.bearing_deg);
     return;

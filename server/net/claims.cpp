@@ -51,7 +51,8 @@ std::string Claims::sentence(ClaimSet claims, const Peer* by_other_than) const {
     each(left, [&](Claim claim) { other = other == nullptr ? holder(claim) : other; });
     const auto its = static_cast<ClaimSet>(left & of(*other));
     const std::string verb = its == wire::kPoseClaim ? " is" : " are";
-    text += text.empty() ? wire::claim_names(its) + verb + " held by " : ", " + wire::claim_names(its) + " by ";
+    text +=
+        text.empty() ? wire::claim_names(its) + verb + " held by " : ", " + wire::claim_names(its) + " by ";
     text += other->name;
     left = static_cast<ClaimSet>(left & ~its);
   }

@@ -29,17 +29,17 @@ struct PanelStatus {
   bool transmit = true;
   bool frozen = false;
   bool pose_stale = false;
-  std::string controller;          ///< the client that holds its pose; empty: none
-  std::string settings_controller; ///< and its settings
-  std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
-  std::uint32_t clients = 0;       ///< of the server
-  std::uint32_t watchers = 0;      ///< of this radar
-  double rate_hz = 0;              ///< frames rendered per second, over the last second or so
-  std::uint64_t frames = 0;        ///< rendered since start
-  double frame_time_s = 0;         ///< of the newest frame, plan to last wedge
-  std::uint64_t rays = 0;          ///< of the newest frame
-  std::uint64_t hits = 0;          ///< of the newest frame
-  double coverage = 0;             ///< part of the newest frame's sector and range with known ground, 0 to 1
+  std::string controller;           ///< the client that holds its pose; empty: none
+  std::string settings_controller;  ///< and its settings
+  std::vector<FieldError> faults;   ///< why it cannot be rendered as it is
+  std::uint32_t clients = 0;        ///< of the server
+  std::uint32_t watchers = 0;       ///< of this radar
+  double rate_hz = 0;               ///< frames rendered per second, over the last second or so
+  std::uint64_t frames = 0;         ///< rendered since start
+  double frame_time_s = 0;          ///< of the newest frame, plan to last wedge
+  std::uint64_t rays = 0;           ///< of the newest frame
+  std::uint64_t hits = 0;           ///< of the newest frame
+  double coverage = 0;              ///< part of the newest frame's sector and range with known ground, 0 to 1
   std::uint64_t frames_dropped = 0;  ///< of the server: frames that clients were too slow for
   double uptime_s = 0;
   std::uint64_t heartbeat = 0;  ///< counts snapshots: it stands still when the io thread does

@@ -115,7 +115,8 @@ void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
     if (taken == 0) continue;
     log_as_guest(*holder);
     log_as_guest(by);
-    const std::string told = "radar " + radar.name + ": " + wire::claim_names(taken) + " taken over by " + by.name;
+    const std::string told =
+        "radar " + radar.name + ": " + wire::claim_names(taken) + " taken over by " + by.name;
     holder->send(MessageType::error, make_error(0, ErrorNumber::controlled_by_other, told, {}, radar.name));
     spdlog::warn("radar {}: {} takes {} from {}; give it a token of another role if it should not",
                  radar.name, by.name, wire::claim_names(taken), holder->name);

@@ -128,7 +128,7 @@ class Requests {
   const Appraised* appraised_ = nullptr;
   const Right* right_ = nullptr;  ///< what the request takes; null: nothing
   std::uint64_t id_ = 0;          ///< the request's number
-  bool its_turn_ = false;  ///< no kept request comes before it
+  bool its_turn_ = false;         ///< no kept request comes before it
   bool is_kept_ = false;
 };
 

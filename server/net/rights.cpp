@@ -8,7 +8,8 @@ namespace {
 
 using wire::MessageType;
 
-// SetPose: where the antenna looks from its platform (aim.h) is the settings' where another client holds them.
+// SetPose: where the antenna looks from its platform (aim.h) is the settings' where another client holds
+// them.
 constexpr std::array kRights{
     Right{MessageType::list_radars, "ListRadars"},
     Right{MessageType::get_radar, "GetRadar"},

@@ -41,8 +41,9 @@ std::optional<bool> is_on(const std::string& word) {
 std::string why_not_set(const Parameter& parameter) {
   const std::string name(parameter.key.name);
   if (parameter.message == WireMessage::pose && !parameter.meaning.aim)
-    return "says where the radar stands; allowed: a setting, antenna.bearing_deg, antenna.tilt_deg; poses are set by `obliq pose --set " + name +
-           "=VALUE` and `obliq fly`";
+    return "says where the radar stands; allowed: a setting, antenna.bearing_deg, antenna.tilt_deg; poses "
+           "are set by `obliq pose --set " +
+           name + "=VALUE` and `obliq fly`";
   if (parameter.change == Change::restart)
     return "is read once, when obliqd starts; allowed: a live setting; change the scene file and restart "
            "obliqd";
@@ -76,7 +77,8 @@ void print_notes(const wire::RadarInfo& info) {
 
 void print_all(const Shown& shown) {
   std::printf("# %s: settings %llu, %s\n", shown.config.name.c_str(),
-              static_cast<unsigned long long>(shown.info.settings_version()), holders_text(shown.info.controller(), shown.info.settings_controller()).c_str());
+              static_cast<unsigned long long>(shown.info.settings_version()),
+              holders_text(shown.info.controller(), shown.info.settings_controller()).c_str());
   print_line("transmit", std::string("\"") + on_off(!shown.info.transmit_off()) + "\"", "");
   print_line("freeze", std::string("\"") + on_off(shown.info.frozen()) + "\"", "");
   for (const Parameter& parameter : parameters())
@@ -168,10 +170,11 @@ void add_set(CLI::App& app) {
   auto arguments = std::make_shared<SetArguments>();
   add_server_arguments(*command, arguments->server);
   command
-      ->add_option("SETTING", arguments->settings,
-                   "KEY=VALUE (repeatable), applied together or not at all, e.g. radar.r_max_m=20000 (`obliq "
-                   "parameters` lists them); then antenna.tilt_deg and antenna.bearing_deg, which counts from "
-                   "the heading while another client flies the radar. None: the settings in effect are printed")
+      ->add_option(
+          "SETTING", arguments->settings,
+          "KEY=VALUE (repeatable), applied together or not at all, e.g. radar.r_max_m=20000 (`obliq "
+          "parameters` lists them); then antenna.tilt_deg and antenna.bearing_deg, which counts from "
+          "the heading while another client flies the radar. None: the settings in effect are printed")
       ->type_name("KEY=VALUE");
   const CLI::Validator on_or_off{
       [](std::string& found) {

@@ -175,7 +175,8 @@ void set_heading(const client::Client& client, bool first, double heading_deg, d
   // A server of version 1.1 knows no heading.
   const bool knows_heading = client.welcome().minor() >= 2;
   if (knows_heading) pose.set_heading_deg(heading_deg);
-  if (first || !knows_heading) pose.set_bearing_deg(std::remainder(heading_deg + look_deg, 360.0));
+  const double bearing_deg = look_deg == 0 ? heading_deg : std::remainder(heading_deg + look_deg, 360.0);
+  if (first || !knows_heading) pose.set_bearing_deg(bearing_deg);
 }
 
 void add_datagram_options(CLI::App& command, DatagramSource& source) {

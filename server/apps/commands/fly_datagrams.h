@@ -24,8 +24,8 @@ struct DatagramSource {
 
 void add_datagram_options(CLI::App& command, DatagramSource& source);
 
-/// Says where the nose points; the sector's centre is `look_deg` from it at first, and then where its operator
-/// turns it.
+/// Says where the nose points; the sector's centre is `look_deg` from it at first, and then where its
+/// operator turns it.
 void set_heading(const client::Client& client, bool first, double heading_deg, double look_deg,
                  wire::Pose& pose);
 

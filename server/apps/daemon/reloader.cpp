@@ -202,9 +202,8 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
       spdlog::info("radar {}: {}", known->name, text);
       *known = wanted.radars[i];
     } else if (answer.verdict == net::PanelVerdict::controlled) {
-      spdlog::warn(
-          "radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them", known->name,
-          answer.held, text);
+      spdlog::warn("radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them",
+                   known->name, answer.held, text);
     } else {
       spdlog::error("radar {}: not applied: {}: {}; fix it and send SIGHUP again", known->name, text,
                     all_text(answer.errors));

@@ -3,6 +3,7 @@
 import { Field, refusalText } from "./form.js";
 import { Refused } from "./stream.js";
 import { number } from "./messages.js";
+import { turned } from "./placement.js";
 
 const SCALES_NM = [10, 20, 40, 80];
 const NM_M = 1852;
@@ -137,7 +138,33 @@ export class RadarControls {
     return this.app.panes[0].info;
   }
   get isMine() {
-    return Boolean(this.info?.controlled_by_you) && this.app.link.isLive;
+    return this.holds("SETTINGS_CLAIM") && this.app.link.isLive;
+  }
+  holds(kind) {
+    return Boolean(this.info?.claimed_by_you?.includes(kind));
+  }
+  /** Another client flies the radar. */
+  get isFlown() {
+    return Boolean(this.info?.controller) && !this.holds("POSE_CLAIM");
+  }
+
+  /**
+   * The antenna is turned by the settings' holder, its platform moved by whoever holds the pose: this page, when nobody does.
+   * @param {Record<string, any>} pose fields that change
+   */
+  async pose(pose) {
+    const { link } = this.app;
+    const { radar } = this;
+    const isAim = (field) => this.table?.some(({ aim, message_field }) => aim && message_field === `Pose.${field}`);
+    const borrows = !Object.keys(pose).every(isAim) && !this.holds("POSE_CLAIM");
+    if (!borrows && this.isFlown && "bearing_deg" in pose) // then it counts from the heading
+      pose = { ...pose, bearing_deg: turned(pose.bearing_deg - number(this.info.pose?.heading_deg)) };
+    if (borrows) await link.ask("ClaimControl", { radar, kinds: ["POSE_CLAIM"] });
+    try {
+      await link.ask("SetPose", { radar, pose });
+    } finally {
+      if (borrows) await link.ask("ReleaseControl", { radar, kinds: ["POSE_CLAIM"] });
+    }
   }
 
   async #set(field, parameter, value) {
@@ -165,7 +192,8 @@ export class RadarControls {
     const { link } = this.app;
     return this.attempt(async () => {
       if (this.isMine) await link.ask("ReleaseControl", { radar: this.radar });
-      else await link.ask("ClaimControl", { radar: this.radar, ...(this.info?.controller && { force: true }) });
+      else await link.ask("ClaimControl", { radar: this.radar, kinds: ["SETTINGS_CLAIM"],
+        ...(this.info?.settings_controller && { force: true }) });
     });
   }
 
@@ -201,10 +229,10 @@ export class RadarControls {
   show() {
     const { info, app } = this;
     const role = app.link.welcome?.role ?? "";
-    const holder = info?.controller ?? "";
-    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : info.controlled_by_you ? "this page" : holder || "nobody";
-    this.holder.title = this.holder.textContent;
     const mine = this.isMine;
+    const holder = info?.settings_controller ?? "";
+    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : mine ? "this page" : holder || "nobody";
+    this.holder.title = this.holder.textContent + (this.isFlown ? `; flown by ${info.controller}` : "");
     const why = app.debrief?.state ? "A recording is as it was: nothing of its radars can be set"
       : role === "viewer" ? "You may watch; to set a radar takes a token of a controller"
       : holder && !mine && role !== "admin" ? `${holder} has control; only an admin may take over` : "";

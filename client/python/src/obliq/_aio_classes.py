@@ -294,15 +294,17 @@ class Radar:
                       requests.stream_timeout(timeout, rate_hz))
 
     @contextlib.asynccontextmanager
-    async def control(self, force: bool = False) -> AsyncIterator[Control]:
+    async def control(self, force: bool = False, claims: str | None = None) -> AsyncIterator[Control]:
         """Claims the radar; it is released at the end, also after an exception. force: from another client, for an
-        admin."""
-        await self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force)))
+        admin. claims: "pose" to fly it while others may turn its knobs, "settings" to turn these while another flies it;
+        None: both."""
+        kinds = requests.claim_kinds(claims)
+        await self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force, kinds=kinds)))
         try:
             yield Control(self._server, self.name)
         finally:
             with contextlib.suppress(ObliqError):  # gone with the connection, or taken over by another
-                await self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name)))
+                await self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name, kinds=kinds)))
 
 
 class Control:

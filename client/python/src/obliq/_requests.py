@@ -17,6 +17,7 @@ from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
 
 DEFAULT_PORT = 7420
+CLAIMS: dict[str, wire.ClaimKind.ValueType] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
 
 PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
 SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
@@ -63,7 +64,8 @@ class ServerInfo:
 
 @dataclasses.dataclass(frozen=True)
 class RadarInfo:
-    """A radar as it is now. controller: which client controls it; empty: none. fault: why no frame can be rendered at present;
+    """A radar as it is now. controller: which client holds its pose; empty: none; settings_controller: its settings.
+    controlled_by_me, claimed_by_me: whether that is this client, and what it holds: "pose", "settings". fault: why no frame can be rendered at present;
     empty: none. pose_stale: its pose's validity has run out."""
 
     radar: str
@@ -79,13 +81,16 @@ class RadarInfo:
     transmit: bool
     frozen: bool
     rate_limit_hz: float
+    settings_controller: str
+    claimed_by_me: tuple[str, ...]
 
     @staticmethod
     def of(m: wire.RadarInfo) -> RadarInfo:
         """From the message."""
         return RadarInfo(m.radar, Settings.read(m.settings), Pose.read(m.pose), m.settings_version, m.controller,
                          m.controlled_by_you, m.subscribers, m.rate_hz, m.fault, m.pose_stale, not m.transmit_off,
-                         m.frozen, m.rate_limit_hz)
+                         m.frozen, m.rate_limit_hz, m.settings_controller,
+                         tuple(name for name, kind in CLAIMS.items() if kind in m.claimed_by_you))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -208,6 +213,17 @@ def subscription(radar: str, rate_hz: float, planes: Planes, encoding: str, comp
     request = wire.Subscribe(radar=radar, rate_hz=float(number("rate_hz", rate_hz)), lossless=bool(lossless))
     names = write_choice(request, planes, encoding, compress, window)
     return Subscription(request, names, by_wedge, copy)
+
+
+def claim_kinds(claims: str | None) -> list[wire.ClaimKind.ValueType]:
+    """Of names with spaces between; None: those that a request without any means."""
+    names = [] if claims is None else claims.split()
+    for name in names:
+        if name not in CLAIMS:
+            raise ValueError(f"claims: found {name!r}; allowed: {', '.join(CLAIMS)}")
+    if claims is not None and not names:
+        raise ValueError(f"claims: found nothing; allowed: {', '.join(CLAIMS)}")
+    return [CLAIMS[name] for name in names]
 
 
 def state_request(radar: str, transmit: bool | None, freeze: bool | None) -> wire.SetState:
