@@ -33,12 +33,14 @@ struct LiveRadar {
   LiveRadar(const RadarConfig& config, std::uint32_t stream)
       : name(config.name),
         stream_id(stream),
+        initial(config),
         settings(config.settings),
         pose(config.pose),
         poses(std::make_shared<PoseTimeLine>(config.pose)) {}
 
   const std::string name;
   const std::uint32_t stream_id;
+  const RadarConfig initial;  ///< as the scene file has it
   SettingsStore settings;
   PoseSettings pose;  ///< the newest, as it was sent
   std::shared_ptr<PoseTimeLine> poses;

@@ -107,11 +107,22 @@ void Radars::send_fault(const LiveRadar& radar, Peer& peer) const {
                        radar.faults, radar.name));
 }
 
+wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer) {
+  const wire::ClaimSet released = radar.claims.release(claims, peer);
+  if ((released & wire::kPoseClaim) == 0) return released;
+  radar.has_heading = false;
+  radar.pose.valid_s = radar.initial.pose.valid_s;
+  radar.pose.time_rate = radar.initial.pose.time_rate;
+  radar.poses->set_validity(radar.pose.valid_s);
+  radar.poses->restart();
+  return released;
+}
+
 void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
   for (int i = 0; i < wire::kClaims; ++i) {
     Peer* holder = radar.claims.holder(static_cast<wire::Claim>(i));
     if (holder == nullptr || holder == &by) continue;
-    const wire::ClaimSet taken = radar.claims.release(claims, *holder);
+    const wire::ClaimSet taken = release(radar, claims, *holder);
     if (taken == 0) continue;
     log_as_guest(*holder);
     log_as_guest(by);
@@ -126,7 +137,7 @@ void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
 void Radars::forget(Peer& peer) {
   for (LiveRadar& radar : radars_) {
     unsubscribe(radar, peer);
-    if (const wire::ClaimSet released = radar.claims.release(wire::kEveryClaim, peer))
+    if (const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer))
       log_doing(peer, radar.name, wire::claim_names(released) + " released, " + peer.name + " has left");
   }
 }
@@ -135,7 +146,7 @@ void Radars::check_role(Peer& peer) {
   if (peer.role >= Role::controller) return;
   for (LiveRadar& radar : radars_) {
     watch_no_longer_lossless(radar, peer);
-    const wire::ClaimSet released = radar.claims.release(wire::kEveryClaim, peer);
+    const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer);
     if (released == 0) continue;
     spdlog::warn("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),
                  peer.name, role_name(peer.role));
@@ -192,14 +203,15 @@ void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::stri
   }
 }
 
-void Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
-  if (!take_pose(radar, pose, has_sim_time)) return;
+bool Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
+  if (!take_pose(radar, pose, has_sim_time)) return false;
   // The render thread reads the time line by itself; only a pose that applies at once has to wake it.
   if (has_sim_time) {
     tell_places();
   } else {
     publish_view(radar);
   }
+  return true;
 }
 
 void Radars::tell_places() const {

@@ -31,7 +31,10 @@ class Radars {
   void check_windows(LiveRadar& radar) const;
   void send_fault(const LiveRadar& radar, Peer& peer) const;
   /// Takes from other clients, which are told, what they hold of that.
-  static void take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
+  void take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
+  /// What of that the client held, it holds no longer. With the pose goes what its poses said of their
+  /// validity and their clock.
+  wire::ClaimSet release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer);
   /// A client has left: its subscriptions end, control is released.
   void forget(Peer& peer);
   /// A client's role may have become lower: it loses what the role does not allow.
@@ -44,8 +47,9 @@ class Radars {
   bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   /// Its antenna is turned where its platform stands or flies (PoseTimeLine::aim).
   void aim(LiveRadar& radar, const PoseSettings& as);
-  /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
-  void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once. False:
+  /// it was late.
+  bool move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   /// The only place where transmit and freeze change. `by` stands in the log.
   void flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by);
   /// Says in the log, once, that a radar has left the ground that files cover, or has come back. Empty: it is

@@ -152,10 +152,6 @@ void Requests::claim_control(const wire::ClaimControl& request) {
   const wire::ClaimSet held = radar->claims.of(peer_);
   if (const auto fresh = static_cast<wire::ClaimSet>(*wanted & ~held))
     log_doing(peer_, radar->name, wire::claim_names(fresh) + " claimed by " + peer_.name);
-  if ((*wanted & ~held & wire::kPoseClaim) != 0) {
-    radar->poses->restart();
-    radar->has_heading = false;
-  }
   radar->claims.give(*wanted, peer_);
   acknowledge(radar->settings.current()->version);
 }
@@ -165,7 +161,7 @@ void Requests::release_control(const wire::ReleaseControl& request) {
   if (radar == nullptr) return;
   const auto wanted = read_kinds(request.kinds(), wire::kEveryClaim);
   if (!wanted) return refuse(ErrorNumber::invalid_value, "release refused", {unknown_kind(request.kinds())});
-  const wire::ClaimSet released = radar->claims.release(*wanted, peer_);
+  const wire::ClaimSet released = room_.radars().release(*radar, *wanted, peer_);
   if (released == 0) return (void)demand_claims(*radar, *wanted);
   log_doing(peer_, radar->name, wire::claim_names(released) + " released by " + peer_.name);
   acknowledge(radar->settings.current()->version);

@@ -68,8 +68,14 @@ void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
     errors = pose_faults(room_, radar, pose);
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
-  radar.has_heading = has_heading;
-  room_.radars().move(radar, pose, message.has_sim_time_ns());
+  if (message.new_time_line()) radar.poses->restart();
+  if (room_.radars().move(radar, pose, message.has_sim_time_ns())) {
+    radar.has_heading = has_heading;
+  } else {
+    warnings.push_back("sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
+                       std::to_string(radar.pose.sim_time_ns) +
+                       "; allowed: none that goes back, but with new_time_line; the pose is not taken");
+  }
   if (peer_.has_moved && !peer_.is_guest) {
     log_as_guest(peer_);
     log_doing(peer_, radar.name, "flown by " + peer_.name);

@@ -75,6 +75,7 @@ bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
   a.heading_deg = b.heading_deg;
+  a.time_rate = b.time_rate;
   return a == b;
 }
 

@@ -54,6 +54,10 @@ const std::array kParameters{
         "Heading of the platform that carries the antenna, true; a scene file that names none gets the "
         "bearing.",
         {.of_programs = true}),
+    row<&PoseSettings::time_rate>(
+        "antenna.time_rate", "", closed(0.001, 1000), "time_rate", {},
+        "Seconds of the controller's clock in a second: 10 where an exercise runs ten times as fast.",
+        {.of_programs = true}),
     row<&PoseSettings::sim_time_ns>(
         "antenna.sim_time_ns", "ns", closed(-4e18, 4e18), "sim_time_ns", {212, i64},
         "Time of the pose by the controller's clock; the server interpolates between poses that have one.",
