@@ -94,6 +94,11 @@ constexpr std::array kCoilTexts{
     BitText{"apply", "Write 1 to put all staged setpoints into effect, or none. Reads 0."},
     BitText{"clear_faults", "Write 1 to set last_error to 0 and to retry a radar in fault. Reads 0."},
     BitText{"discard", "Write 1 to discard the staged setpoints. Reads 0."},
+    BitText{"reset",
+            "Write 1 to put the radar back to the settings, the pose and the switches of the scene file. "
+            "Reads 0."},
+    BitText{"exercise_freeze",
+            "1: all radars of the server stand still, clock, antenna and noise, until it returns to 0."},
 };
 static_assert(kCoilTexts.size() == kCoils);
 

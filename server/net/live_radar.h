@@ -40,7 +40,7 @@ struct LiveRadar {
 
   const std::string name;
   const std::uint32_t stream_id;
-  const RadarConfig initial;  ///< as the scene file has it
+  RadarConfig initial;  ///< as the scene file has it
   SettingsStore settings;
   PoseSettings pose;  ///< the newest, as it was sent
   std::shared_ptr<PoseTimeLine> poses;

@@ -76,6 +76,10 @@ void Panel::command(std::size_t radar, PanelChange change) {
   post_([this, radar, change = std::move(change)] { (void)perform(radar, change); });
 }
 
+void Panel::set_initial(const std::string& radar, const RadarConfig& config) {
+  room_.radars().find(radar)->initial = config;
+}
+
 PanelAnswer Panel::apply(const std::string& radar, const PanelChange& change) {
   const auto at = std::ranges::find(names_, radar);
   return perform(static_cast<std::size_t>(at - names_.begin()), change);
@@ -146,7 +150,10 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
   if (new_settings || new_pose || change.clear_faults) radars.publish_view(radar);
   if (new_settings) radars.check_windows(radar);
-  radars.flip(radar, {change.transmit, change.freeze}, "the operator's console");
+  constexpr auto kConsole = "the operator's console";
+  radars.flip(radar, {change.transmit, change.freeze}, kConsole);
+  if (change.reset) room_.exercise().reset(radar.name, kConsole);
+  if (change.exercise_freeze) room_.exercise().freeze(*change.exercise_freeze, kConsole);
   radars.update_demand(radar);
   return {PanelVerdict::done, {}, {}, {}};
 }
@@ -174,6 +181,7 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   status.rate_limit_hz = radar.rate_limit_hz;
   status.transmit = radar.transmit;
   status.frozen = radar.frozen;
+  status.exercise_frozen = room_.exercise().is_frozen();
   status.pose_stale = radar.poses->at(monotonic_ns()).stale;
   if (const Peer* flyer = radar.claims.holder(wire::Claim::pose)) status.controller = flyer->name;
   if (const Peer* hand = radar.claims.holder(wire::Claim::settings)) status.settings_controller = hand->name;

@@ -28,6 +28,7 @@ struct PanelStatus {
   double rate_limit_hz = 0;  ///< 0: none
   bool transmit = true;
   bool frozen = false;
+  bool exercise_frozen = false;  ///< all radars are
   bool pose_stale = false;
   std::string controller;           ///< the client that holds its pose; empty: none
   std::string settings_controller;  ///< and its settings
@@ -62,6 +63,8 @@ struct PanelChange {
   std::optional<bool> transmit;
   std::optional<bool> freeze;
   bool clear_faults = false;
+  bool reset = false;                   ///< to the scene file's settings, pose and switches
+  std::optional<bool> exercise_freeze;  ///< of all radars
 };
 
 enum class PanelVerdict {
@@ -99,6 +102,8 @@ class Panel {
   void command(std::size_t radar, PanelChange change);
 
   /// On the io thread: at once. The radar must be one of names().
+  /// What a reset brings back, from now on: another scene file has been read.
+  void set_initial(const std::string& radar, const RadarConfig& config);
   PanelAnswer apply(const std::string& radar, const PanelChange& change);
 
  private:

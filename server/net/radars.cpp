@@ -159,7 +159,7 @@ void Radars::check_role(Peer& peer) {
 }
 
 void Radars::publish_view(LiveRadar& radar) {
-  if (radar.frozen) return;  // the radar keeps what it shows after the thaw
+  if (radar.frozen || held_) return;  // the radar keeps what it shows after the thaw
   radar.faults.clear();
   render_.set_view(radar.number(), radar.view());
   tell_places();
@@ -184,15 +184,30 @@ void Radars::aim(LiveRadar& radar, const PoseSettings& as) {
   publish_view(radar);
 }
 
+void Radars::hold_view(const LiveRadar& radar) {
+  LiveView held = radar.view().at(monotonic_ns());
+  held.poses = nullptr;
+  render_.set_view(radar.number(), std::move(held));
+}
+
+void Radars::hold(bool on) {
+  held_ = on;
+  render_.hold(on);
+  for (LiveRadar& radar : radars_)
+    if (!radar.frozen) show(radar);
+}
+
+void Radars::show(LiveRadar& radar) {
+  publish_view(radar);
+  if (held_) hold_view(radar);
+}
+
 void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by) {
   if (wanted.freeze && *wanted.freeze != radar.frozen) {
     spdlog::info("radar {}: {} by {}", radar.name, *wanted.freeze ? "frozen" : "thawed", by);
     radar.frozen = *wanted.freeze;
-    if (radar.frozen) {
-      LiveView held = radar.view().at(monotonic_ns());
-      held.poses = nullptr;  // the render thread keeps the settings and the pose of this moment
-      render_.set_view(radar.number(), std::move(held));
-    } else {
+    if (radar.frozen && !held_) hold_view(radar);
+    if (!radar.frozen) {
       publish_view(radar);
     }
   }

@@ -43,6 +43,8 @@ class Radars {
   // How a radar looks:
   /// Settings or pose have changed.
   void publish_view(LiveRadar& radar);
+  /// Another state has been put in place: it shows at once, also of a radar that is held.
+  void show(LiveRadar& radar);
   /// False: the pose came late and was left out.
   bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   /// Its antenna is turned where its platform stands or flies (PoseTimeLine::aim).
@@ -52,6 +54,8 @@ class Radars {
   bool move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   /// The only place where transmit and freeze change. `by` stands in the log.
   void flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by);
+  /// Stops all radars, whatever they are switched to, or lets them go on.
+  void hold(bool on);
   /// Says in the log, once, that a radar has left the ground that files cover, or has come back. Empty: it is
   /// there.
   static void note_ground(LiveRadar& radar, const std::string& warning);
@@ -64,6 +68,8 @@ class Radars {
 
  private:
   void tell_places() const;
+  /// The render thread keeps the settings and the pose of this moment.
+  void hold_view(const LiveRadar& radar);
   /// A subscription that held the radar up gets its newest frames from now on.
   void watch_no_longer_lossless(LiveRadar& radar, Peer& peer);
 
@@ -71,6 +77,7 @@ class Radars {
   RenderThread& render_;
   std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
   std::uint64_t last_watch_id_ = 0;
+  bool held_ = false;  ///< by hold()
 };
 
 }  // namespace obliq::net

@@ -29,7 +29,9 @@ template <typename Request>
 constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
     std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::SetState> ||
-    std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround>;
+    std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround> ||
+    std::is_same_v<Request, wire::ResetExercise> || std::is_same_v<Request, wire::GetExercise> ||
+    std::is_same_v<Request, wire::LoadExercise> || std::is_same_v<Request, wire::SetExercise>;
 
 /// Requests that are answered in their order also where the render thread has to be asked.
 template <typename Request>
@@ -165,6 +167,14 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::get_status);
     case MessageType::query_ground:
       return answer(descriptor, &Requests::query_ground);
+    case MessageType::reset_exercise:
+      return answer(descriptor, &Requests::reset_exercise);
+    case MessageType::get_exercise:
+      return answer(descriptor, &Requests::get_exercise);
+    case MessageType::load_exercise:
+      return answer(descriptor, &Requests::load_exercise);
+    case MessageType::set_exercise:
+      return answer(descriptor, &Requests::set_exercise);
     default:  // of a later minor version, or not for a server: skipped
       return;
   }
@@ -212,6 +222,7 @@ void Requests::get_radar(const wire::GetRadar& request) {
   for (int i = 0; i < wire::kClaims; ++i)
     if ((mine & claim_bit(static_cast<wire::Claim>(i))) != 0)
       info.add_claimed_by_you(static_cast<wire::ClaimKind>(i));
+  info.set_exercise_frozen(room_.exercise().is_frozen());
   write_condition(*radar, info);
   peer_.send(MessageType::radar_info, info);
 }
@@ -281,6 +292,7 @@ void Requests::get_status(const wire::GetStatus& /*request*/) {
     entry.set_dwells_missed(radar.dwells_missed);
     write_coverage(radar, keeper, entry);
   }
+  status.set_exercise_frozen(room_.exercise().is_frozen());
   status.set_windows_loaded(keeper.swaps);
   status.set_window_loading(keeper.building);
   status.set_window_failures(keeper.failures);

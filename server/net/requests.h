@@ -29,6 +29,10 @@ class Unsubscribe;
 class RenderOnce;
 class GetStatus;
 class QueryGround;
+class ResetExercise;
+class GetExercise;
+class LoadExercise;
+class SetExercise;
 class RadarStatus;
 class Pose;
 }  // namespace obliq::wire
@@ -98,6 +102,10 @@ class Requests {
   void render_once(const wire::RenderOnce& request);
   void get_status(const wire::GetStatus& request);
   void query_ground(const wire::QueryGround& request);
+  void reset_exercise(const wire::ResetExercise& request);
+  void get_exercise(const wire::GetExercise& request);
+  void load_exercise(const wire::LoadExercise& request);
+  void set_exercise(const wire::SetExercise& request);
 
   /// Whether it has to come after requests that are kept; or it is refused, because they are too many.
   bool comes_later();
@@ -118,6 +126,8 @@ class Requests {
   LiveRadar* claimed_radar(const std::string& name);
   /// False after a refusal: this peer does not hold all of that.
   bool demand_claims(const LiveRadar& radar, wire::ClaimSet claims);
+  /// The same of all radars; an admin has them where the request says so.
+  bool demand_all_claims();
   /// SetPose of the peer that flies the radar, and of one that only turns its antenna. The Ack follows.
   void fly(LiveRadar& radar, const wire::Pose& message);
   void aim(LiveRadar& radar, const wire::Pose& message);

@@ -10,6 +10,8 @@ using wire::MessageType;
 
 // SetPose: where the antenna looks from its platform (aim.h) is the settings' where another client holds
 // them.
+constexpr wire::ClaimSet kBoth = wire::kPoseClaim | wire::kSettingsClaim;
+
 constexpr std::array kRights{
     Right{MessageType::list_radars, "ListRadars"},
     Right{MessageType::get_radar, "GetRadar"},
@@ -24,6 +26,10 @@ constexpr std::array kRights{
     Right{MessageType::render_once, "RenderOnce"},
     Right{MessageType::query_ground, "QueryGround"},
     Right{MessageType::set_replay, "SetReplay", Role::controller},
+    Right{MessageType::get_exercise, "GetExercise"},
+    Right{MessageType::reset_exercise, "ResetExercise", Role::controller, kBoth, true},
+    Right{MessageType::load_exercise, "LoadExercise", Role::controller, kBoth, true},
+    Right{MessageType::set_exercise, "SetExercise", Role::controller, kBoth, true},
 };
 
 }  // namespace

@@ -33,6 +33,8 @@ constexpr int kDisPort = 3000;  // IEEE 1278.2-2015, 5.6
 // An entity that sends no PDU for so long has gone: 2.4 heartbeats of 5 s, IEEE 1278.1-2012, 4.2.8.
 constexpr double kDisTimeout_s = 12;
 constexpr milliseconds kLook{10};
+// A datagram that is older than the newest by more has not been overtaken on its way: the clock was set back.
+constexpr std::int64_t kReordered_ns = 1'000'000'000;
 constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
 
 UniqueFd bind_udp(const std::string& address, int port, int& bound_port) {
@@ -104,7 +106,9 @@ class Ride {
       const auto read = read_pose_datagram(bytes);
       if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
       const OwnshipPose& pose = std::get<OwnshipPose>(read);
-      return send(pose, pose.sim_time_ns, pose.pose_id);
+      const bool set_back = clock_ns_ && pose.sim_time_ns < *clock_ns_ - kReordered_ns;
+      clock_ns_ = pose.sim_time_ns;
+      return send(pose, pose.sim_time_ns, pose.pose_id, set_back);
     }
     const auto read = read_entity_state(bytes);
     if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
@@ -133,7 +137,8 @@ class Ride {
     next_ = rate_hz_ > 0 ? now + from_seconds(1 / rate_hz_) : Clock::time_point::max();
   }
 
-  void send(const OwnshipPose& ownship, std::int64_t sim_time_ns, std::uint64_t pose_id) {
+  void send(const OwnshipPose& ownship, std::int64_t sim_time_ns, std::uint64_t pose_id,
+            bool new_time_line = false) {
     wire::Pose pose;
     pose.set_latitude_deg(ownship.latitude_deg);
     pose.set_longitude_deg(ownship.longitude_deg);
@@ -141,6 +146,7 @@ class Ride {
     set_heading(client_, sent_ == 0, ownship.heading_deg, source_.look_deg, pose);
     pose.set_sim_time_ns(sim_time_ns);
     pose.set_pose_id(pose_id);
+    if (new_time_line) pose.set_new_time_line(true);
     if (reference_) pose.set_height_reference(*reference_);
     if (entity_) pose.set_geoid_undulation_m(source_.undulation_m);
     wire::Ack ack;
@@ -163,6 +169,7 @@ class Ride {
   Clock::time_point arrived_, next_;
   const Clock::time_point start_ = Clock::now();
   bool silent_ = false;
+  std::optional<std::int64_t> clock_ns_;  ///< of the newest datagram
   std::uint64_t sent_ = 0;
   RefusedDatagrams refused_;
   WarningChanges warnings_;

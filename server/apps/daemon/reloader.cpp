@@ -184,6 +184,7 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
   for (std::size_t i = 0; i < wanted.radars.size(); ++i) {
     const auto known = std::ranges::find(radars, wanted.radars[i].name, &RadarConfig::name);
     if (known == radars.end()) continue;  // needs a restart, which was said
+    server_->panel().set_initial(known->name, to_build.radars[i]);
     net::PanelChange change;
     std::string text;
     for (const Parameter& parameter : parameters()) {

@@ -313,9 +313,11 @@ class Control:
     def __init__(self, server: Server, name: str):
         self._server, self.name = server, name
 
-    async def set_pose(self, pose: requests.PoseLike = None, **fields: Unpack[PoseFields]) -> requests.Accepted:
-        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion."""
-        request = requests.pose_request(self.name, pose, fields)
+    async def set_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
+                       **fields: Unpack[PoseFields]) -> requests.Accepted:
+        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion.
+        new_time_line: that clock was set, poses before this one are forgotten."""
+        request = requests.pose_request(self.name, pose, fields, new_time_line)
         return requests.Accepted.of(await self._server._run(self._server._session.act(request)))
 
     async def set(self, settings: requests.SettingsLike = None, **fields: Unpack[SettingsFields]) -> requests.Accepted:

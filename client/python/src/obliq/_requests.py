@@ -236,10 +236,12 @@ def state_request(radar: str, transmit: bool | None, freeze: bool | None) -> wir
     return request
 
 
-def pose_request(radar: str, pose: PoseLike, fields: Mapping[str, Any]) -> wire.SetPose:
+def pose_request(radar: str, pose: PoseLike, fields: Mapping[str, Any], new_time_line: bool = False) -> wire.SetPose:
     """What set_pose() asks for."""
     request = wire.SetPose(radar=radar)
     Pose.of(pose, "set_pose", **fields).write(request.pose)
+    if new_time_line:
+        request.pose.new_time_line = True
     return request
 
 
