@@ -288,6 +288,28 @@ Status Client::get_status(wire::Status& status) {
   return state_->call(MessageType::get_status, request, MessageType::status, status);
 }
 
+Status Client::get_exercise(wire::ExerciseState& state) {
+  wire::GetExercise request;
+  return state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
+}
+
+Status Client::load_exercise(const wire::ExerciseState& state) {
+  wire::LoadExercise request;
+  *request.mutable_state() = state;
+  return state_->acknowledged(MessageType::load_exercise, request);
+}
+
+Status Client::reset_exercise(const std::string& radar) {
+  auto request = about<wire::ResetExercise>(radar);
+  return state_->acknowledged(MessageType::reset_exercise, request);
+}
+
+Status Client::freeze_exercise(bool on) {
+  wire::SetExercise request;
+  request.set_frozen(on);
+  return state_->acknowledged(MessageType::set_exercise, request);
+}
+
 Status Client::set_replay(wire::SetReplay& request) {
   return state_->acknowledged(MessageType::set_replay, request);
 }

@@ -26,6 +26,7 @@ class QueryGround;
 class GroundAnswer;
 class SetReplay;
 class ReplayState;
+class ExerciseState;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -83,6 +84,15 @@ class Client {
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);
   Status get_status(wire::Status& status);
+  // The exercise: all radars of a server of version 1.2. What needs both claims of all of them an admin may do
+  // without.
+  Status get_exercise(wire::ExerciseState& state);
+  /// All of it or nothing.
+  Status load_exercise(const wire::ExerciseState& state);
+  /// To the scene file's settings, pose and switches. Empty: all radars.
+  Status reset_exercise(const std::string& radar);
+  /// Clock, antenna and noise of all radars stand, for all clients, or go on.
+  Status freeze_exercise(bool on);
   /// Pauses a replay, changes its speed or its place, for all that watch it. request's number is set. Refused
   /// with error 126 by a server whose radars are live.
   Status set_replay(wire::SetReplay& request);

@@ -66,10 +66,10 @@ wire::Ack set_pose(client::Client& client, const wire::Pose& pose) {
 
 /// What the server answers to each kind of request, as PROTOCOL.md's numbers; 0: done.
 struct Answers {
-  std::uint32_t move, aim, set, flip;
+  std::uint32_t move, aim, set, flip, reset;
   bool operator==(const Answers&) const = default;
   friend std::ostream& operator<<(std::ostream& out, const Answers& a) {
-    return out << a.move << " " << a.aim << " " << a.set << " " << a.flip;
+    return out << a.move << " " << a.aim << " " << a.set << " " << a.flip << " " << a.reset;
   }
 };
 
@@ -79,7 +79,8 @@ Answers answers_to(client::Client& client) {
   return {number_of(client.set_pose("main", moved(), ack)),
           number_of(client.set_pose("main", tilted(-3), ack)),
           number_of(client.set_settings("main", {}, ack)),
-          number_of(client.set_state("main", std::nullopt, std::nullopt))};
+          number_of(client.set_state("main", std::nullopt, std::nullopt)),
+          number_of(client.reset_exercise("main"))};
 }
 
 /// One pair of what another client holds and what this one wants.
@@ -89,22 +90,22 @@ struct Pair {
   Answers then;         ///< to the requests after it
 };
 constexpr Pair kPairs[] = {
-    {kNone, kNone, 0, {103, 103, 103, 103}},
-    {kNone, kPoseClaim, 0, {102, 102, 103, 103}},
-    {kNone, kSettingsClaim, 0, {103, 103, 102, 102}},
-    {kNone, kBoth, 0, {102, 102, 102, 102}},
-    {kPoseClaim, kNone, 0, {0, 0, 103, 103}},
-    {kPoseClaim, kPoseClaim, 102, {102, 102, 103, 103}},
-    {kPoseClaim, kSettingsClaim, 0, {0, 0, 102, 102}},
-    {kPoseClaim, kBoth, 102, {102, 102, 102, 102}},
-    {kSettingsClaim, kNone, 0, {103, 0, 0, 0}},
-    {kSettingsClaim, kPoseClaim, 0, {102, 0, 0, 0}},
-    {kSettingsClaim, kSettingsClaim, 102, {103, 103, 102, 102}},
-    {kSettingsClaim, kBoth, 102, {102, 102, 102, 102}},
-    {kBoth, kNone, 0, {0, 0, 0, 0}},
-    {kBoth, kPoseClaim, 102, {102, 102, 103, 103}},
-    {kBoth, kSettingsClaim, 102, {103, 103, 102, 102}},
-    {kBoth, kBoth, 102, {102, 102, 102, 102}},
+    {kNone, kNone, 0, {103, 103, 103, 103, 103}},
+    {kNone, kPoseClaim, 0, {102, 102, 103, 103, 102}},
+    {kNone, kSettingsClaim, 0, {103, 103, 102, 102, 102}},
+    {kNone, kBoth, 0, {102, 102, 102, 102, 102}},
+    {kPoseClaim, kNone, 0, {0, 0, 103, 103, 103}},
+    {kPoseClaim, kPoseClaim, 102, {102, 102, 103, 103, 102}},
+    {kPoseClaim, kSettingsClaim, 0, {0, 0, 102, 102, 102}},
+    {kPoseClaim, kBoth, 102, {102, 102, 102, 102, 102}},
+    {kSettingsClaim, kNone, 0, {103, 0, 0, 0, 103}},
+    {kSettingsClaim, kPoseClaim, 0, {102, 0, 0, 0, 102}},
+    {kSettingsClaim, kSettingsClaim, 102, {103, 103, 102, 102, 102}},
+    {kSettingsClaim, kBoth, 102, {102, 102, 102, 102, 102}},
+    {kBoth, kNone, 0, {0, 0, 0, 0, 0}},
+    {kBoth, kPoseClaim, 102, {102, 102, 103, 103, 102}},
+    {kBoth, kSettingsClaim, 102, {103, 103, 102, 102, 102}},
+    {kBoth, kBoth, 102, {102, 102, 102, 102, 102}},
 };
 
 class Claims : public testing::Test {
@@ -140,14 +141,16 @@ TEST_F(Claims, EveryPairOfClaimsAndRolesIsAnsweredByTheTable) {
       }
       if (role == "viewer") {
         EXPECT_EQ(client.claim("main", pair.wanted).number, 108u);
-        EXPECT_EQ(answers_to(client), (Answers{108, 108, 108, 108}));
+        EXPECT_EQ(answers_to(client), (Answers{108, 108, 108, 108, 108}));
         continue;
       }
       if (pair.wanted != kNone) {
         const Status claim = client.claim("main", pair.wanted);
         EXPECT_EQ(claim.ok() ? 0 : claim.number, pair.claim) << claim.sentence();
       }
-      EXPECT_EQ(answers_to(client), pair.then);
+      Answers expected = pair.then;
+      if (role == "admin") expected.reset = 0;  // whoever holds what
+      EXPECT_EQ(answers_to(client), expected);
       if (pair.wanted == kNone) continue;
       // Taken over, each by itself.
       const Status forced = client.claim("main", pair.wanted, true);
@@ -216,7 +219,7 @@ TEST_F(Claims, AClientThatNamesNoneClaimsBothAndIsRefusedWhereAnotherHoldsEither
     EXPECT_TRUE(info.controlled_by_you());
     EXPECT_EQ(info.controller(), info.settings_controller());
     EXPECT_EQ(info.claimed_by_you_size(), 2);
-    EXPECT_EQ(answers_to(old), (Answers{0, 0, 0, 0}));
+    EXPECT_EQ(answers_to(old), (Answers{0, 0, 0, 0, 0}));
     EXPECT_TRUE(is_ok(old.release_control("main")));
   }
 }
