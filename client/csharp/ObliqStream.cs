@@ -65,7 +65,7 @@ namespace Obliq
         [DataMember] public string request_id, radar, controller, settings_controller, fault, settings_version;
         [DataMember] public RadarSettings settings;
         [DataMember] public Pose pose;
-        [DataMember] public bool controlled_by_you, transmit_off, frozen, pose_stale;
+        [DataMember] public bool controlled_by_you, transmit_off, frozen, exercise_frozen, pose_stale;
     }
 
     [Serializable, DataContract]
@@ -296,6 +296,7 @@ namespace Obliq
         {
             Hello = 1, Welcome = 2, Ack = 3, Error = 4, Heartbeat = 5, GetRadar = 18, RadarInfo = 19, ClaimControl = 20,
             ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, RenderOnce = 26, SetState = 29,
+            ResetExercise = 37, SetExercise = 41,
             FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51
         }
 
@@ -388,6 +389,10 @@ namespace Obliq
             if (freeze != null) state.Add("freeze", freeze.Value);
             return AckAsync(Type.SetState, state);
         }
+        /// <summary>Puts a radar, or all (""), back to the scene file's settings, pose and switches; for who holds both claims, or an admin.</summary>
+        public Task<Ack> ResetExerciseAsync(string radar = "") { return AckAsync(Type.ResetExercise, new Fields().Add("radar", radar)); }
+        /// <summary>Stops all radars for all stations, clock, antenna and noise, or lets them go on; for who holds all claims, or an admin.</summary>
+        public Task<Ack> FreezeExerciseAsync(bool on) { return AckAsync(Type.SetExercise, new Fields().Add("frozen", on)); }
         /// <summary>One frame for this client alone, of no live radar: its name is only echoed.</summary>
         /// <param name="pose">At least latitude_deg, longitude_deg and height_m.</param>
         /// <param name="settings">What is not in it has its default, not a live radar's value.</param>

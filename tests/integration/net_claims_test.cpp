@@ -196,7 +196,7 @@ TEST_F(Claims, TheDocumentsTableIsTheCodes) {
   }
   std::map<std::string, std::string> built;
   for (const net::Right& right : net::rights()) {
-    const std::string holds = wire::claim_names(right.claims);
+    const std::string holds = wire::claim_names(right.claims) + (right.admin_always ? ", or admin" : "");
     built[std::string(right.name)] =
         " " + std::string(role_name(right.role)) + " / " + holds + (holds.empty() ? "" : " ");
   }

@@ -48,6 +48,7 @@ export class RadarControls {
 
   #build() {
     const panel = $("radar");
+    const { app } = this;
     const row = (name, ...children) => {
       const element = make("div", "");
       element.className = "row";
@@ -76,6 +77,13 @@ export class RadarControls {
     this.freeze.id = "freeze";
     this.freeze.onclick = () => this.toggleState("freeze");
     row("State", choice(this.transmit, this.freeze));
+    this.stop = make("button", "freeze all", "All radars stand still for all stations: clock, antenna and noise");
+    this.stop.id = "exercise-freeze";
+    this.stop.onclick = () => this.attempt(() => app.link.ask("SetExercise", { frozen: !this.info?.exercise_frozen }));
+    this.reset = make("button", "reset", "This radar goes back to the scene file's settings, pose and switches");
+    this.reset.id = "exercise-reset";
+    this.reset.onclick = () => this.attempt(() => app.link.ask("ResetExercise", { radar: this.radar }));
+    row("Exercise", choice(this.stop, this.reset));
     this.scales = SCALES_NM.map((scale) => {
       const button = make("button", String(scale), `Range scale of ${scale} nautical miles ([ and ]: smaller, greater)`);
       button.id = `scale-${scale}`;
@@ -244,6 +252,13 @@ export class RadarControls {
       button.disabled = !mine;
       button.title = mine ? button.dataset.title : why || "Take control first (K)";
     }
+    const leads = app.link.isLive && Boolean(info) && !app.debrief?.state && (role === "admin" || (mine && this.holds("POSE_CLAIM")));
+    for (const button of [this.stop, this.reset]) {
+      button.disabled = !leads;
+      button.title = leads ? button.dataset.title : why || "For an admin, or who holds pose and settings";
+    }
+    this.stop.textContent = info?.exercise_frozen ? "go on" : "freeze all";
+    this.stop.setAttribute("aria-pressed", String(Boolean(info?.exercise_frozen)));
     this.transmit.textContent = info?.transmit_off ? "transmit" : "standby";
     this.transmit.setAttribute("aria-pressed", String(Boolean(info?.transmit_off)));
     this.freeze.setAttribute("aria-pressed", String(Boolean(info?.frozen)));

@@ -99,6 +99,22 @@ class Server:
         """The message Status."""
         return await self._run(self._session.call(wire.GetStatus(), wire.Status))
 
+    async def exercise(self) -> wire.ExerciseState:
+        """Poses, settings, seeds, times and switches of all radars, for load_exercise()."""
+        return await self._run(self._session.call(requests.of_1_2(self._session.welcome, wire.GetExercise()), wire.ExerciseState))
+
+    async def load_exercise(self, state: wire.ExerciseState) -> None:
+        """Puts a state in place, all of it or nothing. This and the next two need both claims of all radars, or an admin."""
+        await self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.LoadExercise(state=state))))
+
+    async def reset_exercise(self, radar: str = "") -> None:
+        """A radar, or all, back to the scene file's settings, pose and switches."""
+        await self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.ResetExercise(radar=radar))))
+
+    async def freeze_exercise(self, on: bool) -> None:
+        """Clock, antenna and noise of all radars stand, for all clients, or go on."""
+        await self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.SetExercise(frozen=bool(on)))))
+
     async def measure_clock(self) -> float:
         """Seconds by which the server's clock is behind this machine's; latencies take it into account."""
         return await self._run(self._session.measure_clock())

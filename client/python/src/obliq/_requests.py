@@ -6,7 +6,7 @@ import ipaddress
 import os
 import ssl
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Union
+from typing import Any, TypeVar, Union
 
 from . import _seeds
 from . import obliq_pb2 as wire
@@ -83,6 +83,7 @@ class RadarInfo:
     rate_limit_hz: float
     settings_controller: str
     claimed_by_me: tuple[str, ...]
+    exercise_frozen: bool
 
     @staticmethod
     def of(m: wire.RadarInfo) -> RadarInfo:
@@ -90,7 +91,7 @@ class RadarInfo:
         return RadarInfo(m.radar, Settings.read(m.settings), Pose.read(m.pose), m.settings_version, m.controller,
                          m.controlled_by_you, m.subscribers, m.rate_hz, m.fault, m.pose_stale, not m.transmit_off,
                          m.frozen, m.rate_limit_hz, m.settings_controller,
-                         tuple(name for name, kind in CLAIMS.items() if kind in m.claimed_by_you))
+                         tuple(name for name, kind in CLAIMS.items() if kind in m.claimed_by_you), m.exercise_frozen)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -213,6 +214,16 @@ def subscription(radar: str, rate_hz: float, planes: Planes, encoding: str, comp
     request = wire.Subscribe(radar=radar, rate_hz=float(number("rate_hz", rate_hz)), lossless=bool(lossless))
     names = write_choice(request, planes, encoding, compress, window)
     return Subscription(request, names, by_wedge, copy)
+
+
+E = TypeVar("E", wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise)
+
+
+def of_1_2(welcome: wire.Welcome, request: E) -> E:
+    """A request that an older server would skip, and never answer."""
+    if welcome.minor < 2:
+        raise ValueError(f"the server speaks version 1.{welcome.minor} of the protocol; allowed: 1.2 or later")
+    return request
 
 
 def claim_kinds(claims: str | None) -> list[wire.ClaimKind.ValueType]:
