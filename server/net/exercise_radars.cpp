@@ -101,7 +101,7 @@ void ExerciseRadars::put(LiveRadar& radar, const Wanted& wanted, const std::stri
   (void)radars.take_pose(radar, wanted.config.pose, false);
   radar.has_heading = false;
   radar.rate_limit_hz = wanted.rate_limit_hz;
-  radars.flip(radar, {.freeze = false}, by);  // for a moment: what is frozen is the state that is put
+  radars.flip(radar, {std::nullopt, false}, by);  // for a moment: what is frozen is the state that is put
   radars.show(radar);
   radars.check_windows(radar);
   radars.flip(radar, {wanted.transmit, wanted.frozen}, by);

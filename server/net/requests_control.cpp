@@ -131,7 +131,7 @@ std::optional<wire::ClaimSet> read_kinds(const google::protobuf::RepeatedField<i
 }
 
 FieldError unknown_kind(const google::protobuf::RepeatedField<int>& kinds) {
-  const auto* at = std::ranges::find_if(kinds, [](int kind) { return !wire::claim_from_number(kind); });
+  const auto at = std::ranges::find_if(kinds, [](int kind) { return !wire::claim_from_number(kind); });
   return {"kinds", std::to_string(*at), "0 to " + std::to_string(wire::kClaims - 1)};
 }
 
