@@ -216,6 +216,7 @@ void write_named(const std::vector<std::string>& flags, const PoseSettings& pose
 
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {
   Complaints complaints;
+  const bool follows = radar.pose.heading_deg == radar.pose.bearing_deg;
   std::vector<std::string> ordered = flags;
   std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
@@ -280,6 +281,8 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       set(name, node);
     }
   }
+  // As in a scene file: a heading that is not named is the bearing.
+  if (follows && !names_key(flags, "antenna.heading_deg")) radar.pose.heading_deg = radar.pose.bearing_deg;
   RadarSettings& settings = radar.settings;
   if (of_columns != nullptr) settings.pixel_columns = of_columns->columns_for(settings.azimuth_bins);
   if (of_rows != nullptr) settings.pixel_rows = of_rows->rows_for(settings.range_bins);
