@@ -84,8 +84,8 @@ class Client {
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);
   Status get_status(wire::Status& status);
-  // The exercise: all radars of a server of version 1.2. What needs both claims of all of them an admin may do
-  // without.
+  // The exercise: all radars of a server of version 1.2. What needs both claims of all of them an admin may
+  // do without.
   Status get_exercise(wire::ExerciseState& state);
   /// All of it or nothing.
   Status load_exercise(const wire::ExerciseState& state);

@@ -17,7 +17,7 @@ from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
 
 DEFAULT_PORT = 7420
-CLAIMS: dict[str, wire.ClaimKind.ValueType] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
+CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
 
 PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
 SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
@@ -65,8 +65,8 @@ class ServerInfo:
 @dataclasses.dataclass(frozen=True)
 class RadarInfo:
     """A radar as it is now. controller: which client holds its pose; empty: none; settings_controller: its settings.
-    controlled_by_me, claimed_by_me: whether that is this client, and what it holds: "pose", "settings". fault: why no frame can be rendered at present;
-    empty: none. pose_stale: its pose's validity has run out."""
+    controlled_by_me, claimed_by_me: whether that is this client, and what it holds: "pose", "settings". fault: why no frame
+    can be rendered at present; empty: none. pose_stale: its pose's validity has run out."""
 
     radar: str
     settings: Settings
@@ -226,7 +226,7 @@ def of_1_2(welcome: wire.Welcome, request: E) -> E:
     return request
 
 
-def claim_kinds(claims: str | None) -> list[wire.ClaimKind.ValueType]:
+def claim_kinds(claims: str | None) -> list[wire.ClaimKind]:
     """Of names with spaces between; None: those that a request without any means."""
     names = [] if claims is None else claims.split()
     for name in names:
