@@ -43,13 +43,6 @@ wire::RadarInfo info_of(client::Client& client) {
   return info;
 }
 
-/// The Ack of a SetPose that must be taken.
-wire::Ack set_pose(client::Client& client, const wire::Pose& pose) {
-  wire::Ack ack;
-  EXPECT_TRUE(is_ok(client.set_pose("main", pose, ack)));
-  return ack;
-}
-
 /// What the server answers to each kind of request, as PROTOCOL.md's numbers; 0: done.
 struct Answers {
   std::uint32_t move, aim, set, flip, reset;

@@ -76,14 +76,13 @@ export class RadarControls {
     this.freeze = make("button", "freeze", "The radar keeps this pose and these settings (Z)");
     this.freeze.id = "freeze";
     this.freeze.onclick = () => this.toggleState("freeze");
-    row("State", choice(this.transmit, this.freeze));
     this.stop = make("button", "freeze all", "All radars stand still for all stations: clock, antenna and noise");
     this.stop.id = "exercise-freeze";
     this.stop.onclick = () => this.attempt(() => app.link.ask("SetExercise", { frozen: !this.info?.exercise_frozen }));
     this.reset = make("button", "reset", "This radar goes back to the scene file's settings, pose and switches");
     this.reset.id = "exercise-reset";
     this.reset.onclick = () => this.attempt(() => app.link.ask("ResetExercise", { radar: this.radar }));
-    row("Exercise", choice(this.stop, this.reset));
+    row("State", choice(this.transmit, this.freeze, this.stop, this.reset));
     this.scales = SCALES_NM.map((scale) => {
       const button = make("button", String(scale), `Range scale of ${scale} nautical miles ([ and ]: smaller, greater)`);
       button.id = `scale-${scale}`;
