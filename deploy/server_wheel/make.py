@@ -17,6 +17,7 @@ import platform
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 import zipfile
@@ -24,6 +25,9 @@ import zipfile
 import check
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(os.fspath(HERE.parent))
+import sbom  # noqa: E402
+
 FONTS = pathlib.Path("/usr/share/fonts/truetype/dejavu")
 FONTS_CONF = """<?xml version="1.0"?>
 <!DOCTYPE fontconfig SYSTEM "urn:fontconfig:fonts.dtd">
@@ -58,16 +62,6 @@ def closure(programs: list[pathlib.Path], lean: pathlib.Path) -> dict[str, pathl
     return {name: path for name, path in found.items() if name not in check.OF_THE_SYSTEM}
 
 
-def owner(path: pathlib.Path) -> str:
-    """The package of a library; dpkg may know it by /lib, a link to /usr/lib."""
-    real = os.path.realpath(path)
-    for spelt in (real, real.removeprefix("/usr")):
-        asked = subprocess.run(["dpkg-query", "-S", spelt], capture_output=True, text=True)
-        if asked.returncode == 0:
-            return asked.stdout.partition(":")[0]
-    raise SystemExit(f"{path}: no package owns it")
-
-
 def fill(package: pathlib.Path, licences: pathlib.Path, asked: argparse.Namespace) -> None:
     usr = asked.stage / "usr"
     shutil.copytree(HERE / "obliq_server", package, ignore=shutil.ignore_patterns("__pycache__"))
@@ -85,7 +79,8 @@ def fill(package: pathlib.Path, licences: pathlib.Path, asked: argparse.Namespac
         run("strip", "--strip-unneeded", to)
         run("patchelf", "--force-rpath", "--set-rpath", "$ORIGIN", to)
         if not path.resolve().is_relative_to(asked.lean.resolve()):
-            shutil.copy(f"/usr/share/doc/{owner(path)}/copyright", licences / owner(path))
+            package_of = sbom.packages_of([path])[path][0]
+            shutil.copy(f"/usr/share/doc/{package_of}/copyright", licences / package_of)
     for source in asked.sources.glob("*/debian/copyright"):
         shutil.copy(source, licences / source.parts[-3].partition("-")[0])
     share = package / "share"

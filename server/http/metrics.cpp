@@ -123,6 +123,8 @@ void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all
       [](const Radar& r) { return static_cast<double>(r.frames_shed); }, MetricType::Counter));
   radar("obliq_radar_live_bytes", "Memory of the blocks of live frames.",
         [](const Radar& r) { return static_cast<double>(r.live_bytes); });
+  radar("obliq_radar_spare_bytes", "Memory of blocks that were sent, kept for the next.",
+        [](const Radar& r) { return static_cast<double>(r.spare_bytes); });
   radar("obliq_terrain_coverage_ratio", "Share of the radar's sector over known ground in its newest frame.",
         [](const Radar& r) { return r.coverage; });
 }

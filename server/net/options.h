@@ -69,6 +69,7 @@ struct RadarStatistics {
   bool faulty = false;            ///< cannot be rendered as it is
   int live_frames = 0;            ///< being rendered, or waiting in whole or in part for a client
   std::size_t live_bytes = 0;     ///< of their blocks
+  std::size_t spare_bytes = 0;    ///< of blocks that were sent, kept for the next
   std::uint64_t frames_shed = 0;  ///< whole ones, never begun, for want of time
 };
 

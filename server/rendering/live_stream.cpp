@@ -87,7 +87,7 @@ void LiveStream::stop() {
 }
 
 LiveStream::Load LiveStream::load() const {
-  return {frames_->live(), frames_->meter()->bytes, skipped_in_all_, shed_};
+  return {frames_->live(), frames_->meter()->bytes, frames_->meter()->spare.bytes(), skipped_in_all_, shed_};
 }
 
 std::shared_ptr<const LiveView> LiveStream::view() const {

@@ -42,6 +42,7 @@ class LiveStream {
   struct Load {
     int live_frames = 0;
     std::size_t live_bytes = 0;
+    std::size_t spare_bytes = 0;       ///< of blocks that were sent, kept for the next
     std::uint64_t frames_skipped = 0;  ///< because of the limit of live frames
     std::uint64_t frames_shed = 0;     ///< for want of time
   };

@@ -41,4 +41,9 @@ void SpareMemory::keep(bool on) {
   bytes_ = 0;
 }
 
+std::size_t SpareMemory::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
 }  // namespace obliq::net

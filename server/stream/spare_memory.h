@@ -19,9 +19,10 @@ class SpareMemory {
   void give(wire::Bytes&& memory);
   /// Whether more of it is to come, and be kept; what is spare goes back to the system where not.
   void keep(bool on);
+  std::size_t bytes() const;
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   bool keeps_ = true;
   std::deque<wire::Bytes> spare_;  ///< the newest at the end
   std::size_t bytes_ = 0;

@@ -36,16 +36,21 @@ def numbers():
     return {
         1: [f"{(R_MAX - R_MIN) / 1024:.2f} m"],
         2: [f"{degrees(SECTOR) / 1024:.4f} degrees"],
+        3: [f"w = {Y:.0f} m"],
         4: [f"{2 * kappa / width:.5f}", f"{2 * kappa / BOX:.3f}"],
         6: [f"{degrees(atan(Y / G_MAX) + phi / 2):.2f} degrees", f"{degrees(atan(Y / G_MAX) + phi):.2f}"],
+        7: ["0 degrees"],
         8: [f"{degrees(theta):.2f} degrees", f"{degrees(angle(left, right)):.2f}"],
         9: [f"{degrees(wide_phi):.2f} degrees", f"{degrees(phi):.2f}"],
         10: [f"{R_MIN * cos(phi / 2):.1f} m", f"{R_MIN * sin(phi / 2):.1f}"],
         11: [f"{R_MAX * cos(phi / 2):.0f} m", f"{R_MAX * sin(phi / 2):.0f}"],
         12: [f"{4 * pi * cos(radians(60)) ** 2:.2f} times"],
         13: [f"{degrees(4 * pi / 8):.0f} degrees", f"{degrees(4 / 8):.1f}"],
+        14: [f"{sqrt(G_MAX**2 + Y**2):.0f} m"],
+        15: [f"{sqrt(G_MIN**2 + Y**2):.0f} m"],
         16: [f"{G_MIN:.1f} m"],
         17: [f"{g_top:.1f} m", f"{G_MAX:.1f}"],
+        19: [f"{2 * R_MIN * cos(phi / 2) * tan(phi / 2):.1f} m"],
         20: [f"{Y / cos(off_nadir - pixel) - R_MIN:.3f} m", f"{G_MIN / sin(off_nadir - pixel) - R_MIN:.2f}"],
         21: [f"{R_MAX - Y / cos(off_nadir + pixel):.1f} m", f"{R_MAX - G_MIN / sin(off_nadir + pixel):.0f}"],
         22: [f"{kappa:.0f} m"],
@@ -67,6 +72,8 @@ def complaints(root):
     cells = {equation: row.split("|")[5] for equation, row in rows.items()}  # "a number"
     if sorted(rows) != list(range(1, 31)):
         yield f"PAPER.md: found rows {sorted(rows)}; allowed: 1 to 30, each once"
+    for equation in (equation for equation, cell in cells.items() if not cell.strip()):
+        yield f"PAPER.md, ({equation}): found no number; allowed: one that shows it"
     for equation, texts in numbers().items():
         for text in texts:
             if text not in cells.get(equation, ""):
