@@ -30,6 +30,7 @@ class ResumingClient {
   /// For requests that need not be repeated. One that fails because the connection is lost is the caller's to
   /// repeat: receive() takes the connection up again.
   Client& client() { return client_; }
+  const Client& client() const { return client_; }
 
   /// Makes a request now and, if it succeeds, again on each new connection, in this order. `name`: an earlier
   /// request of that name is replaced in its place.
