@@ -63,6 +63,13 @@ Request about(const std::string& radar) {
   return request;
 }
 
+template <typename Request>
+void name_kinds(wire::ClaimSet claims, Request& request) {
+  for (int i = 0; i < wire::kClaims; ++i)
+    if ((claims & claim_bit(static_cast<wire::Claim>(i))) != 0)
+      request.add_kinds(static_cast<wire::ClaimKind>(i));
+}
+
 // Others may ask whether this client is there, at any time.
 Status answer_heartbeat(Connection& connection, const Message& message) {
   wire::Heartbeat asked;
@@ -228,6 +235,19 @@ Status Client::claim_control(const std::string& radar, bool force) {
   return state_->acknowledged(MessageType::claim_control, request);
 }
 
+Status Client::claim(const std::string& radar, wire::ClaimSet claims, bool force) {
+  auto request = about<wire::ClaimControl>(radar);
+  request.set_force(force);
+  name_kinds(claims, request);
+  return state_->acknowledged(MessageType::claim_control, request);
+}
+
+Status Client::release(const std::string& radar, wire::ClaimSet claims) {
+  auto request = about<wire::ReleaseControl>(radar);
+  name_kinds(claims, request);
+  return state_->acknowledged(MessageType::release_control, request);
+}
+
 Status Client::release_control(const std::string& radar) {
   auto request = about<wire::ReleaseControl>(radar);
   return state_->acknowledged(MessageType::release_control, request);
@@ -291,6 +311,28 @@ Status Client::render_once(wire::RenderOnce& request) {
 Status Client::get_status(wire::Status& status) {
   wire::GetStatus request;
   return state_->call(MessageType::get_status, request, MessageType::status, status);
+}
+
+Status Client::get_exercise(wire::ExerciseState& state) {
+  wire::GetExercise request;
+  return state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
+}
+
+Status Client::load_exercise(const wire::ExerciseState& state) {
+  wire::LoadExercise request;
+  *request.mutable_state() = state;
+  return state_->acknowledged(MessageType::load_exercise, request);
+}
+
+Status Client::reset_exercise(const std::string& radar) {
+  auto request = about<wire::ResetExercise>(radar);
+  return state_->acknowledged(MessageType::reset_exercise, request);
+}
+
+Status Client::freeze_exercise(bool on) {
+  wire::SetExercise request;
+  request.set_frozen(on);
+  return state_->acknowledged(MessageType::set_exercise, request);
 }
 
 Status Client::set_replay(wire::SetReplay& request) {

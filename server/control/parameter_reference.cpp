@@ -139,6 +139,7 @@ std::string parameters_json() {
     if (!p->meaning.knob.empty()) list.back()["knob"] = p->meaning.knob;
     if (p->meaning.of_programs) list.back()["of_programs"] = true;
     if (p->meaning.not_ideal) list.back()["not_ideal"] = true;
+    if (p->meaning.aim) list.back()["aim"] = true;
   }
   return list.dump(1) + "\n";
 }

@@ -169,7 +169,10 @@ Exception Image::write_coils(std::size_t radar, const Request& request) {
   wanted.transmit = asked[kTransmit];
   wanted.freeze = asked[kFreeze];
   wanted.clear_faults = pulled(kClearFaults);
-  if (pulled(kApply) || wanted.transmit || wanted.freeze || wanted.clear_faults) {
+  wanted.reset = pulled(kReset);
+  wanted.exercise_freeze = asked[kExerciseFreeze];
+  const bool switches = wanted.transmit || wanted.freeze || wanted.exercise_freeze;
+  if (pulled(kApply) || switches || wanted.clear_faults || wanted.reset) {
     const Exception refusal = change(radar, pulled(kApply), std::move(wanted));
     if (refusal != Exception::none) return refusal;
   }
@@ -257,6 +260,7 @@ void Image::fill(std::size_t radar, Registers& registers) {
   registers.coils = {};
   registers.coils[kTransmit] = status->transmit ? 1 : 0;
   registers.coils[kFreeze] = status->frozen ? 1 : 0;
+  registers.coils[kExerciseFreeze] = status->exercise_frozen ? 1 : 0;
   registers.discrete = {};
   for (std::size_t i = 0; i < discrete_inputs().size(); ++i)
     registers.discrete[i] = discrete_inputs()[i].value(view) ? 1 : 0;

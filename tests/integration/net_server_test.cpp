@@ -29,7 +29,7 @@ TEST(Server, ServesAClientOfVersion1Point0) {
   wire::Welcome welcome;
   ASSERT_TRUE(peer.await(wire::MessageType::welcome, welcome));
   EXPECT_EQ(welcome.major(), 1u);
-  EXPECT_EQ(welcome.minor(), 1u) << "PROTOCOL.md, Versions";
+  EXPECT_EQ(welcome.minor(), 2u) << "PROTOCOL.md, Versions";
 }
 
 TEST_F(Served, RefusesAnUnknownRadarAndNamesThoseThereAre) {

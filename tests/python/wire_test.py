@@ -185,7 +185,7 @@ class Bytes(unittest.TestCase):
     def test_another_major_version_is_named(self):
         data = bytearray(example())
         data[4] = 2
-        with self.assertRaisesRegex(BadStream, "found 2.1; allowed: 1.x"):
+        with self.assertRaisesRegex(BadStream, "found 2.2; allowed: 1.x"):
             decoded(bytes(data))
 
 

@@ -77,7 +77,8 @@ function paneSentences(app, pane) {
   else if (pane.awaits && !app.look.hold && !info?.transmit_off && !info?.fault)
     say(0, `Waiting for the first picture of ${pane.radar || `the ${pane.frustum} frustum`}.`, "WAITING");
   if (info?.transmit_off) say(1, "Standby: the transmitter is off.", "STANDBY");
-  if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "FROZEN");
+  if (info?.exercise_frozen) say(1, "The exercise is frozen: all radars stand still.", "EXERCISE FROZEN");
+  else if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "FROZEN");
   if (info?.fault) say(2, `The radar cannot render: ${plain(info.fault)}.`, "FAULT");
   if (info?.pose_stale) say(1, "The pose is stale: no newer one has arrived in time.", "STALE POSE");
   if (info && number(info.rate_limit_hz)) say(0, `The operator limits this radar to ${number(info.rate_limit_hz)} frames/s.`);

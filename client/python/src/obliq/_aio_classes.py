@@ -100,6 +100,22 @@ class Server:
         """The message Status."""
         return await self._run(self._session.call(wire.GetStatus(), wire.Status))
 
+    async def exercise(self) -> wire.ExerciseState:
+        """Poses, settings, seeds, times and switches of all radars, for load_exercise()."""
+        return await self._run(self._session.call(requests.of_1_2(self._session.welcome, wire.GetExercise()), wire.ExerciseState))
+
+    async def load_exercise(self, state: wire.ExerciseState) -> None:
+        """Puts a state in place, all of it or nothing. This and the next two need both claims of all radars, or an admin."""
+        await self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.LoadExercise(state=state))))
+
+    async def reset_exercise(self, radar: str = "") -> None:
+        """A radar, or all, back to the scene file's settings, pose and switches."""
+        await self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.ResetExercise(radar=radar))))
+
+    async def freeze_exercise(self, on: bool) -> None:
+        """Clock, antenna and noise of all radars stand, for all clients, or go on."""
+        await self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.SetExercise(frozen=bool(on)))))
+
     async def measure_clock(self) -> float:
         """Seconds by which the server's clock is behind this machine's; latencies take it into account."""
         return await self._run(self._session.measure_clock())
@@ -295,15 +311,17 @@ class Radar:
                       requests.stream_timeout(timeout, rate_hz))
 
     @contextlib.asynccontextmanager
-    async def control(self, force: bool = False) -> AsyncIterator[Control]:
+    async def control(self, force: bool = False, claims: str | None = None) -> AsyncIterator[Control]:
         """Claims the radar; it is released at the end, also after an exception. force: from another client, for an
-        admin."""
-        await self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force)))
+        admin. claims: "pose" to fly it while others may turn its knobs, "settings" to turn these while another flies it;
+        None: both."""
+        kinds = requests.claim_kinds(claims)
+        await self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force, kinds=kinds)))
         try:
             yield Control(self._server, self.name)
         finally:
             with contextlib.suppress(ObliqError):  # gone with the connection, or taken over by another
-                await self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name)))
+                await self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name, kinds=kinds)))
 
 
 class Control:
@@ -313,9 +331,11 @@ class Control:
         self._server, self.name = server, name
         self._refused: ObliqError | None = None
 
-    async def set_pose(self, pose: requests.PoseLike = None, **fields: Unpack[PoseFields]) -> requests.Accepted:
-        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion."""
-        request = requests.pose_request(self.name, pose, fields)
+    async def set_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
+                       **fields: Unpack[PoseFields]) -> requests.Accepted:
+        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion.
+        new_time_line: that clock was set, poses before this one are forgotten."""
+        request = requests.pose_request(self.name, pose, fields, new_time_line)
         return requests.Accepted.of(await self._server._run(self._server._session.act(request)))
 
     def send_pose(self, pose: requests.PoseLike = None, *, on_refused: Callable[[ObliqError], object] | None = None,

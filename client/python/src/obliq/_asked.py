@@ -16,7 +16,8 @@ from .frame import Frame
 MOST_FRAMES_WAITING = 2
 MOST_WEDGES_WAITING = 512
 
-Answer = Union[wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.Ack]
+Answer = Union[wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.ExerciseState,
+               wire.Ack]
 
 
 class Pending:
