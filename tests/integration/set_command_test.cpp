@@ -96,6 +96,20 @@ TEST_F(SetCommand, LengthsMayNameTheirUnit) {
   expect_refused({"radar.r_max_m=nan ft"}, "radar.r_max_m: found");
 }
 
+TEST_F(SetCommand, PlanesFollowTheBinsUnlessColumnsAreNamed) {
+  ASSERT_EQ(obliq({"set", "frustum.quality=standard", "bins.azimuth=48", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().planes_per_bin(), 2);
+  EXPECT_EQ(info().settings().pixel_columns(), 96);
+  ASSERT_EQ(obliq({"set", "bins.azimuth=64", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 128) << "twice the bins still: standard, not draft";
+  ASSERT_EQ(obliq({"set", "frustum.planes_per_bin=5", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 320);
+  ASSERT_EQ(obliq({"set", "frustum.pixel_columns=100", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 100);
+  EXPECT_EQ(info().settings().planes_per_bin(), 0);
+  expect_refused({"frustum.planes_per_bin=1025"}, "allowed: integer 0 to 1024");
+}
+
 TEST_F(SetCommand, TransmitAndFreezeAreSwitched) {
   ASSERT_EQ(obliq({"set", "--transmit", "off", "--radar", "nose"}).code, 0);
   EXPECT_TRUE(info().transmit_off());

@@ -138,34 +138,35 @@ class Server:
 
     async def render(self, settings: requests.SettingsLike = None, pose: requests.PoseLike = None, *, planes: Planes = None,
                      encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                     timeout: float = 60.0, radar: str = "python") -> Frame:
+                     timeout: float = 60.0, radar: str = "python", as_live: bool = False) -> Frame:
         """One frame for this client alone; no live radar is touched. settings, pose: objects or dicts; absent settings
-        take their defaults. planes: "iq state", or None for iq, power, count and state."""
-        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, None))
+        take their defaults; as_live: what is absent in either is as the live radar of that name has it now. planes: "iq
+        state", or None for iq, power, count and state."""
+        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, as_live, None))
         return await self._run(self._session.finish_render(rendering, timeout))
 
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                    timeout: float = 60.0, radar: str = "python", return_exceptions: Literal[False] = False,
+                    timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: Literal[False] = False,
                     seed: int | None = None) -> AsyncIterator[Frame]: ...
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                    timeout: float = 60.0, radar: str = "python", return_exceptions: bool,
+                    timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: bool,
                     seed: int | None = None) -> AsyncIterator[Frame | Exception]: ...
 
     async def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *,
                           planes: Planes = None, encoding: Encoding = "cf32", compress: Compression | None = None,
                           window: Window | None = None, timeout: float = 60.0, radar: str = "python",
-                          return_exceptions: bool = False, seed: int | None = None) -> AsyncIterator[Any]:
+                          as_live: bool = False, return_exceptions: bool = False, seed: int | None = None) -> AsyncIterator[Any]:
         """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
         pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
         from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
         say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)
         waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]] = collections.deque()
-        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar))
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar, as_live))
         more = True
         try:
             while more or waiting:
