@@ -62,10 +62,10 @@ namespace Obliq
     [Serializable, DataContract]
     public sealed class RadarInfo
     {
-        [DataMember] public string request_id, radar, controller, fault, settings_version;
+        [DataMember] public string request_id, radar, controller, settings_controller, fault, settings_version;
         [DataMember] public RadarSettings settings;
         [DataMember] public Pose pose;
-        [DataMember] public bool controlled_by_you, transmit_off, frozen, pose_stale;
+        [DataMember] public bool controlled_by_you, transmit_off, frozen, exercise_frozen, pose_stale;
     }
 
     [Serializable, DataContract]
@@ -296,6 +296,7 @@ namespace Obliq
         {
             Hello = 1, Welcome = 2, Ack = 3, Error = 4, Heartbeat = 5, GetRadar = 18, RadarInfo = 19, ClaimControl = 20,
             ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, RenderOnce = 26, SetState = 29,
+            ResetExercise = 37, SetExercise = 41,
             FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51
         }
 
@@ -334,7 +335,7 @@ namespace Obliq
             stream.socket_.Options.AddSubProtocol("obliq.v1.json");
             await stream.socket_.ConnectAsync(new Uri(url), stream.closing_.Token).ConfigureAwait(false);
             _ = Task.Run(() => stream.ReadAsync());
-            var hello = new Fields().Add("major", 1L).Add("minor", 1L).Add("client_name", name).Add("token", token);
+            var hello = new Fields().Add("major", 1L).Add("minor", 2L).Add("client_name", name).Add("token", token);
             stream.Welcome = Json<Welcome>((string)await stream.AskAsync(Type.Hello, hello).ConfigureAwait(false));
             return stream;
         }
@@ -357,10 +358,22 @@ namespace Obliq
             return AckAsync(Type.Subscribe, new Fields().Add("radar", radar).Add("rate_hz", rateHz).Add("planes", planes));
         }
         public Task<Ack> UnsubscribeAsync(string radar) { return AckAsync(Type.Unsubscribe, new Fields().Add("radar", radar)); }
+        /// <summary>Pose and settings.</summary>
         public Task<Ack> ClaimAsync(string radar, bool force = false)
         {
             return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force));
         }
+        /// <summary>The radar's knobs alone, while another client may fly it.</summary>
+        public Task<Ack> ClaimSettingsAsync(string radar, bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force).Add("kinds", new[] { "SETTINGS_CLAIM" }));
+        }
+        /// <summary>The radar's pose alone, while another client may turn its knobs.</summary>
+        public Task<Ack> ClaimPoseAsync(string radar, bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force).Add("kinds", new[] { "POSE_CLAIM" }));
+        }
+        /// <summary>All that this client holds.</summary>
         public Task<Ack> ReleaseAsync(string radar) { return AckAsync(Type.ReleaseControl, new Fields().Add("radar", radar)); }
         /// <param name="pose">Fields of Pose that change: new Fields().Add("bearing_deg", 0.0)</param>
         public Task<Ack> SetPoseAsync(string radar, Fields pose)
@@ -382,6 +395,10 @@ namespace Obliq
             if (freeze != null) state.Add("freeze", freeze.Value);
             return AckAsync(Type.SetState, state);
         }
+        /// <summary>Puts a radar, or all (""), back to the scene file's settings, pose and switches; for who holds both claims, or an admin.</summary>
+        public Task<Ack> ResetExerciseAsync(string radar = "") { return AckAsync(Type.ResetExercise, new Fields().Add("radar", radar)); }
+        /// <summary>Stops all radars for all stations, clock, antenna and noise, or lets them go on; for who holds all claims, or an admin.</summary>
+        public Task<Ack> FreezeExerciseAsync(bool on) { return AckAsync(Type.SetExercise, new Fields().Add("frozen", on)); }
         /// <summary>One frame for this client alone, of no live radar: its name is only echoed.</summary>
         /// <param name="pose">At least latitude_deg, longitude_deg and height_m.</param>
         /// <param name="settings">What is not in it has its default, not a live radar's value.</param>

@@ -109,7 +109,7 @@ constexpr double kMostRate_hz = 100;
 /// The console's heartbeat: writes of a value other than the last keep the watchdog quiet.
 constexpr int kConsoleHeartbeat = 300;
 
-enum Coil { kTransmit, kFreeze, kApply, kClearFaults, kDiscard, kCoils };
+enum Coil { kTransmit, kFreeze, kApply, kClearFaults, kDiscard, kReset, kExerciseFreeze, kCoils };
 struct BitText {
   std::string_view name;
   std::string_view summary;

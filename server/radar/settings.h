@@ -114,6 +114,8 @@ struct PoseSettings {
   double valid_s = 0;      ///< stale so long after its arrival; 0: never
   double tilt_deg = 0;     ///< elevation of the boresight, about the antenna's own vertical, up positive
   bool tilt_auto = false;  ///< instead: towards level ground in the middle of the swath
+  double heading_deg = 0;  ///< of the platform; the sector's centre is held against it, frames are not
+  double time_rate = 1;    ///< seconds of the controller's clock in a second
 
   bool operator==(const PoseSettings&) const = default;
 };

@@ -153,7 +153,7 @@ TEST_F(DaemonReload, ParametersWhoseTextHasChangedAreTakenOverAndOthersStayAsCli
   wire::Ack ack;
   ASSERT_TRUE(other.set_settings("main", settings, ack).ok());
   write("[radar]\nr_min_m = 2000.0\nr_max_m = 7000.0\n");
-  ASSERT_TRUE(frames_until_log("radar main: is controlled by pilot"));
+  ASSERT_TRUE(frames_until_log("radar main: settings are held by pilot"));
   EXPECT_NE(daemon.log().find("\"radar.r_max_m is now 7000.0\""), std::string::npos) << daemon.log();
   wire::RadarInfo info;
   ASSERT_TRUE(other.get_radar("main", info).ok());

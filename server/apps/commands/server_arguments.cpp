@@ -1,6 +1,7 @@
 #include "server/apps/commands/server_arguments.h"
 
 #include <fmt/core.h>
+#include <google/protobuf/descriptor.h>
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
@@ -187,8 +188,36 @@ RadarConfig config_of(const wire::RadarInfo& info) {
   return config;
 }
 
+std::string holders_text(const std::string& of_pose, const std::string& of_settings) {
+  const auto name = [](const std::string& holder) { return holder.empty() ? "nobody" : holder; };
+  if (of_pose == of_settings) return "controlled by " + name(of_pose);
+  return "pose held by " + name(of_pose) + ", settings by " + name(of_settings);
+}
+
+bool names_key(const std::vector<std::string>& flags, std::string_view key) {
+  return std::ranges::any_of(
+      flags, [&](const std::string& flag) { return flag.starts_with(std::string(key) + "="); });
+}
+
+void write_named(const std::vector<std::string>& flags, const PoseSettings& pose, wire::Pose& message) {
+  wire::Pose all;
+  write_message(pose, all);
+  const google::protobuf::Reflection& reflection = *all.GetReflection();
+  for (const Parameter& parameter : parameters()) {
+    if (parameter.message != WireMessage::pose || names_key(flags, parameter.key.name)) continue;
+    reflection.ClearField(&all, all.GetDescriptor()->FindFieldByName(std::string(parameter.wire_field)));
+  }
+  // A number ends "auto" by itself; "auto" is no number.
+  if (all.has_tilt_deg() && pose.tilt_auto) {
+    all.clear_tilt_deg();
+    all.set_tilt_auto(true);
+  }
+  message = all;
+}
+
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {
   Complaints complaints;
+  const bool follows = radar.pose.heading_deg == radar.pose.bearing_deg;
   std::vector<std::string> ordered = flags;
   std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
@@ -259,6 +288,8 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       set(name, node);
     }
   }
+  // As in a scene file: a heading that is not named is the bearing.
+  if (follows && !names_key(flags, "antenna.heading_deg")) radar.pose.heading_deg = radar.pose.bearing_deg;
   RadarSettings& settings = radar.settings;
   if (of_columns != nullptr) settings.pixel_columns = of_columns->columns_for(settings.azimuth_bins);
   if (of_planes != nullptr) settings.planes_per_bin = of_planes->planes_for(settings.azimuth_bins);

@@ -194,6 +194,8 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   // A number without a word on floor_auto is meant.
   if (radar.set_at.contains("video.floor_db") && !radar.set_at.contains("video.floor_auto"))
     radar.config.settings.video.floor_auto = false;
+  if (!radar.set_at.contains("antenna.heading_deg"))
+    radar.config.pose.heading_deg = radar.config.pose.bearing_deg;
   given.finish();
   own.finish();
   radar.choice = choose_frustum(frusta);

@@ -314,14 +314,14 @@ export class App {
   async set(messageField, value) {
     const [message, field] = messageField.split(".");
     const radar = this.panes[0].radar;
-    if (message === "Pose") await this.link.ask("SetPose", { radar, pose: { [field]: value } });
+    if (message === "Pose") await this.controls.pose({ [field]: value });
     else await this.link.ask("SetSettings", { radar, settings: { [field]: value } });
     await this.poll();
   }
 
   setBearing(bearing_deg) {
     const rounded = Math.round(bearing_deg * 10) / 10;
-    return this.controls.attempt(() => this.link.ask("SetPose", { radar: this.panes[0].radar, pose: { bearing_deg: rounded } }));
+    return this.controls.attempt(() => this.controls.pose({ bearing_deg: rounded }));
   }
   turn(by_deg) {
     const { info } = this.panes[0];

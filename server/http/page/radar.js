@@ -4,6 +4,7 @@ import { Field, refusalText } from "./form.js";
 import { Refused } from "./stream.js";
 import { UNIT_M } from "./grid.js";
 import { number } from "./messages.js";
+import { turned } from "./placement.js";
 
 const $ = (id) => document.getElementById(id);
 const isSame = (a_m, b_m) => Math.abs(a_m - b_m) < 20;
@@ -66,6 +67,7 @@ export class RadarControls {
 
   #build() {
     const panel = $("radar");
+    const { app } = this;
     const row = (name, ...children) => {
       const element = make("div", "");
       element.className = "row";
@@ -93,7 +95,13 @@ export class RadarControls {
     this.freeze = make("button", "freeze", "The radar keeps this pose and these settings (Z)");
     this.freeze.id = "freeze";
     this.freeze.onclick = () => this.toggleState("freeze");
-    row("State", choice(this.transmit, this.freeze));
+    this.stop = make("button", "freeze all", "All radars stand still for all stations: clock, antenna and noise");
+    this.stop.id = "exercise-freeze";
+    this.stop.onclick = () => this.attempt(() => app.link.ask("SetExercise", { frozen: !this.info?.exercise_frozen }));
+    this.reset = make("button", "reset", "This radar goes back to the scene file's settings, pose and switches");
+    this.reset.id = "exercise-reset";
+    this.reset.onclick = () => this.attempt(() => app.link.ask("ResetExercise", { radar: this.radar }));
+    row("State", choice(this.transmit, this.freeze, this.stop, this.reset));
     this.scales = [];
     this.scaleUnitText = make("span", "NM");
     this.scaleUnitText.className = "unit";
@@ -178,7 +186,33 @@ export class RadarControls {
     return this.app.panes[0].info;
   }
   get isMine() {
-    return Boolean(this.info?.controlled_by_you) && this.app.link.isLive;
+    return this.holds("SETTINGS_CLAIM") && this.app.link.isLive;
+  }
+  holds(kind) {
+    return Boolean(this.info?.claimed_by_you?.includes(kind));
+  }
+  /** Another client flies the radar. */
+  get isFlown() {
+    return Boolean(this.info?.controller) && !this.holds("POSE_CLAIM");
+  }
+
+  /**
+   * The antenna is turned by the settings' holder, its platform moved by whoever holds the pose: this page, when nobody does.
+   * @param {Record<string, any>} pose fields that change
+   */
+  async pose(pose) {
+    const { link } = this.app;
+    const { radar } = this;
+    const isAim = (field) => this.table?.some(({ aim, message_field }) => aim && message_field === `Pose.${field}`);
+    const borrows = !Object.keys(pose).every(isAim) && !this.holds("POSE_CLAIM");
+    if (!borrows && this.isFlown && "bearing_deg" in pose) // then it counts from the heading
+      pose = { ...pose, bearing_deg: turned(pose.bearing_deg - number(this.info.pose?.heading_deg)) };
+    if (borrows) await link.ask("ClaimControl", { radar, kinds: ["POSE_CLAIM"] });
+    try {
+      await link.ask("SetPose", { radar, pose });
+    } finally {
+      if (borrows) await link.ask("ReleaseControl", { radar, kinds: ["POSE_CLAIM"] });
+    }
   }
 
   async #set(field, parameter, value) {
@@ -206,7 +240,8 @@ export class RadarControls {
     const { link } = this.app;
     return this.attempt(async () => {
       if (this.isMine) await link.ask("ReleaseControl", { radar: this.radar });
-      else await link.ask("ClaimControl", { radar: this.radar, ...(this.info?.controller && { force: true }) });
+      else await link.ask("ClaimControl", { radar: this.radar, kinds: ["SETTINGS_CLAIM"],
+        ...(this.info?.settings_controller && { force: true }) });
     });
   }
 
@@ -242,10 +277,10 @@ export class RadarControls {
   show() {
     const { info, app } = this;
     const role = app.link.welcome?.role ?? "";
-    const holder = info?.controller ?? "";
-    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : info.controlled_by_you ? "this page" : holder || "nobody";
-    this.holder.title = this.holder.textContent;
     const mine = this.isMine;
+    const holder = info?.settings_controller ?? "";
+    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : mine ? "this page" : holder || "nobody";
+    this.holder.title = this.holder.textContent + (this.isFlown ? `; flown by ${info.controller}` : "");
     const why = app.debrief?.state ? "A recording is as it was: nothing of its radars can be set"
       : role === "viewer" ? "You may watch; to set a radar takes a token of a controller"
       : holder && !mine && role !== "admin" ? `${holder} has control; only an admin may take over` : "";
@@ -257,6 +292,13 @@ export class RadarControls {
       button.disabled = !mine;
       button.title = mine ? button.dataset.title : why || "Take control first (K)";
     }
+    const leads = app.link.isLive && Boolean(info) && !app.debrief?.state && (role === "admin" || (mine && this.holds("POSE_CLAIM")));
+    for (const button of [this.stop, this.reset]) {
+      button.disabled = !leads;
+      button.title = leads ? button.dataset.title : why || "For an admin, or who holds pose and settings";
+    }
+    this.stop.textContent = info?.exercise_frozen ? "go on" : "freeze all";
+    this.stop.setAttribute("aria-pressed", String(Boolean(info?.exercise_frozen)));
     this.transmit.textContent = info?.transmit_off ? "transmit" : "standby";
     this.transmit.setAttribute("aria-pressed", String(Boolean(info?.transmit_off)));
     this.freeze.setAttribute("aria-pressed", String(Boolean(info?.frozen)));

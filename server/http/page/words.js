@@ -79,7 +79,8 @@ function paneSentences(app, pane) {
   else if (pane.awaits && !app.look.hold && !info?.transmit_off && !info?.fault)
     say(0, `Waiting for the first picture ${pane.radar ? `of ${pane.radar}` : pane.called}.`, "WAITING");
   if (info?.transmit_off) say(1, "Standby: the transmitter is off.", "STANDBY");
-  if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "RADAR FROZEN");
+  if (info?.exercise_frozen) say(1, "The exercise is frozen: all radars stand still.", "EXERCISE FROZEN");
+  else if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "RADAR FROZEN");
   if (info?.fault) say(2, `The radar cannot render: ${plain(info.fault)}.`, "FAULT");
   const coverage = status?.coverage;
   if (coverage === 0) say(1, "Off the map: no file has ground where the radar looks.", "OFF THE MAP");

@@ -75,6 +75,8 @@ class PoseFields(TypedDict, total=False):
     height_reference: Literal["datum", "ground", "ellipsoid"] | None
     geoid_undulation_m: float | None
     bearing_deg: float | None
+    heading_deg: float | None
+    time_rate: float | None
     sim_time_ns: int | None
     pose_id: int | None
     valid_s: float | None

@@ -299,6 +299,10 @@ class Pose(Fields):
     geoid_undulation_m: Height of the datum above the ellipsoid at the antenna; used with "ellipsoid" only. Allowed: number
         -120 to 120 m.
     bearing_deg: Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg.
+    heading_deg: Heading of the platform that carries the antenna, true; a scene file that names none gets the bearing.
+        Allowed: number -360 to 360 deg.
+    time_rate: Seconds of the controller's clock in a second: 10 where an exercise runs ten times as fast. Allowed: number
+        0.001 to 1000.
     sim_time_ns: Time of the pose by the controller's clock; the server interpolates between poses that have one. Allowed:
         integer -4e+18 to 4e+18 ns.
     pose_id: The controller's number for the pose; echoed, not used. Allowed: non-negative integer.
@@ -315,6 +319,8 @@ class Pose(Fields):
     height_reference: Literal["datum", "ground", "ellipsoid"] | None = None
     geoid_undulation_m: float | None = None
     bearing_deg: float | None = None
+    heading_deg: float | None = None
+    time_rate: float | None = None
     sim_time_ns: int | None = None
     pose_id: int | None = None
     valid_s: float | None = None
@@ -340,6 +346,8 @@ Pose.keys = {
     "antenna.height_reference": "height_reference",
     "antenna.geoid_undulation_m": "geoid_undulation_m",
     "antenna.bearing_deg": "bearing_deg",
+    "antenna.heading_deg": "heading_deg",
+    "antenna.time_rate": "time_rate",
     "antenna.sim_time_ns": "sim_time_ns",
     "antenna.pose_id": "pose_id",
     "antenna.valid_s": "valid_s",
