@@ -75,6 +75,10 @@ class Client {
   Status release(const std::string& radar, wire::ClaimSet claims);
   Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
   Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);
+  /// As set_pose without its answer: for a host that moves the antenna in a loop of its own. Handles what has
+  /// arrived meanwhile and waits for nothing; a refusal comes to FrameHandler::on_refused_pose, in this or a
+  /// later call.
+  Status send_pose(const std::string& radar, const wire::Pose& pose);
   /// Transmit and freeze, on or off; nothing leaves one as it is.
   Status set_state(const std::string& radar, std::optional<bool> transmit, std::optional<bool> freeze);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);

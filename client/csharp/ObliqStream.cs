@@ -229,7 +229,7 @@ namespace Obliq
         // The integers among the fields of RadarSettings and of Pose, as obliq.proto has them.
         private static readonly string[] Int32s = {
             "pixel_columns", "pixel_rows", "azimuth_bins", "range_bins", "scan_dwell_bins", "sub_columns",
-            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks" };
+            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks", "planes_per_bin" };
         private static readonly string[] Int64s = {
             "speckle_seed", "noise_seed", "sim_time_ns" };
         private static readonly string[] Uint64s = {
@@ -346,6 +346,12 @@ namespace Obliq
         {
             return Json<RadarInfo>((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false));
         }
+        /// <summary>All settings of a radar, by the names of obliq.proto: gain, STC, beam, noise, rain and the rest. Numbers are
+        /// texts with a point ("receiver_gain_db": "-6.5"), switches "true" or "false", choices their names.</summary>
+        public async Task<Dictionary<string, string>> GetSettingsAsync(string radar)
+        {
+            return Scalars((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false), "settings");
+        }
         /// <param name="planes">"VIDEO", "IQ", "STATE".</param>
         public Task<Ack> SubscribeAsync(string radar, double rateHz, params string[] planes)
         {
@@ -399,6 +405,12 @@ namespace Obliq
         public async Task<Frame> RenderOnceAsync(string radar, Fields pose, Fields settings, params string[] planes)
         {
             return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("pose", pose)
+                .Add("settings", settings ?? new Fields()).Add("planes", planes)).ConfigureAwait(false);
+        }
+        /// <summary>As RenderOnceAsync, but what pose and settings do not have is as the live radar has it now.</summary>
+        public async Task<Frame> RenderAsLiveAsync(string radar, Fields pose, Fields settings, params string[] planes)
+        {
+            return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("as_live", true).Add("pose", pose ?? new Fields())
                 .Add("settings", settings ?? new Fields()).Add("planes", planes)).ConfigureAwait(false);
         }
         /// <summary>The newest whole frame that has not been taken; of a turning radar a whole pass.</summary>
@@ -635,6 +647,22 @@ namespace Obliq
                 int most = 2 * frame.AzimuthBins * frame.Planes().Count;
                 while (queue.Rows > most && queue.Count > 1) queue.Rows -= queue.Dequeue().AzimuthCount;
             }
+        }
+
+        // The members of an object without objects in it, as the server writes it: numbers, names, true and false.
+        private static Dictionary<string, string> Scalars(string json, string name)
+        {
+            var found = new Dictionary<string, string>();
+            int at = json.IndexOf("\"" + name + "\"", StringComparison.Ordinal);
+            at = at < 0 ? -1 : json.IndexOf('{', at);
+            int end = at < 0 ? -1 : json.IndexOf('}', at);
+            if (end < 0) return found;
+            foreach (var member in json.Substring(at + 1, end - at - 1).Split(','))
+            {
+                int colon = member.IndexOf(':');
+                if (colon > 0) found[member.Substring(0, colon).Trim().Trim('"')] = member.Substring(colon + 1).Trim().Trim('"');
+            }
+            return found;
         }
 
         private static T Json<T>(string text)

@@ -36,6 +36,14 @@ bool has_registers(const Span& span) {
   return std::all_of(first, first + span.count, [](bool there) { return there; });
 }
 
+/// Panels read in blocks: gaps between registers are read as zeros.
+bool may_read(const Span& span) {
+  if (span.count == 0) return true;
+  if (span.address + span.count > kRegisters) return false;
+  const auto first = mapped().begin() + span.address;
+  return std::any_of(first, first + span.count, [](bool there) { return there; });
+}
+
 bool addresses_exist(const Request& request) {
   const auto end = [](const Span& span) { return span.address + span.count; };
   switch (request.function) {
@@ -47,7 +55,7 @@ bool addresses_exist(const Request& request) {
     case Function::write_coils:
       return end(request.write) <= kCoils;
     default:
-      return has_registers(request.read) && has_registers(request.write);
+      return may_read(request.read) && has_registers(request.write);
   }
 }
 

@@ -16,7 +16,7 @@ namespace obliq::modbus {
 /// Raised when a register changes its meaning; new registers in gaps leave it alone.
 constexpr std::uint16_t kMapVersion = 1;
 /// Registers 0 to this, less one. Most of them are gaps.
-constexpr int kRegisters = 320;
+constexpr int kRegisters = 512;
 
 /// Why a console's last request was refused, or a radar is not well.
 enum class Fault : std::uint16_t {

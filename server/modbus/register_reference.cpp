@@ -95,7 +95,8 @@ std::string bits() {
 std::string errors() {
   std::string text =
       "\n## Errors\n\n| exception | when |\n|---|---|\n| 01 | any other function code |\n| 02 | an address "
-      "outside this map or in one of its gaps; a write to a read-only register |\n| 03 | a value out of "
+      "outside this map; a read of a gap alone (across gaps, they are read as 0); a write to a gap or to a "
+      "read-only register |\n| 03 | a value out of "
       "limits; staged setpoints that apply cannot put into effect; a malformed request |\n| 06 | apply while "
       "a client of the stream holds what a staged setpoint belongs to, or another apply is in progress; no "
       "answer from the server in "

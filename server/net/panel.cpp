@@ -4,6 +4,7 @@
 #include <future>
 #include <utility>
 
+#include "server/control/planes_per_bin.h"
 #include "server/net/aim.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
@@ -114,6 +115,9 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     named.bearing |= parameter->wire_field == "bearing_deg";
     named.heading |= parameter->wire_field == "heading_deg";
   }
+  settle_planes(config.settings, std::ranges::any_of(change.settings, [](const PanelChange::Setting& s) {
+                  return s.parameter->key.name == "frustum.pixel_columns";
+                }));
   if (change.of_scene_file) {
     config.settings.scan_bars_deg = change.of_scene_file->bars_deg;
     config.settings.beam.file = change.of_scene_file->pattern;

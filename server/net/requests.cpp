@@ -232,7 +232,7 @@ void Requests::set_settings(const wire::SetSettings& request) {
   if (radar == nullptr) return;
   const SettingsPtr before = radar->settings.current();
   RadarSettings candidate = before->settings;
-  std::vector<FieldError> errors = merge_message(request.settings(), candidate);
+  std::vector<FieldError> errors = merge_request(request.settings(), candidate);
   append(errors, validate(candidate));
   if (errors.empty()) errors = room_.renderer().scene_faults(candidate);
   if (errors.empty()) {

@@ -81,6 +81,35 @@ TEST_F(SetCommand, SeveralKeysChangeAtOnceAndTheOtherRadarStays) {
   EXPECT_EQ(info("main").settings_version(), 1u);
 }
 
+TEST_F(SetCommand, LengthsMayNameTheirUnit) {
+  ASSERT_EQ(obliq({"set", "--radar", "nose", "radar.r_max_m=5nmi", "radar.r_min_m=0.5 km"}).code, 0);
+  EXPECT_EQ(info().settings().r_max_m(), 9260);
+  EXPECT_EQ(info().settings().r_min_m(), 500);
+  ASSERT_EQ(obliq({"pose", "--radar", "nose", "--height", "9842ft"}).code, 0);
+  EXPECT_DOUBLE_EQ(info().pose().height_m(), 9842 * 0.3048);
+  expect_refused({"radar.r_max_m=5yd"},
+                 "radar.r_max_m: found 5yd; allowed: number above 0, at most 500000 m; "
+                 "or with a unit: m, km, ft, nmi");
+  expect_refused({"radar.sector_deg=5km"},
+                 "radar.sector_deg: found 5km; allowed: number above 0, at most 360 deg");
+  expect_refused({"radar.r_max_m=1e999km"}, "radar.r_max_m: found");
+  expect_refused({"radar.r_max_m=nan ft"}, "radar.r_max_m: found");
+}
+
+TEST_F(SetCommand, PlanesFollowTheBinsUnlessColumnsAreNamed) {
+  ASSERT_EQ(obliq({"set", "frustum.quality=standard", "bins.azimuth=48", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().planes_per_bin(), 2);
+  EXPECT_EQ(info().settings().pixel_columns(), 96);
+  ASSERT_EQ(obliq({"set", "bins.azimuth=64", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 128) << "twice the bins still: standard, not draft";
+  ASSERT_EQ(obliq({"set", "frustum.planes_per_bin=5", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 320);
+  ASSERT_EQ(obliq({"set", "frustum.pixel_columns=100", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 100);
+  EXPECT_EQ(info().settings().planes_per_bin(), 0);
+  expect_refused({"frustum.planes_per_bin=1025"}, "allowed: integer 0 to 1024");
+}
+
 TEST_F(SetCommand, TransmitAndFreezeAreSwitched) {
   ASSERT_EQ(obliq({"set", "--transmit", "off", "--radar", "nose"}).code, 0);
   EXPECT_TRUE(info().transmit_off());

@@ -8,7 +8,8 @@ import support
 from support import ROOT, Folder
 import numpy as np
 from obliq import BadStream, Pose, Settings, Window, _crc, _wire, obliq_pb2, places, planes, wire
-from obliq._session import Session, Subscription
+from obliq._asked import Subscription
+from obliq._session import Session
 
 PROTOCOL = (ROOT / "proto" / "PROTOCOL.md").read_text()
 

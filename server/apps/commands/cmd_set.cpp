@@ -145,7 +145,7 @@ void run(const SetArguments& arguments) {
     wire::Ack ack;
     if (!std::ranges::all_of(arguments.settings, names_aim)) {
       wire::RadarSettings settings;
-      write_message(wanted.settings, settings);
+      write_request(wanted.settings, settings);
       require(client.set_settings(radar, settings, ack));
     }
     if (aim.ByteSizeLong() > 0) require(client.set_pose(radar, aim, ack));

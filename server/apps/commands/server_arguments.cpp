@@ -17,6 +17,7 @@
 #include "server/control/config_tree.h"
 #include "server/control/key_list.h"
 #include "server/control/parameters.h"
+#include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
 #include "server/control/settings_message.h"
 #include "server/loading/scene_loading.h"
@@ -57,7 +58,7 @@ std::string why_no_parameter(const std::string& name) {
     const bool of_radar = key.group == KeyGroup::radar || key.group == KeyGroup::short_form;
     (of_radar ? names : of_scene).push_back(key.name);
   }
-  if (name == "beam.file" || name == "scan.bars")
+  if (name == "beam.file" || name == "scan.bars" || name == "radar.preset")
     return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(
@@ -224,6 +225,8 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
   // What gives the pixels that no flag names, once all bins are known.
   const QualityPreset* of_columns = nullptr;
   const QualityPreset* of_rows = nullptr;
+  const QualityPreset* of_planes = nullptr;
+  bool columns_named = false;
   for (const std::string& flag : ordered) {
     const std::size_t equals = flag.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -235,7 +238,11 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
     const ConfigNode node =
         parse_config_value(std::string_view(flag).substr(equals + 1), rules.where + " " + name);
     const auto set = [&](const std::string& key, const ConfigNode& value) {
-      if (key == "frustum.pixel_columns") of_columns = nullptr;
+      if (key == "frustum.pixel_columns") {
+        of_columns = nullptr;
+        columns_named = true;
+      }
+      if (key == "frustum.planes_per_bin") of_planes = nullptr;
       if (key == "frustum.pixel_rows") of_rows = nullptr;
       set_parameter(key, value, rules, radar, complaints);
     };
@@ -276,7 +283,7 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       set("frustum.kind", value);
       value.value = std::string(preset->plates);
       set("frustum.plates", value);
-      of_columns = of_rows = preset;
+      of_columns = of_rows = of_planes = preset;
     } else {
       set(name, node);
     }
@@ -285,6 +292,8 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
   if (follows && !names_key(flags, "antenna.heading_deg")) radar.pose.heading_deg = radar.pose.bearing_deg;
   RadarSettings& settings = radar.settings;
   if (of_columns != nullptr) settings.pixel_columns = of_columns->columns_for(settings.azimuth_bins);
+  if (of_planes != nullptr) settings.planes_per_bin = of_planes->planes_for(settings.azimuth_bins);
+  settle_planes(settings, columns_named);
   if (of_rows != nullptr) settings.pixel_rows = of_rows->rows_for(settings.range_bins);
   complaints.throw_if_any();
 }

@@ -187,7 +187,10 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
     server_->panel().set_initial(known->name, to_build.radars[i]);
     net::PanelChange change;
     std::string text;
+    const RadarSettings& of_file_now = wanted.radars[i].settings;
+    const bool by_planes = of_file_now.frustum == FrustumKind::sweep && of_file_now.planes_per_bin > 0;
     for (const Parameter& parameter : parameters()) {
+      if (by_planes && parameter.key.name == "frustum.pixel_columns") continue;  // they follow
       if (value_of(parameter, *known) == value_of(parameter, wanted.radars[i])) continue;
       change.settings.push_back({&parameter, value_of(parameter, to_build.radars[i])});
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +

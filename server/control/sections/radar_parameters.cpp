@@ -106,8 +106,7 @@ const std::array kParameters{
         "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
         "How the ground is sampled: rays through the pixels of a camera, or vertical planes without "
         "rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
-        "\"standard\").",
-        {.knob = "frustum"}),
+        "\"standard\")."),
     row<&RadarSettings::plates>(
         "frustum.plates", "", kPlateKinds, "plates", {251, u16},
         "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "
@@ -119,6 +118,10 @@ const std::array kParameters{
     row<&RadarSettings::pixel_rows>(
         "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
         "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
+    row<&RadarSettings::planes_per_bin>(
+        "frustum.planes_per_bin", "", closed(0, 1024), "planes_per_bin", {320, u16},
+        "Planes in each azimuth bin, of the sweep, where frustum.pixel_columns is not named beside it; 0: as "
+        "frustum.quality says. Planes follow the bins, so that a narrower sector of fewer bins costs less."),
     row<&RadarSettings::sub_columns>("frustum.sub_columns", "", closed(0, 1024), "sub_columns", {260, u16},
                                      "Parts of an azimuth bin that see its buildings, of the sweep; 16 or "
                                      "more, a power of two or the next "

@@ -16,7 +16,8 @@ from . import obliq_pb2 as wire
 from ._connection import Connection
 from ._streams import Replay, Stream
 from ._assembly import Wedge
-from ._session import Command, Rendering, Session
+from ._asked import Rendering
+from ._session import Command, Session
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
 from .frame import Frame
 from .parameters import Pose, PoseFields, Settings, SettingsFields
@@ -135,34 +136,35 @@ class Server:
 
     def render(self, settings: requests.SettingsLike = None, pose: requests.PoseLike = None, *, planes: Planes = None,
                encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-               timeout: float = 60.0, radar: str = "python") -> Frame:
+               timeout: float = 60.0, radar: str = "python", as_live: bool = False) -> Frame:
         """One frame for this client alone; no live radar is touched. settings, pose: objects or dicts; absent settings
-        take their defaults. planes: "iq state", or None for iq, power, count and state."""
-        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, None))
+        take their defaults; as_live: what is absent in either is as the live radar of that name has it now. planes: "iq
+        state", or None for iq, power, count and state."""
+        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, as_live, None))
         return self._run(self._session.finish_render(rendering, timeout))
 
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                    timeout: float = 60.0, radar: str = "python", return_exceptions: Literal[False] = False,
+                    timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: Literal[False] = False,
                     seed: int | None = None) -> Iterator[Frame]: ...
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                    timeout: float = 60.0, radar: str = "python", return_exceptions: bool,
+                    timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: bool,
                     seed: int | None = None) -> Iterator[Frame | Exception]: ...
 
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *,
                     planes: Planes = None, encoding: Encoding = "cf32", compress: Compression | None = None,
                     window: Window | None = None, timeout: float = 60.0, radar: str = "python",
-                    return_exceptions: bool = False, seed: int | None = None) -> Iterator[Any]:
+                    as_live: bool = False, return_exceptions: bool = False, seed: int | None = None) -> Iterator[Any]:
         """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
         pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
         from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
         say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)
         waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]] = collections.deque()
-        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar))
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar, as_live))
         more = True
         try:
             while more or waiting:
@@ -326,6 +328,7 @@ class Control:
 
     def __init__(self, server: Server, name: str):
         self._server, self.name = server, name
+        self._refused: ObliqError | None = None
 
     def set_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
                  **fields: Unpack[PoseFields]) -> requests.Accepted:
@@ -333,6 +336,18 @@ class Control:
         new_time_line: that clock was set, poses before this one are forgotten."""
         request = requests.pose_request(self.name, pose, fields, new_time_line)
         return requests.Accepted.of(self._server._run(self._server._session.act(request)))
+
+    def send_pose(self, pose: requests.PoseLike = None, *, on_refused: Callable[[ObliqError], object] | None = None,
+                  **fields: Unpack[PoseFields]) -> None:
+        """As set_pose, without waiting for the answer: for a host that moves the antenna in a loop of its own. A refusal goes
+        to on_refused, in whichever later call it arrives; without one the next send_pose raises it."""
+        if self._refused is not None:
+            refused, self._refused = self._refused, None
+            raise refused
+        self._server._connection.tell(requests.pose_request(self.name, pose, fields), on_refused or self._keep)
+
+    def _keep(self, refusal: ObliqError) -> None:
+        self._refused = refusal
 
     def set(self, settings: requests.SettingsLike = None, **fields: Unpack[SettingsFields]) -> requests.Accepted:
         """Changes settings, all or none; the next frame has them."""

@@ -11,7 +11,7 @@ from typing import Any, TypeVar, Union
 from . import _seeds
 from . import obliq_pb2 as wire
 from ._fields import hint, number
-from ._session import Subscription
+from ._asked import Subscription
 from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
@@ -22,8 +22,9 @@ CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.S
 PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
 SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
 Wished = Union[PoseLike, tuple[PoseLike, SettingsLike]]  # a pose, or a pair of pose and settings
-Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str]  # planes, encoding, compress, window, radar
-Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, Union[dict[str, int], None]]
+# planes, encoding, compress, window, radar, as_live
+Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str, bool]
+Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, bool, Union[dict[str, int], None]]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -195,15 +196,16 @@ def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, ch
 
 
 def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encoding: str, compress: str | None,
-                   window: Window | None, radar: str,
+                   window: Window | None, radar: str, as_live: bool = False,
                    draw: dict[str, int] | None = None) -> tuple[wire.RenderOnce, tuple[str, ...]]:
-    """RenderOnce and the planes that it asks for. draw: settings that win."""
+    """RenderOnce and the planes that it asks for. as_live: what settings and pose do not name is the live radar's. draw:
+    settings that win."""
     antenna = Pose.of(pose, "pose")
-    request = wire.RenderOnce(radar=radar)
+    request = wire.RenderOnce(radar=radar, as_live=bool(as_live))
     Settings.of(settings, "settings", **(draw or {})).write(request.settings)
     antenna.write(request.pose)
     lacking = [name for name in ("latitude_deg", "longitude_deg", "height_m") if getattr(antenna, name) is None]
-    if lacking:
+    if lacking and not as_live:
         raise TypeError(f"pose: lacks {', '.join(lacking)}: a frame needs an antenna")
     return request, write_choice(request, planes, encoding, compress, window)
 

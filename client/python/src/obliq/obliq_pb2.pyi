@@ -564,7 +564,7 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_width_deg", "frequency_ghz", "frustum", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_width_deg", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
     ADC_BITS_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -578,6 +578,7 @@ class RadarSettings(_message.Message):
     BEAM_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
     FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
     FRUSTUM_FIELD_NUMBER: _ClassVar[int]
+    FTC_US_FIELD_NUMBER: _ClassVar[int]
     FULL_SCALE_DBM_FIELD_NUMBER: _ClassVar[int]
     GAIN_DB_FIELD_NUMBER: _ClassVar[int]
     GAS_FIELD_NUMBER: _ClassVar[int]
@@ -588,6 +589,7 @@ class RadarSettings(_message.Message):
     NOISE_SEED_FIELD_NUMBER: _ClassVar[int]
     PIXEL_COLUMNS_FIELD_NUMBER: _ClassVar[int]
     PIXEL_ROWS_FIELD_NUMBER: _ClassVar[int]
+    PLANES_PER_BIN_FIELD_NUMBER: _ClassVar[int]
     PLATES_FIELD_NUMBER: _ClassVar[int]
     POLARISATION_FIELD_NUMBER: _ClassVar[int]
     POWER_W_FIELD_NUMBER: _ClassVar[int]
@@ -633,6 +635,7 @@ class RadarSettings(_message.Message):
     beam_width_deg: float
     frequency_ghz: float
     frustum: FrustumKind
+    ftc_us: float
     full_scale_dbm: float
     gain_db: float
     gas: bool
@@ -643,6 +646,7 @@ class RadarSettings(_message.Message):
     noise_seed: int
     pixel_columns: int
     pixel_rows: int
+    planes_per_bin: int
     plates: PlateKind
     polarisation: Polarisation
     power_w: float
@@ -675,7 +679,7 @@ class RadarSettings(_message.Message):
     video_floor_db: float
     video_looks: int
     video_span_db: float
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ...) -> None: ...
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., ftc_us: _Optional[float] = ...) -> None: ...
 
 class RadarState(_message.Message):
     __slots__ = ["frozen", "pose", "radar", "rate_limit_hz", "settings", "transmit_off"]
@@ -750,7 +754,8 @@ class ReleaseControl(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., kinds: _Optional[_Iterable[_Union[ClaimKind, str]]] = ...) -> None: ...
 
 class RenderOnce(_message.Message):
-    __slots__ = ["compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "video_bits", "window"]
+    __slots__ = ["as_live", "compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "video_bits", "window"]
+    AS_LIVE_FIELD_NUMBER: _ClassVar[int]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
     PLANES_FIELD_NUMBER: _ClassVar[int]
@@ -760,6 +765,7 @@ class RenderOnce(_message.Message):
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
     VIDEO_BITS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
+    as_live: bool
     compression: CompressionKind
     iq_encoding: IqEncodingKind
     planes: _containers.RepeatedScalarFieldContainer[PlaneKind]
@@ -769,7 +775,7 @@ class RenderOnce(_message.Message):
     settings: RadarSettings
     video_bits: int
     window: BinWindow
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., as_live: bool = ...) -> None: ...
 
 class ReplayState(_message.Message):
     __slots__ = ["duration_s", "ended", "loop", "paused", "position_s", "radar", "running", "seeks", "sim_time_ns", "speed", "start_utc_ns"]
