@@ -14,7 +14,7 @@ TYPES = ModbusTcpClient.DATATYPE
 DATATYPE = {"u16": TYPES.UINT16, "u32": TYPES.UINT32, "i32": TYPES.INT32, "i64": TYPES.INT64, "u64": TYPES.UINT64,
             "f32": TYPES.FLOAT32}
 ILLEGAL_ADDRESS, ILLEGAL_VALUE = 2, 3
-COIL = {"transmit": 0, "freeze": 1, "apply": 2, "clear_faults": 3, "discard": 4}
+COIL = {"transmit": 0, "freeze": 1, "apply": 2, "clear_faults": 3, "discard": 4, "reset": 5, "exercise_freeze": 6}
 
 faults = []
 
