@@ -5,6 +5,6 @@
 #   tests/exercise.sh [--short] [--bin DIR]     ten minutes, or half a one; DIR: default build/release/bin
 #
 # Prints what it did, and fails when a pose or a setting was refused, when what was saved is not what is loaded, when a
-# recording cannot be replayed, or (not --short) when a picture lags by more than 0.2 s.
+# recording cannot be replayed, or (not --short; on a machine without other work) when a picture lags by more than 0.2 s.
 set -euo pipefail
 exec bash "$(dirname "${BASH_SOURCE[0]}")/python/run.sh" --program "$(dirname "${BASH_SOURCE[0]}")/exercise/rehearsal.py" "$@"
