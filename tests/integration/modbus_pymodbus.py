@@ -14,7 +14,7 @@ TYPES = ModbusTcpClient.DATATYPE
 DATATYPE = {"u16": TYPES.UINT16, "u32": TYPES.UINT32, "i32": TYPES.INT32, "i64": TYPES.INT64, "u64": TYPES.UINT64,
             "f32": TYPES.FLOAT32}
 ILLEGAL_ADDRESS, ILLEGAL_VALUE = 2, 3
-COIL = {"transmit": 0, "freeze": 1, "apply": 2, "clear_faults": 3, "discard": 4}
+COIL = {"transmit": 0, "freeze": 1, "apply": 2, "clear_faults": 3, "discard": 4, "reset": 5, "exercise_freeze": 6}
 
 faults = []
 
@@ -124,7 +124,7 @@ def try_status(client, rows):
 
 def try_bits(client, coils, inputs):
     answer = client.read_coils(0, count=len(coils), device_id=1)
-    expect(not answer.isError() and answer.bits[:len(coils)] == [True, False, False, False, False], f"coils: {answer}")
+    expect(not answer.isError() and answer.bits[:len(coils)] == [True] + [False] * (len(coils) - 1), f"coils: {answer}")
     answer = client.read_discrete_inputs(0, count=len(inputs), device_id=1)
     expect(not answer.isError() and answer.bits[0] and not answer.bits[1], f"inputs: {answer}")
     for address, name, _ in coils:

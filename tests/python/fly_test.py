@@ -206,6 +206,13 @@ class Datagrams(unittest.TestCase):
             hand.set_pose(tilt_deg=-6.0)
             self.assertEqual(self.poses_later(ride).tilt_deg, -6.0)
             ride.send(order(STOP))
+
+            def stands():
+                before = ride.server.radar("main").pose.pose_id
+                time.sleep(0.2)  # ten poses, if it flew
+                return ride.server.radar("main").pose.pose_id == before
+
+            support.wait_until(stands)
             ride.send(order(RESUME))
             self.assertFalse(self.poses_later(ride) is None or server.radar("main").info().frozen)
         _, err = ride.end()

@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -13,10 +14,10 @@
 #include <cstdio>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
-#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
@@ -35,6 +36,8 @@ constexpr int kDisPort = 3000;  // IEEE 1278.2-2015, 5.6
 // An entity that sends no PDU for so long has gone: 2.4 heartbeats of 5 s, IEEE 1278.1-2012, 4.2.8.
 constexpr double kDisTimeout_s = 12;
 constexpr milliseconds kLook{10};
+// Between lines of news, and between orders that are passed on to the server, however fast they come.
+constexpr milliseconds kPause{1000};
 // A datagram that is older than the newest by more has not been overtaken on its way: the clock was set back.
 constexpr std::int64_t kReordered_ns = 1'000'000'000;
 constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
@@ -114,9 +117,17 @@ class Ride {
           take(std::span<const std::byte>(bytes).first(static_cast<std::size_t>(size)));
       }
       if (entity_) reckon();
-      tell(refused_.line(Clock::now()));
+      if (Clock::now() >= next_order_ && is_frozen_ != stopped_since_.has_value()) freeze();
+      // One line a second in all: what is no pose comes first.
+      if (const std::string line = refused_.line(Clock::now()); !line.empty()) {
+        tell(line);
+        next_news_ = Clock::now() + kPause;
+      } else if (Clock::now() >= next_news_) {
+        tell_news();
+      }
     }
     tell(refused_.rest());
+    tell_news();
   }
 
   void print_summary() const {
@@ -125,6 +136,21 @@ class Ride {
   }
 
  private:
+  /// In one line, at most one a second, whatever comes: what is the same as before is told once.
+  void tell_news() {
+    if (news_.empty()) return;
+    std::string line;
+    for (const std::string& one : news_) line += (line.empty() ? "" : "; ") + one;
+    news_.clear();
+    next_news_ = Clock::now() + kPause;
+    tell(line);
+  }
+  void add_news(std::string text) {
+    constexpr std::size_t kMostNews = 8;
+    if (news_.size() < kMostNews && std::ranges::find(news_, text) == news_.end())
+      news_.push_back(std::move(text));
+  }
+
   static void tell(const std::string& line) {
     if (!line.empty()) std::fprintf(stderr, "obliq: %s\n", line.c_str());
   }
@@ -166,34 +192,32 @@ class Ride {
     if (order.what == SimulationOrder::What::remove) return leave("was removed");
     const bool stops = order.what == SimulationOrder::What::stop;
     if (stops == stopped_since_.has_value()) return;
-    std::fprintf(stderr, "obliq: %s: %s\n", source_.entity.c_str(),
-                 stops ? "stopped by its simulation's manager" : "goes on");
+    add_news(source_.entity + (stops ? ": stopped by its simulation's manager" : ": goes on"));
     if (stops) {
       stopped_since_ = Clock::now();
     } else {
       arrived_ += Clock::now() - *std::exchange(stopped_since_, std::nullopt);
     }
-    freeze(stops);
   }
 
-  /// The radar as a whole, where no other client holds its settings.
-  void freeze(bool on) {
+  /// The radar as a whole is as its entity, where no other client holds its settings.
+  void freeze() {
+    is_frozen_ = stopped_since_.has_value();
+    next_order_ = Clock::now() + kPause;
     client::Client& client = client_.client();
     client::Status status = client.claim(radar_, wire::kSettingsClaim);
     if (status.ok()) {
-      status = client.set_state(radar_, std::nullopt, on);
+      status = client.set_state(radar_, std::nullopt, is_frozen_);
       (void)client.release(radar_, wire::kSettingsClaim);
     }
     if (!status.ok())
-      std::fprintf(stderr, "obliq: %s is not %s: %s\n", radar_.c_str(), on ? "frozen" : "thawed",
-                   status.sentence().c_str());
+      add_news(radar_ + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
   }
 
   void leave(const char* how) {
     newest_.reset();
     if (std::exchange(has_left_, true)) return;
-    std::fprintf(stderr, "obliq: %s %s: the radar stays where it is until an Entity State of it comes\n",
-                 source_.entity.c_str(), how);
+    add_news(source_.entity + " " + how + ": the radar stays where it is until an Entity State of it comes");
   }
 
   /// Between PDUs the entity goes on as its dead reckoning says.
@@ -232,8 +256,15 @@ class Ride {
     if (is_lost(client_, status)) return;  // run() takes it up again
     require(status);
     says_bearing_ = false;
-    warnings_.tell({ack.warnings().begin(), ack.warnings().end()});
+    hear({ack.warnings().begin(), ack.warnings().end()});
     ++sent_;
+  }
+
+  /// Of an Ack: those that the one before had not.
+  void hear(std::vector<std::string> warnings) {
+    for (const std::string& warning : warnings)
+      if (std::ranges::find(warnings_, warning) == warnings_.end()) add_news("warning: " + warning);
+    warnings_ = std::move(warnings);
   }
 
   client::ResumingClient& client_;
@@ -254,7 +285,9 @@ class Ride {
   std::optional<std::int64_t> clock_ns_;            ///< of the newest datagram
   std::uint64_t sent_ = 0;
   RefusedDatagrams refused_;
-  WarningChanges warnings_;
+  std::vector<std::string> news_, warnings_;
+  bool is_frozen_ = false;  ///< by an order
+  Clock::time_point next_order_, next_news_;
 };
 
 }  // namespace

@@ -1,0 +1,297 @@
+"""tests/exercise.sh: who flies, who operates, what an instructor does, on one server."""
+import argparse
+import pathlib
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "client" / "python" / "src"), str(ROOT / "tests" / "python")]
+import obliq  # noqa: E402
+from fly_test import RESUME, STOP, entity_state, order  # noqa: E402
+
+GROUP, LOOPBACK = "239.255.77.9", "127.0.0.1"
+ENTITY = "1:2:3"
+HOST_HZ, DIS_HZ = 60, 10
+MOST_LAG_S = 0.2
+POWER_REGISTER, APPLY_COIL, MAIN_UNIT = 240, 2, 1  # server/modbus/REGISTERS.md
+RADARS = ("main", "map", "host")
+SCENE = """
+[terrain]
+synthetic = "ridge"
+shape = { distance_m = 5000.0 }
+[antenna]
+latitude_deg = 33.0
+longitude_deg = -99.5
+height_m = 2500.0
+[bins]
+azimuth = 48
+range = 64
+[frustum]
+kind = "sweep"
+[modbus]
+enabled = true
+port = %d
+[server]
+port = %d
+[http]
+enabled = false
+""" + "".join(f'[[radar]]\nname = "{name}"\nsector_deg = 60.0\nr_min_m = 3000.0\nr_max_m = 9000.0\n' for name in RADARS)
+
+
+def free_port(kind=socket.SOCK_STREAM):
+    with socket.socket(socket.AF_INET, kind) as taken:
+        taken.bind((LOOPBACK, 0))
+        return taken.getsockname()[1]
+
+
+def until(holds, what, seconds=60):
+    end = time.monotonic() + seconds
+    while not holds():
+        if time.monotonic() > end:
+            raise SystemExit(f"exercise: not within {seconds} s: {what}")
+        time.sleep(0.02)
+
+
+class Simulator(threading.Thread):
+    """An aircraft in a DIS exercise: Entity State PDUs to a group, from another thread."""
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.port, self.flies, self.ends = port, True, threading.Event()
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+
+    def send(self, pdu):
+        self.socket.sendto(pdu, (GROUP, self.port))
+
+    def run(self):
+        latitude = 33.0
+        while not self.ends.wait(1 / DIS_HZ):
+            if self.flies:
+                latitude += 1e-4
+                self.send(entity_state(latitude, -99.5, 2500.0, 20.0, speed=100.0))
+
+
+class Host(threading.Thread):
+    """A host with a clock of its own, 60 poses a second; looks how late its radar's pictures are."""
+
+    def __init__(self, address):
+        super().__init__(daemon=True)
+        self.address, self.ends = address, threading.Event()
+        self.rate, self.pauses, self.reset = 1.0, False, False
+        self.sim_s, self.sent, self.refused = 1000.0, 0, 0
+        self.lags_s, self.settles = [], 0.0
+
+    def run(self):
+        while not self.ends.is_set():
+            try:
+                with obliq.connect(self.address, name="host") as server, server.radar("host").control(claims="pose") as control:
+                    watching = threading.Thread(target=self.watch, daemon=True)
+                    watching.start()
+                    self.settles = time.monotonic() + 1
+                    self.fly(control)
+            except (obliq.ConnectionLost, obliq.CannotConnect, obliq.ServerStopping):
+                time.sleep(0.1)
+
+    def fly(self, control):
+        due = time.monotonic()
+        first = True
+        while not self.ends.is_set():
+            due += 1 / HOST_HZ
+            time.sleep(max(0.0, due - time.monotonic()))
+            if self.pauses:
+                continue
+            new, self.reset = self.reset or first, False
+            if new:
+                self.sim_s = 0.0
+            first = False
+            self.sim_s += self.rate / HOST_HZ
+            try:
+                control.set_pose(latitude_deg=33 + 1e-6 * self.sim_s, heading_deg=45.0, sim_time_ns=int(self.sim_s * 1e9),
+                                 time_rate=self.rate, new_time_line=new)
+                self.sent += 1
+            except obliq.Refused as refusal:
+                if isinstance(refusal, obliq.ServerStopping):
+                    raise
+                self.refused += 1
+                print("exercise: pose refused:", refusal, file=sys.stderr)
+
+    def watch(self):
+        try:
+            with obliq.connect(self.address, name="host's picture") as server, server.radar("host").wedges(HOST_HZ, "state") as wedges:
+                for wedge in wedges:
+                    if not self.pauses and time.monotonic() > self.settles:
+                        self.lags_s.append(abs(self.sim_s - wedge.pose.sim_time_ns * 1e-9) / self.rate)
+        except obliq.ObliqError:
+            pass
+
+
+class Exercise:
+    def __init__(self, programs, folder, unit_s):
+        self.programs, self.folder, self.unit_s = programs, folder, unit_s
+        self.port, self.modbus_port, self.dis_port = free_port(), free_port(), free_port(socket.SOCK_DGRAM)
+        self.address = f"{LOOPBACK}:{self.port}"
+        self.scene = folder / "scene.toml"
+        self.scene.write_text(SCENE % (self.modbus_port, self.port))
+        self.settings, self.refusals, self.killed = 0, [], 0
+        self.serve()
+
+    def start(self, name, *words, program="obliq"):
+        with open(self.folder / f"{name}.log", "a") as log:
+            return subprocess.Popen([self.programs / program, *map(str, words)], stdout=log, stderr=log)
+
+    def serve(self):
+        self.server = self.start("obliqd", "--config", self.scene, program="obliqd")
+        until(self.answers, "a server")
+
+    def answers(self):
+        try:
+            obliq.connect(self.address).close()
+            return True
+        except obliq.ObliqError:
+            return False
+
+    def obliq(self, *words):
+        done = subprocess.run([self.programs / "obliq", *map(str, words), "--server", self.address], capture_output=True, text=True)
+        if done.returncode != 0:
+            self.refusals.append(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
+        return done.stdout
+
+    def fly(self, radar):
+        return self.start(f"fly-{radar}", "fly", "--server", self.address, "--radar", radar, "--dis", ENTITY, "--udp", self.dis_port,
+                          "--listen", GROUP, "--interface", LOOPBACK, "--rate", HOST_HZ, "--reconnect", 60)
+
+    def record(self, radar):
+        return self.start(f"record-{radar}", "record", "--server", self.address, "--radar", radar, "--out", self.folder / f"{radar}.obliq",
+                          "--planes", "state", "--rate", 5, "--reconnect", 60)
+
+    # Three stations, one after the other: each holds the settings for as long as it sets them.
+
+    def by_command(self, k):
+        self.obliq("set", "--radar", "main", f"receiver.gain_db={k % 30}", f"antenna.tilt_deg={-(k % 10)}", f"antenna.bearing_deg={k % 40 - 20}")
+
+    def by_panel(self, k):
+        with socket.create_connection((LOOPBACK, self.modbus_port)) as panel:
+            for body in (struct.pack(">BHHBf", 16, POWER_REGISTER, 2, 4, 100.0 + k), struct.pack(">BHH", 5, APPLY_COIL, 0xFF00)):
+                panel.sendall(struct.pack(">HHHB", 1, 0, len(body) + 1, MAIN_UNIT) + body)
+                answer = panel.recv(260)
+                if answer[7] & 0x80:
+                    self.refusals.append(f"Modbus: exception {answer[8]}")
+
+    def by_page(self, k):
+        try:
+            with obliq.connect(self.address, name="page") as server, server.radar("main").control(claims="settings") as hand:
+                hand.set(r_max_m=8000.0 + k)
+                hand.set_pose(tilt_deg=-1.0 - k % 5)
+        except obliq.Refused as refusal:
+            self.refusals.append(f"page: {refusal}")
+
+    def operate(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            (self.by_command, self.by_panel, self.by_page)[self.settings % 3](self.settings)
+            self.settings += 1
+            time.sleep(min(1.0, self.unit_s / 8))
+
+    def state(self):
+        with obliq.connect(self.address) as server:
+            return server.exercise()
+
+    def rehearse(self):
+        simulator, host = Simulator(self.dis_port), Host(self.address)
+        flights = {radar: self.fly(radar) for radar in ("main", "map")}
+        recorders = [self.record(radar) for radar in ("main", "host")]
+        simulator.start()
+        host.start()
+        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "flights")
+        self.operate(2 * self.unit_s)
+        # A pause of all that fly.
+        simulator.flies, host.pauses = False, True
+        simulator.send(order(STOP))
+        until(lambda: self.state().radars[0].frozen and self.state().radars[1].frozen, "radars that are frozen by Stop/Freeze")
+        time.sleep(self.unit_s)
+        simulator.send(order(RESUME, (65535, 65535, 65535)))
+        until(lambda: not self.state().radars[0].frozen, "radars that go on")
+        simulator.flies, host.pauses, host.settles = True, False, time.monotonic() + 0.2
+        self.operate(self.unit_s)
+        for rate, resets in ((1.0, True), (10.0, False), (1.0, False), (0.5, False)):
+            host.reset, host.settles = resets, time.monotonic() + 0.2
+            host.rate = rate
+            self.operate(self.unit_s)
+        # A total freeze, and a state that comes back.
+        self.obliq("freeze", "on")
+        self.obliq("save", self.folder / "state.toml")
+        saved = self.state()
+        self.obliq("reset", "--radar", "main")
+        self.obliq("load", self.folder / "state.toml")
+        again = self.state()
+        same = [was.settings == now.settings for was, now in zip(saved.radars, again.radars)]
+        self.obliq("freeze", "off")
+        host.settles = time.monotonic() + 1
+        # Server and host are killed; all that were there come back by themselves, the host by hand.
+        self.server.kill()
+        self.server.wait()
+        flights["map"].kill()
+        flights["map"].wait()
+        self.serve()
+        flights["map"] = self.fly("map")
+        self.killed = 1
+        self.obliq("load", self.folder / "state.toml")
+        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "flights after the restart")
+        self.operate(2 * self.unit_s)
+        simulator.ends.set()
+        host.ends.set()
+        host.join(20)
+        for program in (*flights.values(), *recorders):
+            program.send_signal(signal.SIGINT)
+        codes = [program.wait(30) for program in (*flights.values(), *recorders)]
+        self.server.send_signal(signal.SIGTERM)
+        self.server.wait(30)
+        return host, same, codes
+
+    def flown(self):
+        """Poses and refusals of `obliq fly`, as it says at its end."""
+        texts = [(self.folder / f"fly-{radar}.log").read_text() for radar in ("main", "map")]
+        sums = [tuple(map(int, found)) for text in texts for found in re.findall(r"(\d+) poses, (\d+) datagrams that were none", text)]
+        return sum(poses for poses, _ in sums), sum(none for _, none in sums)
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--short", action="store_true")
+    arguments.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = arguments.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        exercise = Exercise(arguments.bin, pathlib.Path(folder), 2.0 if arguments.short else 55.0)
+        try:
+            host, same, codes = exercise.rehearse()
+            poses, none = exercise.flown()
+            frames = []
+            for radar in ("main", "host"):
+                replayed = subprocess.run([arguments.bin / "obliq", "replay", f"{folder}/{radar}.obliq", "--speed", "max"], capture_output=True,
+                                          text=True)
+                frames.append(len(replayed.stdout.splitlines()))
+                if replayed.returncode not in (0, 2):  # 2: the frame that the kill has cut
+                    exercise.refusals.append(f"replay of {radar}: {replayed.stderr.strip()}")
+        finally:
+            exercise.server.kill()
+    refused = host.refused + none + len(exercise.refusals)
+    lag_s = sorted(host.lags_s)
+    print(f"poses {host.sent + poses} sent, {host.refused + none} refused; {exercise.settings} settings by 3 stations, {len(exercise.refusals)} refused; "
+          f"server and host killed once; lag (real time) median {lag_s[len(lag_s) // 2]:.3f} s, 99 % {lag_s[len(lag_s) * 99 // 100]:.3f} s, max {lag_s[-1]:.3f} s of {len(lag_s)} pictures; "
+          f"settings as saved: {all(same)}; frames replayed: {frames[0]} and {frames[1]}")
+    for refusal in exercise.refusals:
+        print("exercise:", refusal, file=sys.stderr)
+    late = not arguments.short and lag_s[-1] > MOST_LAG_S
+    return int(refused > 0 or late or not all(same) or any(codes) or min(frames) == 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
