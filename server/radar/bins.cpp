@@ -1,6 +1,8 @@
 #include "server/radar/bins.h"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace obliq {
 
@@ -18,13 +20,49 @@ void copy_azimuths(const BinBlock& from, BinBlock& to) {
   std::copy_n(from.power_w.begin() + source, n, to.power_w.begin() + target);
   std::copy_n(from.count.begin() + source, n, to.count.begin() + target);
   std::copy_n(from.state.begin() + source, n, to.state.begin() + target);
-  const auto copy_video = [&](const auto& some, auto& others) {
+  const auto copy_wanted = [&](const auto& some, auto& others) {
     if (some.empty()) return;
     others.resize(to.state.size());
     std::copy_n(some.begin() + source, n, others.begin() + target);
   };
-  copy_video(from.video8, to.video8);
-  copy_video(from.video16, to.video16);
+  copy_wanted(from.video8, to.video8);
+  copy_wanted(from.video16, to.video16);
+  copy_wanted(from.labels.material, to.labels.material);
+  copy_wanted(from.labels.building, to.labels.building);
+  copy_wanted(from.labels.height_m, to.labels.height_m);
+  copy_wanted(from.labels.returns, to.labels.returns);
+}
+
+std::vector<float>& label_share(BinBlock& bins, int kind) {
+  const auto at = std::ranges::lower_bound(bins.label_shares, kind, {}, &LabelShare::kind);
+  if (at != bins.label_shares.end() && at->kind == kind) return at->share;
+  return bins.label_shares.insert(at, {kind, std::vector<float>(bins.power_w.size())})->share;
+}
+
+void decide_labels(BinBlock& bins) {
+  const std::size_t n = bins.power_w.size();
+  Labels& labels = bins.labels;
+  labels.building = std::move(label_share(bins, LabelShare::kBuildings));
+  labels.height_m = std::move(label_share(bins, LabelShare::kHeights));
+  labels.material.assign(n, 0);
+  std::vector<float> rest(n, 1);  // of material 0
+  std::vector<float> greatest(n);
+  for (const auto& [kind, share] : bins.label_shares) {
+    if (kind >= LabelShare::kBuildings) continue;
+    for (std::size_t bin = 0; bin < n; ++bin) {
+      rest[bin] -= share[bin];
+      if (!(share[bin] > greatest[bin])) continue;
+      greatest[bin] = share[bin];
+      labels.material[bin] = static_cast<std::uint8_t>(kind);
+    }
+  }
+  for (std::size_t bin = 0; bin < n; ++bin) {
+    if (rest[bin] >= greatest[bin]) labels.material[bin] = 0;
+    if (bins.power_w[bin] > 0) continue;
+    labels.material[bin] = Labels::kNoMaterial;
+    labels.height_m[bin] = std::numeric_limits<float>::quiet_NaN();
+  }
+  bins.label_shares = {};
 }
 
 }  // namespace obliq

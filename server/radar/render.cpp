@@ -9,6 +9,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/sweep/sweep_samples.h"
 #include "server/radar/visibility/coverage.h"
+#include "server/radar/visibility/returns.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/asking.h"
@@ -62,6 +63,17 @@ void render_echoes(WedgeWork& work, AzimuthRange range, double far_m) {
   work.wedge.stats.samples += work.cells.count();
 }
 
+/// Where ground alone is swept, its echoes say it already.
+void add_returns(const ScenePlan& plan, BinBlock& bins) {
+  std::vector<std::uint8_t>& returns = bins.labels.returns;
+  const bool swept = !returns.empty();
+  returns.resize(bins.state.size());
+  auto row = returns.begin();
+  for (int a = 0; a < bins.n_azimuth; ++a, row += bins.n_range)
+    if (const int azimuth = bins.first_azimuth + a; !swept || !plan.buildings_in(azimuth).empty())
+      std::ranges::copy(count_returns(plan, azimuth), row);
+}
+
 /// work.wedge becomes a wedge of bins that are looked at, without its area and the count of its states.
 void look_at(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
   const int bin = index * kWedgeAzimuthBins;
@@ -78,6 +90,10 @@ void look_at(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
     render_samples(work, range, needed.observer, visibility);
   }
   if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
+  if (needed.returns) {
+    const StageProbe probe(Stage::states);
+    add_returns(work.plan, work.wedge.bins);
+  }
   if (!needed.states) return;
   const StageProbe probe(Stage::states);
   decide_states(work.plan, visibility, work.wedge.bins);

@@ -31,14 +31,14 @@ double cells_in_azimuth_bin(const RadarSettings& s) {
 }  // namespace
 
 EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                   AzimuthRange range, Surfaces surfaces)
+                   AzimuthRange range, Surfaces surfaces, bool labels)
     : plan_(plan),
       scattering_(scattering),
       speckle_(speckle),
       range_(range),
       surfaces_(surfaces),
       range_constant_(radar_equation_constant(plan.settings().power_w, plan.wavelength_m())),
-      bins_(plan, speckle, true) {
+      bins_(plan, speckle, true, labels) {
   cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
   factors_.range_normalisation = normalises_samples(plan.settings());
@@ -59,6 +59,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const AntennaGain& antenna = plan_.antenna_gain();
   const glm::dvec3& at_m = plan_.sector().antenna_m;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
+  const World& world = plan_.scene().world();
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
   ask(kASample * samples.n);
@@ -88,9 +89,13 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const int azimuth = samples.azimuth_bin[k] - range_.first;
     const std::size_t bin = BinSums::index(azimuth, range_bin);
     bins_.add(bin, power, power * sine);
+    if (bins_.labels().wanted())
+      bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
+                         world.frame.height_m({{samples.x_m[k], at_m.y + r * samples.sin_elevation[k],
+                                                samples.z_m[k]}}));
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
-      plan_.seen().mark(plan_.scene().world().buildings.building_of_face[marked = samples.face[k]]);
+      plan_.seen().mark(world.buildings.building_of_face[marked = samples.face[k]]);
     if (geometric) {
       const double round_trips = 2 * r / plan_.wavelength_m();
       const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

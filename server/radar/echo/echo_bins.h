@@ -16,7 +16,7 @@ namespace obliq {
 class EchoBins {
  public:
   EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-           AzimuthRange range, Surfaces surfaces = Surfaces::all);
+           AzimuthRange range, Surfaces surfaces = Surfaces::all, bool labels = false);
 
   /// Empties the bins for another wedge and keeps their memory.
   void restart(AzimuthRange range);

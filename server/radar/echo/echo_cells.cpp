@@ -17,11 +17,11 @@ constexpr int kAScatterer = 8;
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     Surfaces surfaces, bool voltages)
+                     Surfaces surfaces, bool voltages, bool labels)
     : plan_(plan),
       speckle_(speckle),
       surfaces_(surfaces),
-      bins_(plan, speckle, voltages),
+      bins_(plan, speckle, voltages, labels),
       table_(scattering.echo_table()) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
@@ -43,12 +43,16 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   }
   where_.cells_per_m = cells_per_m_.data();
   where_.level_bits = level_bits_.data();
+  if (!labels) return;
+  stretches_.resize(static_cast<std::size_t>(bins.n_range) * GroundEchoes::kRuns);
+  most_stretches_.resize(BinSums::index(0, bins.n_range));
 }
 
 void EchoCells::restart(int first_azimuth) {
   bins_.restart(first_azimuth);
   const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
+  std::ranges::fill(most_stretches_, 0);
   if (bins_.has_voltages()) {
     last_.resize(n);
     std::memset(last_.data(), 0, n * sizeof(LastCell));
@@ -60,6 +64,9 @@ void EchoCells::restart(int first_azimuth) {
 void EchoCells::set_bearing(std::size_t profile, SinCos bearing) {
   where_.sin_bearing[profile] = bearing.sin;
   where_.cos_bearing[profile] = bearing.cos;
+  if (wants_labels())
+    datum_[profile] = DatumLine(plan_.scene().world().frame, where_.antenna_x_m, where_.antenna_z_m,
+                                bearing.sin, bearing.cos, plan_.sector().r_max_m);
 }
 
 void EchoCells::add(GroundEchoes& echoes) {
@@ -79,6 +86,34 @@ void EchoCells::add(GroundEchoes& echoes) {
   }
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
+}
+
+void EchoCells::add(GroundStretches& stretches) {
+  const StageProbe probe(Stage::bin);
+  const double antenna_y_m = plan_.sector().antenna_m.y;
+  ask(kAnEcho * stretches.n);
+  for (int k = 0; k < stretches.n; ++k) {
+    const std::uint32_t at = stretches.at[k];
+    const std::size_t run = at % GroundEchoes::kRuns;
+    if (stretches.begins[k] != 0) stretches_[at] = static_cast<std::uint8_t>(std::min(stretches_[at] + 1, 255));
+    if (surfaces_ == Surfaces::buildings) continue;
+    const auto light = static_cast<double>(stretches.light[k]);
+    const double y_m = antenna_y_m + static_cast<double>(stretches.height[k]) / light;
+    bins_.labels().add(BinSums::index(static_cast<int>(run % kWedgeAzimuthBins),
+                                      static_cast<int>(at / GroundEchoes::kRuns)),
+                       light * table_.factor, static_cast<std::uint8_t>(stretches.material[k]), false,
+                       datum_[run].height_m(static_cast<double>(stretches.distance_m[k]), y_m));
+  }
+  stretches.n = 0;
+}
+
+void EchoCells::end_planes() {
+  for (std::size_t at = 0; at < most_stretches_.size(); ++at) {
+    const std::size_t run = at / kWedgeAzimuthBins * GroundEchoes::kRuns + at % kWedgeAzimuthBins;
+    most_stretches_[at] =
+        std::max({most_stretches_[at], stretches_[run], stretches_[run + kWedgeAzimuthBins]});
+  }
+  std::ranges::fill(stretches_, 0);
 }
 
 void EchoCells::add_ground_voltages(int n) {
@@ -144,6 +179,7 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.power_w[k] = power_w;
   faces_.sec2[k] = echo.sec2_incidence;
   face_sine_[k] = sine;
+  if (wants_labels()) face_height_m_[k] = plan_.scene().world().frame.height_m({echo.at_m});
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
         speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
@@ -167,6 +203,8 @@ void EchoCells::take_faces() {
   for (int k = 0; k < faces_.n; ++k) {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
+    if (wants_labels())
+      bins_.labels().add(faces_.at[k], faces_.power_w[k], faces_.material[k], true, face_height_m_[k]);
   }
   faces_.n = 0;
 }
@@ -175,10 +213,13 @@ void EchoCells::write(BinBlock& block) {
   take_faces();
   bins_.write(block);
   std::size_t bin = 0;
+  if (wants_labels()) block.labels.returns.resize(block.state.size());
   for (int a = 0; a < block.n_azimuth; ++a)
-    for (int r = 0; r < block.n_range; ++r, ++bin)
+    for (int r = 0; r < block.n_range; ++r, ++bin) {
+      if (wants_labels()) block.labels.returns[bin] = most_stretches_[BinSums::index(a, r)];
       if (block.count[bin] == 0 && shadow_[BinSums::index(a, r)] != 0)
         block.state[bin] = static_cast<std::uint8_t>(BinState::shadow);
+    }
 }
 
 }  // namespace obliq

@@ -9,6 +9,7 @@
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
+#include "terrain/frames.h"
 
 namespace obliq {
 
@@ -46,9 +47,9 @@ struct FacePower {
 /// scatterer of the sum of their powers. Sums run in the order of arrival.
 class EchoCells {
  public:
-  /// voltages: false: I&Q is not computed.
+  /// voltages: false: I&Q is not computed. labels: whether they are wanted.
   EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            Surfaces surfaces, bool voltages);
+            Surfaces surfaces, bool voltages, bool labels = false);
 
   /// Begins with the wedge of this first azimuth bin.
   void restart(int first_azimuth);
@@ -60,6 +61,12 @@ class EchoCells {
   void set_bearing(std::size_t profile, SinCos bearing);
   /// Takes a list and empties it.
   void add(GroundEchoes& echoes);
+
+  bool wants_labels() const { return !most_stretches_.empty(); }
+  /// Takes a list of what labels need of the ground, and empties it.
+  void add(GroundStretches& stretches);
+  /// Others begin: of stretches in a bin the most of one plane count.
+  void end_planes();
   /// Of azimuth bin `profile` of the wedge.
   void add(int profile, const FaceEcho& echo);
   void add(int profile, const FacePower& echo);
@@ -76,9 +83,10 @@ class EchoCells {
   /// restart.
   void write(BinBlock& block);
 
+  /// With the stretches of labels.
   static std::int64_t bytes(int n_range) {
     return BinSums::bytes(n_range) +
-           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(LastCell) + 1);
+           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(LastCell) + 1 + 3);
   }
 
  private:
@@ -113,6 +121,12 @@ class EchoCells {
   double list_power_w_[kList]{};
   FaceEchoes faces_{};
   double face_sine_[FaceEchoes::kMost];
+  double face_height_m_[FaceEchoes::kMost];
+
+  // Of labels.
+  DatumLine datum_[GroundEchoes::kRuns];
+  std::vector<std::uint8_t> stretches_;       // [n_range][16] of the planes in hand; empty: none are wanted
+  std::vector<std::uint8_t> most_stretches_;  // [n_range][8]
 };
 
 }  // namespace obliq

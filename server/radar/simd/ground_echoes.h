@@ -44,6 +44,27 @@ struct GroundEchoes {
   float sine[kMost + kSpare];  ///< sine of elevation times light, where the table wants sines
 };
 
+/// What labels need of that ground: a stretch of it of one material in one range bin, without a gap. As
+/// GroundEchoes, beside which it lies.
+struct GroundStretches {
+  static constexpr float kGap_m = 1.0F / 16;  ///< ends of segments are floats: a shorter gap is none
+  float bin_now[GroundEchoes::kRuns];
+  float material_now[GroundEchoes::kRuns];
+  float begins_now[GroundEchoes::kRuns];
+  float from_now_m[GroundEchoes::kRuns];  ///< ground distances of its ends
+  float end_now_m[GroundEchoes::kRuns];
+  float light_now[GroundEchoes::kRuns];
+  float height_now[GroundEchoes::kRuns];
+  int n;
+  std::uint32_t at[GroundEchoes::kMost + GroundEchoes::kSpare];
+  std::uint32_t material[GroundEchoes::kMost + GroundEchoes::kSpare];
+  std::uint32_t begins[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< 0: goes on where the last one of its
+                                                                     ///< run in the bin ended
+  float distance_m[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< of its middle
+  float light[GroundEchoes::kMost + GroundEchoes::kSpare];
+  float height[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< above the antenna, times light
+};
+
 /// Rows [first, end) of segments.
 struct SegmentRows {
   VisibleSegments* segments;
@@ -52,8 +73,9 @@ struct SegmentRows {
 };
 
 /// Adds rows of segments, of both runs side by side; what is done is taken off their fronts. False: the list
-/// of echoes is full, and what is left of a row stays in its segments.
-OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&);
+/// of echoes is full, and what is left of a row stays in its segments. Stretches: null: not wanted.
+OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&,
+             GroundStretches*);
 
 /// Where the ground cells of echoes lie: by range bin, and by profile.
 struct PlaceOfEchoes {

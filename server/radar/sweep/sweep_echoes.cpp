@@ -50,6 +50,8 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   if (cut_.material == nullptr) cut_.echo.any_lobes = cut_.echo.peak[0] > 0;
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
+  if (!cells.wants_labels()) return;
+  stretches_ = std::make_unique<GroundStretches>();
 }
 
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
@@ -93,6 +95,7 @@ void SweepEchoes::start_planes() {
   for (std::size_t k = 0; k < GroundEchoes::kRuns; ++k) {
     echoes_.bin_now[k] = -1;
     echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = echoes_.sine_now[k] = 0;
+    if (stretches_) stretches_->bin_now[k] = -1;
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
@@ -133,12 +136,33 @@ void SweepEchoes::march_planes() {
     }
     SegmentRows a{&segments_[0], 0, segments_[0].n};
     SegmentRows b{&segments_[1], 0, segments_[1].n};
-    while (!active_kernels().ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
+    while (!active_kernels().ground_echoes(cut_, a, b, echoes_, stretches_.get())) {
+      cells_.add(echoes_);
+      if (stretches_) cells_.add(*stretches_);
+    }
   }
   // The cells of sixteen profiles are few enough to ask for them together; so are the echoes of a list.
   for (MarchedCells& cells : marched) cells.ask_for_them();
   for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_run(run);
   cells_.add(echoes_);
+  if (!stretches_) return;
+  for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_stretch(run);
+  cells_.add(*stretches_);
+  cells_.end_planes();
+}
+
+/// The same of a stretch.
+void SweepEchoes::end_stretch(std::size_t run) {
+  GroundStretches& s = *stretches_;
+  if (s.bin_now[run] < 0) return;
+  if (s.n >= GroundEchoes::kMost) cells_.add(s);
+  const auto n = static_cast<std::size_t>(s.n++);
+  s.at[n] = static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(run);
+  s.material[n] = static_cast<std::uint32_t>(s.material_now[run]);
+  s.begins[n] = static_cast<std::uint32_t>(s.begins_now[run]);
+  s.distance_m[n] = (s.from_now_m[run] + s.end_now_m[run]) / 2;
+  s.light[n] = s.light_now[run];
+  s.height[n] = s.height_now[run];
 }
 
 /// What is on the way in a run ends here.

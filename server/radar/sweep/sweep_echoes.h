@@ -1,5 +1,6 @@
 #pragma once
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
@@ -31,6 +32,7 @@ class SweepEchoes {
   void start_planes();
   void start_plane(int half);
   void end_run(std::size_t run);
+  void end_stretch(std::size_t run);
 
   const ScenePlan& plan_;
   AzimuthRange range_;
@@ -49,6 +51,7 @@ class SweepEchoes {
   SightProfiles profiles_[2];
   VisibleSegments segments_[2];
   GroundEchoes echoes_;
+  std::unique_ptr<GroundStretches> stretches_;  // of labels; null: none are wanted
 };
 
 }  // namespace obliq

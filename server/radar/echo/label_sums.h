@@ -1,0 +1,64 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/bins.h"
+
+namespace obliq {
+
+/// One wedge's sums of power by material, of buildings, and of heights by power, in double and in the order of
+/// arrival. A sum has memory once something has come to it.
+class LabelSums {
+ public:
+  /// wanted: false: nothing is added up.
+  explicit LabelSums(bool wanted) : wanted_(wanted), row_of_(LabelShare::kHeights + 1, kNone) {}
+
+  bool wanted() const { return wanted_; }
+  /// Empties the sums, of `bins` bins.
+  void restart(std::size_t bins);
+
+  /// An echo in bin `at`, at a height above the datum.
+  void add(std::size_t at, double power_w, std::uint8_t material, bool of_building, double height_m) {
+    row(LabelShare::kHeights)[at] += power_w * height_m;
+    if (material != 0) row(material)[at] += power_w;
+    if (of_building) row(LabelShare::kBuildings)[at] += power_w;
+  }
+
+  /// Writes the shares of the bins' power; index(azimuth, range) is a bin's `at`.
+  template <class Index>
+  void write(BinBlock& block, const Index& index) const {
+    for (const Row& row : rows_) {
+      std::vector<float>& share = label_share(block, row.kind);
+      std::size_t bin = 0;
+      for (int a = 0; a < block.n_azimuth; ++a)
+        for (int r = 0; r < block.n_range; ++r, ++bin)
+          if (block.power_w[bin] > 0)
+            share[bin] = static_cast<float>(row.sum[index(a, r)] / block.power_w[bin]);
+    }
+  }
+
+  /// A sum for each material but one, of buildings and of heights.
+  static std::int64_t bytes(int n_range, int materials) {
+    return std::int64_t{n_range} * kWedgeAzimuthBins * (materials + 1) *
+           static_cast<std::int64_t>(sizeof(double));
+  }
+
+ private:
+  static constexpr int kNone = -1;
+  struct Row {
+    int kind;
+    std::vector<double> sum;
+  };
+  double* row(int kind) {
+    const int at = row_of_[static_cast<std::size_t>(kind)];
+    return (at == kNone ? new_row(kind) : rows_[static_cast<std::size_t>(at)]).sum.data();
+  }
+  Row& new_row(int kind);
+
+  bool wanted_;
+  std::size_t bins_ = 0;
+  std::vector<Row> rows_;
+  std::vector<int> row_of_;  // by kind
+};
+
+}  // namespace obliq
