@@ -73,6 +73,8 @@ struct Labels {
 struct LabelShare {
   static constexpr int kBuildings = 256;
   static constexpr int kHeights = 257;
+  /// Of a scene with so many materials at most: all but one, buildings and heights.
+  static constexpr std::int64_t bytes_a_bin(int materials) { return (materials + 1) * 4; }
   int kind = 0;  ///< a material, or one of these
   std::vector<float> share;
 };
@@ -102,8 +104,7 @@ struct BinBlock {
 
   /// With all of them but labels.
   static constexpr std::int64_t kBytesABin = 8 + 8 + 4 + 1 + 4 + 1 + 2 + 8;
-  /// Of labels, and of what some materials' are made of.
-  static constexpr std::int64_t label_bytes_a_bin(int materials) { return 10 + 4 * (materials + 1); }
+  static constexpr std::int64_t kLabelBytesABin = 1 + 4 + 4 + 1;
 
   BinBlock() = default;
   BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {

@@ -9,7 +9,7 @@
 
 namespace obliq {
 
-/// What sharp wedges hold beside power and count.
+/// What wedges that are kept hold beside power and count.
 struct SharpPlanes {
   bool iq = false;
   bool look = false;  ///< of video of several looks (BinBlock::look)

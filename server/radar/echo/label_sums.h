@@ -37,10 +37,9 @@ class LabelSums {
     }
   }
 
-  /// A sum for each material but one, of buildings and of heights.
+  /// Of a scene of so many materials; 0: no labels.
   static std::int64_t bytes(int n_range, int materials) {
-    return std::int64_t{n_range} * kWedgeAzimuthBins * (materials + 1) *
-           static_cast<std::int64_t>(sizeof(double));
+    return materials == 0 ? 0 : 2 * LabelShare::bytes_a_bin(materials) * n_range * kWedgeAzimuthBins;
   }
 
  private:

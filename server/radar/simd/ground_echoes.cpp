@@ -141,12 +141,14 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
             cross_section_of(cut.echo, parts.material,
                              max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all<n>(1.0F)));
       Float sine{};
-      if (kSines || cut.echo.elevation.gain != nullptr) {
+      // Labels have one text of both.
+      const bool widths = kSines && (!Labels::kWanted || cut.echo.sines);
+      if (widths || cut.echo.elevation.gain != nullptr) {
         const Float middle_d = 0.5F * (d0 + d1);
         const Float middle_h = 0.5F * (h0 + h1);
         // Of a beam's width, which is 1 / cos(e), the middle of the strip has the mean straight below as
         // well.
-        const Float range2 = kSines ? middle_d * middle_d + middle_h * middle_h : r01;
+        const Float range2 = widths ? middle_d * middle_d + middle_h * middle_h : r01;
         sine = (middle_h + load_as<Float>(cut.lean) * middle_d) / sqrt(range2);
         const Float towards = elevation_gain(cut.echo.elevation, sine);
         gain *= towards * towards;
@@ -270,12 +272,10 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
 }
 #undef OBLIQ_OF_ROWS
 
-template <bool kSines, template <int> class Labels>
-OBLIQ_INLINE bool add_any_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out,
-                               GroundStretches* stretches) {
-  return b.first < b.end
-             ? add_rows<kSines, kFloatLanes, Labels<kFloatLanes>>(cut, a, b, out, stretches)
-             : add_rows<kSines, kLanes, Labels<kLanes>>(cut, a, b, out, stretches);
+template <bool kSines>
+OBLIQ_INLINE bool add_any_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
+  return b.first < b.end ? add_rows<kSines, kFloatLanes, NoStretch<kFloatLanes>>(cut, a, b, out, nullptr)
+                         : add_rows<kSines, kLanes, NoStretch<kLanes>>(cut, a, b, out, nullptr);
 }
 
 }  // namespace
@@ -283,10 +283,8 @@ OBLIQ_INLINE bool add_any_rows(const GroundCut& cut, SegmentRows& a, SegmentRows
 bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out,
                    GroundStretches* stretches) {
   if (stretches != nullptr)
-    return cut.echo.sines ? add_any_rows<true, Stretch>(cut, a, b, out, stretches)
-                          : add_any_rows<false, Stretch>(cut, a, b, out, stretches);
-  return cut.echo.sines ? add_any_rows<true, NoStretch>(cut, a, b, out, stretches)
-                        : add_any_rows<false, NoStretch>(cut, a, b, out, stretches);
+    return add_rows<true, kFloatLanes, Stretch<kFloatLanes>>(cut, a, b, out, stretches);
+  return cut.echo.sines ? add_any_rows<true>(cut, a, b, out) : add_any_rows<false>(cut, a, b, out);
 }
 
 void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::uint64_t* place,

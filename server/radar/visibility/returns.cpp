@@ -31,7 +31,7 @@ class Stretches {
     // Range falls and rises again at the foot of the perpendicular from the antenna.
     const double along = s.d_m * s.rate_d + s.h_m * s.rate_h;
     const double turn = -along / (s.rate_d * s.rate_d + s.rate_h * s.rate_h);
-    if (turn > s.t0 && turn < s.t1) go_to(std::hypot(s.ground_range_m(turn), s.height_m(turn)));
+    if (turn > s.t0 && turn < s.t1) go_to(Point{s.ground_range_m(turn), s.height_m(turn)}.range());
     go_to(to.range());
     end_ = to;
   }
@@ -44,7 +44,7 @@ class Stretches {
   struct Point {
     double d = HUGE_VAL;
     double h = HUGE_VAL;
-    double range() const { return std::hypot(d, h); }
+    double range() const { return std::sqrt(d * d + h * h); }
   };
 
   /// -1: nearer than the swath, n_range: beyond it.
