@@ -39,12 +39,12 @@ struct AssembledFrame {
   std::vector<double> power_w;
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
-  std::vector<std::uint16_t> video;  ///< levels of video_bits
+  std::vector<std::uint16_t> video;    ///< levels of video_bits
   std::vector<std::uint8_t> material;  ///< labels: an index of descriptor.materials; 255: none
   std::vector<float> building;         ///< share of the mean power that buildings give
   std::vector<float> height_m;         ///< above the datum, weighed by power; NaN: no power
   std::vector<std::uint8_t> returns;   ///< separate stretches of visible surface in the bin
-  int video_bits = 8;                ///< of what was sent; without video means nothing
+  int video_bits = 8;                  ///< of what was sent; without video means nothing
 };
 
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin

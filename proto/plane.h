@@ -21,7 +21,7 @@ constexpr int kPlanes = 10;  ///< numbers, one of which is no plane
 
 /// A set of planes, bit n for plane n.
 using PlaneSet = std::uint16_t;
-constexpr PlaneSet kAllPlanes = 0x0F;  ///< of a client that names none: all but video
+constexpr PlaneSet kAllPlanes = 0x0F;     ///< of a client that names none: all but video
 constexpr PlaneSet kLabelPlanes = 0x3C0;  ///< what the ground is: material, building, height, returns
 constexpr PlaneSet kEveryPlane = 0x1F | kLabelPlanes;
 constexpr PlaneSet plane_bit(Plane plane) {

@@ -41,8 +41,8 @@ class WorldFrame {
   /// Cosine of the angle between y and the vertical at (x, z).
   double upright(double x_m, double z_m) const;
 
-  /// Height above the datum of a point: geodetic_from_world's, to 1e-6 of it within 100 km of the origin, for a
-  /// tenth of the time.
+  /// Height above the datum of a point: geodetic_from_world's, to 1e-6 of it within 100 km of the origin, for
+  /// a tenth of the time.
   double height_m(const WorldPoint& world) const;
 
   /// What is subtracted from the tangent-plane y at (x, z): (1 - 1/k) ellipsoid_y_m. Metres, <= 0.
@@ -71,8 +71,8 @@ class WorldFrame {
   GeographicLib::LocalCartesian tangent_;
 };
 
-/// Heights above the datum along a line of the tangent plane, as WorldFrame::height_m: the datum is taken for a
-/// parabola, to 1 cm over 60 km. For a fifth of the time.
+/// Heights above the datum along a line of the tangent plane, as WorldFrame::height_m: the datum is taken for
+/// a parabola, to 1 cm over 60 km. For a fifth of the time.
 class DatumLine {
  public:
   DatumLine() = default;

@@ -23,7 +23,8 @@ FrameCost rendering_cost(const RadarSettings& settings, wire::PlaneSet planes, c
       settings.frustum == FrustumKind::sweep ? settings.range_bins : settings.pixel_rows;
   cost.pixels = settings.pixel_columns * rows;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
-  const RenderingSize size = rendering_size(settings, threads_of(options), (planes & wire::kLabelPlanes) != 0 ? options.materials : 0);
+  const RenderingSize size = rendering_size(settings, threads_of(options),
+                                            (planes & wire::kLabelPlanes) != 0 ? options.materials : 0);
   cost.plan_taps = size.plan_taps;
   cost.bytes = size.bytes;
   return cost;

@@ -57,7 +57,8 @@ struct BinGrid : RangeAxis {
 /// Which returns are binned. All surfaces hide what lies behind them, whatever is binned.
 enum class Surfaces { all, ground, buildings };
 
-/// What the ground is that a bin's mean power comes from, before noise and rain. [bins] each; empty: not wanted.
+/// What the ground is that a bin's mean power comes from, before noise and rain. [bins] each; empty: not
+/// wanted.
 struct Labels {
   std::vector<std::uint8_t> material;  ///< of the greatest sum of power
   std::vector<float> building;         ///< share of the power that buildings give, 0 without power

@@ -24,8 +24,8 @@ constexpr std::int64_t kBytesOfBatches = 2'500'000;
 std::int64_t wedge_bytes(const RadarSettings& s, int label_materials) {
   const std::int64_t of_labels =
       label_materials == 0 ? 0 : BinBlock::kLabelBytesABin + LabelShare::bytes_a_bin(label_materials);
-  const std::int64_t bins = (BinBlock::kBytesABin + of_labels) * s.range_bins *
-                            std::min(kWedgeAzimuthBins, s.azimuth_bins);
+  const std::int64_t bins =
+      (BinBlock::kBytesABin + of_labels) * s.range_bins * std::min(kWedgeAzimuthBins, s.azimuth_bins);
   if (narrow_bins(s) > 1) return wedge_bytes(narrow_frame(s), label_materials) + bins;
   const std::int64_t bytes = kBytesOfBatches + bins + LabelSums::bytes(s.range_bins, label_materials) +
                              WedgeVisibility::bytes(s.range_bins) + EchoBins::bytes(s);
@@ -42,8 +42,8 @@ RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads, int l
   const EchoSize size = echo_size(s, threads, label_materials);
   const std::int64_t kept =
       s.scan_mode == ScanMode::frame ? 0 : std::min(std::int64_t{SharpStore::kMostBytes}, size.sharp_bytes);
-  return {at_work(size.sharp) * (wedge_bytes(size.sharp, label_materials) + size.sums_bytes) + size.plan_bytes +
-              size.rows_bytes + kept,
+  return {at_work(size.sharp) * (wedge_bytes(size.sharp, label_materials) + size.sums_bytes) +
+              size.plan_bytes + size.rows_bytes + kept,
           size.taps()};
 }
 

@@ -113,8 +113,7 @@ class FrameCache::Frame : public PlannedFrame {
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,
                              options.labels};
-    if (const auto part = place_->find(azimuths, planes))
-      return repeat(*part, options);
+    if (const auto part = place_->find(azimuths, planes)) return repeat(*part, options);
     const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
     if (!frame) return frame_->render(azimuths, options);
     const auto fresh = std::make_shared<Part>();

@@ -174,9 +174,10 @@ void add_render(CLI::App& app) {
       ->add_option("--video-bits", arguments->video_bits,
                    "Also write video.npy, the plane video, of so many bits a bin")
       ->check(CLI::IsMember({8, 16}));
-  command->add_flag("--labels", arguments->labels,
-                    "Also write material.npy, building.npy, height.npy and returns.npy: what the ground of each bin "
-                    "is");
+  command->add_flag(
+      "--labels", arguments->labels,
+      "Also write material.npy, building.npy, height.npy and returns.npy: what the ground of each bin "
+      "is");
   add_picture_arguments(*command, arguments->picture);
   command->add_flag("--profile", arguments->profile,
                     "Report where the time of loading and of a frame goes, on stderr and in timing.json; "

@@ -208,8 +208,9 @@ void EchoSums::write_share(const BinBlock& bins, int output, float* share) const
       bins.power_w.data() + static_cast<std::size_t>(output) * static_cast<std::size_t>(plan_.n_range);
   for (std::size_t m = 0; m < static_cast<std::size_t>(plan_.n_range); ++m) {
     const double r2 = range2_m2_.empty() ? 1 : range2_m2_[m];
-    const double sum_w = static_cast<double>(ranges_[kPower][m * static_cast<std::size_t>(plan_.range_parts)]) *
-                         plan_.power_scale * (r2 * r2);
+    const double sum_w =
+        static_cast<double>(ranges_[kPower][m * static_cast<std::size_t>(plan_.range_parts)]) *
+        plan_.power_scale * (r2 * r2);
     share[m] = power_w[m] > 0 ? static_cast<float>(sum_w / power_w[m]) : 0;
   }
 }

@@ -95,14 +95,15 @@ void EchoCells::add(GroundStretches& stretches) {
   for (int k = 0; k < stretches.n; ++k) {
     const std::uint32_t at = stretches.at[k];
     const std::size_t run = at % GroundEchoes::kRuns;
-    if (stretches.begins[k] != 0) stretches_[at] = static_cast<std::uint8_t>(std::min(stretches_[at] + 1, 255));
+    if (stretches.begins[k] != 0)
+      stretches_[at] = static_cast<std::uint8_t>(std::min(stretches_[at] + 1, 255));
     if (surfaces_ == Surfaces::buildings) continue;
     const auto light = static_cast<double>(stretches.light[k]);
     const double y_m = antenna_y_m + static_cast<double>(stretches.height[k]) / light;
-    bins_.labels().add(BinSums::index(static_cast<int>(run % kWedgeAzimuthBins),
-                                      static_cast<int>(at / GroundEchoes::kRuns)),
-                       light * table_.factor, static_cast<std::uint8_t>(stretches.material[k]), false,
-                       datum_[run].height_m(static_cast<double>(stretches.distance_m[k]), y_m));
+    bins_.labels().add(
+        BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns)),
+        light * table_.factor, static_cast<std::uint8_t>(stretches.material[k]), false,
+        datum_[run].height_m(static_cast<double>(stretches.distance_m[k]), y_m));
   }
   stretches.n = 0;
 }

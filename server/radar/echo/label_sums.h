@@ -6,8 +6,8 @@
 
 namespace obliq {
 
-/// One wedge's sums of power by material, of buildings, and of heights by power, in double and in the order of
-/// arrival. A sum has memory once something has come to it.
+/// One wedge's sums of power by material, of buildings, and of heights by power, in double and in the order
+/// of arrival. A sum has memory once something has come to it.
 class LabelSums {
  public:
   /// wanted: false: nothing is added up.

@@ -60,7 +60,7 @@ struct GroundStretches {
   std::uint32_t material[GroundEchoes::kMost + GroundEchoes::kSpare];
   std::uint32_t begins[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< 0: goes on where the last one of its
                                                                      ///< run in the bin ended
-  float distance_m[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< of its middle
+  float distance_m[GroundEchoes::kMost + GroundEchoes::kSpare];      ///< of its middle
   float light[GroundEchoes::kMost + GroundEchoes::kSpare];
   float height[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< above the antenna, times light
 };

@@ -1,6 +1,6 @@
 #pragma once
-// The ground that profiles see of the range bin that each is in, and the lists that it goes to when a bin ends
-// (ground_echoes.h).
+// The ground that profiles see of the range bin that each is in, and the lists that it goes to when a bin
+// ends (ground_echoes.h).
 #include "server/radar/simd/float_lanes.h"
 #include "server/radar/simd/ground_echoes.h"
 
@@ -132,8 +132,8 @@ struct Stretch {
   }
 
   /// Goes on with a part of the surface, in the lanes that see it.
-  OBLIQ_INLINE void add(Words<n> seen, Floats<n> in_bin, Floats<n> of, Floats<n> part_from, Floats<n> part_end,
-                        Floats<n> part_light, Floats<n> part_height) {
+  OBLIQ_INLINE void add(Words<n> seen, Floats<n> in_bin, Floats<n> of, Floats<n> part_from,
+                        Floats<n> part_end, Floats<n> part_light, Floats<n> part_height) {
     const Words<n> goes_on = seen & (in_bin == bin) & (part_from - end < GroundStretches::kGap_m);
     const Words<n> same = goes_on & (of == material);
     const Words<n> fresh = seen & ~same;

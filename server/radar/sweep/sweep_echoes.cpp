@@ -157,7 +157,8 @@ void SweepEchoes::end_stretch(std::size_t run) {
   if (s.bin_now[run] < 0) return;
   if (s.n >= GroundEchoes::kMost) cells_.add(s);
   const auto n = static_cast<std::size_t>(s.n++);
-  s.at[n] = static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(run);
+  s.at[n] =
+      static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(run);
   s.material[n] = static_cast<std::uint32_t>(s.material_now[run]);
   s.begins[n] = static_cast<std::uint32_t>(s.begins_now[run]);
   s.distance_m[n] = (s.from_now_m[run] + s.end_now_m[run]) / 2;

@@ -25,7 +25,8 @@ class Stretches {
   void visible(const VisibleSegment& s) {
     const Point from{s.ground_range_m(s.t0), s.height_m(s.t0)};
     const Point to{s.ground_range_m(s.t1), s.height_m(s.t1)};
-    if (std::abs(from.d - end_.d) > GroundStretches::kGap_m || std::abs(from.h - end_.h) > GroundStretches::kGap_m)
+    if (std::abs(from.d - end_.d) > GroundStretches::kGap_m ||
+        std::abs(from.h - end_.h) > GroundStretches::kGap_m)
       bin_ = kNone;
     enter(bin_at(from.range()));
     // Range falls and rises again at the foot of the perpendicular from the antenna.
@@ -90,7 +91,8 @@ std::vector<std::uint8_t> count_returns(const ScenePlan& plan, int azimuth_bin) 
       ask(kACell * kCells);
       sight.advance(sight.at_m() + kCells * world.grid.cell_m, stretches);
     }
-    for (std::size_t bin = 0; bin < most.size(); ++bin) most[bin] = std::max(most[bin], stretches.count()[bin]);
+    for (std::size_t bin = 0; bin < most.size(); ++bin)
+      most[bin] = std::max(most[bin], stretches.count()[bin]);
   }
   return most;
 }
