@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "terrain/base/asking.h"
+
 namespace obliq {
 
 int wedge_count(int azimuth_bins) { return (azimuth_bins + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins; }
@@ -41,6 +43,7 @@ std::vector<float>& label_share(BinBlock& bins, int kind) {
 
 void decide_labels(BinBlock& bins) {
   const std::size_t n = bins.power_w.size();
+  ask(4 * static_cast<std::int64_t>(n));
   Labels& labels = bins.labels;
   labels.building = std::move(label_share(bins, LabelShare::kBuildings));
   labels.height_m = std::move(label_share(bins, LabelShare::kHeights));
@@ -49,6 +52,7 @@ void decide_labels(BinBlock& bins) {
   std::vector<float> greatest(n);
   for (const auto& [kind, share] : bins.label_shares) {
     if (kind >= LabelShare::kBuildings) continue;
+    ask(static_cast<std::int64_t>(n));
     for (std::size_t bin = 0; bin < n; ++bin) {
       rest[bin] -= share[bin];
       if (!(share[bin] > greatest[bin])) continue;

@@ -338,6 +338,8 @@ class Sets(Folder):
             obliq.torch.RadarDataset(data, planes="state")
 
     def test_noise_of_two_frames_is_alike_by_chance_alone(self):
+        good, sentence = _self_test.labels(self.folder, OBLIQD)
+        self.assertTrue(good, sentence)
         good, sentence = _self_test.noise(self.folder, OBLIQD)
         self.assertTrue(good, sentence)
         self.assertRegex(sentence, "largest correlation of two of 24 frames is 0.0.* by chance 0.0302")

@@ -109,6 +109,7 @@ void EchoCells::add(GroundStretches& stretches) {
 }
 
 void EchoCells::end_planes() {
+  ask(static_cast<std::int64_t>(most_stretches_.size()));
   for (std::size_t at = 0; at < most_stretches_.size(); ++at) {
     const std::size_t run = at / kWedgeAzimuthBins * GroundEchoes::kRuns + at % kWedgeAzimuthBins;
     most_stretches_[at] =

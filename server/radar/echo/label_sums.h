@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 
@@ -30,10 +31,12 @@ class LabelSums {
     for (const Row& row : rows_) {
       std::vector<float>& share = label_share(block, row.kind);
       std::size_t bin = 0;
-      for (int a = 0; a < block.n_azimuth; ++a)
+      for (int a = 0; a < block.n_azimuth; ++a) {
+        ask(block.n_range);
         for (int r = 0; r < block.n_range; ++r, ++bin)
           if (block.power_w[bin] > 0)
             share[bin] = static_cast<float>(row.sum[index(a, r)] / block.power_w[bin]);
+      }
     }
   }
 
