@@ -206,7 +206,8 @@ void EchoCells::take_faces() {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
     if (wants_labels())
-      bins_.labels().add(faces_.at[k], faces_.power_w[k], faces_.material[k], true, face_height_m_[k]);
+      bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
+                         face_height_m_[k]);
   }
   faces_.n = 0;
 }
