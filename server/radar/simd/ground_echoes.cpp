@@ -102,7 +102,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
   Float r0 = first_r;
   const Float length = parts.end - parts.at;
   for (float k = 1; any(wanted); ++k) {
-    if (out.n > GroundEchoes::kMost - GroundEchoes::kSpare || labels.is_full()) {
+    if (out.n > GroundEchoes::kMost - GroundEchoes::kSpare) {
       parts.at += t0;
       return false;
     }
@@ -210,6 +210,10 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
   Labels labels(stretches);
   bool room = true;
   for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
+    if (labels.is_full()) {
+      room = false;
+      break;
+    }
     const Row left(a);
     const Row right(b);
     const auto bit =

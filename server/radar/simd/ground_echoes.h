@@ -47,6 +47,9 @@ struct GroundEchoes {
 /// What labels need of that ground: a stretch of it of one material in one range bin, without a gap. As
 /// GroundEchoes, beside which it lies.
 struct GroundStretches {
+  /// A row of segments adds as many as it adds echoes, and two a run. It begins where those fit: a list that
+  /// is full never divides a segment, so that echoes keep their bits.
+  static constexpr int kMost = 2 * GroundEchoes::kMost + 3 * GroundEchoes::kRuns + GroundEchoes::kSpare;
   static constexpr float kGap_m = 1.0F / 16;  ///< ends of segments are floats: a shorter gap is none
   float bin_now[GroundEchoes::kRuns];
   float material_now[GroundEchoes::kRuns];
@@ -56,13 +59,13 @@ struct GroundStretches {
   float light_now[GroundEchoes::kRuns];
   float height_now[GroundEchoes::kRuns];
   int n;
-  std::uint32_t at[GroundEchoes::kMost + GroundEchoes::kSpare];
-  std::uint32_t material[GroundEchoes::kMost + GroundEchoes::kSpare];
-  std::uint32_t begins[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< 0: goes on where the last one of its
-                                                                     ///< run in the bin ended
-  float distance_m[GroundEchoes::kMost + GroundEchoes::kSpare];      ///< of its middle
-  float light[GroundEchoes::kMost + GroundEchoes::kSpare];
-  float height[GroundEchoes::kMost + GroundEchoes::kSpare];  ///< above the antenna, times light
+  std::uint32_t at[kMost];
+  std::uint32_t material[kMost];
+  std::uint32_t begins[kMost];  ///< 0: goes on where the last one of its
+                                ///< run in the bin ended
+  float distance_m[kMost];      ///< of its middle
+  float light[kMost];
+  float height[kMost];  ///< above the antenna, times light
 };
 
 /// Rows [first, end) of segments.
@@ -73,7 +76,8 @@ struct SegmentRows {
 };
 
 /// Adds rows of segments, of both runs side by side; what is done is taken off their fronts. False: the list
-/// of echoes is full, and what is left of a row stays in its segments. Stretches: null: not wanted.
+/// of echoes is full, and what is left of a row stays in its segments, or that of stretches. Stretches: null:
+/// not wanted.
 OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&,
              GroundStretches*);
 

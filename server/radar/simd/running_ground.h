@@ -120,7 +120,7 @@ struct Stretch {
         end(load_as<Floats<n>>(out.end_now_m)),
         light(load_as<Floats<n>>(out.light_now)),
         height(load_as<Floats<n>>(out.height_now)) {}
-  OBLIQ_INLINE bool is_full() const { return out.n > GroundEchoes::kMost - GroundEchoes::kSpare; }
+  OBLIQ_INLINE bool is_full() const { return out.n > GroundEchoes::kMost; }
   OBLIQ_INLINE void keep() const {
     to_memory(out.bin_now, bin);
     to_memory(out.material_now, material);

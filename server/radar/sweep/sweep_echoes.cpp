@@ -137,7 +137,7 @@ void SweepEchoes::march_planes() {
     SegmentRows a{&segments_[0], 0, segments_[0].n};
     SegmentRows b{&segments_[1], 0, segments_[1].n};
     while (!active_kernels().ground_echoes(cut_, a, b, echoes_, stretches_.get())) {
-      cells_.add(echoes_);
+      if (echoes_.n > GroundEchoes::kMost - GroundEchoes::kSpare) cells_.add(echoes_);
       if (stretches_) cells_.add(*stretches_);
     }
   }
@@ -155,7 +155,7 @@ void SweepEchoes::march_planes() {
 void SweepEchoes::end_stretch(std::size_t run) {
   GroundStretches& s = *stretches_;
   if (s.bin_now[run] < 0) return;
-  if (s.n >= GroundEchoes::kMost) cells_.add(s);
+  if (s.n >= GroundStretches::kMost) cells_.add(s);
   const auto n = static_cast<std::size_t>(s.n++);
   s.at[n] =
       static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(run);
