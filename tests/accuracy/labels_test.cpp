@@ -282,7 +282,7 @@ TEST(Labels, HeightIsThatOfTheReferenceRenderer) {
   view.wavelength_m = 0.03;
   view.keeps_facets = true;
   const ReferenceBins truth = integrate_reference(world, materials, view, {32, 0.5, 0}, 0, s.azimuth_bins);
-  for (const auto& [planes, sub_columns, most_m] : {std::tuple{2, 64, 3.0}, {16, 64, 0.4}, {16, 0, 0.2}}) {
+  for (const auto& [planes, sub_columns, most_m] : {std::tuple{2, 64, 0.2}, {16, 64, 0.1}, {16, 0, 0.03}}) {
     s.pixel_columns = planes * s.azimuth_bins;
     s.sub_columns = sub_columns;
     RenderOptions options;
