@@ -22,7 +22,8 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
       speckle_(speckle),
       surfaces_(surfaces),
       bins_(plan, speckle, voltages, labels),
-      table_(scattering.echo_table()) {
+      table_(scattering.echo_table()),
+      wants_labels_(labels) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
@@ -43,16 +44,12 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   }
   where_.cells_per_m = cells_per_m_.data();
   where_.level_bits = level_bits_.data();
-  if (!labels) return;
-  stretches_.resize(static_cast<std::size_t>(bins.n_range) * GroundEchoes::kRuns);
-  most_stretches_.resize(BinSums::index(0, bins.n_range));
 }
 
 void EchoCells::restart(int first_azimuth) {
   bins_.restart(first_azimuth);
   const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
-  std::ranges::fill(most_stretches_, 0);
   if (bins_.has_voltages()) {
     last_.resize(n);
     std::memset(last_.data(), 0, n * sizeof(LastCell));
@@ -88,34 +85,21 @@ void EchoCells::add(GroundEchoes& echoes) {
   echoes_ += static_cast<std::uint64_t>(n);
 }
 
-void EchoCells::add(GroundStretches& stretches) {
+void EchoCells::add(const GroundStretches& stretches) {
+  if (surfaces_ == Surfaces::buildings) return;
   const StageProbe probe(Stage::bin);
   const double antenna_y_m = plan_.sector().antenna_m.y;
   ask(kAnEcho * stretches.n);
   for (int k = 0; k < stretches.n; ++k) {
-    const std::uint32_t at = stretches.at[k];
-    const std::size_t run = at % GroundEchoes::kRuns;
-    if (stretches.begins[k] != 0)
-      stretches_[at] = static_cast<std::uint8_t>(std::min(stretches_[at] + 1, 255));
-    if (surfaces_ == Surfaces::buildings) continue;
+    const std::size_t run = stretches.at[k] % GroundEchoes::kRuns;
     const auto light = static_cast<double>(stretches.light[k]);
     const double y_m = antenna_y_m + static_cast<double>(stretches.height[k]) / light;
-    bins_.labels().add(
-        BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns)),
-        light * table_.factor, static_cast<std::uint8_t>(stretches.material[k]), false,
-        datum_[run].height_m(static_cast<double>(stretches.distance_m[k]), y_m));
+    const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
+    bins_.labels().add(BinSums::index(static_cast<int>(run % kWedgeAzimuthBins),
+                                      static_cast<int>(stretches.at[k] / GroundEchoes::kRuns)),
+                       light * table_.factor, static_cast<std::uint8_t>(stretches.material[k]), false,
+                       datum_[run].height_m(middle_m, y_m));
   }
-  stretches.n = 0;
-}
-
-void EchoCells::end_planes() {
-  ask(static_cast<std::int64_t>(most_stretches_.size()));
-  for (std::size_t at = 0; at < most_stretches_.size(); ++at) {
-    const std::size_t run = at / kWedgeAzimuthBins * GroundEchoes::kRuns + at % kWedgeAzimuthBins;
-    most_stretches_[at] =
-        std::max({most_stretches_[at], stretches_[run], stretches_[run + kWedgeAzimuthBins]});
-  }
-  std::ranges::fill(stretches_, 0);
 }
 
 void EchoCells::add_ground_voltages(int n) {
@@ -216,13 +200,10 @@ void EchoCells::write(BinBlock& block) {
   take_faces();
   bins_.write(block);
   std::size_t bin = 0;
-  if (wants_labels()) block.labels.returns.resize(block.state.size());
   for (int a = 0; a < block.n_azimuth; ++a)
-    for (int r = 0; r < block.n_range; ++r, ++bin) {
-      if (wants_labels()) block.labels.returns[bin] = most_stretches_[BinSums::index(a, r)];
+    for (int r = 0; r < block.n_range; ++r, ++bin)
       if (block.count[bin] == 0 && shadow_[BinSums::index(a, r)] != 0)
         block.state[bin] = static_cast<std::uint8_t>(BinState::shadow);
-    }
 }
 
 }  // namespace obliq

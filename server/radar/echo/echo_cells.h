@@ -62,11 +62,9 @@ class EchoCells {
   /// Takes a list and empties it.
   void add(GroundEchoes& echoes);
 
-  bool wants_labels() const { return !most_stretches_.empty(); }
-  /// Takes a list of what labels need of the ground, and empties it.
-  void add(GroundStretches& stretches);
-  /// Others begin: of stretches in a bin the most of one plane count.
-  void end_planes();
+  bool wants_labels() const { return wants_labels_; }
+  /// Takes what labels need of the ground.
+  void add(const GroundStretches& stretches);
   /// Of azimuth bin `profile` of the wedge.
   void add(int profile, const FaceEcho& echo);
   void add(int profile, const FacePower& echo);
@@ -83,10 +81,9 @@ class EchoCells {
   /// restart.
   void write(BinBlock& block);
 
-  /// With the stretches of labels.
   static std::int64_t bytes(int n_range) {
     return BinSums::bytes(n_range) +
-           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(LastCell) + 1 + 3);
+           std::int64_t{n_range} * kWedgeAzimuthBins * static_cast<std::int64_t>(sizeof(LastCell) + 1);
   }
 
  private:
@@ -124,9 +121,8 @@ class EchoCells {
   double face_height_m_[FaceEchoes::kMost];
 
   // Of labels.
+  const bool wants_labels_;
   DatumLine datum_[GroundEchoes::kRuns];
-  std::vector<std::uint8_t> stretches_;       // [n_range][16] of the planes in hand; empty: none are wanted
-  std::vector<std::uint8_t> most_stretches_;  // [n_range][8]
 };
 
 }  // namespace obliq

@@ -171,7 +171,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
       now.bin = select(fresh, bin, now.bin);
       now.distance = select(fresh, d0 + 0.5F * spacing, now.distance);
       now.material = select(fresh, parts.material, now.material);
-      if constexpr (Labels::kWanted) labels.add(has, bin, parts.material, d0, d1, light, 0.5F * (h0 + h1));
+      if constexpr (Labels::kWanted) labels.add(has, bin, parts.material, d0, h0, d1, h1, light);
     }
     t0 = t1;
     d0 = d1;

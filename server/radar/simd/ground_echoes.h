@@ -53,17 +53,17 @@ struct GroundStretches {
   static constexpr float kGap_m = 1.0F / 16;  ///< ends of segments are floats: a shorter gap is none
   float bin_now[GroundEchoes::kRuns];
   float material_now[GroundEchoes::kRuns];
-  float begins_now[GroundEchoes::kRuns];
-  float from_now_m[GroundEchoes::kRuns];  ///< ground distances of its ends
+  float from_now_m[GroundEchoes::kRuns];  ///< ground distances of its ends,
   float end_now_m[GroundEchoes::kRuns];
+  float from_now_h_m[GroundEchoes::kRuns];  ///< and heights above the antenna
+  float end_now_h_m[GroundEchoes::kRuns];
   float light_now[GroundEchoes::kRuns];
   float height_now[GroundEchoes::kRuns];
   int n;
   std::uint32_t at[kMost];
   std::uint32_t material[kMost];
-  std::uint32_t begins[kMost];  ///< 0: goes on where the last one of its
-                                ///< run in the bin ended
-  float distance_m[kMost];      ///< of its middle
+  float from_m[kMost], end_m[kMost];
+  float from_h_m[kMost], end_h_m[kMost];
   float light[kMost];
   float height[kMost];  ///< above the antenna, times light
 };

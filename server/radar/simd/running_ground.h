@@ -109,49 +109,53 @@ template <int n>
 struct Stretch {
   static constexpr bool kWanted = true;
   GroundStretches& out;
-  Floats<n> bin, material, begins, from, end, light, height;
+  Floats<n> bin, material, from, end, from_h, end_h, light, height;
 
   OBLIQ_INLINE explicit Stretch(GroundStretches* to)
       : out(*to),
         bin(load_as<Floats<n>>(out.bin_now)),
         material(load_as<Floats<n>>(out.material_now)),
-        begins(load_as<Floats<n>>(out.begins_now)),
         from(load_as<Floats<n>>(out.from_now_m)),
         end(load_as<Floats<n>>(out.end_now_m)),
+        from_h(load_as<Floats<n>>(out.from_now_h_m)),
+        end_h(load_as<Floats<n>>(out.end_now_h_m)),
         light(load_as<Floats<n>>(out.light_now)),
         height(load_as<Floats<n>>(out.height_now)) {}
   OBLIQ_INLINE bool is_full() const { return out.n > GroundEchoes::kMost; }
   OBLIQ_INLINE void keep() const {
     to_memory(out.bin_now, bin);
     to_memory(out.material_now, material);
-    to_memory(out.begins_now, begins);
     to_memory(out.from_now_m, from);
     to_memory(out.end_now_m, end);
+    to_memory(out.from_now_h_m, from_h);
+    to_memory(out.end_now_h_m, end_h);
     to_memory(out.light_now, light);
     to_memory(out.height_now, height);
   }
 
   /// Goes on with a part of the surface, in the lanes that see it.
-  OBLIQ_INLINE void add(Words<n> seen, Floats<n> in_bin, Floats<n> of, Floats<n> part_from,
-                        Floats<n> part_end, Floats<n> part_light, Floats<n> part_height) {
-    const Words<n> goes_on = seen & (in_bin == bin) & (part_from - end < GroundStretches::kGap_m);
-    const Words<n> same = goes_on & (of == material);
+  OBLIQ_INLINE void add(Words<n> seen, Floats<n> in_bin, Floats<n> of, Floats<n> d0, Floats<n> h0,
+                        Floats<n> d1, Floats<n> h1, Floats<n> part_light) {
+    const Words<n> same = seen & (in_bin == bin) & (of == material) & (d0 - end < GroundStretches::kGap_m);
     const Words<n> fresh = seen & ~same;
     if (const unsigned ended = movemask(fresh & (bin >= 0.0F)); ended != 0) {
       put_front(out.at + out.n, ended, places<n>(bin));
       put_front(out.material + out.n, ended, words<n>(truncated(material)));
-      put_front(out.begins + out.n, ended, words<n>(truncated(begins)));
-      put_front(out.distance_m + out.n, ended, 0.5F * (from + end));
+      put_front(out.from_m + out.n, ended, from);
+      put_front(out.end_m + out.n, ended, end);
+      put_front(out.from_h_m + out.n, ended, from_h);
+      put_front(out.end_h_m + out.n, ended, end_h);
       put_front(out.light + out.n, ended, light);
       put_front(out.height + out.n, ended, height);
       out.n += __builtin_popcount(ended);
     }
-    const Floats<n> lit_height = part_light * part_height;
-    begins = select(fresh, select(goes_on, Floats<n>{}, all<n>(1.0F)), begins);
-    from = select(fresh, part_from, from);
+    const Floats<n> part_height = part_light * (0.5F * (h0 + h1));
+    from = select(fresh, d0, from);
+    from_h = select(fresh, h0, from_h);
     light = select(same, light + part_light, select(fresh, part_light, light));
-    height = select(same, height + lit_height, select(fresh, lit_height, height));
-    end = select(seen, part_end, end);
+    height = select(same, height + part_height, select(fresh, part_height, height));
+    end = select(seen, d1, end);
+    end_h = select(seen, h1, end_h);
     bin = select(fresh, in_bin, bin);
     material = select(fresh, of, material);
   }

@@ -52,12 +52,14 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   echoes_.n = 0;
   if (!cells.wants_labels()) return;
   stretches_ = std::make_unique<GroundStretches>();
+  returns_ = std::make_unique<SweptReturns>(plan);
 }
 
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
   const double kept = static_cast<double>(s.range_bins) * kWedgeAzimuthBins;
   const double nodes = BuildingView::kMostNodesABin * s.r_max_m / s.range_bin_m();
-  return std::llround(sweep_columns_per_bin(s) * static_cast<double>(sizeof(float)) * (kept + 5 * nodes));
+  return std::llround(sweep_columns_per_bin(s) * static_cast<double>(sizeof(float)) * (kept + 5 * nodes)) +
+         SweptReturns::bytes(s.range_bins);
 }
 
 void SweepEchoes::run(FrameStats& stats) {
@@ -119,6 +121,7 @@ void SweepEchoes::start_plane(int half) {
     set_out(profiles, lane, bearing, plan_.scene().world().grid, plan_.sector().antenna_m, widths);
     const std::size_t run = lane + static_cast<std::size_t>(half) * SightProfiles::kLanes;
     cells_.set_bearing(run, bearing);
+    if (returns_) returns_->start(run, range_.first + static_cast<int>(lane), bearing);
     const ElevationTable& elevation = cut_.echo.elevation;
     cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }
@@ -138,7 +141,7 @@ void SweepEchoes::march_planes() {
     SegmentRows b{&segments_[1], 0, segments_[1].n};
     while (!active_kernels().ground_echoes(cut_, a, b, echoes_, stretches_.get())) {
       if (echoes_.n > GroundEchoes::kMost - GroundEchoes::kSpare) cells_.add(echoes_);
-      if (stretches_) cells_.add(*stretches_);
+      if (stretches_) take_stretches();
     }
   }
   // The cells of sixteen profiles are few enough to ask for them together; so are the echoes of a list.
@@ -147,21 +150,29 @@ void SweepEchoes::march_planes() {
   cells_.add(echoes_);
   if (!stretches_) return;
   for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_stretch(run);
+  take_stretches();
+  returns_->end_planes();
+}
+
+void SweepEchoes::take_stretches() {
   cells_.add(*stretches_);
-  cells_.end_planes();
+  returns_->add(*stretches_);
+  stretches_->n = 0;
 }
 
 /// The same of a stretch.
 void SweepEchoes::end_stretch(std::size_t run) {
   GroundStretches& s = *stretches_;
   if (s.bin_now[run] < 0) return;
-  if (s.n >= GroundStretches::kMost) cells_.add(s);
+  if (s.n >= GroundStretches::kMost) take_stretches();
   const auto n = static_cast<std::size_t>(s.n++);
   s.at[n] =
       static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(run);
   s.material[n] = static_cast<std::uint32_t>(s.material_now[run]);
-  s.begins[n] = static_cast<std::uint32_t>(s.begins_now[run]);
-  s.distance_m[n] = (s.from_now_m[run] + s.end_now_m[run]) / 2;
+  s.from_m[n] = s.from_now_m[run];
+  s.end_m[n] = s.end_now_m[run];
+  s.from_h_m[n] = s.from_now_h_m[run];
+  s.end_h_m[n] = s.end_now_h_m[run];
   s.light[n] = s.light_now[run];
   s.height[n] = s.height_now[run];
 }

@@ -1,0 +1,51 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/profile/roofs.h"
+#include "server/radar/profile/stretch_count.h"
+#include "server/radar/scene_plan.h"
+#include "server/radar/simd/ground_echoes.h"
+
+namespace obliq {
+
+/// Labels::returns of a wedge as the sweep's planes see it: stretches of ground as they come, and between
+/// them the walls and roofs that each plane crosses. As count_returns (visibility/returns.h), but that a roof
+/// never lies under ground.
+class SweptReturns {
+ public:
+  explicit SweptReturns(const ScenePlan& plan);
+
+  /// A run of stretches begins: a plane of an azimuth bin.
+  void start(std::size_t run, int azimuth_bin, SinCos bearing);
+  void add(const GroundStretches& stretches);
+  /// The runs end. profiles: azimuth bins of the wedge.
+  void end_planes();
+
+  /// Writes what was counted to the block's labels.
+  void write(BinBlock& block) const;
+
+  static std::int64_t bytes(int n_range) {
+    return std::int64_t{n_range} * (GroundEchoes::kRuns + kWedgeAzimuthBins);
+  }
+
+ private:
+  struct Run {
+    StretchCount count;
+    bool begun = false;
+    std::vector<RoofSpan> roofs;  // disjoint, by distance
+    std::size_t next = 0;
+    double ground_slope = 0;  // of the ground that was seen last
+    double roof_slope = 0;    // the greatest of what roofs hide
+    double ground_end_m = 0;
+    double roof_end_m = 0;  // of the roof that was seen last
+  };
+  void see_ground(Run& run, int bin, double from_m, double from_slope, double end_m, double end_slope) const;
+  void see_building(Run& run, const RoofSpan& roof, bool on_ground) const;
+
+  const ScenePlan& plan_;
+  std::vector<Run> runs_;
+  std::vector<std::uint8_t> most_;  // [8][n_range]
+};
+
+}  // namespace obliq
