@@ -1,8 +1,8 @@
-// Frames on demand: frame_turns SCENE.toml [--set KEY=VALUE] [--threads N] [--bare] [--labels] loads a scene, renders a
-// frame that is not measured, then one for each line that it reads, of a radar that moves on from frame to
-// frame, and prints what the frame took, plan included. So several of these, of several builds, run in turn
-// on a machine that is not quiet: cities.py. It compiles against commit ed06c75 as well, with which cities.py
-// compares: hence the two places of some headers.
+// Frames on demand: frame_turns SCENE.toml [--set KEY=VALUE] [--threads N] [--bare] [--labels] loads a scene,
+// renders a frame that is not measured, then one for each line that it reads, of a radar that moves on from
+// frame to frame, and prints what the frame took, plan included. So several of these, of several builds, run
+// in turn on a machine that is not quiet: cities.py. It compiles against commit ed06c75 as well, with which
+// cities.py compares: hence the two places of some headers.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>

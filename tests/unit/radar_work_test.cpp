@@ -91,8 +91,8 @@ TEST(WedgeMemory, OfABinOfAWholeCircleIsSmall) {
   RadarSettings behind_a_pulse = settings;
   behind_a_pulse.pulse.kind = PulseKind::rectangular;
   behind_a_pulse.pulse.length_us = 0.1;
-  for (const auto& [s, labels] : {std::pair{settings, false}, {behind_a_pulse, false}, {settings, true},
-                                  {behind_a_pulse, true}}) {
+  for (const auto& [s, labels] :
+       {std::pair{settings, false}, {behind_a_pulse, false}, {settings, true}, {behind_a_pulse, true}}) {
     const std::int64_t said = rendering_size(s, 64, labels ? 2 : 0).bytes;
     EXPECT_LT(said, 200'000'000);
     const auto plan = plan_of(s);

@@ -24,7 +24,7 @@ double range_at(double distance_m, double height_m) {
 
 SweptReturns::SweptReturns(const ScenePlan& plan)
     : plan_(plan),
-      runs_(GroundEchoes::kRuns, Run{StretchCount(plan.bins())}),
+      runs_(GroundEchoes::kRuns, Run(plan.bins())),
       most_(static_cast<std::size_t>(kWedgeAzimuthBins * plan.bins().n_range)) {}
 
 void SweptReturns::start(std::size_t run, int azimuth_bin, SinCos bearing) {

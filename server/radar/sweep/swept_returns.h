@@ -31,6 +31,7 @@ class SweptReturns {
 
  private:
   struct Run {
+    explicit Run(const RangeAxis& bins) : count(bins) {}
     StretchCount count;
     bool begun = false;
     std::vector<RoofSpan> roofs;  // disjoint, by distance
