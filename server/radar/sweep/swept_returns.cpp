@@ -52,9 +52,14 @@ void SweptReturns::add(const GroundStretches& stretches) {
     const auto bin = static_cast<int>(stretches.at[k] / GroundEchoes::kRuns);
     double from_m = static_cast<double>(stretches.from_m[k]);
     const double end_m = static_cast<double>(stretches.end_m[k]);
+    if (from_m - run.ground_end_m > static_cast<double>(GroundStretches::kGap_m)) run.count.leave();
+    run.ground_end_m = end_m;
+    if (run.roofs.empty()) {
+      run.count.enter(bin);
+      continue;
+    }
     double slope = static_cast<double>(stretches.from_h_m[k]) / from_m;
     const double end_slope = static_cast<double>(stretches.end_h_m[k]) / end_m;
-    if (from_m - run.ground_end_m > static_cast<double>(GroundStretches::kGap_m)) run.count.leave();
     while (run.next < run.roofs.size() && run.roofs[run.next].near_m < end_m) {
       const RoofSpan& roof = run.roofs[run.next++];
       const bool on_ground = roof.near_m >= from_m;
@@ -68,7 +73,6 @@ void SweptReturns::add(const GroundStretches& stretches) {
       see_building(run, roof, on_ground);
     }
     see_ground(run, bin, from_m, slope, end_m, end_slope);
-    run.ground_end_m = end_m;
   }
 }
 
@@ -85,7 +89,10 @@ void SweptReturns::see_building(Run& run, const RoofSpan& roof, bool on_ground) 
   if (!(roof.near_m < roof.far_m)) return;
   const double height_m = roof.roof_y_m - plan_.sector().antenna_m.y;
   const double near_m = roof.near_m;
-  const double low = std::max(run.ground_slope, run.roof_slope);
+  // Ground nearer than the swath does not come.
+  const double base_m = static_cast<double>(plan_.scene().world().buildings.list[roof.building].base_y_m) -
+                        plan_.sector().antenna_m.y;
+  const double low = std::max({run.ground_slope, run.roof_slope, near_m > 0 ? base_m / near_m : kFarBelow});
   const double top = near_m > 0 ? height_m / near_m : height_m < 0 ? kFarBelow : -kFarBelow;
   const double back = height_m / roof.far_m;
   const bool on_roof = near_m - run.roof_end_m < kTouching_m;
