@@ -31,7 +31,8 @@ void SweptReturns::start(std::size_t run, int azimuth_bin, SinCos bearing) {
   Run& begun = runs_[run];
   begun.begun = true;
   begun.next = 0;
-  begun.ground_slope = begun.roof_slope = kFarBelow;
+  begun.ground = {1, kFarBelow};
+  begun.roof_slope = kFarBelow;
   begun.ground_end_m = begun.roof_end_m = kNowhere;
   begun.count.restart();
   std::vector<RoofSpan>& roofs = begun.roofs;
@@ -58,30 +59,28 @@ void SweptReturns::add(const GroundStretches& stretches) {
       run.count.enter(bin);
       continue;
     }
-    double slope = static_cast<double>(stretches.from_h_m[k]) / from_m;
-    const double end_slope = static_cast<double>(stretches.end_h_m[k]) / end_m;
-    while (run.next < run.roofs.size() && run.roofs[run.next].near_m < end_m) {
+    Point from{from_m, static_cast<double>(stretches.from_h_m[k])};
+    const Point end{end_m, static_cast<double>(stretches.end_h_m[k])};
+    while (run.next < run.roofs.size() && run.roofs[run.next].near_m < end.d) {
       const RoofSpan& roof = run.roofs[run.next++];
-      const bool on_ground = roof.near_m >= from_m;
+      const bool on_ground = roof.near_m >= from.d;
       if (on_ground) {
-        const double part = (roof.near_m - from_m) / (end_m - from_m);
-        const double foot_slope = slope + part * (end_slope - slope);
-        see_ground(run, bin, from_m, slope, roof.near_m, foot_slope);
-        from_m = roof.near_m;
-        slope = foot_slope;
+        const double part = (roof.near_m - from.d) / (end.d - from.d);
+        const Point foot{roof.near_m, from.h + part * (end.h - from.h)};
+        see_ground(run, bin, from, foot);
+        from = foot;
       }
       see_building(run, roof, on_ground);
     }
-    see_ground(run, bin, from_m, slope, end_m, end_slope);
+    see_ground(run, bin, from, end);
   }
 }
 
-void SweptReturns::see_ground(Run& run, int bin, double from_m, double from_slope, double end_m,
-                              double end_slope) const {
-  run.ground_slope = end_slope;
-  if (!(end_m > from_m)) return;
-  if (from_slope < run.roof_slope) run.count.leave();
-  if (end_slope > run.roof_slope) run.count.enter(bin);
+void SweptReturns::see_ground(Run& run, int bin, const Point& from, const Point& end) {
+  run.ground = end;
+  if (!(end.d > from.d)) return;
+  if (from.h < run.roof_slope * from.d) run.count.leave();
+  if (end.h > run.roof_slope * end.d) run.count.enter(bin);
 }
 
 /// on_ground: the ground at its foot is seen, as far as nearer roofs leave it.
@@ -92,11 +91,12 @@ void SweptReturns::see_building(Run& run, const RoofSpan& roof, bool on_ground) 
   // Ground nearer than the swath does not come.
   const double base_m = static_cast<double>(plan_.scene().world().buildings.list[roof.building].base_y_m) -
                         plan_.sector().antenna_m.y;
-  const double low = std::max({run.ground_slope, run.roof_slope, near_m > 0 ? base_m / near_m : kFarBelow});
+  const double ground_slope = run.ground.h / run.ground.d;
+  const double low = std::max({ground_slope, run.roof_slope, near_m > 0 ? base_m / near_m : kFarBelow});
   const double top = near_m > 0 ? height_m / near_m : height_m < 0 ? kFarBelow : -kFarBelow;
   const double back = height_m / roof.far_m;
   const bool on_roof = near_m - run.roof_end_m < kTouching_m;
-  if (!on_roof && !(on_ground && run.ground_slope >= run.roof_slope)) run.count.leave();
+  if (!on_roof && !(on_ground && ground_slope >= run.roof_slope)) run.count.leave();
   const bool wall = near_m > 0 && roof.wall != kNoFace && top > low;
   if (wall) {
     run.count.enter_at(range_at(near_m, low * near_m));

@@ -30,18 +30,22 @@ class SweptReturns {
   }
 
  private:
+  /// Ground distance, and height above the antenna.
+  struct Point {
+    double d = 0, h = 0;
+  };
   struct Run {
     explicit Run(const RangeAxis& bins) : count(bins) {}
     StretchCount count;
     bool begun = false;
     std::vector<RoofSpan> roofs;  // disjoint, by distance
     std::size_t next = 0;
-    double ground_slope = 0;  // of the ground that was seen last
-    double roof_slope = 0;    // the greatest of what roofs hide
+    Point ground;           // the end of what was passed last
+    double roof_slope = 0;  // the greatest of what roofs hide
     double ground_end_m = 0;
     double roof_end_m = 0;  // of the roof that was seen last
   };
-  void see_ground(Run& run, int bin, double from_m, double from_slope, double end_m, double end_slope) const;
+  static void see_ground(Run& run, int bin, const Point& from, const Point& end);
   void see_building(Run& run, const RoofSpan& roof, bool on_ground) const;
 
   const ScenePlan& plan_;
