@@ -71,7 +71,8 @@ const std::array kParameters{
         "Range sidelobes of a Taylor window that are nearly equal."),
     row<&RadarSettings::pulse, &PulseSettings::extent_bins>(
         "pulse.extent_bins", "", closed(1, 256), "pulse_extent_bins", {},
-        "Range bins on either side that a point reaches."),
+        "Range bins on either side that a point reaches, at most: a rectangular pulse ends where its "
+        "triangle does."),
     row<&RadarSettings::pulse, &PulseSettings::eclipse>(
         "pulse.eclipse", "", kAny, "pulse_eclipse", {279, u16},
         "Cut the echo of what is nearer than half a pulse: the antenna still transmits."),

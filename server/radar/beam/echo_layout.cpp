@@ -10,6 +10,7 @@
 #include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_sums.h"
+#include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
 
 namespace obliq {
@@ -101,7 +102,7 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
 
   const double range_bin_m = s.range_bin_m();
   layout.range_m = range_bin_m / layout.range_parts;
-  const int extent = s.pulse.kind == PulseKind::off ? 0 : s.pulse.extent_bins;
+  const int extent = PointResponse(s).reach_bins(range_bin_m, s.pulse.extent_bins);
   const auto with_room = [&](double room_m) {
     return static_cast<int>(std::clamp<double>(room_m / range_bin_m, 0, extent)) * layout.range_parts;
   };

@@ -65,6 +65,12 @@ double PointResponse::window_loss_db() const {
   return kind_ == PulseKind::compressed ? 10 * std::log10(taper_.noise_width()) : 0;
 }
 
+int PointResponse::reach_bins(double bin_m, int extent_bins) const {
+  if (kind_ == PulseKind::off) return 0;
+  if (kind_ == PulseKind::compressed) return extent_bins;
+  return static_cast<int>(std::min<double>(extent_bins, std::ceil(resolution_m_ / bin_m)));
+}
+
 std::vector<double> PointResponse::kernel(double bin_m, int extent_bins) const {
   if (kind_ == PulseKind::off) return {1};
   std::vector<double> h;

@@ -23,6 +23,10 @@ class PointResponse {
   /// c tau / 2: nearer echoes are cut by the transmission itself.
   double half_pulse_m() const { return half_pulse_m_; }
 
+  /// Bins of that length on either side beyond which p is 0: of a triangle those that it reaches, of a
+  /// compressed pulse extent_bins, which cuts it off.
+  int reach_bins(double bin_m, int extent_bins) const;
+
   /// The filter's weights h_j, j = -J .. J, for bins of that length; {1} when off. Those of a compressed
   /// pulse are p itself. The triangle has no limited band: its samples, scaled so that the sum of their
   /// squares gives level ground the power of the whole triangle (2/3 c tau/2), which takes 10 log10(1 + 1 /

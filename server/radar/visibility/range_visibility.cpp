@@ -1,8 +1,10 @@
 #include "server/radar/visibility/range_visibility.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "server/radar/profile/ground_walk.h"
@@ -79,10 +81,17 @@ double start_m(const ScenePlan& plan, const Profile& profile, int first) {
   return ground_m > kWorthwhile_cells * plan.scene().world().grid.cell_m ? ground_m : 0;
 }
 
+/// Of the ground up to a distance along all profiles.
+HorizonBound ridge_of(const ScenePlan& plan, std::span<const VisibilityRequest> requests, double to_m) {
+  const auto [least, most] = std::ranges::minmax(requests, {}, &VisibilityRequest::position);
+  return {plan.scene(), plan.sector().antenna_m, bearing_at(plan, (least.position + most.position) / 2),
+          (most.position - least.position) / 2 * plan.bins().azimuth_width_rad, to_m};
+}
+
 /// The horizon that a march from the nadir would have at a distance.
-Horizon<double> horizon_at(const ScenePlan& plan, const Profile& profile, double at_m) {
+Horizon<double> horizon_at(const ScenePlan& plan, const HorizonBound& ridge, const Profile& profile,
+                           double at_m) {
   const glm::dvec3& antenna = plan.sector().antenna_m;
-  const HorizonBound ridge(plan.scene(), antenna, profile.bearing, 0, at_m);
   Horizon<double> horizon = ground_horizon(plan.scene(), ridge, antenna, profile.bearing, at_m);
   for (const RoofSpan& roof : profile.roofs) {
     if (!(roof.near_m < at_m)) break;
@@ -92,17 +101,10 @@ Horizon<double> horizon_at(const ScenePlan& plan, const Profile& profile, double
   return horizon;
 }
 
-/// Sets a profile where surface may first lie in some bins; the walk from there to where none does any more.
-GroundWalk set_out_for(const ScenePlan& plan, Profile& profile, RangeWindow bins) {
+/// The walk of a profile from where surface may first lie in some bins to where none does any more.
+GroundWalk walk_for(const ScenePlan& plan, const Profile& profile, double from_m, RangeWindow bins) {
   const BinGrid& grid = plan.bins();
-  const double from_m = bins.first > 0 ? start_m(plan, profile, bins.first) : 0;
-  const double to_m =
-      std::min(grid.r_max_m, grid.r_min_m + (bins.last + 1) * grid.range_spacing_m + kMargin_m);
-  if (from_m > 0) {
-    const Horizon<double> horizon = horizon_at(plan, profile, from_m);
-    profile.state.horizon = horizon;
-    while (profile.roof < profile.roofs.size() && profile.roofs[profile.roof].far_m <= from_m) ++profile.roof;
-  }
+  const double to_m = grid.r_min_m + (bins.last + 1) * grid.range_spacing_m + kMargin_m;
   return {
       plan.scene().world().grid,   plan.sector().antenna_m, profile.bearing.sin, profile.bearing.cos, from_m,
       std::min(to_m, grid.r_max_m)};
@@ -145,6 +147,15 @@ void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> req
   const HeightGrid& grid = plan.scene().world().grid;
   const glm::dvec3& antenna = plan.sector().antenna_m;
   std::vector<Profile> profiles;
+  std::array<double, kMostProfiles> from_m{};
+  for (std::size_t lane = 0; lane < requests.size(); ++lane) {
+    profiles.push_back(profile_at(plan, requests[lane], spans));
+    if (const int first = requests[lane].bins.first; first > 0)
+      from_m[lane] = start_m(plan, profiles[lane], first);
+  }
+  std::optional<HorizonBound> ridge;
+  if (const double farthest_m = std::ranges::max(from_m); farthest_m > 0)
+    ridge = ridge_of(plan, requests, farthest_m);
   RangeProfiles lanes{};
   const auto next_roof = [&](std::size_t lane) {
     const Profile& profile = profiles[lane];
@@ -154,8 +165,13 @@ void mark_profiles(const ScenePlan& plan, std::span<const VisibilityRequest> req
     lanes.end_m[lane] = -1;
     if (lane >= requests.size()) continue;
     results[lane] = BinMarks(bins.n_range);
-    Profile& profile = profiles.emplace_back(profile_at(plan, requests[lane], spans));
-    const GroundWalk walk = set_out_for(plan, profile, requests[lane].bins);
+    Profile& profile = profiles[lane];
+    if (from_m[lane] > 0) {
+      profile.state.horizon = horizon_at(plan, *ridge, profile, from_m[lane]);
+      while (profile.roof < profile.roofs.size() && profile.roofs[profile.roof].far_m <= from_m[lane])
+        ++profile.roof;
+    }
+    const GroundWalk walk = walk_for(plan, profile, from_m[lane], requests[lane].bins);
     if (walk.done()) continue;
     set_out(lanes, lane, profile.bearing, walk);
     lanes.state[lane] = profile.state;

@@ -49,9 +49,7 @@ WedgeVisibility::WedgeVisibility(const ScenePlan& plan, AzimuthRange range, bool
       roofs_(roofs),
       profiles_(static_cast<std::size_t>(range.count) * static_cast<std::size_t>(sub_azimuths_) + 1) {}
 
-/// The edges and the centre count everywhere, the others as far as they say anything.
 RangeWindow WedgeVisibility::counting(int sub_azimuth, RangeWindow bins) const {
-  if (sub_azimuth == 0 || sub_azimuth == sub_azimuths_ || 2 * sub_azimuth == sub_azimuths_) return bins;
   const auto first = static_cast<int>(first_bin_of_sub_azimuth(plan_, sub_azimuth, sub_azimuths_));
   return {std::max(bins.first, first), bins.last};
 }
@@ -65,7 +63,8 @@ void WedgeVisibility::want(Wanted& wanted, std::size_t sub_azimuth, RangeWindow 
 
 void WedgeVisibility::march_centres(const std::vector<Request>& requests) {
   Wanted wanted(profiles_.size(), {0, -1});
-  for (const Request& request : requests) want(wanted, centre_of(request.azimuth_bin), request.bins);
+  for (const Request& request : requests)
+    want(wanted, centre_of(request.azimuth_bin), counting(sub_azimuths_ / 2, request.bins));
   march(wanted);
 }
 
@@ -85,6 +84,8 @@ void WedgeVisibility::march(Wanted& wanted) {
     want(wanted, sub_azimuth, known);
     open.push_back(sub_azimuth);
   }
+  // Side by side those that set out at about the same range: a march takes as long as its longest profile.
+  std::ranges::stable_sort(open, {}, [&](std::size_t sub_azimuth) { return wanted[sub_azimuth].first; });
   for (std::size_t first = 0; first < open.size(); first += kMostProfiles) {
     const std::size_t n = std::min<std::size_t>(kMostProfiles, open.size() - first);
     std::array<VisibilityRequest, kMostProfiles> requests;
@@ -123,9 +124,7 @@ void decide_states(const ScenePlan& plan, WedgeVisibility& profile, BinBlock& bl
   for (int k = 0; k < block.n_azimuth; ++k) open.push_back({block.first_azimuth + k, {0, block.n_range - 1}});
   narrow(block, open, [](int, int) { return true; });
   profile.march_centres(open);
-  narrow(block, open, [&](int azimuth_bin, int r) {
-    return profile.centre(azimuth_bin).visible[static_cast<std::size_t>(r)] == 0;
-  });
+  narrow(block, open, [&](int azimuth_bin, int r) { return !profile.centre_sees(azimuth_bin, r); });
   profile.march_all(open);
   const glm::dvec3& antenna = plan.sector().antenna_m;
   const double below_m = antenna.y - plan.scene().world().grid.height_at_m(antenna.x, antenna.z);

@@ -18,12 +18,16 @@ class WedgeVisibility {
     int azimuth_bin;
     RangeWindow bins;
   };
-  /// Marches the sub-azimuths of azimuth bins side by side, as far as no earlier march has answered.
+  /// Marches the sub-azimuths of azimuth bins side by side, as far as they count and no earlier march has
+  /// answered.
   void march_centres(const std::vector<Request>& requests);
   void march_all(const std::vector<Request>& requests);
 
   /// Of what has been marched, right in the bins that were requested.
-  const BinMarks& centre(int azimuth_bin) const { return profiles_[centre_of(azimuth_bin)].result; }
+  bool centre_sees(int azimuth_bin, int range_bin) const {
+    const std::vector<std::uint8_t>& visible = profiles_[centre_of(azimuth_bin)].result.visible;
+    return !visible.empty() && visible[static_cast<std::size_t>(range_bin)] != 0;
+  }
   BinMarks marks(const Request& request) const;
 
   /// All sub-azimuths of an azimuth bin, whole. The first call marches those of all of the wedge's.

@@ -65,7 +65,8 @@ class Settings(Fields):
     pulse_window: Weighting of a compressed pulse over its band. Allowed: "none" | "hamming" | "hann" | "taylor".
     pulse_sidelobe_db: How far a Taylor window's range sidelobes lie below the peak. Allowed: number 13 to 60 dB.
     pulse_nbar: Range sidelobes of a Taylor window that are nearly equal. Allowed: integer 2 to 20.
-    pulse_extent_bins: Range bins on either side that a point reaches. Allowed: integer 1 to 256.
+    pulse_extent_bins: Range bins on either side that a point reaches, at most: a rectangular pulse ends where its triangle
+        does. Allowed: integer 1 to 256.
     pulse_eclipse: Cut the echo of what is nearer than half a pulse: the antenna still transmits. Allowed: true | false.
     noise: Add the receiver's noise, k T B, to the bins. Allowed: true | false.
     noise_figure_db: Noise figure of the receiver at 290 K. Allowed: number 0 to 40 dB.
