@@ -1,5 +1,6 @@
-// Labels: material, building, height and returns of a bin, against closed forms, against frames whose
-// buildings are dark, and against the reference renderer; and that they change nothing else.
+// Labels: material, building and height of a bin, against closed forms, against frames whose buildings are
+// dark, and against the reference renderer; and that they change nothing else. Returns:
+// labels_returns_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,97 +9,12 @@
 #include <vector>
 
 #include "server/radar/beam/echo_rows.h"
-#include "server/radar/frame_plan.h"
 #include "server/truth/reference.h"
+#include "tests/accuracy/labels_support.h"
 #include "tests/support/made_worlds.h"
-#include "tests/support/same_bits.h"
-#include "tests/support/scenes.h"
 
 namespace obliq::test {
 namespace {
-
-/// Every way to make bins.
-struct Way {
-  const char* name;
-  FrustumKind frustum = FrustumKind::sweep;
-  int sub_columns = 64;
-  PlateKind plates = PlateKind::spread;
-  bool beam = false;
-  double azimuth_deg = 0.4;
-
-  RadarSettings settings() const {
-    RadarSettings s;
-    s.frustum = frustum;
-    s.sub_columns = sub_columns;
-    s.plates = plates;
-    s.r_min_m = 1200;
-    s.r_max_m = 6000;
-    s.azimuth_bins = 48;
-    s.sector_deg = azimuth_deg * s.azimuth_bins;
-    s.range_bins = 160;
-    s.pixel_columns = frustum == FrustumKind::sweep ? 2 * s.azimuth_bins : 480;
-    s.pixel_rows = 400;
-    if (!beam) return s;
-    s.beam.pattern = BeamPattern::gaussian;
-    s.beam.width_deg = 1.2;
-    s.pulse.kind = PulseKind::rectangular;
-    s.pulse.length_us = 0.4;
-    return s;
-  }
-};
-void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
-
-const Way kWays[] = {{"sweep"},
-                     {"sweep_behind_a_beam", FrustumKind::sweep, 64, PlateKind::spread, true},
-                     {"wide_bins", FrustumKind::sweep, 64, PlateKind::spread, false, 1.5},
-                     {"exact_sweep", FrustumKind::sweep, 0},
-                     {"exact_sweep_behind_a_beam", FrustumKind::sweep, 0, PlateKind::spread, true},
-                     {"oblique", FrustumKind::oblique},
-                     {"oblique_behind_a_beam", FrustumKind::oblique, 0, PlateKind::spread, true},
-                     {"symmetric_nearest", FrustumKind::symmetric, 0, PlateKind::nearest}};
-
-constexpr double kHeight_m = 450;
-
-Frame labelled(const std::shared_ptr<const Scene>& scene, const RadarSettings& s, RenderOptions options = {},
-               double bearing_deg = 20) {
-  options.labels = true;
-  return render(scene, snapshot(s), pose_over_origin(scene->world(), kHeight_m, bearing_deg),
-                {0, s.azimuth_bins}, options);
-}
-
-void expect_same_labels(const Labels& a, const Labels& b) {
-  EXPECT_TRUE(same_bits(a.material, b.material)) << "material";
-  EXPECT_TRUE(same_bits(a.building, b.building)) << "building";
-  EXPECT_TRUE(same_bits(a.height_m, b.height_m)) << "height";
-  EXPECT_TRUE(same_bits(a.returns, b.returns)) << "returns";
-}
-
-/// Hills with houses, three materials of ground in stripes, and a fourth of houses; scaled: gamma by
-/// material.
-std::shared_ptr<const Scene> striped_town(const std::vector<double>& scaled = {1, 1, 1, 1}) {
-  static const World town = [] {
-    WorldSpec spec = synthetic_spec(SyntheticKind::hills, 7000, 30);
-    spec.terrain.shape.height_m = 150;
-    spec.radius_factor = 4.0 / 3;
-    PrismSpec houses;
-    houses.per_km2 = 60;
-    spec.prisms = {houses};
-    World world = load_world(spec);
-    for (Building& building : world.buildings.list) building.material = 3;
-    for (int j = 0; j + 1 < world.grid.nz; ++j)
-      for (int i = 0; i + 1 < world.grid.nx; ++i)
-        world.surface_material.push_back(static_cast<std::uint8_t>((i / 7 + j / 11) % 3));
-    return world;
-  }();
-  std::vector<Material> materials(4);
-  for (std::size_t k = 0; k < 4; ++k) {
-    materials[k].name = "m" + std::to_string(k);
-    materials[k].gamma = (0.1 + 0.05 * static_cast<double>(k)) * scaled[k];
-  }
-  materials[2].model = ScatteringModel::geometric_optics;
-  materials[2].reflectivity = 0.3 * scaled[2];
-  return make_scene(town, materials, RayMethod::march);
-}
 
 class LabelsOf : public testing::TestWithParam<Way> {};
 INSTANTIATE_TEST_SUITE_P(EveryWay, LabelsOf, testing::ValuesIn(kWays),
@@ -201,8 +117,8 @@ TEST_P(LabelsOf, NothingElseDependsOnThem) {
   const RadarSettings s = GetParam().settings();
   const auto scene = striped_town();
   const Frame with = labelled(scene, s);
-  const Frame without =
-      render(scene, snapshot(s), pose_over_origin(scene->world(), kHeight_m, 20), {0, s.azimuth_bins}, {});
+  const Frame without = render(scene, snapshot(s), pose_over_origin(scene->world(), kLabelHeight_m, 20),
+                               {0, s.azimuth_bins}, {});
   expect_same_bits(with.bins, without.bins);
   EXPECT_EQ(with.stats.samples, without.stats.samples);
   EXPECT_TRUE(without.bins.labels.material.empty() && without.bins.labels.returns.empty());
@@ -218,7 +134,7 @@ TEST_P(LabelsOf, PartsOfASectorHaveThoseOfTheWhole) {
   const RadarSettings s = GetParam().settings();
   const auto scene = striped_town();
   const Frame whole = labelled(scene, s);
-  const Pose pose = pose_over_origin(scene->world(), kHeight_m, 20);
+  const Pose pose = pose_over_origin(scene->world(), kLabelHeight_m, 20);
   SharpStore store;
   Frame dwells;
   dwells.bins = BinBlock(0, s.azimuth_bins, s.range_bins);
@@ -321,95 +237,6 @@ TEST(Labels, HeightIsThatOfTheReferenceRenderer) {
     EXPECT_LT(at(off_m, 0.5), most_m / 10);
     EXPECT_LT(at(off_m, 0.99), most_m);
   }
-}
-
-/// A long wall across the sight, its roof deep, on level ground.
-class WallBeforeGround : public testing::TestWithParam<Way> {};
-INSTANTIATE_TEST_SUITE_P(EveryWay, WallBeforeGround, testing::ValuesIn(kWays),
-                         [](const auto& way) { return std::string(way.param.name); });
-
-TEST_P(WallBeforeGround, IsLayover) {
-  constexpr double kAntenna_m = 1000, kNear_m = 3000, kFar_m = 3600, kWall_m = 100;
-  World world = made_world(8000, 50, [](double, double) { return 0.0; });
-  add_prism(world, rectangle(0, (kNear_m + kFar_m) / 2, 6000, kFar_m - kNear_m), kWall_m);
-  const auto scene = make_scene(world, two_materials(), RayMethod::march);
-  const Pose pose = pose_at(world, {0, kAntenna_m, 0}, 0);
-  RadarSettings s = GetParam().settings();
-  s.sector_deg = s.azimuth_bins * 0.02;  // half a degree about north: ranges are those of north to 0.03 m
-  if (GetParam().beam) s.beam.width_deg = 0.1;
-  s.r_min_m = 2800;
-  s.r_max_m = 4400;
-  RenderOptions options;
-  options.labels = true;
-  const Frame frame = render(scene, snapshot(s), pose, {0, s.azimuth_bins}, options);
-  const double over_roof_m = kAntenna_m - kWall_m;
-  const double top_m = std::hypot(kNear_m, over_roof_m);
-  const double foot_m = std::hypot(kNear_m, kAntenna_m);
-  const double back_m = std::hypot(kFar_m, over_roof_m);
-  const double shadow_m = std::hypot(kFar_m * kAntenna_m / over_roof_m, kAntenna_m);
-  const auto strictly_in = [](double near, double far, double a, double b) {
-    return near > a + 0.5 && far < b - 0.5;
-  };
-  int two = 0, three = 0, dark = 0;
-  for (int a = 8; a < 40; ++a) {
-    for (int r = 0; r < s.range_bins; ++r) {
-      const double near = s.r_min_m + r * s.range_bin_m(), far = near + s.range_bin_m();
-      const int found = frame.bins.labels.returns[static_cast<std::size_t>(a * s.range_bins + r)];
-      if (far < top_m - 0.5 || near > shadow_m + 0.5) {
-        ASSERT_EQ(found, 1) << "ground at " << near;
-      } else if (strictly_in(near, far, top_m, foot_m)) {
-        ASSERT_EQ(found, 3) << "ground, wall and roof at " << near;
-        ++three;
-      } else if (near < top_m && far > top_m) {
-        ASSERT_EQ(found, 2) << "ground, and the edge of the roof at " << near;
-        ++two;
-      } else if (strictly_in(near, far, foot_m, back_m)) {
-        ASSERT_EQ(found, 1) << "roof at " << near;
-      } else if (strictly_in(near, far, back_m, shadow_m)) {
-        ASSERT_EQ(found, 0) << "shadow at " << near;
-        ++dark;
-      }
-    }
-  }
-  EXPECT_GT(two, 30);
-  EXPECT_GT(three, 30);
-  EXPECT_GT(dark, 100);
-}
-
-/// Bins whose returns differ between the sweep and exact planes, and those with layover.
-struct Compared {
-  int differ = 0, layover = 0, bins = 0;
-};
-Compared compare_returns(const std::shared_ptr<const Scene>& scene, int range_bins) {
-  RadarSettings s = Way{"sweep"}.settings();
-  s.range_bins = range_bins;
-  const Frame swept = labelled(scene, s);
-  s.sub_columns = 0;  // whose two planes a bin stand where the sweep's do
-  const Frame exact = labelled(scene, s);
-  Compared found;
-  found.bins = static_cast<int>(swept.bins.state.size());
-  for (std::size_t bin = 0; bin < swept.bins.state.size(); ++bin) {
-    found.differ += swept.bins.labels.returns[bin] != exact.bins.labels.returns[bin] ? 1 : 0;
-    found.layover += exact.bins.labels.returns[bin] > 1 ? 1 : 0;
-  }
-  std::printf("    %d of %d bins differ, %d have layover\n", found.differ, found.bins, found.layover);
-  return found;
-}
-
-TEST(Labels, ReturnsOfSweptGroundAreThoseOfExactPlanes) {
-  WorldSpec spec = synthetic_spec(SyntheticKind::hills, 7000, 30);
-  spec.terrain.shape.height_m = 600;
-  const Compared found = compare_returns(make_scene(load_world(spec)), 160);
-  EXPECT_GT(found.layover, 100);
-  EXPECT_LE(found.differ, 16)
-      << "a bin edge within the rounding of floats, millimetres, of a crest: 2 per mille";
-}
-
-TEST(Labels, ReturnsOfASweptTownAreThoseOfExactPlanes) {
-  const Compared found = compare_returns(striped_town(), 960);
-  EXPECT_GT(found.layover, 300);
-  EXPECT_LE(found.differ, found.bins / 100)
-      << "roofs under the slope of a hill, and ground that all sub-columns hide: one in a hundred";
 }
 
 }  // namespace
