@@ -12,6 +12,7 @@ WorldFrame::WorldFrame(double origin_latitude_rad, double origin_longitude_rad, 
       origin_longitude_rad_(origin_longitude_rad),
       radius_factor_(radius_factor),
       ellipsoid_(tangent_form(origin_latitude_rad)),
+      over_two_radius2_(1 / (2 * ellipsoid_.normal_radius * ellipsoid_.normal_radius)),
       tangent_(origin_latitude_rad / kDegree_rad, origin_longitude_rad / kDegree_rad, 0.0) {}
 
 WorldFrame::TangentForm WorldFrame::tangent_form(double origin_latitude_rad) {
@@ -47,7 +48,7 @@ double WorldFrame::lift_m(double x_m, double z_m) const {
 
 double WorldFrame::upright(double x_m, double z_m) const {
   // By the angle at the earth's centre.
-  return 1 - (x_m * x_m + z_m * z_m) / (2 * ellipsoid_.normal_radius * ellipsoid_.normal_radius);
+  return 1 - (x_m * x_m + z_m * z_m) * over_two_radius2_;
 }
 
 double WorldFrame::height_m(const WorldPoint& world) const {

@@ -68,6 +68,7 @@ class WorldFrame {
   double origin_longitude_rad_;
   double radius_factor_;
   TangentForm ellipsoid_;
+  double over_two_radius2_;
   GeographicLib::LocalCartesian tangent_;
 };
 
@@ -80,8 +81,9 @@ class DatumLine {
   DatumLine(const WorldFrame& frame, double x_m, double z_m, double sin_bearing, double cos_bearing,
             double reach_m);
 
-  double height_m(double distance_m, double y_m) const {
-    return (y_m - at(datum_m_, distance_m)) * at(upright_, distance_m);
+  /// Of surface of some power, given and returned times that power.
+  double height_w(double distance_m, double y_w, double power_w) const {
+    return (y_w - power_w * at(datum_m_, distance_m)) * at(upright_, distance_m);
   }
 
  private:

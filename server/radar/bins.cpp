@@ -48,11 +48,12 @@ void decide_labels(BinBlock& bins) {
   labels.building = std::move(label_share(bins, LabelShare::kBuildings));
   labels.height_m = std::move(label_share(bins, LabelShare::kHeights));
   labels.material.assign(n, 0);
-  std::vector<float> rest(n, 1);  // of material 0
-  std::vector<float> greatest(n);
+  std::vector<float> rest, greatest;  // of material 0, and of the others
   for (const auto& [kind, share] : bins.label_shares) {
     if (kind >= LabelShare::kBuildings) continue;
     ask(static_cast<std::int64_t>(n));
+    rest.resize(n, 1);
+    greatest.resize(n);
     for (std::size_t bin = 0; bin < n; ++bin) {
       rest[bin] -= share[bin];
       if (!(share[bin] > greatest[bin])) continue;
@@ -60,8 +61,9 @@ void decide_labels(BinBlock& bins) {
       labels.material[bin] = static_cast<std::uint8_t>(kind);
     }
   }
-  for (std::size_t bin = 0; bin < n; ++bin) {
+  for (std::size_t bin = 0; bin < rest.size(); ++bin)
     if (rest[bin] >= greatest[bin]) labels.material[bin] = 0;
+  for (std::size_t bin = 0; bin < n; ++bin) {
     if (bins.power_w[bin] > 0) continue;
     labels.material[bin] = Labels::kNoMaterial;
     labels.height_m[bin] = std::numeric_limits<float>::quiet_NaN();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <vector>
 
 #include "server/radar/beam/echo_rows.h"
@@ -167,6 +168,22 @@ TEST_P(LabelsOf, NoiseAndRainLeaveThemAlone) {
 }
 
 /// The most that a bin's mean height may be off, over all bins that the truth says something of.
+TEST(Labels, HeightsOfPointsAreThoseOfGeodesy) {
+  for (const double factor : {1.0, 4.0 / 3, std::numeric_limits<double>::infinity()}) {
+    const WorldFrame frame(40 * kDegree_rad, 10 * kDegree_rad, factor);
+    const SinCos along{std::sin(0.7), std::cos(0.7)};
+    const DatumLine line(frame, 30e3, -20e3, along.sin, along.cos, 60e3);
+    for (double d = 0; d <= 60e3; d += 1500) {
+      const glm::dvec3 at(30e3 + d * along.sin, 2000 - d / 40, -20e3 + d * along.cos);
+      const double expected_m = frame.geodetic_from_world({at}).height_m;
+      EXPECT_NEAR(frame.height_m({at}), expected_m, 1e-5 * std::abs(expected_m) + 1e-3)
+          << factor << " at " << d;
+      EXPECT_NEAR(line.height_w(d, 3 * at.y, 3) / 3, expected_m, 1e-5 * std::abs(expected_m) + 0.02)
+          << factor << " at " << d;
+    }
+  }
+}
+
 TEST(Labels, HeightIsThatOfTheReferenceRenderer) {
   const World world = [] {
     World made = made_world(4000, 20, [](double x, double z) {

@@ -181,7 +181,7 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   options.materials = 5;
   const auto all = static_cast<wire::PlaneSet>(wire::kAllPlanes | wire::kLabelPlanes);
   EXPECT_EQ(net::live_cost(settings, all, options).bytes, 2 * wedge_bytes(settings, 5) + 3 * 31'000'000);
-  EXPECT_GT(wedge_bytes(settings, 5), wedge_bytes(settings) + 8 * 1000 * (10 + 3 * 4 * 6));
+  EXPECT_EQ(wedge_bytes(settings, 5), wedge_bytes(settings) + 8 * 1000 * (10 + 3 * 4 * 6));
   EXPECT_GT(resident_bytes(), 1'000'000);
 }
 

@@ -90,9 +90,9 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const std::size_t bin = BinSums::index(azimuth, range_bin);
     bins_.add(bin, power, power * sine);
     if (bins_.labels().wanted())
-      bins_.labels().add(
-          bin, power, samples.material[k], samples.face[k] != kNoFace,
-          world.frame.height_m({{samples.x_m[k], at_m.y + r * samples.sin_elevation[k], samples.z_m[k]}}));
+      bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
+                         power * world.frame.height_m({{samples.x_m[k], at_m.y + r * samples.sin_elevation[k],
+                                                        samples.z_m[k]}}));
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
       plan_.seen().mark(world.buildings.building_of_face[marked = samples.face[k]]);

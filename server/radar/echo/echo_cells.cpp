@@ -91,14 +91,13 @@ void EchoCells::add(const GroundStretches& stretches) {
   const double antenna_y_m = plan_.sector().antenna_m.y;
   ask(kAnEcho * stretches.n);
   for (int k = 0; k < stretches.n; ++k) {
-    const std::size_t run = stretches.at[k] % GroundEchoes::kRuns;
-    const auto light = static_cast<double>(stretches.light[k]);
-    const double y_m = antenna_y_m + static_cast<double>(stretches.height[k]) / light;
+    const std::uint32_t run = stretches.run(k);
+    const double power_w = static_cast<double>(stretches.light[k]) * table_.factor;
+    const double y_w = static_cast<double>(stretches.height[k]) * table_.factor + power_w * antenna_y_m;
     const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
-    bins_.labels().add(BinSums::index(static_cast<int>(run % kWedgeAzimuthBins),
-                                      static_cast<int>(stretches.at[k] / GroundEchoes::kRuns)),
-                       light * table_.factor, static_cast<std::uint8_t>(stretches.material[k]), false,
-                       datum_[run].height_m(middle_m, y_m));
+    bins_.labels().add(
+        BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
+        power_w, stretches.material(k), false, datum_[run].height_w(middle_m, y_w, power_w));
   }
 }
 
@@ -191,7 +190,7 @@ void EchoCells::take_faces() {
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
     if (wants_labels())
       bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
-                         face_height_m_[k]);
+                         faces_.power_w[k] * face_height_m_[k]);
   }
   faces_.n = 0;
 }

@@ -18,9 +18,9 @@ class LabelSums {
   /// Empties the sums, of `bins` bins.
   void restart(std::size_t bins);
 
-  /// An echo in bin `at`, at a height above the datum.
-  void add(std::size_t at, double power_w, std::uint8_t material, bool of_building, double height_m) {
-    row(LabelShare::kHeights)[at] += power_w * height_m;
+  /// An echo in bin `at`; height_w: its power times its height above the datum.
+  void add(std::size_t at, double power_w, std::uint8_t material, bool of_building, double height_w) {
+    row(LabelShare::kHeights)[at] += height_w;
     if (material != 0) row(material)[at] += power_w;
     if (of_building) row(LabelShare::kBuildings)[at] += power_w;
   }

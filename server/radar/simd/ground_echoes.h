@@ -50,6 +50,8 @@ struct GroundStretches {
   /// A row of segments adds as many as it adds echoes, and two a run. It begins where those fit: a list that
   /// is full never divides a segment, so that echoes keep their bits.
   static constexpr int kMost = 2 * GroundEchoes::kMost + 3 * GroundEchoes::kRuns + GroundEchoes::kSpare;
+  static constexpr int kMaterialBit = 24;
+  static constexpr std::uint32_t kPlaces = (std::uint32_t{1} << kMaterialBit) - 1;
   static constexpr float kGap_m = 1.0F / 16;  ///< ends of segments are floats: a shorter gap is none
   float bin_now[GroundEchoes::kRuns];
   float material_now[GroundEchoes::kRuns];
@@ -59,13 +61,17 @@ struct GroundStretches {
   float end_now_h_m[GroundEchoes::kRuns];
   float light_now[GroundEchoes::kRuns];
   float height_now[GroundEchoes::kRuns];
+  bool wants_ends;  ///< from_h_m and end_h_m are filled in
   int n;
-  std::uint32_t at[kMost];
-  std::uint32_t material[kMost];
+  std::uint32_t at[kMost];  ///< as in GroundEchoes, and the material from bit kMaterialBit on
   float from_m[kMost], end_m[kMost];
   float from_h_m[kMost], end_h_m[kMost];
   float light[kMost];
   float height[kMost];  ///< above the antenna, times light
+
+  std::uint32_t run(int k) const { return at[k] % GroundEchoes::kRuns; }
+  std::uint32_t bin(int k) const { return (at[k] & kPlaces) / GroundEchoes::kRuns; }
+  std::uint8_t material(int k) const { return static_cast<std::uint8_t>(at[k] >> kMaterialBit); }
 };
 
 /// Rows [first, end) of segments.

@@ -139,12 +139,14 @@ struct Stretch {
     const Words<n> same = seen & (in_bin == bin) & (of == material) & (d0 - end < GroundStretches::kGap_m);
     const Words<n> fresh = seen & ~same;
     if (const unsigned ended = movemask(fresh & (bin >= 0.0F)); ended != 0) {
-      put_front(out.at + out.n, ended, places<n>(bin));
-      put_front(out.material + out.n, ended, words<n>(truncated(material)));
+      put_front(out.at + out.n, ended,
+                places<n>(bin) | words<n>(truncated(material) << GroundStretches::kMaterialBit));
       put_front(out.from_m + out.n, ended, from);
       put_front(out.end_m + out.n, ended, end);
-      put_front(out.from_h_m + out.n, ended, from_h);
-      put_front(out.end_h_m + out.n, ended, end_h);
+      if (out.wants_ends) {
+        put_front(out.from_h_m + out.n, ended, from_h);
+        put_front(out.end_h_m + out.n, ended, end_h);
+      }
       put_front(out.light + out.n, ended, light);
       put_front(out.height + out.n, ended, height);
       out.n += __builtin_popcount(ended);

@@ -100,6 +100,7 @@ void SweepEchoes::start_planes() {
     if (stretches_) stretches_->bin_now[k] = -1;
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
+  if (stretches_) stretches_->wants_ends = returns_->any_roofs();
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
   cut_.kept[1] = kept_.empty() || together_ == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
   plane_ += together_;
@@ -166,9 +167,9 @@ void SweepEchoes::end_stretch(std::size_t run) {
   if (s.bin_now[run] < 0) return;
   if (s.n >= GroundStretches::kMost) take_stretches();
   const auto n = static_cast<std::size_t>(s.n++);
-  s.at[n] =
-      static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns + static_cast<std::uint32_t>(run);
-  s.material[n] = static_cast<std::uint32_t>(s.material_now[run]);
+  s.at[n] = static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns +
+            static_cast<std::uint32_t>(run) +
+            (static_cast<std::uint32_t>(s.material_now[run]) << GroundStretches::kMaterialBit);
   s.from_m[n] = s.from_now_m[run];
   s.end_m[n] = s.end_now_m[run];
   s.from_h_m[n] = s.from_now_h_m[run];

@@ -46,11 +46,15 @@ void SweptReturns::start(std::size_t run, int azimuth_bin, SinCos bearing) {
   if (!roofs.empty()) roofs = disjoint_roofs(roofs);
 }
 
+bool SweptReturns::any_roofs() const {
+  return std::ranges::any_of(runs_, [](const Run& run) { return run.begun && !run.roofs.empty(); });
+}
+
 void SweptReturns::add(const GroundStretches& stretches) {
   ask(kAStretch * stretches.n);
   for (int k = 0; k < stretches.n; ++k) {
-    Run& run = runs_[stretches.at[k] % GroundEchoes::kRuns];
-    const auto bin = static_cast<int>(stretches.at[k] / GroundEchoes::kRuns);
+    Run& run = runs_[stretches.run(k)];
+    const auto bin = static_cast<int>(stretches.bin(k));
     double from_m = static_cast<double>(stretches.from_m[k]);
     const double end_m = static_cast<double>(stretches.end_m[k]);
     if (from_m - run.ground_end_m > static_cast<double>(GroundStretches::kGap_m)) run.count.leave();

@@ -18,6 +18,8 @@ class SweptReturns {
 
   /// A run of stretches begins: a plane of an azimuth bin.
   void start(std::size_t run, int azimuth_bin, SinCos bearing);
+  /// Some of the runs cross roofs: they need the stretches' heights.
+  bool any_roofs() const;
   void add(const GroundStretches& stretches);
   /// The runs end. profiles: azimuth bins of the wedge.
   void end_planes();
